@@ -1,0 +1,16 @@
+from collections.abc import Callable, Collection, Iterable, Mapping
+
+from rollslip_kernels.slices import Slices
+
+class Chain:
+    block: int
+    def __init__(
+        self,
+        stages: Iterable[tuple[object, Mapping[str, tuple[float, float]], Collection[str]]],
+        block: int = ...,
+    ) -> None: ...
+    def run(self, slices: Slices) -> tuple[str, int, str, int] | None: ...
+
+def problem(capsule: object) -> str: ...
+def python_stage(evaluate: Callable[[Slices], None], writes: Collection[str]) -> object: ...
+def layout() -> tuple[int, dict[str, int]]: ...

@@ -1,0 +1,41 @@
+# rollslip.h for Cython.  Declarations only, so a cimport leaves no run-time import.
+from libc.stdint cimport uint32_t
+
+cdef extern from "rollslip.h" nogil:
+    enum:
+        ROLLSLIP_ABI
+    const char *ROLLSLIP_MODEL
+
+    ctypedef struct rs_slices:
+        size_t n
+        double length
+        double radius
+        double modulus
+        double roughness
+        double effusivity
+        double temperature
+        double viscosity
+        double pressure_viscosity
+        double thermoviscosity
+        double pressure_thermoviscosity
+        double conductivity
+        double eyring_stress
+        double shear_modulus
+        double *approach
+        double *rolling_speed
+        double *sliding_speed
+        double *load
+        double *stiffness
+        double *half_width
+        double *pressure
+        double *film_thickness
+        double *regime
+        double *friction
+
+    ctypedef int (*rs_evaluate)(const rs_slices *, const void *) noexcept nogil
+
+    ctypedef struct rs_model:
+        uint32_t abi
+        uint32_t size
+        rs_evaluate evaluate
+        const void *params

@@ -1,0 +1,45 @@
+# What a stage written in Cython needs: make its capsule, cut a block out of its slices.
+from cpython.pycapsule cimport PyCapsule_GetContext, PyCapsule_GetPointer, PyCapsule_New, PyCapsule_SetContext
+from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
+from libc.stdlib cimport free, malloc
+from libc.string cimport memcpy
+
+from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, rs_evaluate, rs_model, rs_slices
+
+
+cdef inline object rs_new_model(rs_evaluate evaluate, const void *params, size_t size, object keep):
+    """Capsule, in one allocation, of ``evaluate`` with its own copy of ``params``; ``keep`` (or None) lives as long as it does."""
+    cdef rs_model *made = <rs_model *>malloc(sizeof(rs_model) + size)
+    if made == NULL:
+        raise MemoryError
+    if size:
+        memcpy(made + 1, params, size)
+    made[0] = rs_model(ROLLSLIP_ABI, sizeof(rs_slices), evaluate, <const void *>(made + 1))
+    capsule = PyCapsule_New(made, ROLLSLIP_MODEL, rs_free_model)
+    if keep is not None:
+        Py_INCREF(keep)
+        PyCapsule_SetContext(capsule, <void *>keep)
+    return capsule
+
+
+cdef inline void rs_free_model(object capsule) noexcept:
+    cdef PyObject *keep = <PyObject *>PyCapsule_GetContext(capsule)
+    free(PyCapsule_GetPointer(capsule, ROLLSLIP_MODEL))
+    Py_XDECREF(keep)
+
+
+cdef inline rs_slices rs_cut(const rs_slices *whole, size_t start, size_t n) noexcept nogil:
+    """Slices start .. start + n."""
+    cdef rs_slices s = whole[0]
+    s.n = n
+    s.approach += start
+    s.rolling_speed += start
+    s.sliding_speed += start
+    s.load += start
+    s.stiffness += start
+    s.half_width += start
+    s.pressure += start
+    s.film_thickness += start
+    s.regime += start
+    s.friction += start
+    return s

@@ -1,0 +1,32 @@
+"""Build the compiled kernels; everything else is in pyproject.toml."""
+
+import sys
+
+from Cython.Distutils import Extension
+from setuptools import setup
+
+HERE = "kernels/rollslip_kernels"
+# Without the two -fno- flags the block loops do not vectorise; -ffast-math would break exp's rounding.
+FLAGS = [] if sys.platform == "win32" else ["-O3", "-fno-math-errno", "-fno-trapping-math"]
+
+
+def kernel(name: str) -> Extension:
+    # Not cythonize(): with it the sdist loses the .pyx files.
+    return Extension(
+        f"rollslip_kernels.{name}",
+        [f"{HERE}/{name}.pyx"],
+        depends=[f"{HERE}/include/{f}" for f in ("rollslip.h", "rollslip_abi.pxd", "rollslip_stage.pxd", "rollslip_stress.pxd")],
+        include_dirs=[f"{HERE}/include"],
+        cython_include_dirs=[f"{HERE}/include"],
+        extra_compile_args=FLAGS,
+        cython_directives={
+            "language_level": 3,
+            "boundscheck": False,
+            "wraparound": False,
+            "cdivision": True,
+            "initializedcheck": False,
+        },
+    )
+
+
+setup(ext_modules=[kernel(name) for name in ("chain", "contact", "film", "stress", "traction")])
