@@ -1,0 +1,32 @@
+"""Everything rollslip raises on purpose."""
+
+
+class RollslipError(Exception):
+    """Base of all errors of this package."""
+
+
+class SceneError(RollslipError):
+    """A scene cannot be used as it is written; ``problems`` lists every fault, one sentence each."""
+
+    def __init__(self, problems: list[str]) -> None:
+        super().__init__("\n".join(problems))
+        self.problems = problems
+
+    def __reduce__(self) -> tuple[type["SceneError"], tuple[list[str]]]:
+        return type(self), (self.problems,)
+
+
+class DomainError(RollslipError, ArithmeticError):
+    """A law was asked outside the range in which it is defined."""
+
+
+class PluginError(RollslipError):
+    """A plugin is missing, broken or does not keep the contract; the message names it and the remedy."""
+
+
+class ConvergenceError(RollslipError):
+    """An iteration did not reach its tolerance; the message says how far it came."""
+
+
+class OutputError(RollslipError):
+    """A result cannot be written or read where it was asked."""

@@ -1,0 +1,287 @@
+"""Reads and writes quantities with a unit: "15 mm" for a length gives 0.015, and 0.015 m is shown as "15 mm".
+
+Decisions:
+
+- The table is closed: a short list of symbols, each with the few prefixes in use, combined as "W/(m K)" or "mm2/s".
+  "J/kg K" is not read because it is ambiguous.
+- A field declares its SI unit, and the dimension of what was written has to agree. The angle counts as a dimension of
+  its own, so that 1/s never passes for rad/s.
+- Conversion is done with fractions and rounded once: "15 mm" is the same float as 0.015.
+- A field in K is an absolute temperature. Only there is degC read, because an offset means nothing in a product.
+- Nothing is guessed: a decimal comma, a missing unit or an unknown one is an error that shows what to write.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import lru_cache
+from numbers import Real
+from typing import TypeAlias
+
+from rollslip.errors import RollslipError
+
+__all__ = ["UnitError", "as_written", "check_unit", "expectation", "format_quantity", "quantity"]
+
+
+class UnitError(RollslipError, ValueError):
+    """A value is not a quantity of the dimension that is expected."""
+
+
+Dimension: TypeAlias = tuple[int, ...]
+"""Exponents of metre, kilogram, second, kelvin and radian."""
+
+_PREFIXES = {
+    "": Fraction(1),
+    "n": Fraction(1, 10**9),
+    "u": Fraction(1, 10**6),
+    "m": Fraction(1, 10**3),
+    "c": Fraction(1, 10**2),
+    "k": Fraction(10**3),
+    "M": Fraction(10**6),
+    "G": Fraction(10**9),
+}
+
+# symbol: size in SI units, dimension, prefixes in use
+_SYMBOLS: dict[str, tuple[Fraction, Dimension, str]] = {
+    "1": (Fraction(1), (0, 0, 0, 0, 0), ""),
+    "%": (Fraction(1, 100), (0, 0, 0, 0, 0), ""),
+    "m": (Fraction(1), (1, 0, 0, 0, 0), "numck"),
+    "g": (Fraction(1, 1000), (0, 1, 0, 0, 0), "mk"),
+    "s": (Fraction(1), (0, 0, 1, 0, 0), "num"),
+    "min": (Fraction(60), (0, 0, 1, 0, 0), ""),
+    "h": (Fraction(3600), (0, 0, 1, 0, 0), ""),
+    "K": (Fraction(1), (0, 0, 0, 1, 0), "m"),
+    "rad": (Fraction(1), (0, 0, 0, 0, 1), "um"),
+    "deg": (Fraction(math.pi) / 180, (0, 0, 0, 0, 1), ""),
+    "rpm": (Fraction(math.pi) / 30, (0, 0, -1, 0, 1), ""),
+    "N": (Fraction(1), (1, 1, -2, 0, 0), "mkM"),
+    "Pa": (Fraction(1), (-1, 1, -2, 0, 0), "mkMG"),
+    "bar": (Fraction(10**5), (-1, 1, -2, 0, 0), ""),
+    "J": (Fraction(1), (2, 1, -2, 0, 0), "mk"),
+    "W": (Fraction(1), (2, 1, -3, 0, 0), "mk"),
+    "P": (Fraction(1, 10), (-1, 1, -1, 0, 0), "c"),
+    "St": (Fraction(1, 10**4), (2, 0, -1, 0, 0), "c"),
+}
+
+_ATOMS: dict[str, tuple[Fraction, Dimension]] = {
+    prefix + symbol: (_PREFIXES[prefix] * size, dimension)
+    for symbol, (size, dimension, prefixes) in _SYMBOLS.items()
+    for prefix in ("", *prefixes)
+}
+
+# SI unit: what it measures, an example, the units in which people read it (small to large)
+_QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "1": ("a plain number", "0.1", ()),
+    "m": ("a length", "15 mm", ("um", "mm", "m")),
+    "m2": ("an area", "2 mm2", ("mm2", "m2")),
+    "m3": ("a volume", "2 cm3", ("cm3", "m3")),
+    "m/s": ("a speed", "30 m/s", ("mm/s", "m/s")),
+    "m/s2": ("an acceleration", "9.81 m/s2", ("m/s2",)),
+    "m2/s": ("a kinematic viscosity", "3.2 mm2/s", ("mm2/s",)),
+    "rad": ("an angle", "0.5 mrad", ("urad", "mrad", "rad")),
+    "rad/s": ("a rotational speed", "6371 rpm", ("rpm",)),
+    "s": ("a time", "0.2 s", ("us", "ms", "s")),
+    "1/s": ("a rate", "1000 1/s", ("1/s",)),
+    "kg": ("a mass", "20 g", ("g", "kg")),
+    "kg m2": ("a moment of inertia", "0.003 kg m2", ("kg m2",)),
+    "kg/m3": ("a density", "7800 kg/m3", ("kg/m3",)),
+    "N": ("a force", "3415 N", ("mN", "N", "kN")),
+    "N m": ("a torque", "0.2 N m", ("mN m", "N m")),
+    "N/m": ("a force per length", "20 N/mm", ("N/m", "N/mm")),
+    "N s/m": ("a damping", "50 N s/m", ("N s/m",)),
+    "Pa": ("a pressure", "4 MPa", ("Pa", "kPa", "MPa", "GPa")),
+    "Pa s": ("a dynamic viscosity", "5.2 mPa s", ("mPa s", "Pa s")),
+    "1/Pa": ("a pressure coefficient", "12 1/GPa", ("1/GPa",)),
+    "1/K": ("a temperature coefficient", "0.02 1/K", ("1/K",)),
+    "1/(Pa K)": ("a pressure-temperature coefficient", "0.07 1/(GPa K)", ("1/(GPa K)",)),
+    "K": ("a temperature", "70 degC", ("degC",)),
+    "W": ("a power", "50 W", ("mW", "W", "kW")),
+    "J/(kg K)": ("a specific heat", "470 J/(kg K)", ("J/(kg K)",)),
+    "W/(m K)": ("a thermal conductivity", "46 W/(m K)", ("W/(m K)",)),
+}
+
+_CELSIUS_ZERO = Fraction("273.15")
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
+_DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+)([^\d,][^,]*)?", re.ASCII)
+_FACTOR = re.compile(r"([A-Za-z%]+|1)([2-4])?")
+_SPELLINGS = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "²": "2", "³": "3", "^": "", "·": " ", "*": " "})
+
+
+@lru_cache
+def _unit(text: str) -> tuple[Fraction, Dimension]:
+    """Size in SI units and dimension of a unit."""
+    above, slash, below = text.translate(_SPELLINGS).partition("/")
+    below = below.strip()
+    if below.startswith("(") and below.endswith(")"):
+        below = below[1:-1]
+    elif " " in below:
+        raise UnitError(f"{as_written(text)} is ambiguous without parentheses")
+    (top, dimension), (bottom, divisor) = _product(above, text), _product(below if slash else "1", text)
+    return top / bottom, tuple(a - b for a, b in zip(dimension, divisor, strict=True))
+
+
+def _product(factors: str, unit: str) -> tuple[Fraction, Dimension]:
+    size, dimension = _ATOMS["1"]
+    for word in factors.split() or [""]:
+        factor = _FACTOR.fullmatch(word)
+        if factor is None or factor[1] not in _ATOMS:
+            raise UnitError(f"{as_written(unit)} is not a unit that is known here")
+        one, exponents = _ATOMS[factor[1]]
+        power = int(factor[2] or 1)
+        size *= one**power
+        dimension = tuple(a + power * b for a, b in zip(dimension, exponents, strict=True))
+    return size, dimension
+
+
+def _known_as(dimension: Dimension) -> str | None:
+    """SI unit under which a dimension is listed."""
+    return next((unit for unit in _QUANTITIES if _unit(unit)[1] == dimension), None)
+
+
+def as_written(value: object) -> str:
+    """Show a value the way a scene writes it, short enough for one line of a message.
+
+    Examples
+    --------
+    >>> as_written(True), as_written("15 mm"), as_written([1, 2])
+    ('true', "'15 mm'", 'a list')
+    """
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, Mapping):
+        return "a table"
+    if isinstance(value, list | tuple):
+        return "a list"
+    text = repr(value) if isinstance(value, str) else str(value)
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def check_unit(unit: str) -> str:
+    """Return the unit of a field, if it is one of the table and without a factor.
+
+    Raises
+    ------
+    UnitError
+        The unit is unknown, or is not the SI unit of its dimension.
+    """
+    if _unit(unit)[0] != 1:
+        raise UnitError(f"{unit!r} is not an SI unit: a field declares the unit in which its value is kept")
+    return unit
+
+
+def expectation(unit: str) -> str:
+    """Say what a field with this SI unit expects: "a length is expected, such as '15 mm'"."""
+    known = _known_as(_unit(check_unit(unit))[1])
+    if known is None:
+        return f"a quantity in {unit} is expected, such as '1 {unit}'"
+    name, example, _ = _QUANTITIES[known]
+    return f"{name} is expected, such as {example if known == '1' else repr(example)}"
+
+
+def quantity(value: object, unit: str) -> float:
+    """Return the SI value of a number or of a string with a unit.
+
+    Parameters
+    ----------
+    value
+        A number, which is taken to be in SI units already, or a string "NUMBER UNIT".
+    unit
+        The SI unit of the field: "m", "Pa s", "W/(m K)"; "1" for a plain number; "K" for an absolute temperature.
+
+    Returns
+    -------
+    float
+        The value in `unit`, correctly rounded.
+
+    Raises
+    ------
+    UnitError
+        In one sentence: what came, what is expected and an example.
+
+    Examples
+    --------
+    >>> quantity("15 mm", "m"), quantity("5.2 mPa s", "Pa s"), quantity("70 degC", "K"), quantity(3415, "N")
+    (0.015, 0.0052, 343.15, 3415.0)
+    """
+    check_unit(unit)
+    if isinstance(value, bool) or not isinstance(value, Real | str):
+        raise UnitError(f"{as_written(value)} is not a quantity, here {expectation(unit)}")
+    try:
+        result = float(_from_text(value, unit)) if isinstance(value, str) else float(value)
+    except OverflowError:
+        result = math.inf
+    if not math.isfinite(result):
+        raise UnitError(f"{as_written(value)} is not a finite number, here {expectation(unit)}")
+    if unit == "K" and result < 0:
+        raise UnitError(f"{as_written(value)} is below absolute zero, here {expectation(unit)}")
+    return result
+
+
+def _from_text(text: str, unit: str) -> Fraction:
+    stripped = text.strip()
+    if "," in stripped:
+        raise UnitError(f"{as_written(text)}: a decimal comma is not read; {_without_comma(stripped, unit)}")
+    number = _NUMBER.match(stripped)
+    try:
+        value = Fraction(number[0]) if number else None
+    except ValueError:  # more digits than Python reads
+        value = None
+    if number is None or value is None:
+        raise UnitError(f"{as_written(text)} is not a number with a unit, here {expectation(unit)}")
+    symbol = stripped[number.end() :].strip()
+    if not symbol:
+        if unit == "1":
+            return value
+        raise UnitError(f"{as_written(text)} has no unit, here {expectation(unit)}")
+    celsius = symbol.translate(_SPELLINGS) == "degC"
+    if celsius and unit == "K":
+        return value + _CELSIUS_ZERO
+    try:
+        size, dimension = _unit("K" if celsius else symbol)
+    except UnitError as error:
+        raise UnitError(f"{as_written(text)}: {error}; here {expectation(unit)}") from None
+    if dimension != _unit(unit)[1]:
+        known = _known_as(dimension)
+        name = f"a quantity in {symbol}" if known is None else _QUANTITIES[known][0]
+        raise UnitError(f"{as_written(text)} is {name}, here {expectation(unit)}")
+    return value * size
+
+
+def _without_comma(text: str, unit: str) -> str:
+    number = _DECIMAL_COMMA.fullmatch(text)
+    if number is None:
+        return f"here {expectation(unit)}"
+    whole, digits, rest = number[1], number[2], number[3] or ""
+    # Three digits may as well be thousands: show both.
+    thousands = f" or '{whole}{digits}{rest}'" if len(digits) == 3 else ""
+    return f"write '{whole}.{digits}{rest}'{thousands}"
+
+
+def format_quantity(value: float, unit: str, digits: int = 6) -> str:
+    """Show an SI value to people: with the prefix that suits its size, temperatures in degC, speeds in rpm.
+
+    Parameters
+    ----------
+    value
+        The value in `unit`.
+    unit
+        Its SI unit, as in `quantity`.
+    digits
+        Significant digits.
+
+    Examples
+    --------
+    >>> format_quantity(0.015, "m"), format_quantity(343.15, "K"), format_quantity(667.17, "rad/s")
+    ('15 mm', '70 degC', '6371 rpm')
+    """
+    if unit == "1":
+        return f"{value:.{digits}g}"
+    if unit == "K":
+        return f"{value - float(_CELSIUS_ZERO):.{digits}g} degC"
+    shown, size, magnitude = unit, 1.0, abs(value) or 1.0
+    for position, candidate in enumerate(_QUANTITIES.get(unit, ("", "", (unit,)))[2]):
+        scale = float(_unit(candidate)[0])
+        if position == 0 or magnitude >= scale:
+            shown, size = candidate, scale
+    return f"{value / size:.{digits}g} {shown}"

@@ -1,0 +1,208 @@
+"""Units: exact conversion, errors that say what to write, and what people are shown."""
+
+import contextlib
+import math
+import pickle
+import subprocess
+import sys
+from decimal import Decimal
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from rollslip.errors import RollslipError
+from rollslip.units import UnitError, as_written, check_unit, expectation, format_quantity, quantity
+
+SI_UNITS = (
+    *("1", "m", "m2", "m3", "m/s", "m/s2", "m2/s", "rad", "rad/s", "s", "1/s", "kg", "kg m2", "kg/m3", "N", "N m"),
+    *("N/m", "N s/m", "Pa", "N/m2", "Pa s", "1/Pa", "1/K", "1/(Pa K)", "K", "W", "J/(kg K)", "W/(m K)"),
+)
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+decimals = st.decimals(allow_nan=False, allow_infinity=False, min_value=-(10**9), max_value=10**9, places=6)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("15 mm", "m", 0.015),
+        ("15mm", "m", 0.015),
+        ("  15   mm ", "m", 0.015),
+        ("+1.5e1 mm", "m", 0.015),
+        (".5 m", "m", 0.5),
+        ("5. m", "m", 5.0),
+        ("0.16 um", "m", 0.16e-6),
+        ("0.16 µm", "m", 0.16e-6),
+        ("3 cm", "m", 0.03),
+        ("70 degC", "K", 343.15),
+        ("70 °C", "K", 343.15),
+        ("-273.15 degC", "K", 0.0),
+        ("343.15 K", "K", 343.15),
+        ("5.2 mPa s", "Pa s", 0.0052),
+        ("5.2 cP", "Pa s", 0.0052),
+        ("4 MPa", "Pa", 4e6),
+        ("4 N/mm2", "Pa", 4e6),
+        ("4 N/mm²", "Pa", 4e6),
+        ("4 N/mm^2", "N/m2", 4e6),
+        ("208 GPa", "Pa", 208e9),
+        ("1 bar", "Pa", 1e5),
+        ("12 1/GPa", "1/Pa", 12e-9),
+        ("0.5 mrad", "rad", 0.5e-3),
+        ("180 deg", "rad", math.pi),
+        ("3.2 mm2/s", "m2/s", 3.2e-6),
+        ("3.2 cSt", "m2/s", 3.2e-6),
+        ("0.1386 W/(m K)", "W/(m K)", 0.1386),
+        ("0.47 kJ/(kg K)", "J/(kg K)", 470.0),
+        ("0.07 1/(GPa K)", "1/(Pa K)", 0.07e-9),
+        ("20.7 g", "kg", 0.0207),
+        ("3415 N", "N", 3415.0),
+        ("20 N/mm", "N/m", 20e3),
+        ("50 N s/m", "N s/m", 50.0),
+        ("0.2 N m", "N m", 0.2),
+        ("0.2 N·m", "N m", 0.2),
+        ("2 min", "s", 120.0),
+        ("60 rpm", "rad/s", 2 * math.pi),
+        ("10 %", "1", 0.1),
+        ("0.1", "1", 0.1),
+        (15, "m", 15.0),
+        (0.015, "m", 0.015),
+    ],
+)
+def test_quantity_is_read_in_si(text: object, unit: str, value: float) -> None:
+    read = quantity(text, unit)
+    assert type(read) is float
+    assert read == value
+
+
+def test_rpm_is_two_pi_per_minute() -> None:
+    assert quantity("6371 rpm", "rad/s") == pytest.approx(6371 * 2 * math.pi / 60, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "message"),
+    [
+        ("1,5 mm", "m", "'1,5 mm': a decimal comma is not read; write '1.5 mm'"),
+        ("1,500 mm", "m", "'1,500 mm': a decimal comma is not read; write '1.500 mm' or '1500 mm'"),
+        ("1,000,5 mm", "m", "'1,000,5 mm': a decimal comma is not read; here a length is expected, such as '15 mm'"),
+        ("1.000,5 mm", "m", "'1.000,5 mm': a decimal comma is not read; here a length is expected, such as '15 mm'"),
+        ("15 kg", "m", "'15 kg' is a mass, here a length is expected, such as '15 mm'"),
+        ("70 degC", "m", "'70 degC' is a temperature, here a length is expected, such as '15 mm'"),
+        ("100 1/s", "rad/s", "'100 1/s' is a rate, here a rotational speed is expected, such as '6371 rpm'"),
+        ("15 m K", "m", "'15 m K' is a quantity in m K, here a length is expected, such as '15 mm'"),
+        ("15", "m", "'15' has no unit, here a length is expected, such as '15 mm'"),
+        ("15 inch", "m", "'15 inch': 'inch' is not a unit that is known here; here a length is expected"),
+        ("15 MM", "m", "'15 MM': 'MM' is not a unit that is known here"),
+        ("15 mm/", "m", "'mm/' is not a unit that is known here"),
+        ("70 degF", "K", "'degF' is not a unit that is known here; here a temperature is expected, such as '70 degC'"),
+        ("1 1/degC", "1/K", "'1/degC' is not a unit that is known here"),
+        ("46 W/m K", "W/(m K)", "'W/m K' is ambiguous without parentheses; here a thermal conductivity is expected"),
+        ("mm", "m", "'mm' is not a number with a unit, here a length is expected, such as '15 mm'"),
+        ("", "m", "'' is not a number with a unit"),
+        ("nan mm", "m", "'nan mm' is not a number with a unit"),
+        ("abc", "1", "'abc' is not a number with a unit, here a plain number is expected, such as 0.1"),
+        ("1" * 5000 + " m", "m", "is not a number with a unit"),
+        ("1e999 m", "m", "'1e999 m' is not a finite number"),
+        ("1e1000000000 m", "m", "is not a unit that is known here"),
+        (math.nan, "m", "nan is not a finite number, here a length is expected, such as '15 mm'"),
+        (-math.inf, "m", "-inf is not a finite number"),
+        (10**400, "m", "is not a finite number"),
+        (True, "m", "true is not a quantity, here a length is expected, such as '15 mm'"),
+        (False, "1", "false is not a quantity, here a plain number is expected, such as 0.1"),
+        (None, "m", "None is not a quantity"),
+        ([15], "m", "a list is not a quantity"),
+        ({"value": 15}, "m", "a table is not a quantity"),
+        ("-274 degC", "K", "'-274 degC' is below absolute zero, here a temperature is expected"),
+        (-1, "K", "-1 is below absolute zero"),
+    ],
+)
+def test_what_is_no_quantity_is_an_error_that_says_what_to_write(value: object, unit: str, message: str) -> None:
+    with pytest.raises(UnitError) as caught:
+        quantity(value, unit)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 250
+    assert isinstance(caught.value, ValueError)
+    assert isinstance(caught.value, RollslipError)
+
+
+@given(decimals)
+def test_conversion_rounds_once(x: Decimal) -> None:
+    text = f"{x:f}"
+    assert quantity(f"{text} mm", "m") == float(f"{text}e-3")
+    assert quantity(f"{text} um", "m") == float(f"{text}e-6")
+    assert quantity(f"{text} GPa", "Pa") == float(f"{text}e9")
+    assert quantity(f"{text} 1/GPa", "1/Pa") == float(f"{text}e-9")
+    assert quantity(f"{text} %", "1") == float(f"{text}e-2")
+
+
+@given(finite)
+def test_a_written_float_is_read_as_the_same_float(x: float) -> None:
+    assert quantity(f"{x!r} m", "m") == x
+    assert quantity(x, "m") == x
+
+
+@given(st.sampled_from(SI_UNITS), st.floats(1e-12, 1e12), st.sampled_from([-1, 1]), st.integers(6, 17))
+def test_what_is_shown_can_be_read_again(unit: str, size: float, sign: int, digits: int) -> None:
+    if unit == "K":
+        assume(size > 1e-3)  # less may be rounded to below absolute zero
+        shown = format_quantity(size, unit, 17)
+        assert quantity(shown, unit) == pytest.approx(size, rel=1e-12, abs=1e-12)
+        return
+    value = sign * size
+    shown = format_quantity(value, unit, digits)
+    assert quantity(shown, unit) == pytest.approx(value, rel=max(10.0 ** (1 - digits), 1e-12))
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "shown"),
+    [
+        (0.015, "m", "15 mm"),
+        (0.16e-6, "m", "0.16 um"),
+        (0.0, "m", "0 m"),
+        (-0.015, "m", "-15 mm"),
+        (4e6, "Pa", "4 MPa"),
+        (343.15, "K", "70 degC"),
+        (667.17, "rad/s", "6371 rpm"),
+        (0.0052, "Pa s", "5.2 mPa s"),
+        (12e-9, "1/Pa", "12 1/GPa"),
+        (0.1, "1", "0.1"),
+        (3.0, "kg/s", "3 kg/s"),
+        (math.inf, "m", "inf m"),
+    ],
+)
+def test_people_are_shown_the_unit_in_use(value: float, unit: str, shown: str) -> None:
+    assert format_quantity(value, unit) == shown
+
+
+@pytest.mark.parametrize("unit", SI_UNITS)
+def test_every_example_is_what_it_is_an_example_of(unit: str) -> None:
+    sentence = expectation(unit)
+    example = sentence.rpartition("such as ")[2].strip("'")
+    assert quantity(example, unit) >= 0
+
+
+@pytest.mark.parametrize("unit", ["mm", "furlong", "%", "W/m K", ""])
+def test_a_field_declares_an_si_unit(unit: str) -> None:
+    with pytest.raises(UnitError):
+        check_unit(unit)
+
+
+@given(st.text(max_size=30), st.sampled_from(SI_UNITS))
+def test_any_text_is_a_quantity_or_a_unit_error(text: str, unit: str) -> None:
+    with contextlib.suppress(UnitError):
+        assert math.isfinite(quantity(text, unit))
+
+
+def test_long_values_are_cut_in_messages() -> None:
+    assert len(as_written("x" * 10_000)) == 80
+
+
+def test_errors_survive_a_process_boundary() -> None:
+    error = pickle.loads(pickle.dumps(UnitError("a")))
+    assert str(error) == "a"
+
+
+def test_importing_units_is_cheap() -> None:
+    heavy = "numpy", "scipy", "attrs", "json", "pint"
+    code = f"import sys, rollslip.units; sys.exit(any(name in sys.modules for name in {heavy}))"
+    subprocess.run([sys.executable, "-c", code], check=True)
