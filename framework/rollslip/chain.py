@@ -1,0 +1,127 @@
+"""Bind models into one compiled pass over slices: contact -> film -> traction, compiled and NumPy stages mixed."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rollslip.errors import DomainError, PluginError
+from rollslip.models import SliceModel
+from rollslip_kernels import chain as compiled
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
+
+
+def stage(model: SliceModel) -> object:
+    """Return the capsule of a model: its kernel, or a call of its ``evaluate``.
+
+    Raises
+    ------
+    PluginError
+        If the model's kernel does not keep the contract of ``rollslip.h``.
+    """
+    capsule = model.kernel()
+    if capsule is None:
+        return compiled.python_stage(model.evaluate, model.writes)
+    if problem := compiled.problem(capsule):
+        who = f"{type(model).__module__}.{type(model).__qualname__}.kernel()"
+        raise PluginError(f"model {model.name!r}: {who} {problem}")
+    return capsule
+
+
+class Chain:
+    """Models bound in order; calling it evaluates all of them on a table of slices, in place, without the GIL.
+
+    Parameters
+    ----------
+    *models : SliceModel
+        At most eight stages.
+    block : int, optional
+        Slices taken at a time; by default 256, or all at once if a stage runs in Python and pays per call.
+
+    Raises
+    ------
+    PluginError
+        If a kernel does not keep the contract, or returns a status that does not exist.
+    DomainError
+        When called: if a value is outside a model's domain or a result is not finite.
+
+    Examples
+    --------
+    >>> from rollslip import Chain, Conditions, Slices, get_model
+    >>> slices = Slices(3, Conditions(radius=0.006875, modulus=2.2857e11), load=[1e4, 2e4, 4e4])
+    >>> Chain(get_model("contact", "palmgren"))(slices)
+    >>> (slices.half_width * 1e6).round(2)
+    array([27.68, 39.14, 55.35])
+    """
+
+    def __init__(self, *models: SliceModel, block: int | None = None) -> None:
+        self.models = models
+        if block is None and any(model.kernel() is None for model in models):
+            block = 0
+        stages = [(stage(model), model.domain, model.writes) for model in models]
+        self._chain = compiled.Chain(stages) if block is None else compiled.Chain(stages, block)
+        #: slices evaluated so far
+        self.evaluated = 0
+
+    @property
+    def block(self) -> int:
+        """Slices taken at a time; 0 is all."""
+        return self._chain.block
+
+    def __call__(self, slices: Slices) -> None:
+        """Evaluate all models on ``slices``, in place."""
+        refusal = self._chain.run(slices)
+        self.evaluated += len(slices)
+        if refusal is None:
+            return
+        what, k, member, index = refusal
+        model = self.models[k]
+        if what == "status" and index < 0:
+            raise PluginError(f"the kernel of {model.name!r} returned a status that rollslip.h does not define")
+        raise DomainError(_refusal_text(model, what, member, index, slices))
+
+
+def evaluate_arrays(model: SliceModel, column: str, **members: ArrayLike) -> NDArray[np.float64]:
+    """Return one column of a stage for members that broadcast against each other, through its NumPy form.
+
+    Conditions may be arrays here, which a table cannot hold; that is why the compiled form does not serve.
+    """
+    arrays = {name: np.asarray(values, dtype=float) for name, values in members.items()}
+    for name, values in arrays.items():
+        low, high = model.domain[name]
+        good = (values >= low) & (values <= high)
+        if not np.all(good):
+            raise DomainError(
+                f"{model.name}: {name} = {np.extract(~good, values)[0]:g} {_unit(name)} is outside {_range(low, high)}"
+            )
+    shape = np.broadcast_shapes(*(values.shape for values in arrays.values()))
+    columns = {name: values for name, values in arrays.items() if name in COLUMNS}
+    columns.update({name: np.full(shape, np.nan) for name in model.writes})
+    conditions: dict[str, Any] = {name: values for name, values in arrays.items() if name in CONDITIONS}
+    model.evaluate(Slices.of_columns(Conditions(**conditions), columns))
+    return columns[column]
+
+
+def _unit(member: str) -> str:
+    unit = {**COLUMNS, **CONDITIONS}[member][0]
+    return "" if unit == "1" else unit
+
+
+def _range(low: float, high: float) -> str:
+    lower = "> 0" if 0 < low < 1e-300 else f">= {low:g}" if low > -1e300 else "finite"
+    return f"its domain ({lower}{f' and <= {high:g}' if high < 1e300 else ''})"
+
+
+def _refusal_text(model: SliceModel, what: str, member: str, index: int, slices: Slices) -> str:
+    if what == "status":
+        return f"{model.name}: slice {index} is outside its domain"
+    if what == "output":
+        return f"{model.name}: slice {index} gives a {member} that is not finite; its inputs are too large or too small"
+    if member in CONDITIONS:
+        value = getattr(slices.conditions, member)
+        if value != value:
+            return f"{model.name}: needs {member} ({CONDITIONS[member][1]}), which the lubricant or scene does not give"
+        return f"{model.name}: {member} = {value:g} {_unit(member)} is outside {_range(*model.domain[member])}"
+    value = float(getattr(slices, member)[index])
+    where, allowed = f"{_unit(member)} at slice {index}".lstrip(), _range(*model.domain[member])
+    return f"{model.name}: {member} = {value:g} {where} is outside {allowed}"

@@ -1,0 +1,169 @@
+"""What a contact, film, traction, drag or integrator model must offer.
+
+- A model is an immutable value: same parameters and slices, same result. Its parameters are its attrs fields.
+- Contact, film and traction are the same thing, a stage that reads some members of a table of slices and fills
+  others; so they share one base, one C struct and one binder.
+- ``evaluate`` in NumPy is required because it is the readable reference; ``kernel`` is the same law compiled.
+- Ranges are data: ``domain`` is what a law is defined on (outside it a status, never a number), ``validity`` is what
+  it was made for (outside it a warning), so errors, docs and property tests read the same numbers.
+"""
+
+import abc
+import sys
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+import attrs
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from rollslip_kernels.slices import Slices
+
+Domain = Mapping[str, tuple[float, float]]
+
+#: Range of a quantity that may be any finite number.
+FINITE: Final = (-sys.float_info.max, sys.float_info.max)
+#: Range of a quantity that must be greater than zero.
+POSITIVE: Final = (5e-324, sys.float_info.max)
+#: Range of a quantity that must not be negative.
+NON_NEGATIVE: Final = (0.0, sys.float_info.max)
+NO_LIMITS: Final[Domain] = MappingProxyType({})
+
+
+def submodel(kind: str, *, factory: Callable[[], object], doc: str) -> Any:
+    """Declare a parameter that is itself a model of ``kind``: in a scene a name, or a table with ``model``."""
+    return attrs.field(factory=factory, metadata={"doc": doc, "unit": None, "kind": kind})
+
+
+class SliceModel(abc.ABC):
+    """A stage: fills the ``writes`` columns of all slices from the members named in ``reads``."""
+
+    name: ClassVar[str]
+    #: The law in one line, in the symbols of its docstring.
+    equation: ClassVar[str]
+    #: Where it comes from, one citation each.
+    references: ClassVar[tuple[str, ...]]
+    reads: frozenset[str]
+    writes: frozenset[str]
+    #: Member -> (low, high), both included, in SI units: where the law is defined.
+    domain: Domain
+
+    @abc.abstractmethod
+    def evaluate(self, slices: "Slices") -> None:
+        """Fill the ``writes`` columns of all slices, with NumPy."""
+
+    def kernel(self) -> object | None:
+        """Return the same law as a capsule of ``rollslip.h``, or None to run ``evaluate``."""
+        return None
+
+
+class ContactModel(SliceModel):
+    """Half width and mean pressure from the load per length, and the deflection law behind the load."""
+
+    reads = frozenset({"load", "radius", "modulus"})
+    writes = frozenset({"half_width", "pressure"})
+    domain = MappingProxyType({"load": POSITIVE, "radius": POSITIVE, "modulus": POSITIVE})
+
+    @abc.abstractmethod
+    def deflection(self) -> SliceModel:
+        """Return the stage that fills load and stiffness from the approach."""
+
+
+class FilmModel(SliceModel):
+    """Film thickness from load, speed and oil."""
+
+    reads = frozenset({"load", "rolling_speed", "radius", "modulus", "viscosity", "pressure_viscosity"})
+    writes = frozenset({"film_thickness"})
+    domain = MappingProxyType(
+        {
+            "load": POSITIVE,
+            "rolling_speed": POSITIVE,
+            "radius": POSITIVE,
+            "modulus": POSITIVE,
+            "viscosity": POSITIVE,
+            "pressure_viscosity": NON_NEGATIVE,
+        }
+    )
+    #: Which film thickness it returns: "minimum", "central" or "dp/dx = 0".
+    location: ClassVar[str]
+    #: Film regime it holds in: "IR", "VR", "IE", "VE", or "all".
+    regime: ClassVar[str] = "all"
+
+    def film_thickness(
+        self,
+        load_per_length: "ArrayLike",
+        rolling_speed: "ArrayLike",
+        radius: "ArrayLike",
+        modulus: "ArrayLike",
+        viscosity: "ArrayLike",
+        pressure_viscosity: "ArrayLike",
+    ) -> "NDArray[Any]":
+        """Return the film thickness [m]; arguments broadcast.
+
+        Parameters
+        ----------
+        load_per_length : array_like
+            Normal force per length w [N/m], > 0.
+        rolling_speed : array_like
+            Mean surface speed u [m/s], > 0.
+        radius, modulus : array_like
+            Equivalent radius R [m] and modulus E' [Pa].
+        viscosity : array_like
+            Dynamic viscosity at ambient pressure eta0 [Pa s].
+        pressure_viscosity : array_like
+            Pressure-viscosity coefficient alpha [1/Pa].
+
+        Raises
+        ------
+        DomainError
+            If an argument is outside the model's domain.
+        """
+        from rollslip.chain import evaluate_arrays
+
+        return evaluate_arrays(
+            self,
+            "film_thickness",
+            load=load_per_length,
+            rolling_speed=rolling_speed,
+            radius=radius,
+            modulus=modulus,
+            viscosity=viscosity,
+            pressure_viscosity=pressure_viscosity,
+        )
+
+
+class TractionModel(SliceModel):
+    """Traction coefficient, with the sign of the sliding speed."""
+
+    writes = frozenset({"friction"})
+
+    @property
+    def full_film_from(self) -> float | None:
+        """Film parameter from which on no boundary friction takes part; None if the model has none."""
+        return None
+
+
+class DragModel(abc.ABC):
+    """Torque that resists the cage [N m], from the state of the bearing."""
+
+    name: ClassVar[str]
+    equation: ClassVar[str]
+    references: ClassVar[tuple[str, ...]]
+
+    @abc.abstractmethod
+    def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
+        """Return the torque on the cage [N m], positive where it accelerates the cage; speeds in rad/s."""
+
+
+class IntegratorModel(abc.ABC):
+    """A factory of ``scipy.integrate.OdeSolver``, so that SciPy's solvers come as they are."""
+
+    name: ClassVar[str]
+    equation: ClassVar[str]
+    references: ClassVar[tuple[str, ...]]
+
+    @abc.abstractmethod
+    def solver(self) -> type[Any]:
+        """Return the OdeSolver class."""

@@ -1,0 +1,68 @@
+"""The four film regimes of a lubricated line contact, and which of them a contact is in.
+
+h/R = c U^u G^g W^w in each, mean entrainment speed, minimum film. Elasticity thickens the isoviscous film and thins
+the piezoviscous one, and the thicker of the two mechanisms holds (Johnson 1970): h = max(max(IR, IE), min(VR, VE)).
+The boundaries are where two of them meet, with g_V = W^1.5 G/U^0.5 and g_E = W/U^0.5: g_V = 5.035 (IR/VR),
+g_E = 1.770 (IR/IE), g_V = 38.97 g_E^0.4737 (VR/VE) and g_V = 1.337 g_E^1.3704 (IE/VE).
+"""
+
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rollslip_kernels.slices import Slices
+
+Array = NDArray[np.float64]
+
+
+class PowerLaw(NamedTuple):
+    """Film thickness h = R c U^u G^g W^w."""
+
+    c: float
+    u: float
+    g: float
+    w: float
+
+    def __call__(self, U: ArrayLike, G: ArrayLike, W: ArrayLike) -> Array:
+        """Return h/R."""
+        return np.asarray(self.c * np.power(U, self.u) * np.power(G, self.g) * np.power(W, self.w))
+
+
+MARTIN: Final = PowerLaw(4.89497, 1.0, 0.0, -1.0)
+BLOK: Final = PowerLaw(1.66630, 2 / 3, 2 / 3, 0.0)
+HERREBRUGH: Final = PowerLaw(3.10, 0.6, 0.0, -0.2)
+DOWSON_1968: Final = PowerLaw(2.65, 0.70, 0.54, -0.13)
+
+#: Code in the column ``regime`` -> name.
+NAMES: Final = ("IR", "VR", "IE", "VE")
+LONG_NAMES: Final = {
+    "IR": "rigid-isoviscous",
+    "VR": "rigid-piezoviscous",
+    "IE": "elastic-isoviscous",
+    "VE": "elastic-piezoviscous",
+}
+
+
+def groups(slices: Slices) -> tuple[Array, Any, Array]:
+    """Return the speed, material and load parameter U = eta0 u/(E'R), G = alpha E', W = w/(E'R)."""
+    c = slices.conditions
+    return (
+        c.viscosity * slices.rolling_speed / (c.modulus * c.radius),
+        c.pressure_viscosity * c.modulus,
+        slices.load / (c.modulus * c.radius),
+    )
+
+
+def moes_groups(slices: Slices) -> tuple[Array, Array]:
+    """Return the load and lubricant parameter M = W/sqrt(2 U), L = G (2 U)^(1/4)."""
+    U, G, W = groups(slices)
+    return W / np.sqrt(2 * U), G * (2 * U) ** 0.25
+
+
+def film_by_regime(U: ArrayLike, G: ArrayLike, W: ArrayLike) -> tuple[Array, Array]:
+    """Return h/R by the formula of the regime, and the regime's code: 0 IR, 1 VR, 2 IE, 3 VE."""
+    ir, vr, ie, ve = (law(U, G, W) for law in (MARTIN, BLOK, HERREBRUGH, DOWSON_1968))
+    isoviscous, piezoviscous = np.maximum(ir, ie), np.minimum(vr, ve)
+    code = np.where(piezoviscous > isoviscous, np.where(ve < vr, 3.0, 1.0), np.where(ie > ir, 2.0, 0.0))
+    return np.maximum(isoviscous, piezoviscous), code

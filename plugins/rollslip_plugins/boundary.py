@@ -1,0 +1,95 @@
+"""Boundary friction: Kragelsky's curve and a constant coefficient."""
+
+from types import MappingProxyType
+from typing import ClassVar
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rollslip.fields import parameter, positive
+from rollslip.hookspecs import hookimpl
+from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
+from rollslip_kernels import traction as compiled
+from rollslip_kernels.slices import Slices
+
+Array = NDArray[np.float64]
+
+SLIDE_ROLL: Domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
+
+
+@attrs.frozen(kw_only=True)
+class Kragelsky(TractionModel):
+    """Boundary friction of a rolling contact with slip after Kragelsky, s = |V|/u.
+
+    mu = (-A + B s) exp(-C s) + A. With the published A = 0.1, B = 22.28, C = 181.46 the slope at zero is
+    B + A C = 40.426, the maximum 0.1200045 at s = 0.0099992, and mu tends to A.
+    """
+
+    name: ClassVar[str] = "kragelsky"
+    equation: ClassVar[str] = "mu = sign(V) [(-A + B s) exp(-C s) + A], s = |V|/u"
+    references: ClassVar[tuple[str, ...]] = (
+        "Kragelskii I.V., Dobychin M.N., Kombalov V.S. Friction and Wear: Calculation Methods. Pergamon, 1982.",
+        "Klebanov Ya.M., Polyakov K.A., Petrov N.I., Pankratova I.V. Slip in roller bearings under hydrodynamic "
+        "contact friction. J. Frict. Wear 43, 2022. doi:10.3103/S1068366622010068",
+    )
+    reads = frozenset({"rolling_speed", "sliding_speed"})
+    domain = SLIDE_ROLL
+
+    limit: float = parameter(default=0.1, unit="1", validator=positive, doc="friction A far beyond the maximum")
+    rise: float = parameter(default=22.28, unit="1", validator=positive, doc="coefficient B of the rise")
+    decay: float = parameter(default=181.46, unit="1", validator=positive, doc="decay C of the rise")
+
+    def friction(self, slide_roll_ratio: ArrayLike) -> Array:
+        """Return mu of the slide-roll ratio V/u, signed; odd, and zero at zero."""
+        s = np.asarray(slide_roll_ratio, dtype=float)
+        x = np.abs(s)
+        # expm1 keeps the digits that -A exp(-C s) + A loses at small s
+        mu = self.rise * x * np.exp(-self.decay * x) - self.limit * np.expm1(-self.decay * x)
+        return np.asarray(np.copysign(mu, s))
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the traction coefficient."""
+        slices.friction[...] = self.friction(slices.sliding_speed / slices.rolling_speed)
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.kragelsky(self.limit, self.rise, self.decay)
+
+
+@attrs.frozen(kw_only=True)
+class Constant(TractionModel):
+    """Constant friction behind a linear ramp, which makes it a function of the slip at zero.
+
+    mu = f clip(s/s0, -1, 1), s = V/u.
+    """
+
+    name: ClassVar[str] = "constant"
+    equation: ClassVar[str] = "mu = f clip(s/s0, -1, 1), s = V/u"
+    references: ClassVar[tuple[str, ...]] = ("Coulomb friction, regularised by a linear ramp.",)
+    reads = frozenset({"rolling_speed", "sliding_speed"})
+    domain = SLIDE_ROLL
+
+    coefficient: float = parameter(default=0.05, unit="1", validator=positive, doc="friction coefficient f")
+    transition: float = parameter(
+        default=1e-3, unit="1", validator=positive, doc="slide-roll ratio s0 at which it is reached"
+    )
+
+    def friction(self, slide_roll_ratio: ArrayLike) -> Array:
+        """Return mu of the slide-roll ratio V/u, signed; odd, and zero at zero."""
+        s = np.asarray(slide_roll_ratio, dtype=float)
+        return np.asarray(self.coefficient * np.clip(s / self.transition, -1.0, 1.0))
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the traction coefficient."""
+        slices.friction[...] = self.friction(slices.sliding_speed / slices.rolling_speed)
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.constant(self.coefficient, self.transition)
+
+
+@hookimpl
+def traction_models() -> list[type[TractionModel]]:
+    """Offer the traction models of this module."""
+    return [Kragelsky, Constant]

@@ -1,0 +1,230 @@
+"""Film thickness of a lubricated line contact: the four asymptotic regimes, their fits and a composite.
+
+- One convention: E' = 2/sum((1-nu^2)/E), w = Q/l, u the mean entrainment speed, U = eta0 u/(E'R), W = w/(E'R),
+  G = alpha E'. Formulas published for the sum of speeds are converted, never mixed.
+- All but two formulas are a power law of U, G, W; a class is its numbers, one evaluation and one loop serve them all.
+- Each class says which thickness it returns and in which regime it holds; outside it, the study warns.
+"""
+
+from typing import ClassVar
+
+import attrs
+import numpy as np
+
+from rollslip.fields import one_of, parameter
+from rollslip.hookspecs import hookimpl
+from rollslip.models import FilmModel
+from rollslip.regimes import BLOK, DOWSON_1968, HERREBRUGH, MARTIN, PowerLaw, film_by_regime, groups
+from rollslip_kernels import film as compiled
+from rollslip_kernels.slices import Slices
+
+
+class _PowerLaw(FilmModel):
+    """Film thickness h = R c U^u G^g W^w."""
+
+    law: PowerLaw
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the film thickness."""
+        slices.film_thickness[...] = slices.conditions.radius * self.law(*groups(slices))
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.power(*self.law)
+
+
+@attrs.frozen
+class Martin(_PowerLaw):
+    """Rigid, isoviscous minimum film after Martin: h = 4.89497 eta0 u R/w.
+
+    Exact for rigid surfaces, constant viscosity and the Reynolds cavitation condition.
+    """
+
+    name: ClassVar[str] = "martin"
+    equation: ClassVar[str] = "h/R = 4.89497 U/W"
+    references: ClassVar[tuple[str, ...]] = ("Martin H.M. Lubrication of gear teeth. Engineering 102, 1916, 119-121.",)
+    location: ClassVar[str] = "minimum"
+    regime: ClassVar[str] = "IR"
+    law = MARTIN
+
+
+@attrs.frozen
+class Blok(_PowerLaw):
+    """Rigid, piezoviscous minimum film after Weber and Saalfeld and Blok: h = 1.66630 R (G U)^(2/3).
+
+    Limit of g_V towards its largest value; a rigid contact with a Barus oil has no solution beyond g_V = 17.66.
+    """
+
+    name: ClassVar[str] = "blok"
+    equation: ClassVar[str] = "h/R = 1.66630 (G U)^(2/3)"
+    references: ClassVar[tuple[str, ...]] = (
+        "Weber C., Saalfeld K. Schmierfilm bei Walzen mit Verformung. ZAMM 34, 1954, 54-64.",
+        "Blok H. Inverse problems in hydrodynamic lubrication. Proc. Int. Symp. Lubrication and Wear, Houston, 1963.",
+    )
+    location: ClassVar[str] = "minimum"
+    regime: ClassVar[str] = "VR"
+    law = BLOK
+
+
+@attrs.frozen
+class Herrebrugh(_PowerLaw):
+    """Elastic, isoviscous minimum film after Herrebrugh: h = 3.10 R U^0.6 W^-0.2."""
+
+    name: ClassVar[str] = "herrebrugh"
+    equation: ClassVar[str] = "h/R = 3.10 U^0.6 W^-0.2"
+    references: ClassVar[tuple[str, ...]] = (
+        "Herrebrugh K. Solving the incompressible and isothermal problem in elastohydrodynamic lubrication "
+        "through an integral equation. J. Lubr. Technol. 90, 1968, 262-270.",
+    )
+    location: ClassVar[str] = "minimum"
+    regime: ClassVar[str] = "IE"
+    law = HERREBRUGH
+
+
+@attrs.frozen
+class DowsonHigginson(_PowerLaw):
+    """Elastic, piezoviscous minimum film after Dowson and Higginson: h = 1.6 R G^0.6 U^0.7 W^-0.13."""
+
+    name: ClassVar[str] = "dowson-higginson"
+    equation: ClassVar[str] = "h/R = 1.6 G^0.6 U^0.7 W^-0.13"
+    references: ClassVar[tuple[str, ...]] = (
+        "Dowson D., Higginson G.R. Elasto-hydrodynamic Lubrication. Pergamon, 1966.",
+    )
+    location: ClassVar[str] = "minimum"
+    regime: ClassVar[str] = "VE"
+    law = PowerLaw(1.6, 0.7, 0.6, -0.13)
+
+
+@attrs.frozen
+class Dowson1968(_PowerLaw):
+    """Elastic, piezoviscous minimum film after Dowson: h = 2.65 R U^0.7 G^0.54 W^-0.13."""
+
+    name: ClassVar[str] = "dowson-1968"
+    equation: ClassVar[str] = "h/R = 2.65 U^0.7 G^0.54 W^-0.13"
+    references: ClassVar[tuple[str, ...]] = (
+        "Dowson D. Elastohydrodynamics. Proc. Inst. Mech. Eng. 182 (3A), 1968, 151-167.",
+    )
+    location: ClassVar[str] = "minimum"
+    regime: ClassVar[str] = "VE"
+    law = DOWSON_1968
+
+
+@attrs.frozen
+class DowsonToyoda(_PowerLaw):
+    """Elastic, piezoviscous central film after Dowson and Toyoda: h = 3.06 R U^0.69 G^0.56 W^-0.10."""
+
+    name: ClassVar[str] = "dowson-toyoda"
+    equation: ClassVar[str] = "h/R = 3.06 U^0.69 G^0.56 W^-0.10"
+    references: ClassVar[tuple[str, ...]] = (
+        "Dowson D., Toyoda S. A central film thickness formula for elastohydrodynamic line contacts. "
+        "Proc. 5th Leeds-Lyon Symp. Tribology, 1979, 60-65.",
+    )
+    location: ClassVar[str] = "central"
+    regime: ClassVar[str] = "VE"
+    law = PowerLaw(3.06, 0.69, 0.56, -0.10)
+
+
+@attrs.frozen(kw_only=True)
+class PanHamrock(FilmModel):
+    """Elastic, piezoviscous film after Pan and Hamrock, at the middle of the contact or at its minimum.
+
+    Minimum h = 1.714 R W^-0.128 U^0.694 G^0.568, central h = 2.922 R W^-0.166 U^0.692 G^0.470 (grade B).
+    """
+
+    name: ClassVar[str] = "pan-hamrock"
+    equation: ClassVar[str] = "h/R = 1.714 W^-0.128 U^0.694 G^0.568 (minimum); 2.922 W^-0.166 U^0.692 G^0.470 (central)"
+    references: ClassVar[tuple[str, ...]] = (
+        "Pan P., Hamrock B.J. Simple formulas for performance parameters used in elastohydrodynamically "
+        "lubricated line contacts. J. Tribol. 111, 1989, 246-251.",
+    )
+    location: ClassVar[str] = "minimum or central, as chosen"
+    regime: ClassVar[str] = "VE"
+
+    thickness: str = parameter(
+        default="minimum",
+        validator=one_of("minimum", "central"),
+        doc="which film thickness: 'minimum' or 'central'",
+    )
+
+    @property
+    def law(self) -> PowerLaw:
+        """The numbers of the power law."""
+        if self.thickness == "minimum":
+            return PowerLaw(1.714, 0.694, 0.568, -0.128)
+        return PowerLaw(2.922, 0.692, 0.470, -0.166)
+
+    evaluate = _PowerLaw.evaluate
+    kernel = _PowerLaw.kernel
+
+
+@attrs.frozen
+class Moes(FilmModel):
+    """Composite film over all regimes after Moes, where dp/dx = 0.
+
+    With Us = 2 U, M = W/sqrt(Us), L = G Us^(1/4), H = (h/R)/sqrt(Us):
+    H = [(H_RI^(7/3) + H_EI^(7/3))^(3s/7) + (H_RP^(-7/2) + H_EP^(-7/2))^(-2s/7)]^(1/s),
+    s = (7 + 8 exp(-2 H_EI/H_RI))/5, H_RI = 3/M, H_RP = 1.287 L^(2/3), H_EI = 2.621 M^-0.2,
+    H_EP = 1.311 M^-0.125 L^0.75.
+    """
+
+    name: ClassVar[str] = "moes"
+    equation: ClassVar[str] = "H = [(H_RI^(7/3) + H_EI^(7/3))^(3s/7) + (H_RP^(-7/2) + H_EP^(-7/2))^(-2s/7)]^(1/s)"
+    references: ClassVar[tuple[str, ...]] = (
+        "Moes H. Optimum similarity analysis with applications to elastohydrodynamic lubrication. "
+        "Wear 159, 1992, 57-66.",
+    )
+    location: ClassVar[str] = "dp/dx = 0"
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the film thickness."""
+        U, G, W = groups(slices)
+        r = np.sqrt(2 * U)
+        M, L = W / r, G * np.sqrt(r)
+        ri, ei, ep = 3 / M, 2.621 * M**-0.2, 1.311 * M**-0.125 * L**0.75
+        ep_over_rp = 1.311 / 1.287 * L ** (1 / 12) * M**-0.125  # finite at L = 0, where both vanish
+        isoviscous = (ri ** (7 / 3) + ei ** (7 / 3)) ** (3 / 7)
+        piezoviscous = ep * (1 + ep_over_rp**3.5) ** (-2 / 7)
+        s = (7 + 8 * np.exp(-2 * ei / ri)) / 5
+        larger, smaller = np.maximum(isoviscous, piezoviscous), np.minimum(isoviscous, piezoviscous)
+        slices.film_thickness[...] = slices.conditions.radius * r * larger * (1 + (smaller / larger) ** s) ** (1 / s)
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.moes()
+
+
+@attrs.frozen
+class Regime(FilmModel):
+    """Minimum film by the formula of the regime that the contact is in, which it also reports.
+
+    Elasticity thickens the isoviscous film and thins the piezoviscous one, and the thicker of the two mechanisms
+    holds: h = max(max(Martin, Herrebrugh), min(Blok, Dowson 1968)). The boundaries are therefore where two formulas
+    meet (see ``rollslip.regimes``), and the film is continuous across each.
+    """
+
+    name: ClassVar[str] = "regime"
+    equation: ClassVar[str] = "h = max(max(h_IR, h_IE), min(h_VR, h_VE))"
+    references: ClassVar[tuple[str, ...]] = (
+        "Johnson K.L. Regimes of elastohydrodynamic lubrication. J. Mech. Eng. Sci. 12, 1970, 9-16.",
+        *Martin.references,
+        *Blok.references,
+        *Herrebrugh.references,
+        *Dowson1968.references,
+    )
+    location: ClassVar[str] = "minimum"
+    writes = frozenset({"film_thickness", "regime"})
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the film thickness and the regime (0 IR, 1 VR, 2 IE, 3 VE)."""
+        ratio, slices.regime[...] = film_by_regime(*groups(slices))
+        slices.film_thickness[...] = slices.conditions.radius * ratio
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.regime(MARTIN, BLOK, HERREBRUGH, DOWSON_1968)
+
+
+@hookimpl
+def film_models() -> list[type[FilmModel]]:
+    """Offer the film models of this module."""
+    return [Martin, Blok, Herrebrugh, DowsonHigginson, Dowson1968, DowsonToyoda, PanHamrock, Moes, Regime]

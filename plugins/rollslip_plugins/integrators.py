@@ -1,0 +1,98 @@
+"""SciPy's integrators of ordinary differential equations, by name."""
+
+from typing import Any, ClassVar
+
+import attrs
+
+from rollslip.hookspecs import hookimpl
+from rollslip.models import IntegratorModel
+
+HAIRER = "Hairer E., Nørsett S.P., Wanner G. Solving Ordinary Differential Equations I, 2nd ed. Springer, 1993."
+WANNER = "Hairer E., Wanner G. Solving Ordinary Differential Equations II, 2nd ed. Springer, 1996."
+
+
+class _SciPy(IntegratorModel):
+    """A solver of ``scipy.integrate``."""
+
+    solver_name: ClassVar[str]
+
+    def solver(self) -> type[Any]:
+        """Return the OdeSolver class; SciPy is imported here, so that listing the integrators does not."""
+        import scipy.integrate
+
+        return getattr(scipy.integrate, self.solver_name)  # type: ignore[no-any-return]
+
+
+@attrs.frozen
+class Rk23(_SciPy):
+    """Explicit Runge-Kutta method of order 3(2) by Bogacki and Shampine."""
+
+    name: ClassVar[str] = "rk23"
+    solver_name: ClassVar[str] = "RK23"
+    equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 3, error estimate of order 2"
+    references: ClassVar[tuple[str, ...]] = (
+        "Bogacki P., Shampine L.F. A 3(2) pair of Runge-Kutta formulas. Appl. Math. Lett. 2, 1989, 321-325.",
+    )
+
+
+@attrs.frozen
+class Rk45(_SciPy):
+    """Explicit Runge-Kutta method of order 5(4) by Dormand and Prince."""
+
+    name: ClassVar[str] = "rk45"
+    solver_name: ClassVar[str] = "RK45"
+    equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 5, error estimate of order 4"
+    references: ClassVar[tuple[str, ...]] = (
+        "Dormand J.R., Prince P.J. A family of embedded Runge-Kutta formulae. J. Comp. Appl. Math. 6, 1980, 19-26.",
+    )
+
+
+@attrs.frozen
+class Dop853(_SciPy):
+    """Explicit Runge-Kutta method of order 8(5,3) by Dormand and Prince."""
+
+    name: ClassVar[str] = "dop853"
+    solver_name: ClassVar[str] = "DOP853"
+    equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 8, error estimates of order 5 and 3"
+    references: ClassVar[tuple[str, ...]] = (HAIRER,)
+
+
+@attrs.frozen
+class Radau(_SciPy):
+    """Implicit Runge-Kutta method of the Radau IIA family of order 5, for stiff problems."""
+
+    name: ClassVar[str] = "radau"
+    solver_name: ClassVar[str] = "Radau"
+    equation: ClassVar[str] = "dy/dt = f(t, y); implicit, L-stable, order 5"
+    references: ClassVar[tuple[str, ...]] = (WANNER,)
+
+
+@attrs.frozen
+class Bdf(_SciPy):
+    """Backward differentiation formulas of variable order 1 to 5, for stiff problems."""
+
+    name: ClassVar[str] = "bdf"
+    solver_name: ClassVar[str] = "BDF"
+    equation: ClassVar[str] = "dy/dt = f(t, y); implicit, order 1 to 5"
+    references: ClassVar[tuple[str, ...]] = (
+        "Shampine L.F., Reichelt M.W. The MATLAB ODE suite. SIAM J. Sci. Comput. 18, 1997, 1-22.",
+    )
+
+
+@attrs.frozen
+class Lsoda(_SciPy):
+    """Adams and BDF methods with automatic switch between them (ODEPACK)."""
+
+    name: ClassVar[str] = "lsoda"
+    solver_name: ClassVar[str] = "LSODA"
+    equation: ClassVar[str] = "dy/dt = f(t, y); Adams where it is not stiff, BDF where it is"
+    references: ClassVar[tuple[str, ...]] = (
+        "Petzold L. Automatic selection of methods for solving stiff and nonstiff systems of ordinary differential "
+        "equations. SIAM J. Sci. Stat. Comput. 4, 1983, 136-148.",
+    )
+
+
+@hookimpl
+def integrator_models() -> list[type[IntegratorModel]]:
+    """Offer SciPy's integrators."""
+    return [Rk23, Rk45, Dop853, Radau, Bdf, Lsoda]

@@ -1,0 +1,105 @@
+"""The oils in the box.
+
+The temperature laws are published fits; what stands beside them in scenes of slip, Eyring stress and shear modulus, is
+rarely measured for a named oil. Each ``source`` says so, with a grade: (B) a standard reference, (C) with doubt,
+(D) an estimate. Where no value with a source was found the oil lacks it, and a scene that needs it gives its own.
+"""
+
+from math import exp, log
+
+from rollslip.hookspecs import hookimpl
+from rollslip.lubricant import Andrade, Constant, Exponential, Hyperbola, Lubricant, PowerOfViscosity, Table, Walther
+
+_EYRING_STRESS = 4e6  # Pa
+_SHEAR_MODULUS = 0.3e9  # Pa
+_SHEAR_SOURCE = (
+    "Eyring stress 4 MPa (D), published traction curves give 1 to 10 MPa; shear modulus 0.3 GPa (C), 0.05 to 1 GPa."
+)
+_REFERENCES = ("Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984.",)
+_ATTRIBUTION = "as in the lubricant library of the bearing code ADORE (Gupta, 1984; attribution C)"
+_NO_CONDUCTIVITY = "No conductivity with a source was found."
+_LOWEST, _HIGHEST = 273.15, 473.15  # K
+_RANGE_SOURCE = (
+    "Range 0 to 200 degC (D): the service range of such oils; over it the laws are finite and fall, but the "
+    "temperatures behind the fits are not published."
+)
+
+
+mil_prf_7808 = Lubricant(
+    name="mil-prf-7808",
+    description="Diester turbine oil after MIL-PRF-7808 (formerly MIL-L-7808), 3 mm2/s at 100 degC",
+    # Published in natural logarithms: eta = 9.997e-4 [exp(exp(22.216 - 3.7048 ln T)) - 0.87] Pa s.
+    viscosity=Walther(intercept=(22.216 - log(log(10.0))) / log(10.0), slope=3.7048, constant=0.87, scale=9.997e-4),
+    pressure_viscosity=Hyperbola(limit=7.5808e-10, slope=1.0742e-6, pole=215.56),
+    conductivity=Table(
+        temperatures=(303.15, 313.15, 323.15, 343.15, 373.15), values=(0.145, 0.144, 0.1425, 0.1386, 0.1338)
+    ),
+    source=(
+        "Viscosity, pressure-viscosity coefficient and conductivity: property functions of the bearing code ADORE "
+        "(Gupta, 1984) for MIL-L-7808; conductivity as table from 30 to 100 degC, linear between and constant beyond. "
+        f"The coefficient scatters by 25 % between correlations. {_SHEAR_SOURCE} {_RANGE_SOURCE}"
+    ),
+    references=_REFERENCES,
+    eyring_stress=_EYRING_STRESS,
+    shear_modulus=_SHEAR_MODULUS,
+    minimum_temperature=_LOWEST,
+    maximum_temperature=_HIGHEST,
+)
+
+_VISCOSITY_23699 = Andrade(reference_viscosity=0.0276, reference_temperature=311.111, slope=3609.6, curvature=7.7657e5)
+
+mil_prf_23699 = Lubricant(
+    name="mil-prf-23699",
+    description="Polyol ester turbine oil after MIL-PRF-23699 (formerly MIL-L-23699), 5 mm2/s at 100 degC",
+    viscosity=_VISCOSITY_23699,
+    # Published as alpha = exp(1.15607 ln eta - 17.496) / eta.
+    pressure_viscosity=PowerOfViscosity(_VISCOSITY_23699, factor=exp(-17.496), exponent=0.15607),
+    source=(
+        f"Viscosity and pressure-viscosity coefficient: fits for MIL-L-23699 {_ATTRIBUTION}. {_NO_CONDUCTIVITY} "
+        f"{_SHEAR_SOURCE} {_RANGE_SOURCE}"
+    ),
+    references=_REFERENCES,
+    eyring_stress=_EYRING_STRESS,
+    shear_modulus=_SHEAR_MODULUS,
+    minimum_temperature=_LOWEST,
+    maximum_temperature=_HIGHEST,
+)
+
+santotrac_50 = Lubricant(
+    name="santotrac-50",
+    description="Synthetic cycloaliphatic traction fluid",
+    viscosity=Walther(intercept=9.5363, slope=3.7452, constant=0.8, scale=889e-6),
+    pressure_viscosity=Exponential(reference_value=3.916e-8, reference_temperature=277.78, rate=0.0083178),
+    source=(
+        f"Kinematic viscosity and pressure-viscosity coefficient: fits {_ATTRIBUTION}; the first gives 37.5 mm2/s at "
+        "38 degC, where data sheets print 34 (C). Density 889 kg/m3 (C), its value at 38 degC, constant. "
+        f"{_NO_CONDUCTIVITY} {_SHEAR_SOURCE} A traction fluid lies at the upper end. {_RANGE_SOURCE}"
+    ),
+    references=_REFERENCES,
+    eyring_stress=_EYRING_STRESS,
+    shear_modulus=_SHEAR_MODULUS,
+    minimum_temperature=_LOWEST,
+    maximum_temperature=_HIGHEST,
+)
+
+sae_30 = Lubricant(
+    name="sae-30",
+    description="Mineral engine oil of grade SAE 30",
+    viscosity=Andrade(reference_viscosity=0.07166, reference_temperature=311.11, slope=4104.3),
+    pressure_viscosity=Constant(1.9e-8),
+    source=(
+        f"Viscosity and pressure-viscosity coefficient: fits {_ATTRIBUTION}; the coefficient does not depend on "
+        f"temperature there, so its slope is zero. {_NO_CONDUCTIVITY} {_SHEAR_SOURCE} {_RANGE_SOURCE}"
+    ),
+    references=_REFERENCES,
+    eyring_stress=_EYRING_STRESS,
+    shear_modulus=_SHEAR_MODULUS,
+    minimum_temperature=_LOWEST,
+    maximum_temperature=_HIGHEST,
+)
+
+
+@hookimpl
+def lubricants() -> list[Lubricant]:
+    """Oils with published temperature laws."""
+    return [mil_prf_7808, mil_prf_23699, santotrac_50, sae_30]
