@@ -1,0 +1,194 @@
+"""Speeds and equivalent radii of a cylindrical roller bearing: what slides and what rolls at a given slip."""
+
+import math
+
+import attrs
+import numpy as np
+from attrs.validators import and_, gt, lt
+from numpy.typing import ArrayLike, NDArray
+
+from rollslip.errors import DomainError
+
+Floats = NDArray[np.float64]
+
+
+@attrs.frozen(eq=False)
+class SurfaceSpeeds:
+    """Sliding and rolling speeds of both contacts; arrays of one shape, that of the slips they belong to.
+
+    Attributes
+    ----------
+    inner_sliding, outer_sliding : ndarray
+        Sliding speed [m/s], positive where the contact pushes the roller forward along its orbit.
+    inner_rolling, outer_rolling : ndarray
+        Entrainment speed, the mean of the two surfaces' speeds [m/s].
+    cage_speed : ndarray
+        Angular speed of the cage [rad/s].
+    roller_speed : ndarray
+        Spin of the roller relative to the cage [rad/s].
+    """
+
+    inner_sliding: Floats
+    inner_rolling: Floats
+    outer_sliding: Floats
+    outer_rolling: Floats
+    cage_speed: Floats
+    roller_speed: Floats
+
+
+_length = and_(gt(0.0), lt(math.inf))
+_speed = and_(gt(-math.inf), lt(math.inf))
+
+
+@attrs.frozen
+class Kinematics:
+    """Kinematics of a cylindrical roller bearing whose rings turn at constant speeds.
+
+    Both contacts roll without sliding at the epicyclic speeds (Harris & Kotzalas)::
+
+        w_ce = (R_i w_i + R_o w_o) / (R_i + R_o)
+        r w_re = R_i (w_i - w_ce) = R_o (w_ce - w_o) = R_i R_o (w_i - w_o) / (R_i + R_o)
+
+    They do so at any clearance: R_o - R_i need not equal 2 r. Slips are measured from there: cage slip
+    S_c = 1 - w_c / w_ce, roller slip S_r = 1 - w_r / w_re, with w_r the spin relative to the cage.
+
+    A bearing in which w_i < w_o would have negative rolling speeds. It is described by its mirror image, in which both
+    rings turn the other way (w_i and w_o negated), so that rolling speeds are positive; slips are the same in both.
+    The fields keep the speeds as given; every speed that is returned is the mirror image's, and `direction` = -1
+    times it the real one.
+
+    Parameters
+    ----------
+    inner_radius, outer_radius : float
+        Raceway radii R_i < R_o [m].
+    roller_radius : float
+        Roller radius r [m].
+    inner_speed, outer_speed : float
+        Angular speeds of the rings w_i, w_o [rad/s].
+
+    Raises
+    ------
+    ValueError
+        A radius is not positive, a speed is not finite, or the outer raceway is not larger than the inner one and the
+        roller.
+    DomainError
+        Both rings turn at one speed: nothing rolls.
+
+    Examples
+    --------
+    >>> bearing = Kinematics(0.0825, 0.0975, 0.0075, inner_speed=667.2, outer_speed=0.0)
+    >>> round(bearing.epicyclic_cage_speed, 2)
+    305.8
+    """
+
+    inner_radius: float = attrs.field(validator=_length)
+    outer_radius: float = attrs.field(validator=_length)
+    roller_radius: float = attrs.field(validator=_length)
+    inner_speed: float = attrs.field(validator=_speed)
+    outer_speed: float = attrs.field(validator=_speed)
+
+    def __attrs_post_init__(self) -> None:
+        if self.outer_radius <= max(self.inner_radius, self.roller_radius):
+            raise ValueError(
+                f"the outer raceway's radius is {self.outer_radius} m: it must exceed that of the inner raceway, "
+                f"{self.inner_radius} m, and of the roller, {self.roller_radius} m"
+            )
+        if self.inner_speed == self.outer_speed:
+            raise DomainError(f"nothing rolls: both rings turn at {self.inner_speed} rad/s")
+
+    @property
+    def direction(self) -> int:
+        """1 for the bearing as given, -1 if its mirror image is described."""
+        return 1 if self.inner_speed > self.outer_speed else -1
+
+    @property
+    def epicyclic_cage_speed(self) -> float:
+        """Cage speed w_ce at which both contacts can roll without sliding [rad/s]."""
+        Ri, Ro = self.inner_radius, self.outer_radius
+        return self.direction * (Ri * self.inner_speed + Ro * self.outer_speed) / (Ri + Ro)
+
+    @property
+    def epicyclic_roller_speed(self) -> float:
+        """Spin w_re of the roller relative to the cage at which both contacts roll without sliding [rad/s]."""
+        Ri, Ro = self.inner_radius, self.outer_radius
+        return Ri * Ro / (Ri + Ro) * abs(self.inner_speed - self.outer_speed) / self.roller_radius
+
+    @property
+    def inner_equivalent_radius(self) -> float:
+        """Equivalent radius of roller and inner raceway, 1/R = 1/r + 1/R_i [m]."""
+        return 1.0 / (1.0 / self.roller_radius + 1.0 / self.inner_radius)
+
+    @property
+    def outer_equivalent_radius(self) -> float:
+        """Equivalent radius of roller and outer raceway, 1/R = 1/r - 1/R_o [m]."""
+        return 1.0 / (1.0 / self.roller_radius - 1.0 / self.outer_radius)
+
+    @property
+    def orbit_radius(self) -> float:
+        """Radius of the rollers' orbit, R_m = (R_i + R_o) / 2 [m]."""
+        return 0.5 * (self.inner_radius + self.outer_radius)
+
+    def surface_speeds(self, cage_slip: ArrayLike, roller_slip: ArrayLike) -> SurfaceSpeeds:
+        """Sliding and rolling speeds of both contacts at given slips.
+
+        With w_c, w_r the speeds of cage and roller::
+
+            V_i = R_i (w_i - w_c) - r w_r      u_i = [R_i (w_i - w_c) + r w_r] / 2
+            V_o = r w_r - R_o (w_c - w_o)      u_o = [R_o (w_c - w_o) + r w_r] / 2
+
+        evaluated in the slips, so that sliding speeds vanish exactly with them. V_i + V_o = (R_i + R_o)(w_ce - w_c).
+
+        Parameters
+        ----------
+        cage_slip, roller_slip : array_like
+            S_c and S_r [-], broadcast against each other.
+
+        Returns
+        -------
+        SurfaceSpeeds
+            Arrays of the broadcast shape.
+
+        Raises
+        ------
+        DomainError
+            The epicyclic cage speed is zero (rings turning against each other): no cage slip refers to it.
+        """
+        Sc, Sr = np.broadcast_arrays(np.asarray(cage_slip, dtype=float), np.asarray(roller_slip, dtype=float))
+        u = self.roller_radius * self.epicyclic_roller_speed
+        cage_lag = self._slip_reference() * Sc
+        inner, outer, spin = self.inner_radius * cage_lag, self.outer_radius * cage_lag, u * Sr
+        return SurfaceSpeeds(
+            inner_sliding=inner + spin,
+            inner_rolling=u + 0.5 * (inner - spin),
+            outer_sliding=outer - spin,
+            outer_rolling=u - 0.5 * (outer + spin),
+            cage_speed=self.epicyclic_cage_speed - cage_lag,
+            roller_speed=self.epicyclic_roller_speed * (1.0 - Sr),
+        )
+
+    def roller_slip_outer_rolling(self, cage_slip: ArrayLike) -> Floats:
+        """Roller slip at which the outer contact rolls without sliding, V_o = 0: S_r = R_o w_ce S_c / (r w_re).
+
+        Parameters
+        ----------
+        cage_slip : array_like
+            S_c [-].
+
+        Returns
+        -------
+        ndarray
+            S_r [-], of the same shape.
+
+        Raises
+        ------
+        DomainError
+            The epicyclic cage speed is zero: no cage slip refers to it.
+        """
+        u = self.roller_radius * self.epicyclic_roller_speed
+        return self.outer_radius * self._slip_reference() / u * np.asarray(cage_slip, dtype=float)
+
+    def _slip_reference(self) -> float:
+        speed = self.epicyclic_cage_speed
+        if speed == 0.0:
+            raise DomainError("the epicyclic cage speed is zero: cage slip, which is relative to it, has no meaning")
+        return speed
