@@ -36,6 +36,8 @@ DOWSON_1968: Final = PowerLaw(2.65, 0.70, 0.54, -0.13)
 
 #: Code in the column ``regime`` -> name.
 NAMES: Final = ("IR", "VR", "IE", "VE")
+#: Below this Moes load parameter M the pressure in the film is far from Hertz's.
+LIGHT: Final = 2.0
 LONG_NAMES: Final = {
     "IR": "rigid-isoviscous",
     "VR": "rigid-piezoviscous",

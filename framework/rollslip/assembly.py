@@ -1,0 +1,224 @@
+"""The bearing of a scene put together: models by name, oil at temperature, one bound chain for each raceway."""
+
+import math
+from typing import Any, Literal
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.chain import Chain
+from rollslip.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_equilibrium
+from rollslip.errors import DomainError, SceneError
+from rollslip.kinematics import Kinematics
+from rollslip.lubricant import Lubricant, lubricant_from_table
+from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
+from rollslip.profile import profile_drop, slice_positions
+from rollslip.reading import Where
+from rollslip.registry import get_class, structure_model
+from rollslip.scene import Scene
+from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
+
+Array = NDArray[np.float64]
+Ring = Literal["inner", "outer"]
+RINGS: tuple[Ring, Ring] = ("inner", "outer")
+
+
+@attrs.frozen(eq=False)
+class Raceway:
+    """One raceway: what all of its contacts share, and the bound laws they follow."""
+
+    ring: Ring
+    conditions: Conditions
+    chain: Chain
+    deflection: Chain
+
+    def evaluate(self, load: Array, rolling_speed: Any, sliding_speed: Any) -> Slices:
+        """Return the evaluated slices for loads per length [N/m] and speeds [m/s] that broadcast to them."""
+        slices = Slices(load.size, self.conditions, load=load, rolling_speed=rolling_speed, sliding_speed=sliding_speed)
+        self.chain(slices)
+        return slices
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Assembly:
+    """All that the studies need of a scene, with the models bound."""
+
+    scene: Scene
+    contact: ContactModel
+    film: FilmModel
+    traction: TractionModel
+    lubricant: Lubricant
+    kinematics: Kinematics
+    drop: Array
+    inner: Raceway
+    outer: Raceway
+
+    @property
+    def models(self) -> dict[str, SliceModel]:
+        """The stages by kind, in the order in which they run."""
+        return {"contact": self.contact, "film": self.film, "traction": self.traction}
+
+    @property
+    def raceways(self) -> tuple[Raceway, Raceway]:
+        """Inner and outer raceway."""
+        return self.inner, self.outer
+
+    @property
+    def slices(self) -> int:
+        """Slices along a roller."""
+        return self.drop.size
+
+    @property
+    def slice_width(self) -> float:
+        """Width of a slice [m]."""
+        return self.scene.bearing.roller_length / self.slices
+
+    @property
+    def roller_mass(self) -> float:
+        """Mass of a roller [kg], a solid cylinder."""
+        b = self.scene.bearing
+        return b.material.density * math.pi * b.roller_diameter**2 / 4 * b.roller_length
+
+    @property
+    def centrifugal_force(self) -> float:
+        """Centrifugal force m R_m w_ce^2 of a roller at the epicyclic cage speed [N]."""
+        k = self.kinematics
+        return self.roller_mass * k.orbit_radius * k.epicyclic_cage_speed**2
+
+    def coarser(self) -> "Assembly":
+        """Return the same bearing with half as many slices, to estimate what the slices leave."""
+        return attrs.evolve(self, drop=_profile_drop(self.scene, self.slices // 2))
+
+    def load_distribution(self, instants: int = 1) -> LoadDistribution:
+        """Return the quasi-static loads of all rollers at instants spread over one roller pitch.
+
+        Raises
+        ------
+        ConvergenceError
+            If forces and moments do not balance to 1e-10.
+        """
+        b, o = self.scene.bearing, self.scene.operation
+        case = LoadCase(
+            angular_positions(b.rollers, instants),
+            b.roller_length,
+            self.drop,
+            radial_clearance=b.radial_clearance,
+            radial_load=o.radial_load,
+            misalignment=o.misalignment,
+            centrifugal_force=self.centrifugal_force,
+        )
+        return solve_equilibrium(case, self.deflect)
+
+    def deflect(self, approach: Array, ring: Ring) -> tuple[Array, Array]:
+        """Return load per length [N/m] and stiffness [N/m2] of the contacts with a ring, by approach [m]."""
+        raceway = self.inner if ring == "inner" else self.outer
+        slices = Slices(approach.size, raceway.conditions, approach=approach.ravel())
+        raceway.deflection(slices)
+        return slices.load.reshape(approach.shape), slices.stiffness.reshape(approach.shape)
+
+
+def assemble(scene: Scene) -> Assembly:
+    """Put the bearing of a scene together.
+
+    Raises
+    ------
+    SceneError
+        If a parameter of a model or the oil is wrong, the temperature is outside the oil's range, or a model needs
+        data that the scene does not give; all faults that can be found at once.
+    PluginError
+        If a model or the oil does not exist or cannot be loaded.
+    """
+    b = scene.bearing
+    where = Where(scene.origins)
+    problems: list[str] = []
+    models = {
+        kind: structure_model(kind, {"model": choice.name, **choice.parameters}, where.at("models").at(kind), problems)
+        for kind, choice in (
+            ("contact", scene.models.contact),
+            ("film", scene.models.film),
+            ("traction", scene.models.traction),
+        )
+    }
+    kinematics = Kinematics(
+        b.inner_raceway_diameter / 2,
+        b.outer_raceway_diameter / 2,
+        b.roller_diameter / 2,
+        scene.operation.inner_speed,
+        scene.operation.outer_speed,
+    )
+    lubricant = _lubricant(scene, where, problems)
+    try:
+        drop = _profile_drop(scene, scene.accuracy.slices)
+    except ValueError as error:
+        problems.append(where.at("bearing").at("profile").says(str(error)))
+    if lubricant is None or problems:
+        raise SceneError(problems)
+    conditions = {ring: _conditions(scene, kinematics, lubricant, ring, where) for ring in RINGS}
+    deflection = models["contact"].deflection()
+    _check_given((deflection, *models.values()), conditions["inner"], lubricant, where)
+    chain, approach = Chain(*models.values()), Chain(deflection)
+    inner, outer = (Raceway(ring, conditions[ring], chain, approach) for ring in RINGS)
+    return Assembly(
+        scene=scene, lubricant=lubricant, kinematics=kinematics, drop=drop, inner=inner, outer=outer, **models
+    )
+
+
+def _lubricant(scene: Scene, where: Where, problems: list[str]) -> Lubricant | None:
+    table = dict(scene.lubricant.data)
+    if scene.lubricant.name is not None:
+        table["name"] = scene.lubricant.name
+    try:
+        return lubricant_from_table(table, lambda name: get_class("lubricant", name), where.at("lubricant"))
+    except SceneError as error:
+        problems += error.problems
+        return None
+
+
+def _profile_drop(scene: Scene, slices: int) -> Array:
+    """Profile at the slices; one slice serves where nothing varies along the roller."""
+    b = scene.bearing
+    if b.profile.shape == "none" and scene.operation.misalignment == 0.0:
+        return np.zeros(1)
+    return profile_drop(
+        b.profile.shape,
+        slice_positions(b.roller_length, slices),
+        b.roller_length,
+        b.roller_diameter,
+        radius=b.profile.radius,
+        table=(b.profile.position, b.profile.drop) if b.profile.shape == "table" else None,
+    )
+
+
+def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring: Ring, where: Where) -> Conditions:
+    """What the contacts of a ring share; the film enters at the mean temperature of the two surfaces."""
+    o, s, m = scene.operation, scene.surface, scene.bearing.material
+    ring_temperature = o.inner_ring_temperature if ring == "inner" else o.outer_ring_temperature
+    try:
+        oil = lubricant.at((ring_temperature + o.roller_temperature) / 2)
+    except DomainError as error:
+        raise SceneError([where.at("operation").at("temperature").says(str(error))]) from error
+    raceway_roughness = s.inner_raceway_roughness if ring == "inner" else s.outer_raceway_roughness
+    return Conditions(
+        length=scene.bearing.roller_length,
+        radius=kinematics.inner_equivalent_radius if ring == "inner" else kinematics.outer_equivalent_radius,
+        modulus=m.elastic_modulus / (1 - m.poisson_ratio**2),
+        roughness=1.25 * math.hypot(raceway_roughness, s.roller_roughness),
+        effusivity=math.sqrt(m.thermal_conductivity * m.density * m.specific_heat),
+        **attrs.asdict(oil),
+    )
+
+
+def _check_given(models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Where) -> None:
+    """Refuse models that read what the scene does not give."""
+    problems = [
+        where.at("lubricant").says(
+            f"oil {lubricant.name!r} gives no {member} ({CONDITIONS[member][1]}, {CONDITIONS[member][0]}), "
+            f"which model {model.name!r} needs; give lubricant.{member} or choose another model"
+        )
+        for model in models
+        for member in sorted(model.reads & CONDITIONS.keys())
+        if math.isnan(getattr(conditions, member))
+    ]
+    if problems:
+        raise SceneError(problems)

@@ -1,0 +1,386 @@
+"""Study effective-friction: friction of each raceway as a whole against cage slip, and the critical cage slip.
+
+- One revolution is one to two orders shorter than the cage's transient, so a raceway acts on the cage through its
+  effective friction mu_e = sum(mu_km Q_km)/sum(Q_km) over its *loaded* contacts k and the instants m of a revolution
+  (Klebanov et al. 2022); averaging unloaded rollers in is a known mistake. With slices the sum runs over them too.
+- Equal rollers repeat after one pitch, so the instants are spread over a pitch and doubled until the curve and its
+  maximum stand still; what the last doubling still moved is reported.
+- What a roller spins at is not fixed by the cage slip. The closures are: ``outer-rolling`` (pure rolling on the outer
+  ring), ``epicyclic`` (every roller at its epicyclic spin) and ``free-roller`` (each loaded roller spins so that both
+  rings pull alike). The map over cage slip and roller slip, which needs none, is stored beside the curve.
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import numpy as np
+
+from rollslip.assembly import RINGS, Array, Assembly, Raceway
+from rollslip.critical import Critical, locate
+from rollslip.equilibrium import LoadDistribution
+from rollslip.errors import ConvergenceError, SceneError
+from rollslip.fields import at_least, in_range, one_of, parameter
+from rollslip.friction_curve import slip_grid
+from rollslip.kinematics import SurfaceSpeeds
+from rollslip.reading import Where
+from rollslip.regimes import LIGHT, NAMES, film_by_regime, groups, moes_groups
+from rollslip_kernels.slices import Slices
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Doublings start here and give up there.
+_FIRST_INSTANTS, _MOST_INSTANTS = 2, 1024
+
+
+@attrs.frozen(kw_only=True)
+class EffectiveFriction:
+    """Settings of the study."""
+
+    closure: str = parameter(
+        default="epicyclic",
+        doc="what the rollers spin at",
+        validator=one_of("outer-rolling", "epicyclic", "free-roller"),
+    )
+    max_cage_slip: float = parameter(
+        default=0.4, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
+    )
+    points: int = parameter(default=101, doc="cage slips of the curve, denser towards zero", validator=at_least(5))
+    map_points: int = parameter(
+        default=25, doc="cage slips, and roller slips either way, of the map; 0 for none", validator=at_least(0)
+    )
+    per_roller: bool = parameter(default=False, doc="store the friction of every roller at the first instant")
+
+    def evaluations(self, assembly: Assembly) -> int:
+        """Return about how many slices the study will evaluate: curve, maximum, details and map at four instants."""
+        loads = assembly.load_distribution(1)
+        loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
+        per_point = 12 if self.closure == "free-roller" else 1
+        curves = (_FIRST_INSTANTS + 2 * 2 * _FIRST_INSTANTS) * (self.points + 30) * per_point
+        surface = 2 * _FIRST_INSTANTS * self.map_points * max(2 * self.map_points - 1, 0)
+        return int(loaded) * (curves + surface)
+
+    def run(self, assembly: Assembly) -> "xr.Dataset":
+        """Return the effective friction curves, the critical cage slip and the map.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions (ring, cage_slip): effective_friction, sliding_speed, rolling_speed, film_parameter (smallest),
+            roller_slip; (ring,): critical_cage_slip, critical_friction, critical_status; (ring, map_cage_slip,
+            map_roller_slip): friction_map; (ring, roller): normal_force at the first instant and, on request,
+            (ring, roller, cage_slip): roller_friction, NaN where the roller is not loaded.
+
+        Raises
+        ------
+        SceneError
+            If no roller is loaded on the inner ring.
+        ConvergenceError
+            If doubling the instants does not settle the curve.
+        """
+        slip = slip_grid(self.max_cage_slip, self.points)
+        raceways, friction, critical, error = self._converged(assembly, slip)
+        return self._dataset(assembly, raceways, slip, friction, critical, error)
+
+    def _converged(
+        self, assembly: Assembly, slip: Array
+    ) -> "tuple[_LoadedRaceways, Array, tuple[Critical, Critical], float]":
+        """Double the instants until neither the curves nor the critical slips move by more than the tolerance."""
+        tolerance = assembly.scene.accuracy.tolerance
+        before: tuple[Array, tuple[Critical, Critical]] | None = None
+        instants, moved = _FIRST_INSTANTS, np.inf
+        while instants <= _MOST_INSTANTS:
+            raceways = _LoadedRaceways(assembly, assembly.load_distribution(instants), self.closure)
+            friction = raceways.curve(slip)
+            critical = raceways.critical(slip, friction)
+            if before is not None:
+                moved = max(_moved(before[0], friction), *map(_critical_moved, before[1], critical))
+                if moved <= tolerance:
+                    return raceways, friction, critical, moved
+            before, instants = (friction, critical), 2 * instants
+        raise ConvergenceError(
+            f"effective friction still moves by {moved:.1e} (relative) from {_MOST_INSTANTS // 2} to {_MOST_INSTANTS} "
+            f"instants of a pitch; accuracy.tolerance is {tolerance:g}"
+        )
+
+    def _dataset(
+        self,
+        assembly: Assembly,
+        raceways: "_LoadedRaceways",
+        slip: Array,
+        friction: Array,
+        critical: tuple[Critical, Critical],
+        error: float,
+    ) -> "xr.Dataset":
+        import xarray as xr
+
+        details = raceways.details(slip)
+        loads = raceways.distribution
+        curve, rollers = ("ring", "cage_slip"), ("ring", "roller")
+        forces = np.stack([loads.inner_force[0], loads.outer_force[0]])
+        variables: dict[str, Any] = {
+            "effective_friction": (curve, friction, _about("1", "effective friction coefficient")),
+            "roller_slip": (curve, details["roller_slip"], _about("1", "roller slip, mean over the loaded contacts")),
+            "sliding_speed": (curve, details["sliding_speed"], _about("m/s", "sliding speed, mean over them")),
+            "rolling_speed": (curve, details["rolling_speed"], _about("m/s", "rolling speed, mean over them")),
+            "film_parameter": (curve, details["film_parameter"], _about("1", "smallest film parameter Lambda")),
+            "critical_cage_slip": (
+                "ring",
+                np.array([c.slip for c in critical]),
+                _about("1", "cage slip of the largest effective friction"),
+            ),
+            "critical_friction": (
+                "ring",
+                np.array([c.friction for c in critical]),
+                _about("1", "largest effective friction coefficient"),
+            ),
+            "critical_status": (
+                "ring",
+                np.array([c.status for c in critical]),
+                _about("1", "what was found of the critical slip"),
+            ),
+            "regime_share": (
+                ("ring", "regime"),
+                details["regime_share"],
+                _about("1", "share of the contact forces in a film regime"),
+            ),
+            "load_parameter": ("ring", details["load_parameter"], _about("1", "largest Moes load parameter M")),
+            "light_share": (
+                "ring",
+                details["light_share"],
+                _about("1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's"),
+            ),
+            "normal_force": (rollers, forces, _about("N", "normal force at the first instant")),
+            "angle": ("roller", loads.psi[0], _about("rad", "position from the line of load, first instant")),
+        }
+        coords: dict[str, Any] = {
+            "ring": ("ring", np.array(RINGS), _about("1", "ring")),
+            "cage_slip": ("cage_slip", slip, _about("1", "cage slip")),
+            "roller": ("roller", np.arange(forces.shape[1]), _about("1", "roller")),
+            "regime": ("regime", np.array(NAMES), _about("1", "film regime")),
+        }
+        if self.per_roller:
+            variables["roller_friction"] = (
+                ("ring", "roller", "cage_slip"),
+                raceways.per_roller(slip),
+                _about("1", "friction coefficient of each roller, first instant"),
+            )
+        if self.map_points:
+            cage, roller, surface = raceways.map(self.max_cage_slip, self.map_points)
+            variables["friction_map"] = (
+                ("ring", "map_cage_slip", "map_roller_slip"),
+                surface,
+                _about("1", "effective friction coefficient"),
+            )
+            coords["map_cage_slip"] = ("map_cage_slip", cage, _about("1", "cage slip"))
+            coords["map_roller_slip"] = ("map_roller_slip", roller, _about("1", "roller slip"))
+        return xr.Dataset(
+            variables,
+            coords,
+            attrs={
+                "study": "effective-friction",
+                "closure": self.closure,
+                "instants": int(loads.psi.shape[0]),
+                "instants_error": error,
+                "slices": assembly.slices,
+                "slices_error": raceways.slices_error(slip, friction),
+                "force_residual": loads.force_residual,
+                "moment_residual": loads.moment_residual,
+            },
+        )
+
+
+class _LoadedContacts:
+    """The loaded slices of one raceway at all instants, one table that is evaluated again and again."""
+
+    def __init__(self, raceway: Raceway, load: Array, width: float) -> None:
+        loaded = load > 0.0
+        self.raceway = raceway
+        self.rollers = load.shape[0] * load.shape[1]
+        #: number of the roller (over all instants) that each slice belongs to
+        self.owner = np.nonzero(loaded)[0] * load.shape[1] + np.nonzero(loaded)[1]
+        self.force = load[loaded] * width
+        self.total = float(self.force.sum())
+        self.slices = Slices(self.force.size, raceway.conditions, load=load[loaded])
+
+    def friction(self, rolling: Any, sliding: Any) -> Array:
+        """Friction coefficient of every slice, (N,), at speeds that broadcast to it."""
+        self.slices.rolling_speed[:] = rolling
+        self.slices.sliding_speed[:] = sliding
+        self.raceway.chain(self.slices)
+        return self.slices.friction
+
+    def per_roller(self, values: Array) -> Array:
+        """Sum of values of slices for every roller, (instants Z,)."""
+        return np.asarray(np.bincount(self.owner, weights=values, minlength=self.rollers), dtype=float)
+
+    def mean(self, values: Array) -> float:
+        """Mean by force over the loaded slices, NaN if there are none."""
+        return float((values * self.force).sum() / self.total) if self.total > 0.0 else np.nan
+
+
+class _LoadedRaceways:
+    """Both raceways under one load distribution, and the closure that gives the rollers their spin."""
+
+    def __init__(self, assembly: Assembly, distribution: LoadDistribution, closure: str) -> None:
+        self.assembly, self.distribution, self.closure = assembly, distribution, closure
+        width = assembly.slice_width
+        self.inner = _LoadedContacts(assembly.inner, distribution.inner_load, width)
+        self.outer = _LoadedContacts(assembly.outer, distribution.outer_load, width)
+        if self.inner.total == 0.0:
+            operation, bearing = assembly.scene.operation, assembly.scene.bearing
+            raise SceneError(
+                [
+                    Where(assembly.scene.origins, ("operation", "radial_load")).says(
+                        f"no roller is loaded on the inner ring with {operation.radial_load:g} N and "
+                        f"bearing.radial_clearance = {bearing.radial_clearance:g} m, so there is no friction to "
+                        "average; give a radial load or a negative clearance"
+                    )
+                ]
+            )
+
+    def speeds(self, cage_slip: float) -> SurfaceSpeeds:
+        """Speeds by the closure; scalars, or one value for each roller and instant."""
+        kinematics = self.assembly.kinematics
+        if self.closure == "epicyclic" or cage_slip == 0.0:
+            return kinematics.surface_speeds(cage_slip, 0.0)
+        outer_rolling = kinematics.roller_slip_outer_rolling(cage_slip)
+        if self.closure == "outer-rolling":
+            speeds = kinematics.surface_speeds(cage_slip, outer_rolling)
+            return attrs.evolve(speeds, outer_sliding=np.zeros_like(speeds.outer_sliding))  # not the rounding of it
+        return kinematics.surface_speeds(cage_slip, self._free_roller_slip(cage_slip, float(outer_rolling)))
+
+    def _free_roller_slip(self, cage_slip: float, outer_rolling: float) -> Array:
+        """Roller slip at which both rings pull a roller alike, (instants Z,).
+
+        Between rolling on the inner ring and rolling on the outer one the difference of the pulls changes its sign,
+        so there is a root; of several the bracket ends in one that is stable. A roller without inner load rolls on
+        the outer ring.
+        """
+        from scipy.optimize.elementwise import find_root
+
+        kinematics = self.assembly.kinematics
+        inner_rolling = -outer_rolling * kinematics.inner_radius / kinematics.outer_radius
+        result = np.full(self.inner.rollers, outer_rolling)
+        loaded = np.flatnonzero(self.inner.per_roller(self.inner.force) > 0.0)
+
+        def difference(slip: Array, roller: Array) -> Array:
+            trial = result.copy()
+            trial[roller] = slip
+            speeds = kinematics.surface_speeds(cage_slip, trial)
+            pulls = [
+                contacts.per_roller(contacts.force * contacts.friction(rolling, sliding))
+                for contacts, rolling, sliding in self._with(speeds)
+            ]
+            return np.asarray((pulls[0] - pulls[1])[roller])
+
+        bracket = (np.full(loaded.size, inner_rolling), np.full(loaded.size, outer_rolling))
+        found = find_root(difference, bracket, args=(loaded,), tolerances={"xrtol": 1e-12, "xatol": 1e-15})
+        if not np.all(found.success):
+            raise ConvergenceError(
+                f"closure 'free-roller' found no spin for {np.count_nonzero(~found.success)} of {loaded.size} rollers "
+                f"at a cage slip of {cage_slip:g}"
+            )
+        result[loaded] = found.x
+        return result
+
+    def _with(self, speeds: SurfaceSpeeds) -> "Iterator[tuple[_LoadedContacts, Any, Any]]":
+        """Contacts of each ring with the rolling and sliding speed of their slices."""
+        for contacts, rolling, sliding in (
+            (self.inner, speeds.inner_rolling, speeds.inner_sliding),
+            (self.outer, speeds.outer_rolling, speeds.outer_sliding),
+        ):
+            if rolling.ndim:
+                rolling, sliding = rolling[contacts.owner], sliding[contacts.owner]
+            yield contacts, rolling, sliding
+
+    def curve(self, slip: Array) -> Array:
+        """Effective friction of both rings, (2, n)."""
+        return np.array(
+            [
+                [contacts.mean(contacts.friction(u, V)) for contacts, u, V in self._with(self.speeds(float(s)))]
+                for s in slip
+            ]
+        ).T
+
+    def critical(self, slip: Array, friction: Array) -> tuple[Critical, Critical]:
+        """Critical cage slip of both rings, on the continuous curve."""
+
+        def of(ring: int) -> Critical:
+            return locate(lambda s: float(self.curve(np.array([s]))[ring, 0]), slip, friction[ring], "max_cage_slip")
+
+        return of(0), of(1)
+
+    def slices_error(self, slip: Array, friction: Array) -> float:
+        """Relative error that the slices leave: what half as many change; the contacts' ends leave no order to use."""
+        if self.assembly.slices == 1:
+            return 0.0
+        assembly = self.assembly.coarser()
+        loads = assembly.load_distribution(self.distribution.psi.shape[0])
+        return _moved(_LoadedRaceways(assembly, loads, self.closure).curve(slip), friction)
+
+    def details(self, slip: Array) -> dict[str, Array]:
+        """What goes with the curve, and in which regimes the contacts run over all of it."""
+        n = slip.size
+        names = ("roller_slip", "sliding_speed", "rolling_speed", "film_parameter")
+        out = {name: np.full((2, n), np.nan) for name in names}
+        share, light, largest = np.zeros((2, 4)), np.zeros(2), np.zeros(2)
+        epicyclic_spin = self.assembly.kinematics.epicyclic_roller_speed
+        for k, s in enumerate(slip):
+            speeds = self.speeds(float(s))
+            for i, (contacts, u, V) in enumerate(self._with(speeds)):
+                contacts.friction(u, V)
+                slices = contacts.slices
+                spin = speeds.roller_speed[contacts.owner] if speeds.roller_speed.ndim else speeds.roller_speed
+                out["roller_slip"][i, k] = contacts.mean(1.0 - spin / epicyclic_spin + 0.0 * slices.load)
+                out["sliding_speed"][i, k] = contacts.mean(slices.sliding_speed)
+                out["rolling_speed"][i, k] = contacts.mean(slices.rolling_speed)
+                out["film_parameter"][i, k] = slices.film_thickness.min() / contacts.raceway.conditions.roughness
+                code = film_by_regime(*groups(slices))[1].astype(int)
+                share[i] += np.bincount(code, weights=contacts.force, minlength=4) / (contacts.total * n)
+                M = moes_groups(slices)[0]
+                largest[i] = max(largest[i], M.max())
+                light[i] += contacts.force[M < LIGHT].sum() / (contacts.total * n)
+        return out | {"regime_share": share, "load_parameter": largest, "light_share": light}
+
+    def per_roller(self, slip: Array) -> Array:
+        """Friction coefficient of every roller at the first instant, (2, Z, n), NaN without load."""
+        rollers = self.distribution.psi.shape[1]
+        out = np.full((2, rollers, slip.size), np.nan)
+        for k, s in enumerate(slip):
+            for i, (contacts, u, V) in enumerate(self._with(self.speeds(float(s)))):
+                pull = contacts.per_roller(contacts.friction(u, V) * contacts.force)[:rollers]
+                force = contacts.per_roller(contacts.force)[:rollers]
+                out[i, force > 0.0, k] = pull[force > 0.0] / force[force > 0.0]
+        return out
+
+    def map(self, largest: float, points: int) -> tuple[Array, Array, Array]:
+        """Effective friction of both rings over cage slip and roller slip, which is taken both ways from epicyclic."""
+        kinematics = self.assembly.kinematics
+        cage = slip_grid(largest, points)
+        half = slip_grid(float(kinematics.roller_slip_outer_rolling(largest)), points)
+        roller = np.concatenate((-half[:0:-1], half))
+        surface = np.empty((2, cage.size, roller.size))
+        for j, c in enumerate(cage):
+            for k, r in enumerate(roller):
+                speeds = kinematics.surface_speeds(c, r)
+                for i, (contacts, u, V) in enumerate(self._with(speeds)):
+                    surface[i, j, k] = contacts.mean(contacts.friction(u, V))
+        return cage, roller, surface
+
+
+def _about(unit: str, long_name: str) -> dict[str, str]:
+    return {"units": unit, "long_name": long_name}
+
+
+def _moved(before: Array, after: Array) -> float:
+    """Largest change of a curve, relative to its largest value; rings without friction do not move."""
+    scale = np.abs(after).max(axis=1, keepdims=True)
+    return float((np.abs(after - before) / np.where(scale > 0.0, scale, 1.0)).max())
+
+
+def _critical_moved(before: Critical, after: Critical) -> float:
+    if np.isnan(before.slip) != np.isnan(after.slip):
+        return np.inf
+    return 0.0 if np.isnan(after.slip) else abs(after.slip / before.slip - 1.0)

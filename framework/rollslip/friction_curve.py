@@ -1,0 +1,153 @@
+"""Study friction-curve: friction of one contact against its slide-roll ratio, for given normal forces."""
+
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import numpy as np
+
+from rollslip.assembly import Array, Assembly, Raceway
+from rollslip.critical import locate
+from rollslip.fields import at_least, one_of, parameter, positive
+from rollslip.regimes import NAMES, film_by_regime, groups, moes_groups
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@attrs.frozen(kw_only=True)
+class FrictionCurve:
+    """Settings of the study."""
+
+    normal_force: tuple[float, ...] = parameter(
+        default=(300.0,),
+        unit="N",
+        doc="normal forces of the contact",
+        validator=attrs.validators.deep_iterable(positive),
+    )
+    ring: str = parameter(default="inner", doc="ring of the contact", validator=one_of("inner", "outer"))
+    max_slip: float = parameter(default=0.3, unit="1", doc="largest slide-roll ratio V/u", validator=positive)
+    points: int = parameter(default=201, doc="points of the curve, denser towards zero", validator=at_least(5))
+
+    def evaluations(self, assembly: Assembly) -> int:
+        """Return about how many slices the study will evaluate."""
+        return len(self.normal_force) * self.points * assembly.slices
+
+    def run(self, assembly: Assembly) -> "xr.Dataset":
+        """Return the curves.
+
+        The contact rolls at the entrainment speed of the bearing without slip and is loaded evenly but for the
+        roller's profile; film, pressure and regime are those of its most loaded slice.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions (normal_force, slip): friction, film_thickness, film_parameter, regime; per normal force
+            half_width, pressure, critical_slip with critical_friction and critical_status.
+        """
+        import xarray as xr
+
+        raceway = assembly.inner if self.ring == "inner" else assembly.outer
+        speeds = assembly.kinematics.surface_speeds(0.0, 0.0)
+        u = float(speeds.inner_rolling if self.ring == "inner" else speeds.outer_rolling)
+        slip = slip_grid(self.max_slip, self.points)
+        forces = np.array(self.normal_force)
+        rows = [_curve(assembly, raceway, load, u, slip) for load in _loads(assembly, raceway, forces)]
+
+        def stacked(name: str) -> Array:
+            return np.stack([row[name] for row in rows])
+
+        critical = [row["critical"] for row in rows]
+        both, force = ("normal_force", "slip"), ("normal_force",)
+        return xr.Dataset(
+            {
+                "friction": (both, stacked("friction"), _about("1", "friction coefficient")),
+                "film_thickness": (
+                    both,
+                    stacked("film_thickness"),
+                    _about("m", f"film thickness, {assembly.film.location}"),
+                ),
+                "film_parameter": (both, stacked("film_parameter"), _about("1", "film parameter Lambda")),
+                "regime": (
+                    both,
+                    stacked("regime"),
+                    _about("1", "film regime") | {"flag_values": [0, 1, 2, 3], "flag_meanings": " ".join(NAMES)},
+                ),
+                "half_width": (force, stacked("half_width"), _about("m", "Hertz half width")),
+                "pressure": (force, stacked("pressure"), _about("Pa", "mean Hertz pressure")),
+                "load_parameter": (force, stacked("M"), _about("1", "Moes load parameter M")),
+                "lubricant_parameter": (force, stacked("L"), _about("1", "Moes lubricant parameter L")),
+                "critical_slip": (
+                    force,
+                    np.array([c.slip for c in critical]),
+                    _about("1", "slide-roll ratio of the largest friction"),
+                ),
+                "critical_friction": (
+                    force,
+                    np.array([c.friction for c in critical]),
+                    _about("1", "largest friction coefficient"),
+                ),
+                "critical_status": (
+                    force,
+                    np.array([c.status for c in critical]),
+                    _about("1", "what was found of the critical slip"),
+                ),
+            },
+            coords={
+                "normal_force": ("normal_force", forces, _about("N", "normal force of the contact")),
+                "slip": ("slip", slip, _about("1", "slide-roll ratio V/u")),
+            },
+            attrs={"study": "friction-curve", "ring": self.ring, "rolling_speed": u},
+        )
+
+
+def slip_grid(largest: float, points: int) -> Array:
+    """Return slips from 0 to the largest, quadratically denser towards 0, where friction rises steeply."""
+    return np.asarray(largest * np.linspace(0.0, 1.0, points) ** 2)
+
+
+def _about(unit: str, long_name: str) -> dict[str, Any]:
+    return {"units": unit, "long_name": long_name}
+
+
+def _loads(assembly: Assembly, raceway: Raceway, forces: Array) -> list[Array]:
+    """Loads per length of the loaded slices [N/m] of an aligned contact, for each normal force."""
+    if assembly.slices == 1:
+        return [np.array([force / assembly.scene.bearing.roller_length]) for force in forces]
+    from scipy.optimize import brentq
+
+    def load(approach: float) -> Array:
+        return assembly.deflect(approach - assembly.drop, raceway.ring)[0]
+
+    def excess(approach: float, force: float) -> float:
+        return float(load(approach).sum()) * assembly.slice_width - force
+
+    rows = []
+    for force in forces:
+        upper = 1e-6
+        while excess(upper, force) < 0.0:
+            upper *= 2.0
+        row = load(brentq(excess, 0.0, upper, args=(force,), xtol=1e-18, rtol=1e-14))
+        rows.append(row[row > 0.0])
+    return rows
+
+
+def _curve(assembly: Assembly, raceway: Raceway, load: Array, u: float, slip: Array) -> dict[str, Any]:
+    def friction_at(slips: Array) -> tuple[Any, Array]:
+        slices = raceway.evaluate(np.tile(load, slips.size), u, np.repeat(slips, load.size) * u)
+        weighted = (slices.friction * slices.load).reshape(slips.size, load.size)
+        return slices, weighted.sum(axis=1) / load.sum()
+
+    slices, friction = friction_at(slip)
+    most = int(np.argmax(load)) + load.size * np.arange(slip.size)
+    M, L = moes_groups(slices)
+    return {
+        "friction": friction,
+        "film_thickness": slices.film_thickness[most],
+        "film_parameter": slices.film_thickness[most] / raceway.conditions.roughness,
+        "regime": film_by_regime(*groups(slices))[1][most].astype(np.int8),
+        "half_width": slices.half_width[most[0]],
+        "pressure": slices.pressure[most[0]],
+        "M": M[most[0]],
+        "L": L[most[0]],
+        "critical": locate(lambda s: float(friction_at(np.array([s]))[1][0]), slip, friction, "max_slip"),
+    }

@@ -1,0 +1,1 @@
+"""The shipped scenes; ``rollslip run NAME`` finds them by name."""
