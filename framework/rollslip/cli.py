@@ -1,0 +1,248 @@
+"""The command line: reads options, calls the library, prints, and turns errors into one sentence and an exit code.
+
+Nothing heavy is imported before a command needs it, so that ``--help`` answers at once.
+"""
+
+import json
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import click
+
+from rollslip.errors import ConvergenceError, PluginError, RollslipError
+
+if TYPE_CHECKING:
+    from rollslip.scene import Scene
+
+#: What the shell sees.
+OK, BAD_SCENE, NOT_CONVERGED, BAD_PLUGIN, INTERRUPTED = 0, 2, 3, 5, 130
+
+_json = click.option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")
+_set = click.option(
+    "--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value of the scene; may be repeated."
+)
+_study = click.option("--study", metavar="STUDY", help="Only this study.")
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="rollslip")
+def cli() -> None:
+    """Slip of rollers and cage in cylindrical roller bearings."""
+
+
+@cli.command()
+@click.argument("scene")
+@_study
+@_set
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for the results, new or empty.")
+@click.option("--overwrite", is_flag=True, help="Replace what is in the folder.")
+@click.option("--report", is_flag=True, help="Write a report in HTML too.")
+@click.option("--no-plots", is_flag=True, help="Write data only.")
+@_json
+def run(
+    scene: str,
+    study: str | None,
+    changes: Sequence[str],
+    out: Path | None,
+    overwrite: bool,
+    report: bool,
+    no_plots: bool,
+    as_json: bool,
+) -> None:
+    """Run the studies of SCENE, a shipped scene or a file, and write results, plots and on request a report."""
+    from rollslip import console
+    from rollslip.execution import execute
+    from rollslip.planning import plan
+    from rollslip.result import save, whole
+
+    made = plan(_scene(scene, changes), study)
+    if not as_json:
+        click.echo(console.headline(made))
+    target = out if out is not None else _free_folder(f"{Path(scene).stem}-results")
+    datasets = {}
+    with whole(target, overwrite=overwrite) as folder:
+        for name in made.studies:
+            with _progress(name):
+                datasets[name] = execute(made, name)
+            save(datasets[name], folder / f"{name}.nc")
+        figures: dict[str, list[Path]] = {name: [] for name in datasets}
+        if report or not no_plots:
+            from rollslip.plots import plot
+
+            with _progress("plots"):
+                figures = {name: plot(dataset, folder) for name, dataset in datasets.items()}
+        if report:
+            from rollslip.report import write_report
+
+            write_report(datasets, figures, folder / "report.html")
+        files = sorted(path.name for path in folder.iterdir())
+    if as_json:
+        _print_json(console.run_as_dict(made, datasets, target, files))
+        return
+    for dataset in datasets.values():
+        click.echo(console.findings(dataset))
+    for warning in dict.fromkeys(w for dataset in datasets.values() for w in json.loads(dataset.attrs["warnings"])):
+        click.echo(f"warning: {warning}", err=True)
+    click.echo(f"written to {target}: {', '.join(files)}")
+
+
+@cli.command()
+@click.argument("scene")
+@_study
+@_set
+@_json
+def plan(scene: str, study: str | None, changes: Sequence[str], as_json: bool) -> None:
+    """Print what will be modelled of SCENE, what is left out, and why."""
+    from rollslip import console
+    from rollslip.planning import plan
+
+    made = plan(_scene(scene, changes), study)
+    if as_json:
+        _print_json(made.as_dict())
+    else:
+        click.echo(console.headline(made))
+        console.print_plan(made)
+
+
+@cli.command()
+@click.argument("what", required=False, metavar="[KIND|NAME]")
+@_json
+def models(what: str | None, as_json: bool) -> None:
+    """List all models, those of one KIND, or show everything about the model called NAME."""
+    from rollslip import console
+
+    if as_json:
+        _print_json(console.models_as_dict(what))
+    else:
+        console.print_models(what)
+
+
+@cli.command()
+@click.argument("target", required=False, metavar="[SCENE|RESULT.nc]")
+@_set
+@_json
+def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
+    """Show what follows from a SCENE without running it, what a RESULT holds, or this installation."""
+    from rollslip import console
+
+    if target is None:
+        rows = console.installation()
+    elif target.endswith(".nc"):
+        if changes:
+            raise click.UsageError("--set changes a scene; a result cannot be changed")
+        rows = console.result_info(Path(target))
+    else:
+        rows = console.scene_info(_scene(target, changes))
+    if as_json:
+        _print_json({section: dict(values) for section, values in rows.items()})
+    else:
+        console.print_sections(rows)
+
+
+@cli.command()
+@_json
+def schema(as_json: bool) -> None:
+    """List every key of a scene with unit, default and meaning."""
+    from rollslip import console
+    from rollslip.reading import schema
+
+    rows = schema()
+    if as_json:
+        _print_json([row._asdict() for row in rows])
+    else:
+        console.print_table(("key", "unit", "default", "meaning"), [tuple(map(str, row)) for row in rows])
+
+
+@cli.command()
+@click.argument("results", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", default="report.html", show_default=True, type=click.Path(path_type=Path), help="File.")
+@click.option("--overwrite", is_flag=True, help="Replace the file.")
+def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
+    """Write one HTML report from stored RESULTS (.nc files)."""
+    import tempfile
+
+    from rollslip.errors import OutputError
+    from rollslip.plots import plot
+    from rollslip.report import write_report
+    from rollslip.result import open_result, whole_file
+
+    if out.exists() and not overwrite:
+        raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
+    datasets = {}
+    for path in results:
+        dataset = open_result(path)
+        datasets[dataset.attrs["study"] if dataset.attrs["study"] not in datasets else str(path)] = dataset
+    with tempfile.TemporaryDirectory() as folder, whole_file(out) as partial:
+        figures = {}
+        for k, (name, dataset) in enumerate(datasets.items()):
+            place = Path(folder) / str(k)
+            place.mkdir()
+            figures[name] = plot(dataset, place)
+        write_report(datasets, figures, partial)
+    click.echo(f"written to {out}")
+
+
+def _scene(name: str, changes: Sequence[str]) -> "Scene":
+    from rollslip.reading import evolve, load_scene, parse_set
+
+    scene = load_scene(name)
+    return evolve(scene, dict(map(parse_set, changes))) if changes else scene
+
+
+def _free_folder(name: str) -> Path:
+    """First of NAME, NAME-2, NAME-3 ... that does not exist, so that no run touches another's results."""
+    path, count = Path(name), 1
+    while path.exists():
+        count += 1
+        path = Path(f"{name}-{count}")
+    return path
+
+
+@contextmanager
+def _progress(what: str) -> Iterator[None]:
+    """Show on a terminal what is going on."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(what):
+        yield
+
+
+def _print_json(value: object) -> None:
+    click.echo(json.dumps(value, indent=2, allow_nan=False))
+
+
+def _terminated(*_: object) -> NoReturn:
+    raise SystemExit(128 + signal.SIGTERM)
+
+
+def main(arguments: Sequence[str] | None = None) -> Any:
+    """Run the command line and leave with its exit code."""
+    signal.signal(signal.SIGTERM, _terminated)  # so that half-written results are removed
+    try:
+        cli.main(args=arguments, standalone_mode=False, prog_name="rollslip")
+    except (KeyboardInterrupt, click.Abort):
+        click.echo("interrupted; nothing was left behind", err=True)
+        sys.exit(INTERRUPTED)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except RollslipError as error:
+        click.echo(str(error), err=True)
+        sys.exit(
+            BAD_PLUGIN
+            if isinstance(error, PluginError)
+            else NOT_CONVERGED
+            if isinstance(error, ConvergenceError)
+            else BAD_SCENE
+        )
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader of our output has left; there is nobody to tell
+        sys.exit(OK)
+    sys.exit(OK)

@@ -1,0 +1,396 @@
+"""How plans, results, scenes and models read on a terminal and in JSON."""
+
+import importlib.metadata
+import json
+import math
+import platform
+import shutil
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import click
+
+from rollslip.errors import PluginError
+from rollslip.registry import KINDS, Offer, available, catalogue, find, get_class
+from rollslip.scene import Scene, scene_hash
+from rollslip.units import format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rollslip.planning import Plan
+
+Sections = dict[str, list[tuple[str, str]]]
+
+
+def headline(plan: "Plan") -> str:
+    """Return the first line of every run: version, scene and hash, models with their packages."""
+    models = ", ".join(
+        f"{kind} {model.name} ({find(kind, model.name).package} {find(kind, model.name).version})"
+        for kind, model in plan.assembly.models.items()
+    )
+    version = importlib.metadata.version("rollslip")
+    return f"rollslip {version} | {plan.scene.source} {scene_hash(plan.scene)[:12]} | {models}"
+
+
+def findings(dataset: "xr.Dataset") -> str:
+    """Return what a study found, in a few lines."""
+    lines = [f"{dataset.attrs['study']}:"]
+    for name, row in _critical_rows(dataset):
+        found = (
+            f"critical slip {row['critical_slip']:.2%}, largest friction {row['critical_friction']:.4g}"
+            if row["critical_slip"] is not None
+            else row["status"]
+        )
+        lines.append(f"  {name}: {found}")
+    if "instants" in dataset.attrs:
+        lines.append(
+            f"  {dataset.attrs['instants']} instants of a pitch and {dataset.attrs['slices']} slices of a roller leave "
+            f"relative errors of about {dataset.attrs['instants_error']:.1e} and {dataset.attrs['slices_error']:.1e}; "
+            f"residual of the forces {dataset.attrs['force_residual']:.1e}"
+        )
+    return "\n".join(lines)
+
+
+def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]", target: Path, files: list[str]) -> dict[str, Any]:
+    """Return what a run did, as plain values; a value without meaning is null, with its status beside it."""
+    return {
+        "rollslip": importlib.metadata.version("rollslip"),
+        "scene": plan.scene.source,
+        "scene_hash": scene_hash(plan.scene),
+        "models": {kind: model.name for kind, model in plan.assembly.models.items()},
+        "studies": {
+            name: {
+                "results": dict(_critical_rows(dataset)),
+                "warnings": json.loads(dataset.attrs["warnings"]),
+                "evaluations": int(dataset.attrs["evaluations"]),
+                "wall_time": float(dataset.attrs["wall_time"]),
+            }
+            for name, dataset in datasets.items()
+        },
+        "folder": str(target),
+        "files": files,
+    }
+
+
+def _critical_rows(dataset: "xr.Dataset") -> Iterable[tuple[str, dict[str, Any]]]:
+    """Critical slip, its friction and its status of each ring or normal force."""
+    if dataset.attrs["study"] == "effective-friction":
+        names, slip = [f"{ring} ring" for ring in dataset["ring"].to_numpy()], dataset["critical_cage_slip"]
+    else:
+        names, slip = [format_quantity(float(q), "N") for q in dataset["normal_force"]], dataset["critical_slip"]
+    for k, name in enumerate(names):
+        yield (
+            name,
+            {
+                "critical_slip": _or_none(slip[k]),
+                "critical_friction": _or_none(dataset["critical_friction"][k]),
+                "status": str(dataset["critical_status"].to_numpy()[k]),
+            },
+        )
+
+
+def _or_none(value: Any) -> float | None:
+    number = float(value)
+    return None if math.isnan(number) else number
+
+
+def print_plan(plan: "Plan") -> None:
+    """Print the plan as a table, with its size and cost."""
+    print_table(
+        ("part", "", "choice", "resolution", "reason"),
+        [(p.part, "in" if p.included else "out", p.choice, p.resolution, p.reason) for p in plan.parts],
+    )
+    click.echo(
+        f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; "
+        f"about {plan.evaluations} slices to evaluate, {plan.seconds:.2g} s in the kernels"
+    )
+
+
+def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table as wide as the terminal, or 120 columns where there is none."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(*header, box=box.SIMPLE_HEAD, pad_edge=False)
+    for row in rows:
+        table.add_row(*(cell.replace("[", "\\[") for cell in row))
+    Console(width=shutil.get_terminal_size((120, 24)).columns, highlight=False).print(table)
+
+
+def print_sections(sections: Sections) -> None:
+    """Print named groups of name and value."""
+    for title, rows in sections.items():
+        click.echo(title)
+        width = max((len(name) for name, _ in rows), default=0)
+        for name, value in rows:
+            click.echo(f"  {name:<{width}}  {value}")
+
+
+# Models -------------------------------------------------------------------------------------------------------------
+
+
+def print_models(what: str | None) -> None:
+    """Print all names, the models of a kind, or all about one name.
+
+    Raises
+    ------
+    PluginError
+        If nothing is called so.
+    """
+    if what is None:
+        for kind in KINDS:
+            names = ", ".join(available(kind)) or "none installed"
+            click.echo(f"{kind:<11} {names}")
+        unusable = [offer for offer in catalogue() if offer.state != "ok"]
+        for offer in unusable:
+            click.echo(
+                f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}", err=True
+            )
+        click.echo("'rollslip models NAME' shows equation, parameters, domain and references of one")
+    elif what in KINDS:
+        print_table(("name", "package", "what it is"), [_summary(offer) for offer in available(what).values()])
+    else:
+        for kind in _kinds_of(what):
+            _print_model(kind, what)
+
+
+def models_as_dict(what: str | None) -> Any:
+    """Return what ``print_models`` prints, as plain values."""
+    if what is None:
+        return [attrs.asdict(offer) for offer in catalogue()]
+    if what in KINDS:
+        return {name: _model_as_dict(what, name) for name in available(what)}
+    return {kind: _model_as_dict(kind, what) for kind in _kinds_of(what)}
+
+
+def _kinds_of(name: str) -> list[str]:
+    kinds = [kind for kind in KINDS if name in available(kind)]
+    if not kinds:
+        from rollslip.reading import nearest
+
+        near = nearest(name, [*KINDS, *(offer.name for offer in catalogue())], cutoff=0.4)
+        hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip models' lists them"
+        raise PluginError(f"no model and no kind is called {name!r}; {hint}")
+    return kinds
+
+
+def _summary(offer: Offer) -> tuple[str, str, str]:
+    try:
+        thing = get_class(offer.kind, offer.name)
+    except PluginError as error:
+        return offer.name, offer.package, f"broken: {error}"
+    text = thing.description if offer.kind == "lubricant" else _doc(thing)[0]
+    return offer.name, f"{offer.package} {offer.version}", text
+
+
+def _doc(cls: type) -> list[str]:
+    import inspect
+
+    return (inspect.getdoc(cls) or "").splitlines() or [""]
+
+
+def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
+    from rollslip_kernels.slices import COLUMNS, CONDITIONS
+
+    offer, thing = find(kind, name), get_class(kind, name)
+    about: dict[str, Any] = {"kind": kind, "name": name, "package": offer.package, "version": offer.version}
+    if kind == "lubricant":
+        return about | {
+            "description": thing.description,
+            "source": thing.source,
+            "references": list(thing.references),
+            "range": [
+                format_quantity(thing.minimum_temperature, "K"),
+                format_quantity(thing.maximum_temperature, "K"),
+            ],
+        }
+    members = {**CONDITIONS, **COLUMNS}
+    parameters = [
+        {
+            "name": a.name,
+            "unit": a.metadata.get("unit") or "",
+            "default": _default(a),
+            "meaning": a.metadata.get("doc", ""),
+        }
+        for a in attrs.fields(thing)
+    ]
+    about |= {
+        "description": "\n".join(_doc(thing)),
+        "equation": thing.equation,
+        "parameters": parameters,
+        "references": list(thing.references),
+    }
+    if kind not in ("contact", "film", "traction"):
+        return about
+    model = thing() if all(a.default is not attrs.NOTHING for a in attrs.fields(thing)) else thing
+    if kind == "film":
+        about |= {"returns": f"{model.location} film thickness", "regime": model.regime}
+    return about | {
+        "reads": [
+            {"name": m, "unit": members[m][0], "meaning": members[m][1], "domain": _interval(model.domain.get(m))}
+            for m in sorted(model.reads)
+        ],
+        "writes": sorted(model.writes),
+        "compiled": model.kernel() is not None,
+    }
+
+
+def _default(attribute: "attrs.Attribute[Any]") -> str:
+    default: Any = attribute.default
+    if default is attrs.NOTHING:
+        return "required"
+    if "kind" in attribute.metadata:
+        return str(default.factory().name)
+    unit = attribute.metadata.get("unit")
+    return format_quantity(default, unit) if unit not in (None, "1") else str(default)
+
+
+def _interval(limits: tuple[float, float] | None) -> str:
+    if limits is None:
+        return ""
+    low, high = limits
+    lower = "> 0" if 0 < low < 1e-300 else "" if low < -1e300 else f">= {low:g}"
+    upper = "" if high > 1e300 else f"<= {high:g}"
+    return " and ".join(filter(None, (lower, upper))) or "finite"
+
+
+def _print_model(kind: str, name: str) -> None:
+    about = _model_as_dict(kind, name)
+    click.echo(f"{name} ({kind}, {about['package']} {about['version']})\n")
+    click.echo(about["description"] + "\n")
+    if "equation" in about:
+        click.echo(f"equation    {about['equation']}\n")
+    for key in ("returns", "regime", "range", "source"):
+        if key in about:
+            value = about[key] if isinstance(about[key], str) else " to ".join(about[key])
+            click.echo(f"{key:<11} {value}")
+    if about.get("parameters"):
+        click.echo("parameters")
+        print_table(
+            ("name", "unit", "default", "meaning"),
+            [(p["name"], p["unit"], p["default"], p["meaning"]) for p in about["parameters"]],
+        )
+    elif "parameters" in about:
+        click.echo("parameters  none of its own")
+    if "reads" in about:
+        click.echo("reads from scene, lubricant and the stages before it; its domain")
+        print_table(
+            ("name", "unit", "domain", "meaning"),
+            [(r["name"], r["unit"], r["domain"], r["meaning"]) for r in about["reads"]],
+        )
+    click.echo("references")
+    for text in about["references"]:
+        click.echo(f"  {text}")
+
+
+# Info ---------------------------------------------------------------------------------------------------------------
+
+
+def installation() -> Sections:
+    """Return versions and places."""
+    packages = ("rollslip", "numpy", "scipy", "xarray", "h5netcdf", "matplotlib")
+    return {
+        "installation": [
+            *((name, importlib.metadata.version(name)) for name in packages),
+            ("python", sys.version.split()[0]),
+            ("machine", f"{platform.system()} {platform.machine()}"),
+            ("models", ", ".join(f"{len(available(kind))} {kind}" for kind in KINDS)),
+        ]
+    }
+
+
+def result_info(path: Path) -> Sections:
+    """Return what a stored result holds and where it comes from.
+
+    Raises
+    ------
+    OutputError
+        If the file is not a result.
+    """
+    from rollslip.result import open_result
+
+    dataset = open_result(path)
+    a = dataset.attrs
+    return {
+        "result": [
+            ("study", a["study"]),
+            ("scene", f"{a['source']} {a['scene_hash'][:12]}"),
+            ("created", a["created"]),
+            ("dimensions", ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())),
+            ("variables", ", ".join(map(str, dataset.data_vars))),
+            ("evaluations", f"{a['evaluations']} slices in {a['wall_time']:.2g} s"),
+            *(
+                (name, f"critical slip {row['critical_slip']:.2%}" if row["critical_slip"] else row["status"])
+                for name, row in _critical_rows(dataset)
+            ),
+        ],
+        "packages": list(json.loads(a["packages"]).items()),
+        "warnings": [("", text) for text in json.loads(a["warnings"])],
+    }
+
+
+def scene_info(scene: Scene) -> Sections:
+    """Return what follows from a scene: kinematics, oil at temperature, load distribution, the heaviest contact's film.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If the scene or a model it names cannot be used.
+    """
+    import numpy as np
+
+    from rollslip.assembly import assemble
+    from rollslip.regimes import LONG_NAMES, NAMES, film_by_regime, groups, moes_groups
+
+    assembly = assemble(scene)
+    k, loads = assembly.kinematics, assembly.load_distribution()
+    speeds = k.surface_speeds(0.0, 0.0)
+    sections: Sections = {
+        "bearing": [
+            ("radial clearance", format_quantity(scene.bearing.radial_clearance, "m")),
+            ("roller mass", format_quantity(assembly.roller_mass, "kg")),
+            ("epicyclic cage speed", format_quantity(k.epicyclic_cage_speed, "rad/s")),
+            ("epicyclic roller spin", format_quantity(k.epicyclic_roller_speed, "rad/s")),
+            ("centrifugal force of a roller", format_quantity(assembly.centrifugal_force, "N", 4)),
+        ],
+        "load distribution": [
+            ("rollers loaded by the inner ring", str(int(np.count_nonzero(loads.inner_force[0])))),
+            ("largest force, inner ring", format_quantity(float(loads.inner_force.max()), "N", 4)),
+            ("largest force, outer ring", format_quantity(float(loads.outer_force.max()), "N", 4)),
+            ("relative residual", f"{loads.force_residual:.1e} force, {loads.moment_residual:.1e} moment"),
+        ],
+    }
+    for raceway, u, load in zip(
+        assembly.raceways,
+        (speeds.inner_rolling, speeds.outer_rolling),
+        (loads.inner_load, loads.outer_load),
+        strict=True,
+    ):
+        c = raceway.conditions
+        rows = [
+            ("equivalent radius", format_quantity(c.radius, "m")),
+            ("rolling speed without slip", format_quantity(float(u), "m/s", 4)),
+            ("oil", f"{assembly.lubricant.name} at {format_quantity(c.temperature, 'K')}"),
+            ("viscosity", f"{1e3 * c.viscosity:.4g} mPa s"),
+            ("pressure-viscosity coefficient", f"{1e9 * c.pressure_viscosity:.4g} 1/GPa"),
+            ("composite roughness", format_quantity(c.roughness, "m", 4)),
+        ]
+        if load.max() > 0.0:
+            slices = raceway.evaluate(np.array([load.max()]), u, 0.0)
+            M, L = moes_groups(slices)
+            code = int(film_by_regime(*groups(slices))[1][0])
+            rows += [
+                ("heaviest contact: mean pressure", format_quantity(float(slices.pressure[0]), "Pa", 4)),
+                ("  half width", format_quantity(float(slices.half_width[0]), "m", 4)),
+                (f"  film ({assembly.film.location})", format_quantity(float(slices.film_thickness[0]), "m", 4)),
+                ("  film parameter", f"{slices.film_thickness[0] / c.roughness:.3g}"),
+                ("  Moes M, L", f"{M[0]:.3g}, {L[0]:.3g}"),
+                ("  film regime", LONG_NAMES[NAMES[code]]),
+            ]
+        sections[f"{raceway.ring} raceway"] = rows
+    return sections

@@ -1,0 +1,187 @@
+"""Results: what a dataset must say about its origin, and files that hold it without loss.
+
+- A result is an xarray Dataset; its attributes make it reproducible: the scene verbatim and resolved, its hash, the
+  packages and models used, numbers of evaluations, wall time, warnings and citations.
+- Attributes that are structures are JSON text, because netCDF has no other form that every reader keeps.
+- A file appears whole or not at all: it is written beside its place and moved there.
+"""
+
+import datetime
+import importlib.metadata
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from rollslip.errors import OutputError
+from rollslip.planning import Plan
+from rollslip.registry import find
+from rollslip.scene import resolved, scene_hash
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Attributes that may differ between two runs of the same scene.
+VOLATILE = ("created", "wall_time")
+
+
+def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:
+    """Return the attributes that say where a result comes from.
+
+    Parameters
+    ----------
+    plan : Plan
+        What was run.
+    warnings : list of str
+        What a reader of the result has to know.
+    evaluations : int
+        Slices evaluated.
+    wall_time : float
+        [s].
+    """
+    scene, models = plan.scene, plan.assembly.models
+    offers = {kind: find(kind, model.name) for kind, model in models.items()}
+    lubricant = plan.assembly.lubricant
+    used = {offer.package: offer.version for offer in offers.values()}
+    used |= {name: importlib.metadata.version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
+    citations = [CITATION] + [text for model in models.values() for text in model.references]
+    citations += [text for text in lubricant.references if text not in citations]
+    return {
+        "title": scene.title,
+        "description": scene.description,
+        "source": scene.source,
+        "scene": scene.text,
+        "scene_resolved": json.dumps(resolved(scene)),
+        "scene_hash": scene_hash(scene),
+        "packages": json.dumps(dict(sorted(used.items())) | {"python": sys.version.split()[0]}),
+        "models": json.dumps(
+            [
+                {
+                    "kind": kind,
+                    "name": model.name,
+                    "package": offers[kind].package,
+                    "version": offers[kind].version,
+                    "equation": model.equation,
+                    "references": list(model.references),
+                    "parameters": repr(model),
+                }
+                for kind, model in models.items()
+            ]
+        ),
+        "lubricant": json.dumps({"name": lubricant.name, "source": lubricant.source}),
+        "conditions": json.dumps({r.ring: attrs.asdict(r.conditions) for r in plan.assembly.raceways}),
+        "plan": json.dumps([attrs.asdict(part) for part in plan.parts]),
+        "warnings": json.dumps(warnings),
+        "citations": json.dumps(list(dict.fromkeys(citations))),
+        "evaluations": evaluations,
+        "wall_time": wall_time,
+        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+    }
+
+
+CITATION = (
+    "Klebanov Ya.M., Polyakov K.A., Petrov N.I., Pankratova I.V. Slip in roller bearings under hydrodynamic contact "
+    "friction. J. Frict. Wear 43, 2022. doi:10.3103/S1068366622010068"
+)
+
+
+@contextmanager
+def whole(target: Path, *, overwrite: bool = False) -> Iterator[Path]:
+    """Give a new empty folder that becomes ``target`` when the block ends well, and vanishes when it does not.
+
+    Raises
+    ------
+    OutputError
+        If the target exists and holds something, or cannot be written.
+    """
+    import shutil
+
+    try:
+        if target.exists() and not (target.is_dir() and (overwrite or not any(target.iterdir()))):
+            what = "is not a folder" if not target.is_dir() else "exists and holds files"
+            remedy = "name another --out" + (", or --overwrite it" if target.is_dir() else "")
+            raise OutputError(f"{target}: {what}; {remedy}")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        partial = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written ({error.strerror}); name another --out") from error
+    try:
+        yield partial
+        partial.chmod(0o777 & ~_umask())
+        if target.exists():
+            old = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
+            os.replace(target, old)  # an empty folder may be replaced by a folder
+            os.replace(partial, target)
+            shutil.rmtree(old)
+        else:
+            os.replace(partial, target)
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written ({error.strerror or error}); nothing was left there") from error
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+@contextmanager
+def whole_file(target: Path) -> Iterator[Path]:
+    """Give the place of a new file that becomes ``target`` when the block ends well, and vanishes when it does not.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    partial = target.with_name(f".{target.name}.partial")
+    try:
+        yield partial
+        os.replace(partial, target)
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written ({error.strerror or error})") from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def save(dataset: "xr.Dataset", path: Path) -> None:
+    """Write a dataset as netCDF-4; the file appears whole or not at all.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    with whole_file(path) as partial:
+        dataset.to_netcdf(partial, engine="h5netcdf")
+
+
+def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
+    """Return a stored result; it is read whole, and the file is closed.
+
+    Raises
+    ------
+    OutputError
+        If the file does not exist or is not a result of rollslip.
+    """
+    import xarray as xr
+
+    path = Path(path)
+    if not path.is_file():
+        raise OutputError(f"{path}: there is no such file")
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as stored:
+            dataset = stored.load()
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{path}: is not a netCDF file that can be read ({error})") from error
+    if "study" not in dataset.attrs or "scene_hash" not in dataset.attrs:
+        raise OutputError(f"{path}: is a netCDF file but not a result of rollslip; it names no study and no scene")
+    return dataset

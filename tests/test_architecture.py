@@ -1,0 +1,136 @@
+"""The layout shows the architecture: imports flow one way, and nothing heavy comes before it is needed."""
+
+import ast
+import graphlib
+import re
+import subprocess
+import sys
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+FOLDERS = {
+    "rollslip_kernels": ROOT / "kernels" / "rollslip_kernels",
+    "rollslip": ROOT / "framework" / "rollslip",
+    "rollslip_plugins": ROOT / "plugins" / "rollslip_plugins",
+}
+#: Who may import whom: kernels <- framework <- plugins.
+ALLOWED = {
+    "rollslip_kernels": {"rollslip_kernels"},
+    "rollslip": {"rollslip_kernels", "rollslip"},
+    "rollslip_plugins": {"rollslip_kernels", "rollslip", "rollslip_plugins"},
+}
+SOURCES = [
+    (package, path)
+    for package, folder in FOLDERS.items()
+    for path in sorted(folder.rglob("*"))
+    if path.suffix in (".py", ".pyi", ".pyx", ".pxd", ".h")
+]
+
+
+def imported(path: Path) -> set[str]:
+    """Return the modules that a file imports, cimports or includes when it is loaded or called."""
+    text = path.read_text()
+    if path.suffix in (".py", ".pyi"):
+        found = set()
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.Import):
+                found |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                assert node.level == 0, f"{path}: imports are written out in full"
+                found.add(node.module)
+        return found
+    if path.suffix == ".h":
+        return set(re.findall(r'#include\s+[<"]([\w./]+)[>"]', text))
+    return {
+        name
+        for pair in re.findall(r"^\s*(?:from\s+([\w.]+)\s+c?import|c?import\s+([\w.]+))", text, re.M)
+        for name in pair
+        if name
+    }
+
+
+@pytest.mark.parametrize(("package", "path"), SOURCES, ids=lambda value: value.name if isinstance(value, Path) else "")
+def test_imports_flow_one_way(package, path):
+    ours = {name.split(".")[0] for name in imported(path)} & set(FOLDERS)
+    assert ours <= ALLOWED[package]
+
+
+def test_every_compiled_kernel_was_looked_at():
+    assert {path.name for _, path in SOURCES if path.suffix == ".pyx"} == {
+        "chain.pyx", "contact.pyx", "film.pyx", "stress.pyx", "traction.pyx",
+    }  # fmt: skip
+    assert "rollslip_kernels.slices" in imported(FOLDERS["rollslip_kernels"] / "chain.pyx")
+
+
+def test_the_header_includes_no_python():
+    assert imported(FOLDERS["rollslip_kernels"] / "include" / "rollslip.h") == {"stddef.h", "stdint.h"}
+
+
+def test_the_framework_has_no_import_circles():
+    graph = {}
+    for path in sorted(FOLDERS["rollslip"].glob("*.py")):
+        text = re.sub(r"^if TYPE_CHECKING:\n(?:    .*\n|\n)+", "", path.read_text(), flags=re.M)
+        graph[path.stem] = {
+            node.module.removeprefix("rollslip.")
+            for node in ast.walk(ast.parse(text))
+            if isinstance(node, ast.ImportFrom) and node.module.startswith("rollslip.")
+        }
+    graph["models"].remove("chain")  # a model's convenience methods evaluate it, when they are called
+    order = list(graphlib.TopologicalSorter(graph).static_order())
+    assert order[-1] == "cli"
+
+
+@pytest.mark.parametrize("command", [["--help"], ["run", "--help"], ["--version"]])
+def test_help_imports_nothing_heavy(command):
+    code = (
+        "import sys\n"
+        "from rollslip.cli import main\n"
+        "try:\n    main(sys.argv[1:])\n"
+        "except SystemExit as leave:\n    assert leave.code == 0\n"
+        "heavy = {'numpy', 'scipy', 'xarray', 'matplotlib', 'h5netcdf', 'rich', 'pluggy'} & set(sys.modules)\n"
+        "assert not heavy, heavy"
+    )
+    done = subprocess.run([sys.executable, "-c", code, *command], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_run_without_plots_loads_neither_matplotlib_nor_an_integrator(tmp_path):
+    code = (
+        "import sys\n"
+        "from rollslip.cli import main\n"
+        "try:\n    main(['run', '1032930-50C', '--study', 'friction-curve', '--no-plots', '--out', sys.argv[1]])\n"
+        "except SystemExit as leave:\n    assert leave.code == 0\n"
+        "found = {'matplotlib', 'scipy.integrate', 'rollslip_plugins.integrators'} & set(sys.modules)\n"
+        "assert not found, found"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "o")], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_promised_names_exist():
+    import rollslip
+
+    for name in rollslip.__all__:
+        assert getattr(rollslip, name) is not None
+    assert {"load_scene", "evolve", "plan", "run", "load_distribution", "get_model", "available"} <= set(dir(rollslip))
+    assert {"Chain", "Slices", "open_result", "get_include"} <= set(dir(rollslip))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = rollslip.nothing
+
+
+def test_the_header_is_where_get_include_says():
+    import rollslip
+
+    assert (Path(rollslip.get_include()) / "rollslip.h").is_file()
+    assert (Path(rollslip.get_include()) / "rollslip_abi.pxd").is_file()
+
+
+def test_shipped_scenes_are_package_data():
+    assert {entry.name for entry in (files("rollslip") / "scenes").iterdir() if entry.name.endswith(".toml")} == {
+        "1032930-30C.toml", "1032930-50C.toml", "1032930-70C.toml",
+    }  # fmt: skip
