@@ -1,5 +1,6 @@
 """Build the compiled kernels; everything else is in pyproject.toml."""
 
+import glob
 import sys
 
 from Cython.Distutils import Extension
@@ -15,7 +16,7 @@ def kernel(name: str) -> Extension:
     return Extension(
         f"rollslip_kernels.{name}",
         [f"{HERE}/{name}.pyx"],
-        depends=[f"{HERE}/include/{f}" for f in ("rollslip.h", "rollslip_abi.pxd", "rollslip_stage.pxd", "rollslip_stress.pxd")],
+        depends=sorted(glob.glob(f"{HERE}/include/*.*")),
         include_dirs=[f"{HERE}/include"],
         cython_include_dirs=[f"{HERE}/include"],
         extra_compile_args=FLAGS,

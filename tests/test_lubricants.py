@@ -11,6 +11,7 @@ import pytest
 from attrs import asdict, evolve
 from hypothesis import given
 from hypothesis import strategies as st
+
 from rollslip.errors import DomainError, SceneError
 from rollslip.lubricant import (
     Andrade,

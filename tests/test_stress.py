@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from rollslip_kernels import stress as compiled
 from rollslip_plugins import stress as readable
 

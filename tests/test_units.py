@@ -10,6 +10,7 @@ from decimal import Decimal
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+
 from rollslip.errors import RollslipError
 from rollslip.units import UnitError, as_written, check_unit, expectation, format_quantity, quantity
 
