@@ -74,7 +74,7 @@ cdef class Chain:
         """Evaluate all stages in place; return None when done, else (what, stage, member, slice).
 
         ``what`` is "input" (a value outside the stage's domain), "output" (a result that is not finite) or "status"
-        (the stage itself refused the slice; then there is no member).
+        (the stage itself refused the slice; then there is no member, and a slice of -1 if the status does not exist).
         """
         cdef double[:, ::1] table = slices._table
         cdef Py_ssize_t n = table.shape[1], step = self.block or n, start = 0, at = -1
@@ -108,6 +108,8 @@ cdef class Chain:
             return "output" if self.column_checks[bad].output else "input", k, self.names[bad], start + at
         if status == PYTHON_RAISED and PyErr_Occurred() != NULL:
             _raise_pending()
+        if status < 0 or status > <Py_ssize_t>part.n:
+            return "status", k, "", -1
         if status != 0:
             return "status", k, "", start + status - 1
         return None

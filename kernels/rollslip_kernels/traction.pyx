@@ -15,6 +15,7 @@ from rollslip_stress cimport rs_eyring, rs_maxwell_eyring, rs_muraki
 
 cdef enum:
     BLOCK = 256
+    NO_SUCH_STATUS = -2   # a child returned more than its number of slices; the chain says so
 
 ctypedef double (*law_t)(double sigma, double deborah, double heating) noexcept nogil
 
@@ -104,7 +105,8 @@ cdef int _run_child(const rs_model *child, const rs_slices *block, size_t n, scr
         return 0
     if n == block.n:
         part.friction = result
-        return child.evaluate(&part, child.params)
+        status = child.evaluate(&part, child.params)
+        return NO_SUCH_STATUS if status > <int>n else status
     part.n = n
     part.approach = _gather(block.approach, t, 0, n)
     part.rolling_speed = _gather(block.rolling_speed, t, 1, n)
@@ -117,6 +119,8 @@ cdef int _run_child(const rs_model *child, const rs_slices *block, size_t n, scr
     part.regime = _gather(block.regime, t, 8, n)
     part.friction = t.columns[9]
     status = child.evaluate(&part, child.params)
+    if status > <int>n:
+        return NO_SUCH_STATUS
     if status > 0:
         return <int>t.index[status - 1] + 1
     for i in range(n):

@@ -7,6 +7,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.errors import DomainError
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, ContactModel, SliceModel
 from rollslip_kernels import contact as compiled
@@ -68,8 +69,10 @@ class LundbergDeflection(SliceModel):
         k = 0.5 + np.log(2 * c.length) - 0.5 * np.log(8 * c.radius / (np.pi * c.modulus))
         touching = slices.approach > 0
         a = k - 0.5 * np.log(slices.approach[touching] / compliance)
-        if np.any(a < 0.5 + 0.5 * np.log(2)):
-            raise ValueError("lundberg: the approach is so large that the contact would be wider than it is long")
+        wide = a < 0.5 + 0.5 * np.log(2)
+        if np.any(wide):
+            at = int(np.flatnonzero(touching)[np.argmax(wide)])
+            raise DomainError(f"{self.name}: slice {at} is outside its domain: the contact is wider than it is long")
         g = _bracket(a)
         slices.load[...] = 0.0
         slices.stiffness[...] = 0.0

@@ -1,10 +1,16 @@
 # What a stage written in Cython needs: make its capsule, cut a block out of its slices.
-from cpython.pycapsule cimport PyCapsule_GetContext, PyCapsule_GetPointer, PyCapsule_New, PyCapsule_SetContext
+from cpython.pycapsule cimport PyCapsule_New, PyCapsule_SetContext
 from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
 from libc.stdlib cimport free, malloc
 from libc.string cimport memcpy
 
 from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, rs_evaluate, rs_model, rs_slices
+
+# Cython's own declarations look for a Python error after NULL. A capsule may be freed while an error is on its way,
+# which would then be taken for a fault of the destructor, printed and lost.
+cdef extern from "Python.h":
+    void *rs_capsule_context "PyCapsule_GetContext"(object) noexcept
+    void *rs_capsule_pointer "PyCapsule_GetPointer"(object, const char *) noexcept
 
 
 cdef inline object rs_new_model(rs_evaluate evaluate, const void *params, size_t size, object keep):
@@ -23,8 +29,8 @@ cdef inline object rs_new_model(rs_evaluate evaluate, const void *params, size_t
 
 
 cdef inline void rs_free_model(object capsule) noexcept:
-    cdef PyObject *keep = <PyObject *>PyCapsule_GetContext(capsule)
-    free(PyCapsule_GetPointer(capsule, ROLLSLIP_MODEL))
+    cdef PyObject *keep = <PyObject *>rs_capsule_context(capsule)
+    free(rs_capsule_pointer(capsule, ROLLSLIP_MODEL))
     Py_XDECREF(keep)
 
 
