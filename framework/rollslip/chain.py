@@ -1,14 +1,9 @@
 """Bind models into one compiled pass over slices: contact -> film -> traction, compiled and NumPy stages mixed."""
 
-from typing import Any
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from rollslip.errors import DomainError, PluginError
-from rollslip.models import SliceModel
+from rollslip.models import SliceModel, in_unit, interval
 from rollslip_kernels import chain as compiled
-from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
+from rollslip_kernels.slices import CONDITIONS, Slices
 
 
 def stage(model: SliceModel) -> object:
@@ -81,47 +76,16 @@ class Chain:
         raise DomainError(_refusal_text(model, what, member, index, slices))
 
 
-def evaluate_arrays(model: SliceModel, column: str, **members: ArrayLike) -> NDArray[np.float64]:
-    """Return one column of a stage for members that broadcast against each other, through its NumPy form.
-
-    Conditions may be arrays here, which a table cannot hold; that is why the compiled form does not serve.
-    """
-    arrays = {name: np.asarray(values, dtype=float) for name, values in members.items()}
-    for name, values in arrays.items():
-        low, high = model.domain[name]
-        good = (values >= low) & (values <= high)
-        if not np.all(good):
-            raise DomainError(
-                f"{model.name}: {name} = {np.extract(~good, values)[0]:g} {_unit(name)} is outside {_range(low, high)}"
-            )
-    shape = np.broadcast_shapes(*(values.shape for values in arrays.values()))
-    columns = {name: values for name, values in arrays.items() if name in COLUMNS}
-    columns.update({name: np.full(shape, np.nan) for name in model.writes})
-    conditions: dict[str, Any] = {name: values for name, values in arrays.items() if name in CONDITIONS}
-    model.evaluate(Slices.of_columns(Conditions(**conditions), columns))
-    return columns[column]
-
-
-def _unit(member: str) -> str:
-    unit = {**COLUMNS, **CONDITIONS}[member][0]
-    return "" if unit == "1" else unit
-
-
-def _range(low: float, high: float) -> str:
-    lower = "> 0" if 0 < low < 1e-300 else f">= {low:g}" if low > -1e300 else "finite"
-    return f"its domain ({lower}{f' and <= {high:g}' if high < 1e300 else ''})"
-
-
 def _refusal_text(model: SliceModel, what: str, member: str, index: int, slices: Slices) -> str:
     if what == "status":
         return f"{model.name}: slice {index} is outside its domain"
     if what == "output":
         return f"{model.name}: slice {index} gives a {member} that is not finite; its inputs are too large or too small"
+    allowed = interval(model.domain[member])
     if member in CONDITIONS:
         value = getattr(slices.conditions, member)
         if value != value:
             return f"{model.name}: needs {member} ({CONDITIONS[member][1]}), which the lubricant or scene does not give"
-        return f"{model.name}: {member} = {value:g} {_unit(member)} is outside {_range(*model.domain[member])}"
+        return f"{model.name}: {member} = {in_unit(value, member)} is outside its domain ({allowed})"
     value = float(getattr(slices, member)[index])
-    where, allowed = f"{_unit(member)} at slice {index}".lstrip(), _range(*model.domain[member])
-    return f"{model.name}: {member} = {value:g} {where} is outside {allowed}"
+    return f"{model.name}: {member} = {in_unit(value, member)} at slice {index} is outside its domain ({allowed})"

@@ -14,6 +14,7 @@ import attrs
 import click
 
 from rollslip.errors import PluginError
+from rollslip.models import interval
 from rollslip.registry import KINDS, Offer, available, catalogue, find, get_class
 from rollslip.scene import Scene, scene_hash
 from rollslip.units import format_quantity
@@ -232,7 +233,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         about |= {"returns": f"{model.location} film thickness", "regime": model.regime}
     return about | {
         "reads": [
-            {"name": m, "unit": members[m][0], "meaning": members[m][1], "domain": _interval(model.domain.get(m))}
+            {"name": m, "unit": members[m][0], "meaning": members[m][1], "domain": interval(model.domain.get(m))}
             for m in sorted(model.reads)
         ],
         "writes": sorted(model.writes),
@@ -248,15 +249,6 @@ def _default(attribute: "attrs.Attribute[Any]") -> str:
         return str(default.factory().name)
     unit = attribute.metadata.get("unit")
     return format_quantity(default, unit) if unit not in (None, "1") else str(default)
-
-
-def _interval(limits: tuple[float, float] | None) -> str:
-    if limits is None:
-        return ""
-    low, high = limits
-    lower = "> 0" if 0 < low < 1e-300 else "" if low < -1e300 else f">= {low:g}"
-    upper = "" if high > 1e300 else f"<= {high:g}"
-    return " and ".join(filter(None, (lower, upper))) or "finite"
 
 
 def _print_model(kind: str, name: str) -> None:

@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import attrs
 
+from rollslip.errors import DomainError
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
@@ -57,6 +59,50 @@ class SliceModel(abc.ABC):
     def kernel(self) -> object | None:
         """Return the same law as a capsule of ``rollslip.h``, or None to run ``evaluate``."""
         return None
+
+
+def interval(limits: tuple[float, float] | None) -> str:
+    """Return a range of a domain in words: "> 0", ">= 0 and <= 1e-3", "finite"; nothing where there is none."""
+    if limits is None:
+        return ""
+    low, high = limits
+    lower = "> 0" if 0.0 < low < sys.float_info.min else "" if low == -sys.float_info.max else f">= {low:g}"
+    upper = "" if high == sys.float_info.max else f"<= {high:g}"
+    return " and ".join(filter(None, (lower, upper))) or "finite"
+
+
+def in_unit(value: float, member: str) -> str:
+    """Return a value of a member of the slices with its unit, for messages."""
+    from rollslip_kernels.slices import COLUMNS, CONDITIONS
+
+    unit = {**COLUMNS, **CONDITIONS}[member][0]
+    return f"{value:g}" if unit == "1" else f"{value:g} {unit}"
+
+
+def evaluate_arrays(model: SliceModel, column: str, **members: "ArrayLike") -> "NDArray[Any]":
+    """Return one column of a stage for members that broadcast against each other, through its NumPy form.
+
+    Conditions may be arrays here, which a table cannot hold; that is why the compiled form does not serve.
+    """
+    import numpy as np
+
+    from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
+
+    arrays = {name: np.asarray(values, dtype=float) for name, values in members.items()}
+    for name, values in arrays.items():
+        low, high = model.domain[name]
+        good = (values >= low) & (values <= high)
+        if not np.all(good):
+            raise DomainError(
+                f"{model.name}: {name} = {in_unit(np.extract(~good, values)[0], name)} is outside its domain "
+                f"({interval((low, high))})"
+            )
+    shape = np.broadcast_shapes(*(values.shape for values in arrays.values()))
+    columns = {name: values for name, values in arrays.items() if name in COLUMNS}
+    columns.update({name: np.full(shape, np.nan) for name in model.writes})
+    conditions: dict[str, Any] = {name: values for name, values in arrays.items() if name in CONDITIONS}
+    model.evaluate(Slices.of_columns(Conditions(**conditions), columns))
+    return columns[column]
 
 
 class ContactModel(SliceModel):
@@ -120,8 +166,6 @@ class FilmModel(SliceModel):
         DomainError
             If an argument is outside the model's domain.
         """
-        from rollslip.chain import evaluate_arrays
-
         return evaluate_arrays(
             self,
             "film_thickness",
