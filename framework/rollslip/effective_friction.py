@@ -21,7 +21,7 @@ from rollslip.critical import Critical, locate
 from rollslip.equilibrium import LoadDistribution
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.fields import at_least, in_range, one_of, parameter
-from rollslip.friction_curve import slip_grid
+from rollslip.friction_curve import about, slip_grid
 from rollslip.kinematics import SurfaceSpeeds
 from rollslip.reading import Where
 from rollslip.regimes import LIGHT, NAMES, film_by_regime, groups, moes_groups
@@ -48,7 +48,7 @@ class EffectiveFriction:
     )
     points: int = parameter(default=101, doc="cage slips of the curve, denser towards zero", validator=at_least(5))
     map_points: int = parameter(
-        default=25, doc="cage slips, and roller slips either way, of the map; 0 for none", validator=at_least(0)
+        default=15, doc="cage slips, and roller slips either way, of the map; 0 for none", validator=at_least(0)
     )
     per_roller: bool = parameter(default=False, doc="store the friction of every roller at the first instant")
 
@@ -120,61 +120,61 @@ class EffectiveFriction:
         curve, rollers = ("ring", "cage_slip"), ("ring", "roller")
         forces = np.stack([loads.inner_force[0], loads.outer_force[0]])
         variables: dict[str, Any] = {
-            "effective_friction": (curve, friction, _about("1", "effective friction coefficient")),
-            "roller_slip": (curve, details["roller_slip"], _about("1", "roller slip, mean over the loaded contacts")),
-            "sliding_speed": (curve, details["sliding_speed"], _about("m/s", "sliding speed, mean over them")),
-            "rolling_speed": (curve, details["rolling_speed"], _about("m/s", "rolling speed, mean over them")),
-            "film_parameter": (curve, details["film_parameter"], _about("1", "smallest film parameter Lambda")),
+            "effective_friction": (curve, friction, about("1", "effective friction coefficient")),
+            "roller_slip": (curve, details["roller_slip"], about("1", "roller slip, mean over the loaded contacts")),
+            "sliding_speed": (curve, details["sliding_speed"], about("m/s", "sliding speed, mean over them")),
+            "rolling_speed": (curve, details["rolling_speed"], about("m/s", "rolling speed, mean over them")),
+            "film_parameter": (curve, details["film_parameter"], about("1", "smallest film parameter Lambda")),
             "critical_cage_slip": (
                 "ring",
                 np.array([c.slip for c in critical]),
-                _about("1", "cage slip of the largest effective friction"),
+                about("1", "cage slip of the largest effective friction"),
             ),
             "critical_friction": (
                 "ring",
                 np.array([c.friction for c in critical]),
-                _about("1", "largest effective friction coefficient"),
+                about("1", "largest effective friction coefficient"),
             ),
             "critical_status": (
                 "ring",
                 np.array([c.status for c in critical]),
-                _about("1", "what was found of the critical slip"),
+                about("1", "what was found of the critical slip"),
             ),
             "regime_share": (
                 ("ring", "regime"),
                 details["regime_share"],
-                _about("1", "share of the contact forces in a film regime"),
+                about("1", "share of the contact forces in a film regime"),
             ),
-            "load_parameter": ("ring", details["load_parameter"], _about("1", "largest Moes load parameter M")),
+            "load_parameter": ("ring", details["load_parameter"], about("1", "largest Moes load parameter M")),
             "light_share": (
                 "ring",
                 details["light_share"],
-                _about("1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's"),
+                about("1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's"),
             ),
-            "normal_force": (rollers, forces, _about("N", "normal force at the first instant")),
-            "angle": ("roller", loads.psi[0], _about("rad", "position from the line of load, first instant")),
+            "normal_force": (rollers, forces, about("N", "normal force at the first instant")),
+            "angle": ("roller", loads.psi[0], about("rad", "position from the line of load, first instant")),
         }
         coords: dict[str, Any] = {
-            "ring": ("ring", np.array(RINGS), _about("1", "ring")),
-            "cage_slip": ("cage_slip", slip, _about("1", "cage slip")),
-            "roller": ("roller", np.arange(forces.shape[1]), _about("1", "roller")),
-            "regime": ("regime", np.array(NAMES), _about("1", "film regime")),
+            "ring": ("ring", np.array(RINGS), about("1", "ring")),
+            "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
+            "roller": ("roller", np.arange(forces.shape[1]), about("1", "roller")),
+            "regime": ("regime", np.array(NAMES), about("1", "film regime")),
         }
         if self.per_roller:
             variables["roller_friction"] = (
                 ("ring", "roller", "cage_slip"),
                 raceways.per_roller(slip),
-                _about("1", "friction coefficient of each roller, first instant"),
+                about("1", "friction coefficient of each roller, first instant"),
             )
         if self.map_points:
             cage, roller, surface = raceways.map(self.max_cage_slip, self.map_points)
             variables["friction_map"] = (
                 ("ring", "map_cage_slip", "map_roller_slip"),
                 surface,
-                _about("1", "effective friction coefficient"),
+                about("1", "effective friction coefficient"),
             )
-            coords["map_cage_slip"] = ("map_cage_slip", cage, _about("1", "cage slip"))
-            coords["map_roller_slip"] = ("map_roller_slip", roller, _about("1", "roller slip"))
+            coords["map_cage_slip"] = ("map_cage_slip", cage, about("1", "cage slip"))
+            coords["map_roller_slip"] = ("map_roller_slip", roller, about("1", "roller slip"))
         return xr.Dataset(
             variables,
             coords,
@@ -368,10 +368,6 @@ class _LoadedRaceways:
                 for i, (contacts, u, V) in enumerate(self._with(speeds)):
                     surface[i, j, k] = contacts.mean(contacts.friction(u, V))
         return cage, roller, surface
-
-
-def _about(unit: str, long_name: str) -> dict[str, str]:
-    return {"units": unit, "long_name": long_name}
 
 
 def _moved(before: Array, after: Array) -> float:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rollslip.assembly import assemble
+from rollslip.friction_curve import about
 from rollslip.planning import Plan, plan
 from rollslip.reading import load_scene
 from rollslip.regimes import LIGHT, LONG_NAMES, NAMES
@@ -86,9 +87,6 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
     assembly = assemble(scene if isinstance(scene, Scene) else load_scene(scene))
     loads = assembly.load_distribution(instants)
 
-    def about(unit: str, name: str) -> dict[str, str]:
-        return {"units": unit, "long_name": name}
-
     contacts = ("ring", "instant", "roller")
     return xr.Dataset(
         {
@@ -135,10 +133,10 @@ def warnings(plan: Plan, dataset: "xr.Dataset") -> list[str]:
     if "light_share" in dataset:
         light, what = float(dataset["light_share"].max()), "of the contact force of a ring"
     else:
-        light, what = float((dataset["load_parameter"] < LIGHT).mean()), "of the curves"
+        light, what = float((dataset["load_parameter"] < LIGHT).mean()), "of the normal forces"
     if light > 0.005:
         found.append(
-            f"lightly loaded contacts: {light:.0%} {what} is at a Moes load parameter M below {LIGHT:g}, where the "
+            f"lightly loaded contacts: {light:.0%} {what} with a Moes load parameter M below {LIGHT:g}, where the "
             "pressure in the film is far from Hertz's, on which traction is based"
         )
     tolerance = plan.scene.accuracy.tolerance

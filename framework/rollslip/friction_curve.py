@@ -60,41 +60,41 @@ class FrictionCurve:
         both, force = ("normal_force", "slip"), ("normal_force",)
         return xr.Dataset(
             {
-                "friction": (both, stacked("friction"), _about("1", "friction coefficient")),
+                "friction": (both, stacked("friction"), about("1", "friction coefficient")),
                 "film_thickness": (
                     both,
                     stacked("film_thickness"),
-                    _about("m", f"film thickness, {assembly.film.location}"),
+                    about("m", f"film thickness, {assembly.film.location}"),
                 ),
-                "film_parameter": (both, stacked("film_parameter"), _about("1", "film parameter Lambda")),
+                "film_parameter": (both, stacked("film_parameter"), about("1", "film parameter Lambda")),
                 "regime": (
                     both,
                     stacked("regime"),
-                    _about("1", "film regime") | {"flag_values": [0, 1, 2, 3], "flag_meanings": " ".join(NAMES)},
+                    about("1", "film regime") | {"flag_values": [0, 1, 2, 3], "flag_meanings": " ".join(NAMES)},
                 ),
-                "half_width": (force, stacked("half_width"), _about("m", "Hertz half width")),
-                "pressure": (force, stacked("pressure"), _about("Pa", "mean Hertz pressure")),
-                "load_parameter": (force, stacked("M"), _about("1", "Moes load parameter M")),
-                "lubricant_parameter": (force, stacked("L"), _about("1", "Moes lubricant parameter L")),
+                "half_width": (force, stacked("half_width"), about("m", "Hertz half width")),
+                "pressure": (force, stacked("pressure"), about("Pa", "mean Hertz pressure")),
+                "load_parameter": (force, stacked("M"), about("1", "Moes load parameter M")),
+                "lubricant_parameter": (force, stacked("L"), about("1", "Moes lubricant parameter L")),
                 "critical_slip": (
                     force,
                     np.array([c.slip for c in critical]),
-                    _about("1", "slide-roll ratio of the largest friction"),
+                    about("1", "slide-roll ratio of the largest friction"),
                 ),
                 "critical_friction": (
                     force,
                     np.array([c.friction for c in critical]),
-                    _about("1", "largest friction coefficient"),
+                    about("1", "largest friction coefficient"),
                 ),
                 "critical_status": (
                     force,
                     np.array([c.status for c in critical]),
-                    _about("1", "what was found of the critical slip"),
+                    about("1", "what was found of the critical slip"),
                 ),
             },
             coords={
-                "normal_force": ("normal_force", forces, _about("N", "normal force of the contact")),
-                "slip": ("slip", slip, _about("1", "slide-roll ratio V/u")),
+                "normal_force": ("normal_force", forces, about("N", "normal force of the contact")),
+                "slip": ("slip", slip, about("1", "slide-roll ratio V/u")),
             },
             attrs={"study": "friction-curve", "ring": self.ring, "rolling_speed": u},
         )
@@ -105,7 +105,8 @@ def slip_grid(largest: float, points: int) -> Array:
     return np.asarray(largest * np.linspace(0.0, 1.0, points) ** 2)
 
 
-def _about(unit: str, long_name: str) -> dict[str, Any]:
+def about(unit: str, long_name: str) -> dict[str, Any]:
+    """Return the attributes that every variable of a result has."""
     return {"units": unit, "long_name": long_name}
 
 

@@ -245,7 +245,7 @@ class Accuracy:
         default=1e-3, unit="1", doc="relative error that is acceptable", validator=in_range(0, 1, open=True)
     )
     slices: int = field(
-        default=41, doc="slices along a roller, where a profile or a tilt needs them", validator=at_least(3)
+        default=101, doc="slices along a roller, where a profile or a tilt needs them", validator=at_least(3)
     )
 
 
