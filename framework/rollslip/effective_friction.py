@@ -52,6 +52,11 @@ class EffectiveFriction:
     )
     per_roller: bool = parameter(default=False, doc="store the friction of every roller at the first instant")
 
+    @property
+    def largest_cage_slip(self) -> float:
+        """Cage slip up to which the study goes."""
+        return self.max_cage_slip
+
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate: curve, maximum, details and map at four instants."""
         loads = assembly.load_distribution(1)

@@ -122,7 +122,8 @@ def plan(scene: Scene | str, study: str | None = None) -> Plan:
             ),
         ]
     if assembly.traction.full_film_from is not None:
-        parts.append(_boundary(assembly, assembly.traction.full_film_from, loads))
+        slip = max(study.largest_cage_slip for study in studies.values())
+        parts.append(_boundary(assembly, assembly.traction.full_film_from, loads, slip))
     parts += [
         Part(
             part="thermal inlet shear",
@@ -162,17 +163,17 @@ def _stage(kind: str, model: SliceModel, named: Any) -> Part:
     )
 
 
-def _boundary(assembly: Assembly, limit: float, loads: LoadDistribution | None) -> Part:
-    """Whether friction of the boundary kind is expected: by the thinnest film at pure rolling."""
+def _boundary(assembly: Assembly, limit: float, loads: LoadDistribution | None, slip: float) -> Part:
+    """Whether friction of the boundary kind is expected: by the thinnest film at either end of the slips."""
     load = (
         max(loads.inner_load.max(), loads.outer_load.max())
         if loads is not None
         else assembly.scene.operation.radial_load / assembly.scene.bearing.roller_length
     )
-    speeds = assembly.kinematics.surface_speeds(0.0, 0.0)
+    speeds = assembly.kinematics.surface_speeds(np.array([0.0, slip]), 0.0)
     try:
         thinnest = min(
-            float(raceway.evaluate(np.array([load]), u, 0.0).film_thickness[0]) / raceway.conditions.roughness
+            float(raceway.evaluate(np.full(2, load), u, 0.0).film_thickness.min()) / raceway.conditions.roughness
             for raceway, u in zip(assembly.raceways, (speeds.inner_rolling, speeds.outer_rolling), strict=True)
         )
     except DomainError:
@@ -183,7 +184,7 @@ def _boundary(assembly: Assembly, limit: float, loads: LoadDistribution | None) 
         included=needed,
         choice="evaluated only on slices that need it",
         resolution="",
-        reason=f"without slip the smallest film parameter is {thinnest:.3g}, "
+        reason=f"up to a cage slip of {slip:g} the smallest film parameter is {thinnest:.3g}, "
         f"{'below' if needed else 'above'} the limit of the full film, {limit:g}",
     )
 

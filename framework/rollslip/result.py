@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from rollslip.errors import OutputError
+from rollslip.models import SliceModel
 from rollslip.planning import Plan
 from rollslip.registry import find
 from rollslip.scene import resolved, scene_hash
@@ -50,7 +51,7 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
     lubricant = plan.assembly.lubricant
     used = {offer.package: offer.version for offer in offers.values()}
     used |= {name: importlib.metadata.version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
-    citations = [CITATION] + [text for model in models.values() for text in model.references]
+    citations = [CITATION] + [text for model in models.values() for text in _references(model)]
     citations += [text for text in lubricant.references if text not in citations]
     return {
         "title": scene.title,
@@ -68,7 +69,7 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
                     "package": offers[kind].package,
                     "version": offers[kind].version,
                     "equation": model.equation,
-                    "references": list(model.references),
+                    "references": _references(model),
                     "parameters": repr(model),
                 }
                 for kind, model in models.items()
@@ -83,6 +84,12 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
         "wall_time": wall_time,
         "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
     }
+
+
+def _references(model: SliceModel) -> list[str]:
+    """Citations of a model and of the models it is composed of."""
+    children = [getattr(model, a.name) for a in attrs.fields(type(model)) if "kind" in a.metadata]
+    return list(dict.fromkeys([*model.references, *(text for child in children for text in _references(child))]))
 
 
 CITATION = (
