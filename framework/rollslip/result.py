@@ -88,7 +88,7 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
 
 def _references(model: SliceModel) -> list[str]:
     """Citations of a model and of the models it is composed of."""
-    children = [getattr(model, a.name) for a in attrs.fields(type(model)) if "kind" in a.metadata]
+    children = [getattr(model, a.name) for a in getattr(model, "__attrs_attrs__", ()) if "kind" in a.metadata]
     return list(dict.fromkeys([*model.references, *(text for child in children for text in _references(child))]))
 
 
