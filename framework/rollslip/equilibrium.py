@@ -43,7 +43,7 @@ _DEPTH = 3.0  # how deep a step may close an open contact, relative to the appro
 _SHALLOWER = 0.9  # and from pass to pass: deep steps find many contacts fast, shallow ones end any going to and fro
 _TRACE = 1e-14  # stiffness of an open contact in the Hessian, relative to the stiffest
 _LIMIT = 200  # passes; usual are 5 to 10
-_APPROACH = np.logspace(-24, -1, 231)  # [m], where a contact law is sampled to estimate deflections
+_APPROACH = np.logspace(-24, -3, 211)  # [m], where a contact law is sampled to estimate deflections
 
 
 def angular_positions(rollers: int, instants: int) -> Floats:

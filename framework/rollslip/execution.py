@@ -43,7 +43,7 @@ def run(scene: Scene | str, study: str | None = None) -> "xr.Dataset":
     --------
     >>> result = run("1032930-70C")
     >>> round(float(result.critical_cage_slip.sel(ring="inner")), 2)
-    0.82
+    0.5
     """
     made = plan(scene, study)
     return execute(made, next(iter(made.studies)))

@@ -78,7 +78,7 @@ cdef class Chain:
         """
         cdef double[:, ::1] table = slices._table
         cdef Py_ssize_t n = table.shape[1], step = self.block or n, start = 0, at = -1
-        cdef int status = 0, k = 0, c = 0, bad = -1
+        cdef int status = 0, k = 0, bad = -1
         cdef rs_slices whole, part
         if table.shape[0] != N_COLUMNS:
             raise ValueError(f"a table of slices has {N_COLUMNS} columns, got {table.shape[0]}")
@@ -266,4 +266,3 @@ cdef object _conditions(const rs_slices *s):
         thermoviscosity=s.thermoviscosity, pressure_thermoviscosity=s.pressure_thermoviscosity,
         conductivity=s.conductivity, eyring_stress=s.eyring_stress, shear_modulus=s.shear_modulus,
     )
-

@@ -38,7 +38,7 @@ cdef int _lundberg_deflection(const rs_slices *s, const void *params) noexcept n
     cdef double k = 0.5 + log(2.0 * s.length) - 0.5 * log(8.0 * s.radius / (M_PI * s.modulus))
     cdef double a, g, step
     cdef size_t i
-    cdef int j
+    cdef int _
     for i in range(s.n):
         if s.approach[i] <= 0.0:
             s.load[i] = s.stiffness[i] = 0.0
@@ -47,7 +47,7 @@ cdef int _lundberg_deflection(const rs_slices *s, const void *params) noexcept n
         if a < 0.5 + 0.5 * log(2.0):
             return <int>i + 1
         g = max(1.25 * a, 1.0)
-        for j in range(60):
+        for _ in range(60):
             step = (g - a - 0.5 * log(g)) / (1.0 - 0.5 / g)
             g -= step
             if fabs(step) <= 1e-15 * g:

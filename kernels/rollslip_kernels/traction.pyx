@@ -31,7 +31,8 @@ cdef inline int _hydrodynamic(const rs_slices *s, const void *params, law_t law,
         u = s.rolling_speed[i]
         eta = s.viscosity * exp(s.pressure_viscosity * p)
         zeta = flash * sqrt(s.half_width[i] / u) + h / (12.0 * s.conductivity)
-        heating = (s.thermoviscosity + s.pressure_thermoviscosity * p) * zeta * s.eyring_stress * s.eyring_stress * h / eta
+        heating = (s.thermoviscosity + s.pressure_thermoviscosity * p) * zeta * h / eta
+        heating *= s.eyring_stress * s.eyring_stress
         if elastic:
             deborah = eta * u / (s.shear_modulus * s.half_width[i])
         s.friction[i] = s.eyring_stress / p * law(eta * s.sliding_speed[i] / (s.eyring_stress * h), deborah, heating)
@@ -96,7 +97,8 @@ cdef inline double *_gather(const double *column, scratch_t *t, int row, size_t 
     return t.columns[row]
 
 
-cdef int _run_child(const rs_model *child, const rs_slices *block, size_t n, scratch_t *t, double *result) noexcept nogil:
+cdef int _run_child(const rs_model *child, const rs_slices *block, size_t n,
+                    scratch_t *t, double *result) noexcept nogil:
     """Friction of the n slices ``t.index`` of a block after ``child``, put at their places in ``result``."""
     cdef rs_slices part = block[0]
     cdef size_t i

@@ -6,6 +6,7 @@
 - Each class says which thickness it returns and in which regime it holds; outside it, the study warns.
 """
 
+from types import MappingProxyType
 from typing import ClassVar
 
 import attrs
@@ -13,10 +14,13 @@ import numpy as np
 
 from rollslip.fields import one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.models import FilmModel
+from rollslip.models import POSITIVE, FilmModel
 from rollslip.regimes import BLOK, DOWSON_1968, HERREBRUGH, MARTIN, PowerLaw, film_by_regime, groups
 from rollslip_kernels import film as compiled
 from rollslip_kernels.slices import Slices
+
+#: Where the piezoviscous fits are defined: without pressure viscosity they would give no film at all.
+PIEZOVISCOUS = MappingProxyType({**FilmModel.domain, "pressure_viscosity": POSITIVE})
 
 
 class _PowerLaw(FilmModel):
@@ -63,6 +67,7 @@ class Blok(_PowerLaw):
     )
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VR"
+    domain = PIEZOVISCOUS
     law = BLOK
 
 
@@ -92,6 +97,7 @@ class DowsonHigginson(_PowerLaw):
     )
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VE"
+    domain = PIEZOVISCOUS
     law = PowerLaw(1.6, 0.7, 0.6, -0.13)
 
 
@@ -106,6 +112,7 @@ class Dowson1968(_PowerLaw):
     )
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VE"
+    domain = PIEZOVISCOUS
     law = DOWSON_1968
 
 
@@ -121,6 +128,7 @@ class DowsonToyoda(_PowerLaw):
     )
     location: ClassVar[str] = "central"
     regime: ClassVar[str] = "VE"
+    domain = PIEZOVISCOUS
     law = PowerLaw(3.06, 0.69, 0.56, -0.10)
 
 
@@ -139,6 +147,7 @@ class PanHamrock(FilmModel):
     )
     location: ClassVar[str] = "minimum or central, as chosen"
     regime: ClassVar[str] = "VE"
+    domain = PIEZOVISCOUS
 
     thickness: str = parameter(
         default="minimum",

@@ -55,7 +55,7 @@ def muraki_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
     ----------
     .. [1] M. Muraki (1987), as cited in [3]_.
     .. [2] M. Muraki (1992), as cited in [3]_.
-    .. [3] A. V. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
+    .. [3] Ya. M. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
        (2022), doi:10.3103/S1068366622010068.
 
     Examples
@@ -105,7 +105,7 @@ def eyring_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
 
     References
     ----------
-    .. [1] A. V. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
+    .. [1] Ya. M. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
        (2022), doi:10.3103/S1068366622010068.
 
     Examples
@@ -157,7 +157,7 @@ def maxwell_eyring_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: A
     References
     ----------
     .. [1] M. Muraki (1987), as cited in [2]_.
-    .. [2] A. V. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
+    .. [2] Ya. M. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
        (2022), doi:10.3103/S1068366622010068.
 
     Examples

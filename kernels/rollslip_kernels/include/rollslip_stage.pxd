@@ -14,7 +14,7 @@ cdef extern from "Python.h":
 
 
 cdef inline object rs_new_model(rs_evaluate evaluate, const void *params, size_t size, object keep):
-    """Capsule, in one allocation, of ``evaluate`` with its own copy of ``params``; ``keep`` (or None) lives as long as it does."""
+    """Capsule, in one allocation, of ``evaluate`` with its own copy of ``params``; ``keep`` (or None) lives with it."""
     cdef rs_model *made = <rs_model *>malloc(sizeof(rs_model) + size)
     if made == NULL:
         raise MemoryError
