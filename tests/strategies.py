@@ -1,0 +1,261 @@
+"""What the model tests share: the forms of a model, drawn conditions, and stages written in C types.
+
+- A model is tested as it comes, compiled, and through `NumpyForm`, which hides its kernel.
+- Conditions are drawn by their dimensionless groups where a law has any, so that every corner of a law is reached
+  and not only what typical oils give.
+- `foreign_capsule` builds the table of ``rollslip.h`` with ctypes: a third party's kernel, right or wrong.
+"""
+
+import contextlib
+import ctypes
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import strategies as st
+
+from rollslip import Chain, Conditions, Slices
+from rollslip_kernels.slices import COLUMNS, CONDITIONS
+
+
+@attrs.frozen
+class NumpyForm:
+    """A model without its kernel, so that a chain runs its NumPy form."""
+
+    model: object
+
+    def __getattr__(self, name):
+        return getattr(self.model, name)
+
+    def kernel(self):
+        return None
+
+
+def forms(models):
+    """Return every model twice as pytest parameters: as it comes, and in its NumPy form."""
+    return [
+        pytest.param(form(model), id=f"{i}-{model.name}-{kind}")
+        for i, model in enumerate(models)
+        for kind, form in (("compiled", lambda model: model), ("numpy", NumpyForm))
+    ]
+
+
+def law_of(model):
+    """Return the model behind a form."""
+    return getattr(model, "model", model)
+
+
+def decades(low, high):
+    """Return a strategy of 10^low to 10^high, even in the exponent."""
+    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+
+
+def or_zero(strategy):
+    return st.one_of(st.just(0.0), strategy)
+
+
+def signed(strategy):
+    return st.tuples(strategy, st.sampled_from([1.0, -1.0])).map(lambda drawn: drawn[0] * drawn[1])
+
+
+def evaluated(model, conditions, **columns):
+    """Return the slices that one stage has filled; the columns broadcast against each other."""
+    n = max(np.size(values) for values in columns.values())
+    slices = Slices(n, conditions, **columns)
+    # Underflow is no fault, and overflow is reported by the chain: both as a user meets them, without a warning.
+    with np.errstate(all="ignore") if law_of(model) is not model else contextlib.nullcontext():
+        Chain(model)(slices)
+    return slices
+
+
+# Stages of a third party ---------------------------------------------------------------------------------------------
+
+NAME = b"rollslip.slice_model.v1"
+PYTHON_RAISED = -1
+_ALIVE = []  # a capsule made here borrows its name, table and function; tests never free them
+
+
+class RsSlices(ctypes.Structure):
+    """``rs_slices`` as a reader of rollslip.h would declare it: n, the conditions, the columns."""
+
+    _fields_ = (
+        [("n", ctypes.c_size_t)]
+        + [(name, ctypes.c_double) for name in CONDITIONS]
+        + [(name, ctypes.POINTER(ctypes.c_double)) for name in COLUMNS]
+    )
+
+
+class RsModel(ctypes.Structure):
+    _fields_ = [
+        ("abi", ctypes.c_uint32),
+        ("size", ctypes.c_uint32),
+        ("evaluate", ctypes.c_void_p),
+        ("params", ctypes.c_void_p),
+    ]
+
+
+SIZE = ctypes.sizeof(RsSlices)
+EVALUATE = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(RsSlices), ctypes.c_void_p)
+_new_capsule = ctypes.pythonapi.PyCapsule_New
+_new_capsule.restype = ctypes.py_object
+_new_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
+
+
+def foreign_capsule(evaluate, *, name=NAME, abi=1, size=SIZE):
+    """Return a capsule of rollslip.h whose evaluate is a function of a pointer to `RsSlices`, or NULL for None."""
+    function = None if evaluate is None else EVALUATE(lambda slices, _: evaluate(slices.contents))
+    address = None if function is None else ctypes.cast(function, ctypes.c_void_p).value
+    table = RsModel(abi, size, address, None)
+    _ALIVE.append((function, table, name))
+    return _new_capsule(ctypes.addressof(table), name, None)
+
+
+@attrs.frozen
+class Stage:
+    """A model made in a test: ``evaluate`` in Python and, if given, a capsule."""
+
+    body: object = None
+    capsule: object = None
+    name: str = "made-in-a-test"
+    reads: frozenset = frozenset()
+    writes: frozenset = frozenset({"friction"})
+    domain: dict = attrs.Factory(dict)
+
+    def evaluate(self, slices):
+        self.body(slices)
+
+    def kernel(self):
+        return self.capsule
+
+
+# Conditions ----------------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen(kw_only=True)
+class Film:
+    """One drawn contact with its film: conditions, columns, and the groups that they give."""
+
+    conditions: Conditions
+    columns: dict
+    eta: float
+    deborah: float
+    heating: float
+    zeta: float
+
+    def speed(self, sigma):
+        """Return the sliding speed that gives the strain-rate group sigma."""
+        return sigma * self.conditions.eyring_stress * self.columns["film_thickness"] / self.eta
+
+    def sigma(self, speed):
+        """Return the strain-rate group."""
+        return self.eta * speed / (self.conditions.eyring_stress * self.columns["film_thickness"])
+
+    def slices(self, model, speed):
+        """Return the slices of this contact at sliding speeds, filled by a model."""
+        return evaluated(model, self.conditions, **self.columns, sliding_speed=speed)
+
+    def friction(self, model, speed):
+        """Return the traction coefficient at sliding speeds."""
+        return self.slices(model, np.atleast_1d(speed)).friction
+
+    def with_(self, **changes):
+        """Return this contact with other members; the groups are not brought up to date."""
+        conditions = {name: value for name, value in changes.items() if name in CONDITIONS}
+        columns = {name: value for name, value in changes.items() if name in COLUMNS}
+        return attrs.evolve(
+            self,
+            conditions=attrs.evolve(self.conditions, **conditions),
+            columns=self.columns | columns,
+        )
+
+
+FLASH = 0.97
+
+
+@st.composite
+def films(draw, deborah=None, heating=None):
+    """Return a strategy of `Film`.
+
+    Pressure 1e6 to 4e9 Pa with alpha p up to 40, h 1e-9 to 1e-4 m, u 1e-3 to 100 m/s, an oil from fuel to grease; the
+    shear modulus and the thermal coefficients follow from the Deborah number and the heating group drawn, which would
+    else be tied to alpha p. The film parameter is 1e-3 to 30.
+    """
+    pressure = draw(decades(6, 9.6))
+    pressure_viscosity = draw(or_zero(st.floats(1e-3, 40.0).map(lambda barus: barus / pressure)))
+    viscosity, eyring_stress = draw(decades(-3, 0.5)), draw(decades(5, 8))
+    half_width, film_thickness, rolling_speed = draw(decades(-6, -3)), draw(decades(-9, -4)), draw(decades(-3, 2))
+    effusivity, conductivity = draw(decades(3, 5)), draw(decades(-1.5, 0))
+    deborah = draw(decades(-6, 6) if deborah is None else deborah)
+    heating = draw(or_zero(decades(-6, 3)) if heating is None else heating)
+    eta = viscosity * float(np.exp(pressure_viscosity * pressure))
+    zeta = FLASH * np.sqrt(half_width / (np.pi * rolling_speed)) / effusivity + film_thickness / (12 * conductivity)
+    softening = heating * eta / (zeta * eyring_stress**2 * film_thickness)
+    share = draw(st.floats(0.0, 1.0))
+    return Film(
+        conditions=Conditions(
+            roughness=film_thickness / draw(decades(-3, 1.5)),
+            effusivity=effusivity,
+            viscosity=viscosity,
+            pressure_viscosity=pressure_viscosity,
+            thermoviscosity=softening * share,
+            pressure_thermoviscosity=softening * (1 - share) / pressure,
+            conductivity=conductivity,
+            eyring_stress=eyring_stress,
+            shear_modulus=eta * rolling_speed / (deborah * half_width),
+        ),
+        columns={
+            "pressure": pressure,
+            "half_width": half_width,
+            "film_thickness": film_thickness,
+            "rolling_speed": rolling_speed,
+        },
+        eta=eta,
+        deborah=deborah,
+        heating=heating,
+        zeta=float(zeta),
+    )
+
+
+@attrs.frozen(kw_only=True)
+class Contact:
+    """One drawn line contact: what a film model reads."""
+
+    load: float
+    rolling_speed: float
+    radius: float
+    modulus: float
+    viscosity: float
+    pressure_viscosity: float
+
+    @property
+    def groups(self):
+        """U, G, W."""
+        ER = self.modulus * self.radius
+        return self.viscosity * self.rolling_speed / ER, self.pressure_viscosity * self.modulus, self.load / ER
+
+    def conditions(self):
+        return Conditions(
+            radius=self.radius,
+            modulus=self.modulus,
+            viscosity=self.viscosity,
+            pressure_viscosity=self.pressure_viscosity,
+        )
+
+    def slices(self, model):
+        return evaluated(model, self.conditions(), load=self.load, rolling_speed=self.rolling_speed)
+
+    def film(self, model):
+        return self.slices(model).film_thickness
+
+
+def contacts(pressure_viscosity=None):
+    """Return a strategy of `Contact`: steel to rubber, from a watch to a mill, alpha 0 or 1e-10 to 1e-7 1/Pa."""
+    return st.builds(
+        Contact,
+        load=decades(1, 7),
+        rolling_speed=decades(-4, 2.5),
+        radius=decades(-4, 0),
+        modulus=decades(6, 12),
+        viscosity=decades(-4, 1),
+        pressure_viscosity=decades(-10, -7) if pressure_viscosity is None else pressure_viscosity,
+    )
