@@ -1,0 +1,172 @@
+"""What the program itself knows of its documentation, as lines of reStructuredText; needs no Sphinx."""
+
+import csv
+import re
+from pathlib import Path
+
+import attrs
+import click
+
+from rollslip.cli import cli
+from rollslip.console import models_as_dict
+from rollslip.lubricant import OilPoint, OilTable
+from rollslip.reading import schema, shown_default
+from rollslip.registry import KINDS, available, get_class
+from rollslip.studies import STUDIES
+from rollslip.units import format_quantity
+from rollslip_kernels.slices import COLUMNS, CONDITIONS
+
+ROOT = Path(__file__).parents[2]
+
+
+def scene_keys():
+    """All keys of a scene but those of oil and studies, which have their own tables."""
+    rows = [row for row in schema() if row.key not in ("lubricant.*", "study.*")]
+    return table(("key", "unit", "default", "meaning"), [(f"``{r.key}``", r.unit, r.default, r.doc) for r in rows])
+
+
+def oil_keys():
+    """Keys of the table ``[lubricant]`` and of its points."""
+    rows = [*fields(OilTable, "lubricant."), *fields(OilPoint, "lubricant.points[].")]
+    return table(("key", "unit", "default", "meaning"), rows)
+
+
+def study_keys():
+    """Settings of all studies."""
+    lines = []
+    for name, study in STUDIES.items():
+        lines += ["", f".. rubric:: ``[study.{name}]``", ""]
+        lines += table(("key", "unit", "default", "meaning"), fields(study, ""))
+    return lines
+
+
+def models():
+    """Everything about everything that the registry offers, a section for each kind."""
+    lines = []
+    for kind in KINDS:
+        lines += [kind.capitalize(), "-" * len(kind), ""]
+        for name in available(kind):
+            thing = get_class(kind, name)
+            lines += ["", f".. rubric:: {name}", "", *(model(kind, name) if isinstance(thing, type) else data(thing))]
+            lines += ["", "References:", "", *(f"- {literal_markup(text)}" for text in thing.references), ""]
+        if not available(kind):
+            lines += ["None is in the box; a plugin can offer them.", ""]
+    return lines
+
+
+def model(kind, name):
+    """Everything about one model but its references."""
+    about = models_as_dict(name)[kind]
+    prose = re.split(r"\n\w+\n---", about["description"])[0]  # without sections such as Raises
+    lines = [literal_markup(prose), "", "::", "", f"    {about['equation']}", ""]
+    if "returns" in about:
+        lines += [f"Returns the film thickness: {about['returns']}; regime: {about['regime']}.", ""]
+    if about["parameters"]:
+        rows = [(f"``{p['name']}``", p["unit"], p["default"], p["meaning"]) for p in about["parameters"]]
+        lines += table(("parameter", "unit", "default", "meaning"), rows)
+    else:
+        lines += ["No parameters of its own.", ""]
+    if "reads" in about:
+        reads = [f"``{r['name']}`` {r['domain']}".strip() for r in about["reads"]]
+        compiled = "compiled and in NumPy" if about["compiled"] else "in NumPy"
+        lines += [f"Reads, with domain: {', '.join(reads)}.", ""]
+        lines += [f"Writes {', '.join(f'``{member}``' for member in about['writes'])}; {compiled}.", ""]
+    return lines
+
+
+def data(thing):
+    """Everything about one named set of data but its references."""
+    lines = [literal_markup(thing.description), "", literal_markup(thing.source), ""]
+    if hasattr(thing, "minimum_temperature"):
+        low, high = (format_quantity(T, "K") for T in (thing.minimum_temperature, thing.maximum_temperature))
+        lines += [f"Range: {low} to {high}.", ""]
+    if hasattr(thing, "validity"):
+        lines += [literal_markup(thing.validity), ""]
+    return lines
+
+
+def kinds():
+    """The kinds of models with their hooks and entry-point groups."""
+    rows = [(f"``{kind}``", f"``{hook}``", f"``rollslip.{kind}``") for kind, hook in KINDS.items()]
+    return table(("kind", "hook", "entry-point group"), rows)
+
+
+def commands():
+    """The commands with their options."""
+    lines = []
+    for name, command in sorted(cli.commands.items()):
+        context = click.Context(command, info_name=f"rollslip {name}")
+        usage = " ".join(command.collect_usage_pieces(context))
+        lines += ["", f".. rubric:: rollslip {name}", "", literal_markup(command.help or ""), ""]
+        lines += ["::", "", f"    rollslip {name} {usage}", ""]
+        records = [p.get_help_record(context) for p in command.params if isinstance(p, click.Option)]
+        rows = [(f"``{option}``", text) for option, text in filter(None, records)]
+        if rows:
+            lines += table(("option", "meaning"), rows)
+    return lines
+
+
+def contract():
+    """The members of ``rs_slices``, in their order."""
+    lines = [".. rubric:: Shared by all slices of a table", ""]
+    lines += table(("member", "unit", "meaning"), [(f"``{n}``", u, d) for n, (u, d) in CONDITIONS.items()])
+    lines += [".. rubric:: One value a slice", ""]
+    lines += table(("column", "unit", "meaning"), [(f"``{n}``", u, d) for n, (u, d) in COLUMNS.items()])
+    return lines
+
+
+def changelog():
+    """CHANGELOG.md; of its Markdown only headings, lists, code, links and bare paragraphs are understood."""
+    lines = []
+    for line in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()[1:]:
+        line = re.sub(r"\[([^\]]+)\]\(([^)]+)\)", r"`\1 <\2>`__", re.sub(r"`([^`]+)`", r"``\1``", line))
+        if line.startswith("## "):
+            line = f".. rubric:: {line[3:]}"
+        lines.append(line)
+    return lines
+
+
+def from_table(name):
+    """docs/tables/NAME.csv, with spaces for underscores in its header, so that it can wrap."""
+    with (ROOT / "docs" / "tables" / f"{name}.csv").open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    return table([column.replace("_", " ") for column in header], rows)
+
+
+PARTS = {
+    "scene-keys": scene_keys,
+    "oil-keys": oil_keys,
+    "study-keys": study_keys,
+    "models": models,
+    "kinds": kinds,
+    "commands": commands,
+    "contract": contract,
+    "changelog": changelog,
+    "table": from_table,
+}
+
+
+def fields(cls, prefix):
+    """Rows of key, unit, default and meaning, with the choices, for the fields of an attrs class."""
+    rows = []
+    for a in attrs.fields(cls):
+        validator = getattr(a.validator, "validator", a.validator)  # that of an optional value
+        choices = ", ".join(f"``{choice}``" for choice in getattr(validator, "options", ()))
+        meaning = a.metadata.get("doc", "") + (f": {choices}" if choices else "")
+        rows.append((f"``{prefix}{a.name}``", a.metadata.get("unit") or "", shown_default(a), meaning))
+    return rows
+
+
+def table(header, rows):
+    """Return a table as lines."""
+    lines = [".. list-table::", "   :header-rows: 1", ""]
+    for row in (header, *rows):
+        for k, cell in enumerate(row):
+            lines.append(f"   {'  -' if k else '* -'} {literal_markup(cell)}".rstrip())
+    return [*lines, ""]
+
+
+def literal_markup(text):
+    """Keep ``code``, and escape what reStructuredText would read as markup in formulas and names."""
+    parts = re.split(r"(``[^`]+``)", text)
+    return "".join(p if p.startswith("``") else re.sub(r"([\\*|`_])", r"\\\1", p) for p in parts)
