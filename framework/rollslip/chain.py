@@ -1,7 +1,10 @@
 """Bind models into one compiled pass over slices: contact -> film -> traction, compiled and NumPy stages mixed."""
 
-from rollslip.errors import DomainError, PluginError
-from rollslip.models import SliceModel, in_unit, interval
+from collections.abc import Callable
+
+from rollslip.discovery import in_words, origin
+from rollslip.errors import DomainError, PluginError, RollslipError
+from rollslip.models import FINITE, SliceModel, in_unit, interval
 from rollslip_kernels import chain as compiled
 from rollslip_kernels.slices import CONDITIONS, Slices
 
@@ -14,13 +17,40 @@ def stage(model: SliceModel) -> object:
     PluginError
         If the model's kernel does not keep the contract of ``rollslip.h``.
     """
-    capsule = model.kernel()
+    capsule = _kernel(model)
     if capsule is None:
-        return compiled.python_stage(model.evaluate, model.writes)
+        return compiled.python_stage(_blaming(model), model.writes)
     if problem := compiled.problem(capsule):
-        who = f"{type(model).__module__}.{type(model).__qualname__}.kernel()"
-        raise PluginError(f"model {model.name!r}: {who} {problem}")
+        raise PluginError(f"model {model.name!r}: {_who(model)} {problem}; {origin(type(model))}")
     return capsule
+
+
+def _kernel(model: SliceModel) -> object | None:
+    try:
+        return model.kernel()
+    except RollslipError:  # of a child, who is named in it
+        raise
+    except Exception as error:
+        raise PluginError(
+            f"model {model.name!r}: {_who(model)} fails ({in_words(error)}); {origin(type(model))}"
+        ) from error
+
+
+def _who(model: SliceModel) -> str:
+    return f"{type(model).__module__}.{type(model).__qualname__}.kernel()"
+
+
+def _blaming(model: SliceModel) -> Callable[[Slices], None]:
+    """Return ``evaluate`` of a model such that its errors, otherwise as they are, say whose they are."""
+
+    def evaluate(slices: Slices) -> None:
+        try:
+            model.evaluate(slices)
+        except BaseException as error:
+            error.add_note(f"raised by evaluate() of model {model.name!r}; {origin(type(model))}")
+            raise
+
+    return evaluate
 
 
 class Chain:
@@ -51,11 +81,12 @@ class Chain:
 
     def __init__(self, *models: SliceModel, block: int | None = None) -> None:
         self.models = models
-        if block is None and any(model.kernel() is None for model in models):
+        if block is None and any(_kernel(model) is None for model in models):
             block = 0
-        stages = [(stage(model), model.domain, model.writes) for model in models]
+        # what a model reads without a range of its own must at least be a number
+        stages = [(stage(m), dict.fromkeys(m.reads, FINITE) | dict(m.domain), m.writes) for m in models]
         self._chain = compiled.Chain(stages) if block is None else compiled.Chain(stages, block)
-        #: slices evaluated so far
+        #: slices evaluated so far, as far as calls did not overlap
         self.evaluated = 0
 
     @property
@@ -72,7 +103,9 @@ class Chain:
         what, k, member, index = refusal
         model = self.models[k]
         if what == "status" and index < 0:
-            raise PluginError(f"the kernel of {model.name!r} returned a status that rollslip.h does not define")
+            raise PluginError(
+                f"the kernel of {model.name!r} returned a status that rollslip.h does not define; {origin(type(model))}"
+            )
         raise DomainError(_refusal_text(model, what, member, index, slices))
 
 
@@ -81,7 +114,7 @@ def _refusal_text(model: SliceModel, what: str, member: str, index: int, slices:
         return f"{model.name}: slice {index} is outside its domain"
     if what == "output":
         return f"{model.name}: slice {index} gives a {member} that is not finite; its inputs are too large or too small"
-    allowed = interval(model.domain[member])
+    allowed = interval(model.domain.get(member, FINITE))
     if member in CONDITIONS:
         value = getattr(slices.conditions, member)
         if value != value:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import pluggy
 
 if TYPE_CHECKING:
+    from rollslip.datasets import BearingData, SurfaceData
     from rollslip.lubricant import Lubricant
     from rollslip.models import ContactModel, DragModel, FilmModel, IntegratorModel, TractionModel
 
@@ -41,3 +42,13 @@ def integrator_models() -> "Iterable[type[IntegratorModel]]":  # type: ignore[em
 @hookspec
 def lubricants() -> "Iterable[Lubricant]":  # type: ignore[empty-body]
     """Lubricants this plugin offers."""
+
+
+@hookspec
+def bearings() -> "Iterable[BearingData]":  # type: ignore[empty-body]
+    """Bearings this plugin offers."""
+
+
+@hookspec
+def surfaces() -> "Iterable[SurfaceData]":  # type: ignore[empty-body]
+    """Surfaces this plugin offers."""

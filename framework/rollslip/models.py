@@ -51,10 +51,15 @@ class SliceModel(abc.ABC):
     writes: frozenset[str]
     #: Member -> (low, high), both included, in SI units: where the law is defined.
     domain: Domain
+    #: Relative difference allowed between the compiled and the NumPy form.
+    tolerance: ClassVar[float] = 1e-12
 
     @abc.abstractmethod
     def evaluate(self, slices: "Slices") -> None:
-        """Fill the ``writes`` columns of all slices, with NumPy."""
+        """Fill the ``writes`` columns of all slices, with NumPy.
+
+        The arrays belong to the caller and may be gone after the call: copy what is to be kept.
+        """
 
     def kernel(self) -> object | None:
         """Return the same law as a capsule of ``rollslip.h``, or None to run ``evaluate``."""

@@ -12,8 +12,9 @@ import numpy as np
 from rollslip.assembly import Assembly, assemble
 from rollslip.equilibrium import LoadDistribution
 from rollslip.errors import DomainError
+from rollslip.inventory import check_required
 from rollslip.models import SliceModel
-from rollslip.reading import load_scene
+from rollslip.reading import Where, load_scene
 from rollslip.registry import find
 from rollslip.scene import Scene
 from rollslip.studies import Study, settings
@@ -69,10 +70,11 @@ def plan(scene: Scene | str, study: str | None = None) -> Plan:
     SceneError
         If the scene is wrong; all faults that can be found at once.
     PluginError
-        If a model it names is missing or broken.
+        If a package it requires or a model it names is missing or broken.
     """
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
+    check_required(scene.plugins.require, Where(scene.origins, ("plugins", "require")))
     studies = settings(scene, study)
     assembly = assemble(scene)
     bearing, tilted = scene.bearing, scene.operation.misalignment != 0.0
