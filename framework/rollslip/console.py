@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import attrs
 import click
 
+from rollslip.discovery import DATA, KINDS, Offer, available, catalogue, find, get_class
 from rollslip.errors import PluginError
 from rollslip.models import interval
-from rollslip.registry import KINDS, Offer, available, catalogue, find, get_class
-from rollslip.scene import Scene, scene_hash
+from rollslip.scene import Scene, resolved, scene_hash
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def print_models(what: str | None) -> None:
     elif what in KINDS:
         print_table(("name", "package", "what it is"), [_summary(offer) for offer in available(what).values()])
     else:
-        for kind in _kinds_of(what):
+        for kind in kinds_of(what):
             _print_model(kind, what)
 
 
@@ -166,10 +166,17 @@ def models_as_dict(what: str | None) -> Any:
         return [attrs.asdict(offer) for offer in catalogue()]
     if what in KINDS:
         return {name: _model_as_dict(what, name) for name in available(what)}
-    return {kind: _model_as_dict(kind, what) for kind in _kinds_of(what)}
+    return {kind: _model_as_dict(kind, what) for kind in kinds_of(what)}
 
 
-def _kinds_of(name: str) -> list[str]:
+def kinds_of(name: str) -> list[str]:
+    """Return the kinds in which something of this name is offered.
+
+    Raises
+    ------
+    PluginError
+        If there is none; the message gives the nearest names.
+    """
     kinds = [kind for kind in KINDS if name in available(kind)]
     if not kinds:
         from rollslip.reading import nearest
@@ -185,7 +192,7 @@ def _summary(offer: Offer) -> tuple[str, str, str]:
         thing = get_class(offer.kind, offer.name)
     except PluginError as error:
         return offer.name, offer.package, f"broken: {error}"
-    text = thing.description if offer.kind == "lubricant" else _doc(thing)[0]
+    text = thing.description if offer.kind in DATA else _doc(thing)[0]
     return offer.name, f"{offer.package} {offer.version}", text
 
 
@@ -200,16 +207,16 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
 
     offer, thing = find(kind, name), get_class(kind, name)
     about: dict[str, Any] = {"kind": kind, "name": name, "package": offer.package, "version": offer.version}
-    if kind == "lubricant":
-        return about | {
+    if kind in DATA:
+        about |= {
             "description": thing.description,
             "source": thing.source,
             "references": list(thing.references),
-            "range": [
-                format_quantity(thing.minimum_temperature, "K"),
-                format_quantity(thing.maximum_temperature, "K"),
-            ],
         }
+        if kind == "lubricant":
+            limits = (thing.minimum_temperature, thing.maximum_temperature)
+            return about | {"range": [format_quantity(T, "K") for T in limits]}
+        return about | {"validity": thing.validity, "values": resolved(thing.data)}
     members = {**CONDITIONS, **COLUMNS}
     parameters = [
         {
@@ -257,7 +264,7 @@ def _print_model(kind: str, name: str) -> None:
     click.echo(about["description"] + "\n")
     if "equation" in about:
         click.echo(f"equation    {about['equation']}\n")
-    for key in ("returns", "regime", "range", "source"):
+    for key in ("returns", "regime", "range", "validity", "source"):
         if key in about:
             value = about[key] if isinstance(about[key], str) else " to ".join(about[key])
             click.echo(f"{key:<11} {value}")

@@ -10,6 +10,8 @@ Decisions:
   studies) and values changed by `evolve` are reported with the right place.
 - Only the standard library and attrs are imported, the slower modules when an error needs them: a scene must be read
   before a terminal feels slow.
+- A scene may name a bearing or surfaces that a plugin offers. They are looked up here, since a scene is complete and
+  checked once it is read; only then is a plugin loaded.
 """
 
 import contextlib
@@ -25,7 +27,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar, Union, get_args, get_ori
 
 import attrs
 
-from rollslip.errors import SceneError
+from rollslip.errors import PluginError, SceneError
 from rollslip.fields import FieldError
 from rollslip.scene import FrozenTable, Scene, resolved
 from rollslip.units import UnitError, as_written, expectation, format_quantity, quantity
@@ -308,6 +310,8 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
     ------
     SceneError
         With every fault of the scene, each with file, line and key.
+    PluginError
+        If a bearing or surface that it names is not there.
     """
     source = os.fspath(name_or_path)
     path = Path(source)
@@ -354,6 +358,8 @@ def parse_scene(text: str, source: str) -> Scene:
     ------
     SceneError
         With every fault of the scene, each with source, line and key.
+    PluginError
+        If a bearing or surface that it names is not there.
     """
     try:
         raw = tomllib.loads(text)
@@ -366,10 +372,55 @@ def parse_scene(text: str, source: str) -> Scene:
 
 def _scene(raw: dict[str, object], origins: dict[KeyPath, str], source: str, text: str) -> Scene:
     problems: list[str] = []
-    scene = structure(Scene, raw, Where(origins), problems)
-    if scene is None:
+    complete = _with_named_data(raw, Where(origins), problems)
+    scene = structure(Scene, complete, Where(origins), problems)
+    if scene is None or problems:
         raise SceneError(problems)
     return attrs.evolve(scene, source=source, text=text, raw=FrozenTable(raw), origins=origins)
+
+
+#: Tables that may start from the values of a named set that a plugin offers; they are of the kind of that name.
+_NAMED = ("bearing", "surface")
+
+
+def _with_named_data(raw: dict[str, object], where: Where, problems: list[str]) -> dict[str, object]:
+    """Return a raw scene with the values of the data that its tables name; the name itself is no value of a scene."""
+    complete = dict(raw)
+    for kind in _NAMED:
+        table, at = raw.get(kind), where.at(kind).at("name")
+        if not isinstance(table, Mapping) or "name" not in table:
+            continue
+        own = {key: value for key, value in table.items() if key != "name"}
+        complete[kind] = own
+        name = _converted(str, table["name"], "1", at, problems)
+        if isinstance(name, str):
+            from rollslip.discovery import get_class  # only a scene that names data needs a plugin
+
+            try:
+                complete[kind] = _filled(own, get_class(kind, name).data)
+            except PluginError as error:
+                raise PluginError(at.says(str(error))) from error
+            if complete[kind] == own:  # as when a name is set in a scene that spells all values out
+                problems.append(at.says(f"{name!r} gives nothing, every value is written out; leave out what it gives"))
+    return complete
+
+
+def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:
+    """Fill what a table leaves out with given values, but for those that follow from others and follow on."""
+    filled = dict(table)
+    for attribute in _attributes(type(data)):
+        key, value = _key(attribute), getattr(data, attribute.name)
+        if key is None:
+            continue
+        inner = attrs.has(type(value))
+        if key not in filled:
+            default: Any = attribute.default
+            follows = isinstance(default, attrs.Factory) and default.takes_self and default.factory(data) == value  # type: ignore[arg-type]
+            if value is not None and not follows:
+                filled[key] = resolved(value) if inner else value
+        elif inner and _bare_key(type(value)) is None and isinstance(below := filled[key], Mapping):
+            filled[key] = _filled(below, value)  # a table that may be a bare name is a choice, and taken whole
+    return filled
 
 
 _UNQUOTED = re.compile(r"=\s*[+-]?[\d.]+(?:,|\s*(?![eE][+-]?\d|[xob_])[A-Za-z%/])")
@@ -495,6 +546,8 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
     ------
     SceneError
         With every fault, those of the new values marked with "changes" in place of file and line.
+    PluginError
+        If a bearing or surface that it names is not there.
     """
     raw = _thawed(resolved(scene) if scene.raw is None else scene.raw)
     origins = dict(scene.origins)
@@ -529,7 +582,8 @@ def _set(table: dict[Any, Any], path: tuple[str, ...], value: object) -> None:
                 raise ValueError(f"leads nowhere: {part!r} is not a table")
             else:
                 default = attribute.default if attribute is not None else None
-                below = resolved(default) if attrs.has(type(default)) else {}
+                choice = attrs.has(type(default)) and _bare_key(type(default)) is not None
+                below = resolved(default) if choice else {}  # of other tables, defaults come when they are read
             table[part] = below
         table = below
     table[path[-1]] = value
@@ -593,13 +647,18 @@ def _rows(cls: type, prefix: str) -> Iterator[SchemaRow]:
         key = prefix + ("*" if metadata.get("rest") else f"{name}.*" if free else name)
         if attrs.has(kind):
             if _bare_key(kind) is not None:
-                yield SchemaRow(key, "", _default(attribute), metadata["doc"])
+                yield SchemaRow(key, "", shown_default(attribute), metadata["doc"])
+            if key in _NAMED:
+                yield SchemaRow(
+                    f"{key}.name", "", "", f"a {key} that a plugin offers, whose values the other keys change"
+                )
             yield from _rows(kind, f"{key}.")
         else:
-            yield SchemaRow(key, metadata["unit"] or "", _default(attribute), metadata["doc"])
+            yield SchemaRow(key, metadata["unit"] or "", shown_default(attribute), metadata["doc"])
 
 
-def _default(attribute: "attrs.Attribute[Any]") -> str:
+def shown_default(attribute: "attrs.Attribute[Any]") -> str:
+    """Return the default of a field as people read it: with unit, "required" or "derived"."""
     default, unit = attribute.default, attribute.metadata.get("unit")
     if default is attrs.NOTHING:
         return "required"

@@ -12,13 +12,14 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
 
+from rollslip.discovery import DATA
 from rollslip.errors import OutputError
 from rollslip.models import SliceModel
 from rollslip.planning import Plan
@@ -49,7 +50,9 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
     scene, models = plan.scene, plan.assembly.models
     offers = {kind: find(kind, model.name) for kind, model in models.items()}
     lubricant = plan.assembly.lubricant
-    used = {offer.package: offer.version for offer in offers.values()}
+    named = dict(scene.raw or {})
+    data = [(kind, table["name"]) for kind in DATA if isinstance(table := named.get(kind), Mapping) and "name" in table]
+    used = {offer.package: offer.version for offer in (*offers.values(), *(find(*pair) for pair in data))}
     used |= {name: importlib.metadata.version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
     citations = [CITATION] + [text for model in models.values() for text in _references(model)]
     citations += [text for text in lubricant.references if text not in citations]

@@ -1,0 +1,34 @@
+"""The bearings in the box; each ``source`` says where its values come from, with the grade (D) for an estimate."""
+
+from rollslip.datasets import BearingData
+from rollslip.hookspecs import hookimpl
+from rollslip.scene import Bearing, Profile
+
+bearing_1032930 = BearingData(
+    name="1032930",
+    description="Cylindrical roller bearing 1032930, 150 x 210 x 28 mm, 28 rollers of 15 x 15 mm",
+    source=(
+        "Number and size of rollers and diameters of raceways: the paper. Clearance: nominal, from these diameters; "
+        "the paper states none. Profile: that of ISO/TS 16281 for rollers of unknown profile (D); the paper prints "
+        "none. Material: bearing steel."
+    ),
+    validity="Before mounting: fits, speed and temperature change the clearance; a scene gives the one in operation.",
+    references=(
+        "Klebanov Ya.M., Polyakov K.A., Petrov N.I., Pankratova I.V. Slip in roller bearings under hydrodynamic "
+        "contact friction. J. Frict. Wear 43, 2022. doi:10.3103/S1068366622010068",
+    ),
+    bearing=Bearing(
+        rollers=28,
+        roller_diameter=0.015,
+        roller_length=0.015,
+        inner_raceway_diameter=0.165,
+        outer_raceway_diameter=0.195,
+        profile=Profile(shape="iso16281"),
+    ),
+)
+
+
+@hookimpl
+def bearings() -> list[BearingData]:
+    """Offer the bearings of this module."""
+    return [bearing_1032930]
