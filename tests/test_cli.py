@@ -240,9 +240,10 @@ def test_an_interrupted_run_leaves_no_half_file(tmp_path, how, code):
 
 
 def test_plan_says_what_is_left_out_and_why(tmp_path):
-    text = command("plan", "1032930-70C", "--set", "bearing.profile=none", cwd=tmp_path).stdout
-    flat = re.sub(r"\s+", " ", text)
-    assert "one slice per contact" in flat
+    said = json.loads(command("plan", "1032930-70C", "--set", "bearing.profile=none", "--json", cwd=tmp_path).stdout)
+    slices = next(part for part in said["parts"] if part["part"] == "slices")
+    assert (slices["included"], slices["choice"]) == (False, "one slice per contact")
+    assert "part" in command("plan", "1032930-70C", cwd=tmp_path).stdout
     rows = {r["part"]: r for r in rollslip.plan("1032930-70C").as_dict()["parts"]}
     assert rows["slices"]["included"]
     assert not rows["unloaded contacts"]["included"]

@@ -143,6 +143,65 @@ def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
         console.print_sections(rows)
 
 
+@cli.group()
+def plugins() -> None:
+    """List, check and start packages that offer models."""
+
+
+@plugins.command("list")
+@click.option("--requirements", is_flag=True, help="Print lines for pip install -r instead.")
+@_json
+def plugins_list(requirements: bool, as_json: bool) -> None:
+    """List the installed packages that offer models, with their state."""
+    from rollslip import inventory
+
+    if requirements:
+        lines = inventory.requirements()
+        if as_json:
+            _print_json(lines)
+        else:
+            click.echo("\n".join(lines))
+    elif as_json:
+        _print_json(inventory.as_dicts(inventory.packages()))
+    else:
+        click.echo(inventory.as_text(inventory.packages()))
+
+
+@plugins.command("check")
+@click.argument("name")
+@click.option("--kind", metavar="KIND", help="Only the model of this kind, where several have the name.")
+@click.option("--time-limit", default=120.0, show_default=True, help="Seconds that a check may take.")
+@_json
+def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool) -> None:
+    """Check the model called NAME by the rules of its kind, in a process of its own."""
+    from rollslip import testing
+    from rollslip.console import kinds_of
+    from rollslip.testing.findings import passed
+
+    findings = [
+        finding
+        for one in ([kind] if kind is not None else kinds_of(name))
+        for finding in testing.check_in_subprocess(one, name, time_limit)
+    ]
+    if as_json:
+        _print_json(testing.as_dict(findings))
+    else:
+        click.echo(testing.format_findings(findings))
+    if not passed(findings):
+        sys.exit(BAD_PLUGIN)
+
+
+@plugins.command("new")
+@click.argument("name")
+@click.option("--kind", required=True, metavar="KIND", help="What it offers: traction, film, contact ...")
+@click.option("--compiled", is_flag=True, help="With a compiled form in Cython.")
+def plugins_new(name: str, kind: str, compiled: bool) -> None:
+    """Write a complete, tested package called NAME into a new folder."""
+    from rollslip.scaffold import new
+
+    click.echo(f"written to {new(name, kind, compiled, Path.cwd())}; its README says what comes next")
+
+
 @cli.command()
 @_json
 def schema(as_json: bool) -> None:
@@ -245,4 +304,10 @@ def main(arguments: Sequence[str] | None = None) -> Any:
     except BrokenPipeError:
         sys.stderr.close()  # the reader of our output has left; there is nobody to tell
         sys.exit(OK)
+    except Exception as error:
+        notes = [note for note in getattr(error, "__notes__", ()) if note.startswith("raised by evaluate()")]
+        if not notes:
+            raise
+        click.echo(f"{type(error).__name__}: {error}; {notes[0]}", err=True)  # somebody's model, not a fault of ours
+        sys.exit(BAD_PLUGIN)
     sys.exit(OK)
