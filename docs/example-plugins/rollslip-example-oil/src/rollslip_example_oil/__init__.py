@@ -1,0 +1,1 @@
+"""An example oil, found through the entry point in pyproject.toml."""

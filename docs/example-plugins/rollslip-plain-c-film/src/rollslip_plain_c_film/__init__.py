@@ -1,0 +1,1 @@
+"""Film thickness after Ertel and Grubin, found through the entry point in pyproject.toml."""
