@@ -1,12 +1,12 @@
 """What the model tests share: the forms of a model, drawn conditions, and stages written in C types.
 
-- A model is tested as it comes, compiled, and through `NumpyForm`, which hides its kernel.
+- A model is tested as it comes, compiled, and through `NumpyForm`, which hides its kernel; the kit has it, and the
+  strategies for magnitudes.
 - Conditions are drawn by their dimensionless groups where a law has any, so that every corner of a law is reached
   and not only what typical oils give.
 - `foreign_capsule` builds the table of ``rollslip.h`` with ctypes: a third party's kernel, right or wrong.
 """
 
-import contextlib
 import ctypes
 
 import attrs
@@ -14,21 +14,11 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from rollslip import Chain, Conditions, Slices
+from rollslip import Conditions
+from rollslip.testing.samples import NumpyForm, decades, evaluated, law_of, or_zero, signed
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
-
-@attrs.frozen
-class NumpyForm:
-    """A model without its kernel, so that a chain runs its NumPy form."""
-
-    model: object
-
-    def __getattr__(self, name):
-        return getattr(self.model, name)
-
-    def kernel(self):
-        return None
+__all__ = ["NumpyForm", "decades", "evaluated", "law_of", "or_zero", "signed"]  # what the tests take from the kit
 
 
 def forms(models):
@@ -38,34 +28,6 @@ def forms(models):
         for i, model in enumerate(models)
         for kind, form in (("compiled", lambda model: model), ("numpy", NumpyForm))
     ]
-
-
-def law_of(model):
-    """Return the model behind a form."""
-    return getattr(model, "model", model)
-
-
-def decades(low, high):
-    """Return a strategy of 10^low to 10^high, even in the exponent."""
-    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
-
-
-def or_zero(strategy):
-    return st.one_of(st.just(0.0), strategy)
-
-
-def signed(strategy):
-    return st.tuples(strategy, st.sampled_from([1.0, -1.0])).map(lambda drawn: drawn[0] * drawn[1])
-
-
-def evaluated(model, conditions, **columns):
-    """Return the slices that one stage has filled; the columns broadcast against each other."""
-    n = max(np.size(values) for values in columns.values())
-    slices = Slices(n, conditions, **columns)
-    # Underflow is no fault, and overflow is reported by the chain: both as a user meets them, without a warning.
-    with np.errstate(all="ignore") if law_of(model) is not model else contextlib.nullcontext():
-        Chain(model)(slices)
-    return slices
 
 
 # Stages of a third party ---------------------------------------------------------------------------------------------

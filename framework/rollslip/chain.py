@@ -84,7 +84,7 @@ class Chain:
         if block is None and any(_kernel(model) is None for model in models):
             block = 0
         # what a model reads without a range of its own must at least be a number
-        stages = [(stage(m), dict.fromkeys(m.reads, FINITE) | dict(m.domain), m.writes) for m in models]
+        stages = [(stage(m), dict.fromkeys(sorted(m.reads), FINITE) | dict(m.domain), m.writes) for m in models]
         self._chain = compiled.Chain(stages) if block is None else compiled.Chain(stages, block)
         #: slices evaluated so far, as far as calls did not overlap
         self.evaluated = 0

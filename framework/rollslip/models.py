@@ -51,6 +51,8 @@ class SliceModel(abc.ABC):
     writes: frozenset[str]
     #: Member -> (low, high), both included, in SI units: where the law is defined.
     domain: Domain
+    #: Rule of the conformance kit that the law breaks for a reason -> that reason.
+    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Relative difference allowed between the compiled and the NumPy form.
     tolerance: ClassVar[float] = 1e-12
 
@@ -209,6 +211,10 @@ class DragModel(abc.ABC):
 class IntegratorModel(abc.ABC):
     """A factory of ``scipy.integrate.OdeSolver``, so that SciPy's solvers come as they are."""
 
+    #: Rule of the conformance kit that the solver breaks for a reason -> that reason.
+    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    #: Order of convergence of a method that has a fixed one.
+    order: ClassVar[int | None] = None
     name: ClassVar[str]
     equation: ClassVar[str]
     references: ClassVar[tuple[str, ...]]

@@ -98,7 +98,9 @@ def _where(model: TractionModel, slices: Slices, needed: np.ndarray[tuple[int, .
     """Friction of the needed slices after a model, 0 elsewhere."""
     result = np.zeros(needed.shape)
     if np.any(needed):
-        part = Slices.of_columns(slices.conditions, {name: getattr(slices, name)[needed] for name in COLUMNS})
+        # a view on a user's arrays has no more columns than it was given
+        columns = {name: getattr(slices, name)[needed] for name in COLUMNS if hasattr(slices, name)}
+        part = Slices.of_columns(slices.conditions, columns)
         model.evaluate(part)
         result[needed] = part.friction
     return result

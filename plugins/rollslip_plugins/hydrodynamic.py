@@ -76,7 +76,8 @@ class _EyringFluid(TractionModel, abc.ABC):
         zeta = self.flash / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed)
         zeta = zeta + s.film_thickness / (12 * c.conductivity)
         softening = c.thermoviscosity + c.pressure_thermoviscosity * s.pressure
-        heating = softening * zeta * c.eyring_stress**2 * s.film_thickness / eta
+        # a product, since a power of Python's floats raises where it overflows
+        heating = softening * zeta * (c.eyring_stress * c.eyring_stress) * s.film_thickness / eta
         deborah = eta * s.rolling_speed / (c.shear_modulus * s.half_width)
         strain_rate = eta * s.sliding_speed / (c.eyring_stress * s.film_thickness)
         s.friction[...] = c.eyring_stress / s.pressure * self.dimensionless_stress(strain_rate, deborah, heating)

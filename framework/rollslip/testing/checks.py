@@ -1,0 +1,637 @@
+"""The rules of the model contract, one function each, named as a sentence; a rule that is broken raises.
+
+- A check takes a model and raises `Nonconformance` with what came, where, and what is allowed. Nothing else is needed
+  to run one: not pytest, not a scene, not the registry.
+- Checks see a model as a chain does, in both of its forms, and say which form failed.
+- Equal means equal bits for compiled forms. NumPy forms may differ within the model's ``tolerance``: which loop NumPy
+  takes for exp or pow depends on the processor and on a value's place in its array, and an iteration over an array
+  ends when its slowest member does. Measured over the models in the box: up to 4.4e-16 between block sizes, for the
+  two iterative laws only; 0 between orders of slices.
+- An exception to a rule is declared with its reason, beside the law if it belongs to the law: a class attribute
+  ``expected_failures = {"check_name": "reason"}``. A declared failure that does not happen is a failure.
+- Units come from the tables of the slices and from the metadata of the parameters, so a law that is the same in any
+  units proves that those are right, and that no constant hides its dimension.
+"""
+
+import json
+import math
+import pickle
+import re
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache, partial
+from typing import Any, Final
+
+import attrs
+import numpy as np
+from hypothesis import assume
+from hypothesis import strategies as st
+
+from rollslip.chain import Chain, stage
+from rollslip.errors import DomainError, PluginError
+from rollslip.models import ContactModel, DragModel, FilmModel, IntegratorModel, SliceModel, TractionModel
+from rollslip.registry import catalogue, get_class
+from rollslip.testing.rules import MODELS, Inapplicable, Nonconformance, bits, refuse_unless, rule, same
+from rollslip.testing.samples import (
+    Unlimited,
+    copy_of,
+    drawn_tables,
+    evaluate,
+    for_all,
+    forms_of,
+    members,
+    picked,
+    refuses,
+    shown,
+    table,
+    typical,
+)
+from rollslip.units import UnitError, _unit, check_unit
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
+
+#: What a change of units may do to a result: some hundred roundings, most of them in powers.
+UNITS_TOLERANCE: Final = 1e-10
+#: A loop over blocks of 256 meets whole blocks, a rest and, with it, the end of a vector loop.
+MANY: Final = 515
+THREADS: Final = 8
+#: Seconds for which threads run against each other; a shared scratch is found in 40 of 40 runs, on one core or two.
+MEETING: Final = 0.06
+#: Seconds that a module may take beyond rollslip itself.
+IMPORT_LIMIT: Final = 0.5
+
+
+# Values --------------------------------------------------------------------------------------------------------------
+
+
+@rule("value")
+def check_is_frozen(model: Any) -> None:
+    """A model is shared between threads, plans and results, so nobody may change it."""
+    cls = type(model)
+    refuse_unless(attrs.has(cls), f"{cls.__qualname__} is no attrs class; decorate it with @attrs.frozen")
+    for name in [*(attribute.name for attribute in attrs.fields(cls)), "an_attribute_of_nobody"]:
+        try:
+            setattr(model, name, getattr(model, name, None))
+        except AttributeError:
+            continue
+        raise Nonconformance(f"{cls.__qualname__}.{name} can be set; decorate the class with @attrs.frozen")
+
+
+@rule("value")
+def check_equal_models_are_equal_and_have_equal_hashes(model: Any) -> None:
+    """Models are compared with those of a saved result and serve as keys of caches."""
+    twin = attrs.evolve(model)
+    refuse_unless(twin == model, f"a copy with the same parameters is not equal: {twin!r} against {model!r}")
+    try:
+        equal = hash(twin) == hash(model)
+    except TypeError as error:
+        raise Nonconformance(f"it cannot be hashed ({error}); keep tuples, not lists, as parameters") from None
+    refuse_unless(equal, "a copy with the same parameters is equal but has another hash")
+    for attribute in attrs.fields(type(model)):
+        value = getattr(model, attribute.name)
+        if isinstance(value, float) and attribute.init:
+            try:
+                other = attrs.evolve(model, **{attribute.alias: value * (1 + 1e-9) if value else 1e-9})
+            except ValueError:
+                continue  # at the end of the parameter's range
+            refuse_unless(other != model, f"two models that differ in {attribute.name} are equal")
+
+
+@rule("value")
+def check_survives_pickling(model: Any) -> None:
+    """Sweeps send models to other processes."""
+    try:
+        twin = pickle.loads(pickle.dumps(model))
+    except Exception as error:
+        raise Nonconformance(f"it cannot be pickled ({type(error).__name__}: {error})") from error
+    refuse_unless(twin == model, f"its pickled copy is not equal: {twin!r} against {model!r}")
+
+
+@rule("value")
+def check_is_named_as_its_entry_point(model: Any) -> None:
+    """The catalogue is listed without importing anything, so a name stands twice and must be the same."""
+    offers = _offers(model)
+    for offer in offers:
+        try:
+            get_class(offer.kind, offer.name)
+        except PluginError as error:
+            raise Nonconformance(str(error)) from error
+    names = sorted(offer.name for offer in offers)
+    refuse_unless(model.name in names, f"it is called {model.name!r}, its module's entry points {', '.join(names)}")
+
+
+def _offers(model: Any) -> list[Any]:
+    """Return what entry points promise of the module that a model, or a named value, comes from."""
+    bases: dict[str, type] = {"contact": ContactModel, "film": FilmModel, "traction": TractionModel}
+    bases |= {"drag": DragModel, "integrator": IntegratorModel}
+    if isinstance(model, MODELS):
+        kinds = [kind for kind, base in bases.items() if isinstance(model, base)]
+        offers = [offer for offer in catalogue() if offer.kind in kinds and offer.module == type(model).__module__]
+    else:  # a named value, whose class is not its package's
+        offers = [offer for offer in catalogue() if offer.kind not in bases and offer.name == model.name]
+    if not offers:
+        raise Inapplicable("no entry point leads to its module")
+    return offers
+
+
+@rule("value")
+def check_its_module_is_imported_fast_and_quietly(model: Any) -> None:
+    """A plugin is imported by people who want one model of it, and what it prints would end in their output."""
+    module = type(model).__module__ if isinstance(model, MODELS) else _offers(model)[0].module
+    seconds, printed = _import_of(module, tuple(sys.path))
+    refuse_unless(not printed, f"importing {module} prints {printed[:200]!r}")
+    refuse_unless(
+        seconds < IMPORT_LIMIT,
+        f"importing {module} takes {seconds:.2g} s beyond rollslip itself, allowed is {IMPORT_LIMIT:g} s; "
+        "import inside the function that needs it",
+    )
+
+
+_IMPORT = """
+import json, os, sys, time
+sys.path[:] = json.loads(sys.argv[2])
+import rollslip, rollslip.chain, rollslip.hookspecs, rollslip.lubricant, rollslip.models, rollslip_kernels.traction
+answer = os.fdopen(os.dup(1), "w")
+start = time.perf_counter()
+__import__(sys.argv[1])
+answer.write(f"\\n{time.perf_counter() - start}")
+"""
+
+
+@cache
+def _import_of(module: str, path: tuple[str, ...]) -> tuple[float, str]:
+    """Return the shortest time of up to three imports, in a process each, and what they print."""
+    best = math.inf
+    for _ in range(3):  # a busy computer makes an import slow, but not three times
+        done = subprocess.run(
+            [sys.executable, "-c", _IMPORT, module, json.dumps(path)], capture_output=True, text=True, check=False
+        )
+        if done.returncode:
+            if f"No module named {module!r}" in done.stderr or module == "__main__":
+                raise Inapplicable(f"{module} cannot be imported by its name")
+            raise Nonconformance(
+                f"importing {module} fails: {(done.stderr.strip().splitlines() or ['no message'])[-1]}"
+            )
+        printed, _, seconds = done.stdout.rpartition("\n")
+        printed = (printed + done.stderr).strip()
+        best = min(best, float(seconds))
+        if printed or best < IMPORT_LIMIT:
+            break
+    return best, printed
+
+
+# What is said --------------------------------------------------------------------------------------------------------
+
+
+@rule(*MODELS)
+def check_says_what_it_is_and_where_it_comes_from(model: Any) -> None:
+    """Name, one line of text, equation and citations: lists, reports and `rollslip cite` are made of them."""
+    cls = type(model)
+    name = getattr(cls, "name", None)
+    refuse_unless(
+        isinstance(name, str) and re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name),
+        f"its name is {name!r}; use small letters, digits and hyphens, as in 'pan-hamrock'",
+    )
+    first = (cls.__doc__ or "").strip().splitlines()[:1]
+    # attrs writes no docstring; one that is taken over from the base says nothing about this law
+    refuse_unless(
+        first and cls.__doc__ != cls.__mro__[1].__doc__ and first[0].endswith((".", ":")),
+        f"the docstring of {cls.__qualname__} must start with a sentence in one line, it starts with {first}",
+    )
+    equation = getattr(cls, "equation", None)
+    refuse_unless(
+        isinstance(equation, str) and "=" in equation and "\n" not in equation,
+        f"its equation is {equation!r}; give the law in one line, in the symbols of its docstring",
+    )
+    references = getattr(cls, "references", None)
+    refuse_unless(
+        isinstance(references, tuple)
+        and references
+        and all(isinstance(one, str) and len(one.split()) >= 3 for one in references),
+        f"its references are {references!r}; give a tuple of citations: who, what, where, when",
+    )
+
+
+@rule(*MODELS)
+def check_every_parameter_has_a_meaning_and_a_unit(model: Any) -> None:
+    """What a scene can set is explained there, and read with its unit."""
+    for attribute in attrs.fields(attrs.resolve_types(type(model))):
+        doc, unit = attribute.metadata.get("doc"), attribute.metadata.get("unit")
+        refuse_unless(
+            isinstance(doc, str) and doc.strip() and not doc.endswith("."),
+            f"parameter {attribute.name} has no meaning; declare it with "
+            "rollslip.fields.parameter(doc='in a few words')",
+        )
+        if attribute.type is float or unit is not None:
+            try:
+                check_unit(str(unit))
+            except UnitError as error:
+                raise Nonconformance(
+                    f"parameter {attribute.name} has no SI unit ({error}); '1' is a plain number"
+                ) from None
+
+
+@rule(FilmModel)
+def check_says_which_film_it_gives(model: FilmModel) -> None:
+    """Minimum, central and dp/dx = 0 differ by a quarter, and the regimes by much more."""
+    refuse_unless(
+        any(word in getattr(model, "location", "") for word in ("minimum", "central", "dp/dx = 0")),
+        "its location must say which thickness it returns: 'minimum', 'central' or 'dp/dx = 0'",
+    )
+    refuse_unless(
+        model.regime in ("IR", "VR", "IE", "VE", "all"), f"its regime is {model.regime!r}; say IR, VR, IE, VE or all"
+    )
+
+
+# Slices --------------------------------------------------------------------------------------------------------------
+
+
+@rule(SliceModel)
+def check_reads_and_writes_members_that_exist(model: SliceModel) -> None:
+    """What is read needs a range, what is written a column, and nothing is both."""
+    known = {*COLUMNS, *CONDITIONS}
+    refuse_unless(model.reads <= known, f"it reads {sorted(model.reads - known)}, which the slices do not have")
+    refuse_unless(
+        model.writes and model.writes <= {*COLUMNS},
+        f"it writes {sorted(model.writes)}; it must write at least one column and columns only",
+    )
+    both = model.reads & model.writes
+    refuse_unless(not both, f"it reads and writes {sorted(both)}; a second run would give something else")
+    for base in (ContactModel, FilmModel, TractionModel):
+        if isinstance(model, base):
+            missing = set(base.writes) - set(model.writes)
+            refuse_unless(not missing, f"a {base.__name__} also writes {sorted(missing)}")
+    refuse_unless(
+        set(model.domain) == set(model.reads),
+        f"its domain must have a range for each member it reads and no other; it differs in "
+        f"{sorted(set(model.domain) ^ set(model.reads))}",
+    )
+    for name, (low, high) in model.domain.items():
+        refuse_unless(
+            -math.inf < low < high < math.inf,
+            f"the domain of {name} is ({low}, {high}); give two finite numbers, rising",
+        )
+    refuse_unless(
+        0.0 < model.tolerance <= 1e-6,
+        f"its tolerance is {model.tolerance!r}; two forms of one law agree to rounding, 1e-6 at worst",
+    )
+
+
+@rule(SliceModel)
+def check_can_be_bound_in_a_chain(model: SliceModel) -> None:
+    """A kernel is None or a capsule of ``rollslip.h``, the same on each call."""
+    try:
+        Chain(model, model)
+        stage(model)
+    except PluginError as error:
+        raise Nonconformance(str(error)) from error
+
+
+@rule(SliceModel)
+def check_takes_what_a_bearing_gives(model: SliceModel) -> None:
+    """A model that refuses most of its own domain passes every other check without being looked at."""
+    for form, shaped in forms_of(model):
+        n = len(table(shaped, 64))
+        message = "no number"
+        if n < 32:
+            try:
+                # the refusal of the first is in the words that a user would read
+                evaluate(shaped, Slices(1, _typical_conditions(model), **_typical_columns(model)))
+            except DomainError as error:
+                message = str(error)
+        refuse_unless(
+            n >= 32, f"the {form} form takes {n} of 64 slices of engineering size from its own domain ({message})"
+        )
+
+
+def _typical_conditions(model: SliceModel) -> Conditions:
+    return Conditions(**{name: typical(name, model.domain[name]) for name in members(model, CONDITIONS)})
+
+
+def _typical_columns(model: SliceModel) -> dict[str, float]:
+    return {name: typical(name, model.domain[name]) for name in members(model, COLUMNS)}
+
+
+@rule(SliceModel)
+def check_fills_what_it_writes_and_touches_nothing_else(model: SliceModel) -> None:
+    """Every slice gets a number made from what the model reads, whatever stood there and in the other columns."""
+    for form, shaped in forms_of(model):
+        lean = table(shaped, MANY)
+        results = []
+        for filling in (0.25, -7.0, math.nan):
+            given = copy_of(lean)
+            if not math.isnan(filling):
+                others = {name: abs(filling) for name in CONDITIONS if name not in model.reads}
+                given = copy_of(given, **others)
+            for name in COLUMNS:
+                if name not in model.reads:
+                    getattr(given, name)[:] = filling
+            before = copy_of(given)
+            results.append(evaluate(shaped, given))
+            untouched = [name for name in COLUMNS if name not in model.writes]
+            same(given, before, shaped, 0.0, f"the {form} form changes a column it does not write", untouched)
+        for other in results[1:]:
+            what = f"the {form} form gives another result where what it does not read was another"
+            same(other, results[0], shaped, 0.0, what)
+
+
+@rule(SliceModel)
+def check_takes_read_only_inputs(model: SliceModel) -> None:
+    """The convenience methods call ``evaluate`` with the arrays of a user, who may have locked them."""
+    slices = table(model, 16)
+    columns: dict[str, Any] = {}
+    for name in {*members(model, COLUMNS), *model.writes}:
+        columns[name] = getattr(slices, name).copy()
+        columns[name].flags.writeable = name in model.writes
+    try:
+        with np.errstate(all="ignore"):
+            model.evaluate(Slices.of_columns(slices.conditions, columns))
+    except (ValueError, AttributeError) as error:
+        raise Nonconformance(f"evaluate() asks for more than it reads, or writes to it: {error}") from error
+
+
+@rule(SliceModel)
+def check_compiled_equals_numpy(model: SliceModel) -> None:
+    """Two forms of one law: the readable one is the reference."""
+    if model.kernel() is None:
+        raise Inapplicable("it has no kernel")
+    forms = dict(forms_of(model))
+
+    def equal(slices: Slices) -> None:
+        refused = {form: refuses(shaped, slices) for form, shaped in forms.items()}
+        if any(refused.values()):
+            # at the edge of its domain rounding may decide
+            refuse_unless(
+                all(refused.values())
+                or any(refuses(shaped, nudged) for shaped in forms.values() for nudged in near(slices)),
+                f"the {'compiled' if refused['compiled'] else 'NumPy'} form refuses what the other takes; "
+                f"at {shown(model, slices, 0)}",
+            )
+            assume(False)
+        compiled, numpy = (evaluate(shaped, copy_of(slices)) for shaped in forms.values())
+        same(compiled, numpy, model, model.tolerance, "compiled against NumPy")
+
+    def near(slices: Slices) -> Iterator[Slices]:
+        for factor in (1 - 1e-9, 1 + 1e-9):
+            nudged = copy_of(slices)
+            for name in members(model, COLUMNS):
+                getattr(nudged, name)[:] *= factor
+                yield nudged
+
+    for_all(drawn_tables(model), equal)
+    slices = table(model, MANY)
+    if not refuses(forms["NumPy"], slices):
+        equal(slices)
+
+
+@rule(SliceModel)
+def check_does_not_depend_on_the_block_size(model: SliceModel) -> None:
+    """A chain cuts its slices into blocks as it likes."""
+    for form, shaped in forms_of(model):
+        slices = table(shaped, MANY if form == "compiled" else 67)
+        whole = evaluate(shaped, copy_of(slices), 0)
+        for block in (1, 2, 7, 64, 256):
+            part = evaluate(shaped, copy_of(slices), block)
+            same(part, whole, shaped, bits(form, model), f"{form} form, blocks of {block} against all at once")
+
+
+@rule(SliceModel)
+def check_does_not_depend_on_the_order_of_slices(model: SliceModel) -> None:
+    """A slice knows nothing of its neighbours."""
+    for form, shaped in forms_of(model):
+        slices = table(shaped, MANY)
+        straight = evaluate(shaped, copy_of(slices))
+        n = len(slices)
+        # backwards, rotated, and alternately from both ends
+        for order in (np.arange(n)[::-1], np.roll(np.arange(n), 101), np.argsort(np.arange(n) % 2, kind="stable")):
+            other = evaluate(shaped, picked(slices, order))
+            same(other, picked(straight, order), shaped, bits(form, model), f"{form} form, another order of slices")
+
+
+@rule(SliceModel)
+def check_has_no_hidden_state(model: SliceModel) -> None:
+    """Same input, same bits: again, after another input, and from a model made anew."""
+    for form, shaped in forms_of(model):
+        slices = table(shaped, MANY)
+        first = evaluate(shaped, copy_of(slices))
+        same(evaluate(shaped, copy_of(slices)), first, shaped, 0.0, f"{form} form, the same input again")
+        evaluate(shaped, picked(slices, np.arange(len(slices))[::-3]))
+        same(evaluate(shaped, copy_of(slices)), first, shaped, 0.0, f"{form} form, after another input")
+    chain = Chain(model)
+    slices = table(model, MANY)
+    with np.errstate(all="ignore"):
+        first, second = copy_of(slices), copy_of(slices)
+        chain(first)
+        Chain(_anew(model))(second)
+        same(second, first, model, 0.0, "a model made anew")
+
+
+@rule(SliceModel)
+def check_gives_the_same_bits_in_eight_threads(model: SliceModel) -> None:
+    """Kernels run without the GIL, on other slices in each thread, through one capsule."""
+    for form, shaped in forms_of(model):
+        slices = table(shaped, MANY)
+        if not len(slices):
+            continue
+        n = _slices_of_a_millisecond(shaped, slices) if form == "compiled" else len(slices)
+        chain, tasks = Chain(shaped), []
+        for k in range(THREADS):
+            given = picked(slices, (np.arange(n) + 37 * k) % len(slices))
+            expected = evaluate(shaped, copy_of(given))
+            holds = partial(same, expected=expected, model=shaped, tolerance=0.0, what=f"{form} form, eight threads")
+            # the reference beside a kernel is not what threads run
+            seconds = MEETING if form == "compiled" or model.kernel() is None else 0.0
+            tasks.append(partial(_repeat, chain, given, holds, seconds))
+        _together(tasks)
+
+
+def _anew(model: Any) -> Any:
+    """Return a model with the same parameters, made again."""
+    return attrs.evolve(model)
+
+
+def _slices_of_a_millisecond(model: SliceModel, slices: Slices) -> int:
+    """Return how many slices keep a kernel busy for so long that calls in other threads overlap with it."""
+    chain, given = Chain(model), copy_of(slices)
+    start = time.perf_counter()
+    chain(given)
+    seconds = time.perf_counter() - start
+    return min(max(int(len(slices) * 1e-3 / seconds), len(slices)), 1 << 16)
+
+
+def _repeat(chain: Chain, slices: Slices, holds: Callable[[Slices], None], seconds: float) -> None:
+    """Evaluate slices again and again for a while, and look at the result each time."""
+    # by the clock: on one core, or a busy one, calls overlap only where the system switches threads inside them
+    end = time.perf_counter() + seconds
+    with np.errstate(all="ignore"):
+        while True:
+            chain(slices)
+            holds(slices)
+            if time.perf_counter() >= end:
+                return
+
+
+def _together(tasks: Sequence[Callable[[], None]]) -> None:
+    """Run tasks in a thread each, all at once; the first error is raised."""
+    errors: list[BaseException] = []
+    start = threading.Barrier(max(len(tasks), 1))
+
+    def work(task: Callable[[], None]) -> None:
+        start.wait()
+        try:
+            task()
+        except BaseException as error:
+            errors.append(error)
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)  # Python stages meet too
+    try:
+        threads = [threading.Thread(target=work, args=(task,)) for task in tasks]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    finally:
+        sys.setswitchinterval(interval)
+    if errors:
+        raise errors[0]
+
+
+@rule(SliceModel)
+def check_refuses_values_outside_its_domain(model: SliceModel) -> None:
+    """NaN, infinities and what lies beyond a range end in an error that names the member; nothing computes on."""
+    for form, shaped in forms_of(model):
+        slices = picked(table(shaped, 64), slice(0, 5))
+        for member in sorted(model.reads):
+            low, high = model.domain.get(member, (-sys.float_info.max, sys.float_info.max))
+            beyond = [
+                limit
+                for limit in (math.nextafter(low, -math.inf), math.nextafter(high, math.inf))
+                if math.isfinite(limit)
+            ]
+            for value in (math.nan, math.inf, -math.inf, *beyond):
+                if member in CONDITIONS:
+                    spoiled = copy_of(slices, **{member: value})
+                else:
+                    spoiled = copy_of(slices)
+                    getattr(spoiled, member)[-1] = value
+                try:
+                    evaluate(shaped, spoiled)
+                except DomainError as error:
+                    refuse_unless(
+                        re.search(rf"\b{member}\b", str(error)),
+                        f"{form} form, {member} = {value!r}: the error does not name the member: {error}",
+                    )
+                else:
+                    raise Nonconformance(f"{form} form, {member} = {value!r} is taken: there is no error")
+
+
+@rule(SliceModel)
+def check_answers_its_whole_domain_with_numbers_or_an_error(model: SliceModel) -> None:
+    """The smallest and the largest floats of a domain give a finite number or a `DomainError`, nothing else."""
+    extremes = {
+        name: (low, high, max(low, 1e-300), min(high, 1e300), max(low, 1e-30), min(high, 1e30))
+        for name, (low, high) in model.domain.items()
+    }
+    base = {name: typical(name, model.domain[name]) for name in extremes}
+    choices = st.fixed_dictionaries(
+        {name: st.one_of(st.just(base[name]), st.sampled_from(extremes[name])) for name in sorted(extremes)}
+    )
+    for form, shaped in forms_of(model):
+
+        def answers(chosen: Mapping[str, float], form: str = form, shaped: SliceModel = shaped) -> None:
+            conditions = Conditions(**{name: chosen[name] for name in members(model, CONDITIONS)})
+            slices = Slices(1, conditions, **{name: chosen[name] for name in members(model, COLUMNS)})
+            try:
+                evaluate(shaped, slices)
+            except DomainError:
+                return
+            except Exception as error:
+                raise Nonconformance(
+                    f"{form} form: {type(error).__name__}: {error}; only a DomainError may leave it; "
+                    f"at {shown(model, slices, 0)}"
+                ) from error
+            for name in sorted(model.writes):
+                value = float(getattr(slices, name)[0])
+                refuse_unless(math.isfinite(value), f"{form} form: {name} = {value}; at {shown(model, slices, 0)}")
+
+        for name, values in extremes.items():
+            for value in values:
+                answers(base | {name: value})
+        for_all(choices, answers)
+
+
+# Units ---------------------------------------------------------------------------------------------------------------
+
+_FACTOR = re.compile(r"([A-Za-z]+|1)\^?(\d+(?:\.\d+)?)?")
+
+
+def dimension(unit: str) -> tuple[float, float, float, float]:
+    """Return the exponents of metre, kilogram, second and kelvin of an SI unit; they may be halves.
+
+    Examples
+    --------
+    >>> dimension("J/(m2 K s^0.5)")
+    (0.0, 1.0, -2.5, -1.0)
+    """
+    total = np.zeros(4)
+    for sign, factors in zip((1.0, -1.0), unit.partition("/")[::2], strict=True):
+        for word in factors.strip(" ()").split():
+            factor = _FACTOR.fullmatch(word)
+            if factor is None:
+                raise UnitError(f"{unit!r} is not a unit that is known here")
+            total += sign * float(factor[2] or 1) * np.array(_unit(factor[1])[1][:4])
+    metre, kilogram, second, kelvin = (float(exponent) for exponent in total)
+    return metre, kilogram, second, kelvin
+
+
+def in_other_units(value: Any, unit: str, powers: tuple[int, int, int, int]) -> Any:
+    """Return a value in units that are 4^powers times smaller than metre, kilogram, second and kelvin."""
+    # Powers of four, so that neither the value nor the square root of a unit is rounded.
+    return value * 2.0 ** (2 * sum(a * b for a, b in zip(dimension(unit), powers, strict=True)))
+
+
+def parameters_in_other_units(model: Any, powers: tuple[int, int, int, int]) -> Any:
+    """Return a model whose parameters, and those of its children, are given in other units."""
+    changes = {}
+    for attribute in attrs.fields(type(model)):
+        value, unit = getattr(model, attribute.name), attribute.metadata.get("unit")
+        if isinstance(value, MODELS):
+            changes[attribute.alias] = parameters_in_other_units(value, powers)
+        elif isinstance(value, float) and unit is not None and any(dimension(unit)):
+            changes[attribute.alias] = in_other_units(value, unit, powers)
+    with attrs.validators.disabled():  # limits are written in SI
+        return attrs.evolve(model, **changes) if changes else model
+
+
+@rule(SliceModel)
+def check_does_not_know_metre_kilogram_second_and_kelvin(model: SliceModel) -> None:
+    """A law of nature is the same in any units: finds hidden constants, wrong units and members read by mistake."""
+    power = st.integers(-5, 5)
+
+    def equal(drawn: tuple[Slices, tuple[int, int, int, int]]) -> None:
+        slices, powers = drawn
+        try:
+            expected = evaluate(model, copy_of(slices))
+        except DomainError:
+            assume(False)
+        conditions = {
+            name: in_other_units(getattr(slices.conditions, name), CONDITIONS[name][0], powers)
+            for name in members(model, CONDITIONS)
+        }
+        columns = {
+            name: in_other_units(getattr(slices, name), COLUMNS[name][0], powers) for name in members(model, COLUMNS)
+        }
+        other = Slices(len(slices), Conditions(**conditions), **columns)
+        units = "units of 4^({}, {}, {}, {}) m, kg, s, K".format(*(-power for power in powers))
+        try:
+            evaluate(Unlimited(parameters_in_other_units(model, powers)), other)  # type: ignore[arg-type]
+        except DomainError as error:
+            raise Nonconformance(f"in {units} it refuses what it took in SI: {error}") from error
+        for name in sorted(model.writes):
+            getattr(expected, name)[:] = in_other_units(getattr(expected, name), COLUMNS[name][0], powers)
+        same(other, expected, model, max(UNITS_TOLERANCE, model.tolerance), f"in {units} the law is another")
+
+    for_all(st.tuples(drawn_tables(model), st.tuples(power, power, power, power)), equal)

@@ -1,0 +1,511 @@
+"""What the laws of each kind have in common: contact, film, traction and drag, solvers, and oils; a function a rule.
+
+- Each holds for every law of its kind that is known, over all magnitudes, and not only for those in the box.
+- Derivatives are compared with differences, orders and errors with solutions that are known in closed form.
+"""
+
+import inspect
+import math
+import re
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+from typing import Any
+
+import attrs
+import numpy as np
+from hypothesis import assume
+from hypothesis import strategies as st
+
+from rollslip.errors import DomainError
+from rollslip.lubricant import Lubricant
+from rollslip.models import ContactModel, DragModel, FilmModel, IntegratorModel, SliceModel, TractionModel
+from rollslip.testing.rules import Inapplicable, Nonconformance, changed, drawn, refuse_unless, rule, same
+from rollslip.testing.samples import BEARING, copy_of, evaluate, for_all, forms_of, picked, shown, signed, table
+from rollslip_kernels.slices import Slices
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+# Contact and deflection ----------------------------------------------------------------------------------------------
+
+
+@rule(ContactModel)
+def check_mean_pressure_carries_the_load(model: ContactModel) -> None:
+    """The mean pressure over the width 2 b is the load per length, w = 2 b p."""
+
+    def carries(filled: Slices, form: str, shaped: SliceModel) -> None:
+        carried = copy_of(filled)
+        carried.load[:] = 2 * filled.half_width * filled.pressure
+        same(carried, filled, shaped, max(1e-12, model.tolerance), f"{form} form, 2 b p against w", ["load"])
+        refuse_unless(np.all(filled.half_width > 0), f"{form} form: half_width is not positive")
+
+    drawn(model, carries)
+
+
+@rule(ContactModel)
+def check_half_width_rises_with_the_load(model: ContactModel) -> None:
+    """A heavier contact is wider, and its mean pressure does not fall."""
+    drawn(model, _monotonic("load", {"half_width": 1, "pressure": 0}))
+
+
+@rule(ContactModel)
+def check_deflection_is_a_stage_of_its_own(model: ContactModel) -> None:
+    """The deflection fills load and stiffness from the approach, and is the same stage whenever it is asked for."""
+    one, other = model.deflection(), model.deflection()
+    refuse_unless(isinstance(one, SliceModel), f"deflection() must return a SliceModel, not {one!r}")
+    refuse_unless(one == other, "deflection() returns another stage each time")
+    refuse_unless(
+        one.writes == {"load", "stiffness"} and "approach" in one.reads,
+        f"deflection() must read the approach and write load and stiffness, it writes {sorted(one.writes)}",
+    )
+
+
+def _monotonic(of: str, columns: Mapping[str, int]) -> Callable[[Slices, str, SliceModel], None]:
+    """Return a property: columns rise (1), do not fall (0) or do not rise (-1) as another is raised."""
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        for factor in (1.01, 2.0, 30.0):
+            more = changed(filled, shaped, **{of: getattr(filled, of) * factor})
+            if more is None:
+                continue
+            for name, direction in columns.items():
+                before, after = getattr(filled, name), getattr(more, name)
+                slack = 10 * shaped.tolerance * np.abs(before)
+                good = {1: after > before, 0: after >= before - slack, -1: after <= before + slack}[direction]
+                raised = getattr(filled, of) > 0
+                if not np.all(good | ~raised):
+                    i = int(np.argmax(~good & raised))
+                    wanted = {1: "must rise", 0: "must not fall", -1: "must not rise"}[direction]
+                    raise Nonconformance(
+                        f"{form} form: {name} {wanted} with {of}, it goes from {before[i]:.17g} to {after[i]:.17g} as "
+                        f"{of} is multiplied by {factor:g}; at {shown(shaped, filled, i)}"
+                    )
+
+    return holds
+
+
+@rule("deflection")
+def check_surfaces_apart_carry_nothing(model: SliceModel) -> None:
+    """No load and no stiffness at an approach of zero or below; both positive or zero above."""
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        for name in ("load", "stiffness"):
+            values = getattr(filled, name)
+            good = np.where(filled.approach > 0, values >= 0, values == 0)
+            if not np.all(good):
+                i = int(np.argmin(good))
+                raise Nonconformance(f"{form} form: {name} = {values[i]:g} at {shown(shaped, filled, i)}")
+
+    drawn(model, holds)
+    for form, shaped in forms_of(model):
+        base = table(shaped, 16)
+        for approach in (0.0, -0.0, -1e-9, -1e-3):
+            apart = changed(base, shaped, approach=approach)
+            refuse_unless(apart is not None, f"{form} form refuses an approach of {approach:g}: surfaces may be apart")
+            if apart is not None:
+                holds(apart, form, shaped)
+
+
+@rule("deflection")
+def check_load_rises_with_the_approach(model: SliceModel) -> None:
+    """A contact pressed harder carries more, or the equilibrium has no unique solution."""
+    drawn(model, _monotonic("approach", {"load": 1}))
+
+
+@rule("deflection")
+def check_stiffness_is_the_derivative_of_the_load(model: SliceModel) -> None:
+    """The slope that Newton's method is given is that of the load, by central differences."""
+    step = 1e-5  # leaves 1e-10 of the third derivative, and 1e-11 of rounding
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        touching = filled.approach > 1e-12
+        assume(np.any(touching))
+        filled = picked(filled, touching)
+        sides = [changed(filled, shaped, approach=filled.approach * factor) for factor in (1 - step, 1 + step)]
+        if sides[0] is None or sides[1] is None:
+            assume(False)
+        slope = copy_of(filled)
+        slope.stiffness[:] = (sides[1].load - sides[0].load) / (sides[1].approach - sides[0].approach)
+        same(filled, slope, shaped, 1e-7, f"{form} form, stiffness against dw/d(approach)", ["stiffness"])
+
+    drawn(model, holds)
+
+
+# Film ----------------------------------------------------------------------------------------------------------------
+
+
+@rule(FilmModel)
+def check_film_is_positive(model: FilmModel) -> None:
+    """No film is thinner than nothing, and a traction model divides by it."""
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        bad = ~(filled.film_thickness > 0)
+        if np.any(bad):
+            i = int(np.argmax(bad))
+            raise Nonconformance(
+                f"{form} form: film_thickness = {filled.film_thickness[i]:g}; at {shown(shaped, filled, i)}"
+            )
+
+    # without pressure viscosity a piezoviscous film vanishes: a right answer outside that regime
+    if model.regime in ("VR", "VE"):
+        positive = holds
+
+        def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+            assume(filled.conditions.pressure_viscosity > 0)
+            positive(filled, form, shaped)
+
+    drawn(model, holds)
+
+
+@rule(FilmModel)
+def check_film_does_not_grow_with_the_load(model: FilmModel) -> None:
+    """More load, less film; or the same, where a regime does not know the load."""
+    drawn(model, _monotonic("load", {"film_thickness": -1}))
+
+
+@rule(FilmModel)
+def check_film_grows_with_the_rolling_speed(model: FilmModel) -> None:
+    """More speed, more film."""
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        assume(np.all(filled.film_thickness > 0))
+        _monotonic("rolling_speed", {"film_thickness": 1})(filled, form, shaped)
+
+    drawn(model, holds)
+
+
+# Traction ------------------------------------------------------------------------------------------------------------
+
+
+@rule(TractionModel)
+def check_is_odd_in_slip(model: TractionModel) -> None:
+    """Friction does not know which surface is the faster one: mu(-V) = -mu(V)."""
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        mirrored = changed(filled, shaped, sliding_speed=-filled.sliding_speed)
+        if mirrored is None:
+            raise Nonconformance(f"{form} form refuses the opposite slip; at {shown(shaped, filled, 0)}")
+        mirrored.friction[:] *= -1
+        same(mirrored, filled, shaped, model.tolerance, f"{form} form, -mu(-V) against mu(V)")
+
+    drawn(model, holds)
+
+
+@rule(TractionModel)
+def check_is_zero_at_zero_slip(model: TractionModel) -> None:
+    """Pure rolling needs no force here; rolling resistance is another term."""
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        still = changed(filled, shaped, sliding_speed=0.0)
+        refuse_unless(still is not None, f"{form} form refuses pure rolling; at {shown(shaped, filled, 0)}")
+        if still is not None and np.any(still.friction != 0):
+            i = int(np.argmax(still.friction != 0))
+            raise Nonconformance(f"{form} form: mu = {still.friction[i]:g} at V = 0; at {shown(shaped, still, i)}")
+
+    drawn(model, holds)
+
+
+@rule(TractionModel)
+def check_takes_power_out_of_sliding(model: TractionModel) -> None:
+    """Friction is along the sliding and never drives it: mu V >= 0."""
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        bad = np.sign(filled.friction) * np.sign(filled.sliding_speed) < 0
+        if np.any(bad):
+            i = int(np.argmax(bad))
+            raise Nonconformance(f"{form} form: mu = {filled.friction[i]:g} drives; at {shown(shaped, filled, i)}")
+
+    drawn(model, holds)
+
+
+@rule(TractionModel)
+def check_friction_is_below_one_in_a_bearing(model: TractionModel) -> None:
+    """In a loaded, lubricated bearing the traction coefficient is some hundredths; above one a unit is wrong."""
+    for form, shaped in forms_of(model):
+        filled = evaluate(shaped, table(shaped, 256, BEARING))
+        if len(filled):
+            i = int(np.argmax(np.abs(filled.friction)))
+            refuse_unless(
+                abs(filled.friction[i]) <= 1, f"{form} form: mu = {filled.friction[i]:g}; at {shown(shaped, filled, i)}"
+            )
+
+
+# Drag ----------------------------------------------------------------------------------------------------------------
+
+_SPEEDS = st.tuples(*[st.one_of(st.just(0.0), signed(st.floats(1e-3, 3e3)))] * 3)
+
+
+def _torque(model: DragModel, speeds: tuple[float, ...]) -> float:
+    torque = model.torque(*speeds)
+    refuse_unless(
+        isinstance(torque, float) and math.isfinite(torque),
+        f"the torque is {torque!r} at cage, inner and outer speed {speeds} rad/s; it must be a finite float",
+    )
+    return torque
+
+
+@rule(DragModel)
+def check_torque_is_finite_and_the_same_again(model: DragModel) -> None:
+    """Any speeds of either sign, zero included, give one finite torque."""
+
+    def holds(speeds: tuple[float, ...]) -> None:
+        first = _torque(model, speeds)
+        _torque(model, speeds[::-1])
+        refuse_unless(_torque(model, speeds) == first, f"the torque at {speeds} rad/s is another at the second time")
+
+    for_all(_SPEEDS, holds)
+
+
+@rule(DragModel)
+def check_torque_changes_sign_with_all_speeds(model: DragModel) -> None:
+    """A bearing seen from its other side is the same bearing."""
+
+    def holds(speeds: tuple[float, ...]) -> None:
+        one, mirrored = _torque(model, speeds), _torque(model, tuple(-speed for speed in speeds))
+        refuse_unless(
+            abs(one + mirrored) <= 1e-12 * abs(one), f"the torque is {one:g} at {speeds} rad/s, mirrored {mirrored:g}"
+        )
+
+    for_all(_SPEEDS, holds)
+
+
+@rule(DragModel)
+def check_torque_takes_power_out_of_a_cage_between_still_rings(model: DragModel) -> None:
+    """With both rings at rest nothing drives the cage; and nothing acts on a cage at rest there."""
+
+    def holds(speeds: tuple[float, ...]) -> None:
+        torque = _torque(model, (speeds[0], 0.0, 0.0))
+        refuse_unless(torque * speeds[0] <= 0, f"the torque {torque:g} N m drives a cage at {speeds[0]:g} rad/s")
+        refuse_unless(speeds[0] != 0 or torque == 0, f"the torque is {torque:g} N m where all is at rest")
+
+    for_all(_SPEEDS, holds)
+
+
+# Integrators ---------------------------------------------------------------------------------------------------------
+
+_ROTATION = np.array([[-0.5, 1.0], [-1.0, -0.5]])
+_CALLS = 100_000
+_Problem = tuple[Callable[[float, Array], Array], Callable[[Any], Array]]
+
+
+def _decay() -> _Problem:
+    """A decaying rotation: linear, so that the iterations of implicit methods are exact and only their order shows."""
+    return lambda t, y: _ROTATION @ y, lambda t: np.exp(-t / 2) * np.array([np.cos(t), -np.sin(t)])
+
+
+def _smooth() -> _Problem:
+    """exp(sin t) and 1/(1 + t^2): time in the right side, and a nonlinear one."""
+    return (
+        lambda t, y: np.array([y[0] * np.cos(t), -2 * y[1] ** 2 * t]),
+        lambda t: np.array([np.exp(np.sin(t)), 1 / (1 + t * t)]),
+    )
+
+
+def _solved(model: IntegratorModel, problem: _Problem, start: float, end: float, rtol: float) -> Any:
+    from scipy.integrate import solve_ivp
+
+    right, exact = problem
+    solution = solve_ivp(
+        right, (start, end), exact(start), method=model.solver(), rtol=rtol, atol=rtol, dense_output=True
+    )
+    refuse_unless(solution.success, f"it fails from t = {start:g} to {end:g} at rtol = {rtol:g}: {solution.message}")
+    return solution
+
+
+def _error_at_most(error: float, rtol: float, what: str) -> None:
+    # the tolerance is one of a step; a thousand leaves room for the sum of steps and for interpolation
+    refuse_unless(error <= 1e3 * rtol, f"{what}: the error is {error:.2g} at rtol = atol = {rtol:g}")
+
+
+@rule(IntegratorModel)
+def check_is_a_solver_of_scipys_kind(model: IntegratorModel) -> None:
+    """``solver()`` returns a class of `scipy.integrate.OdeSolver`, the same each time."""
+    from scipy.integrate import OdeSolver
+
+    cls = model.solver()
+    refuse_unless(
+        inspect.isclass(cls) and issubclass(cls, OdeSolver), f"solver() must return a class of OdeSolver, not {cls!r}"
+    )
+    refuse_unless(model.solver() is cls, "solver() returns another class each time")
+
+
+@rule(IntegratorModel)
+def check_converges_with_its_order(model: IntegratorModel) -> None:
+    """Halving a fixed step divides the error by 2^order; ``order`` is a class attribute, None for variable order.
+
+    Measured with SciPy 1.17 on a decaying rotation: RK23 3.00, RK45 5.07, DOP853 7.99, Radau 5.00.
+    """
+    order = getattr(model, "order", None)
+    if order is None:
+        raise Inapplicable("its order is not fixed")
+    right, exact = _decay()
+    errors = []
+    for steps in (4, 8, 16, 32, 64, 128):
+        h = 4.0 / steps
+        # tolerances so wide that every step is taken, at its largest size
+        solver = model.solver()(right, 0.0, exact(0.0), 4.0, first_step=h, max_step=h, rtol=1e3, atol=1e3)
+        for _ in range(2 * steps):
+            if solver.status == "running":
+                solver.step()
+        refuse_unless(solver.status == "finished", f"{steps} steps of {h:g} do not reach the end: {solver.status}")
+        errors.append(float(np.max(np.abs(solver.y - exact(4.0)))))
+    pairs = [(a, b) for a, b in pairwise(errors) if b > 1e-12]
+    refuse_unless(pairs, f"the errors {errors} leave nothing to measure an order from")
+    found = math.log2(pairs[-1][0] / pairs[-1][1])
+    refuse_unless(abs(found - order) < 0.5, f"it converges with order {found:.2f}, its order is given as {order}")
+
+
+@rule(IntegratorModel)
+def check_error_falls_with_the_tolerance(model: IntegratorModel) -> None:
+    """What is asked for is what is got, forwards in time, at the steps."""
+    errors = []
+    for rtol in (1e-4, 1e-6, 1e-8):
+        solution = _solved(model, _smooth(), 0.0, 2.0, rtol)
+        errors.append(float(np.max(np.abs(solution.y - _smooth()[1](solution.t)))))
+        _error_at_most(errors[-1], rtol, "forwards")
+    refuse_unless(errors[-1] <= errors[0] / 100, f"the errors {errors} do not fall with rtol = 1e-4, 1e-6, 1e-8")
+
+
+@rule(IntegratorModel)
+def check_is_as_accurate_between_its_steps(model: IntegratorModel) -> None:
+    """Dense output is what events and figures are made of."""
+    t = np.linspace(0.0, 2.0, 201)
+    for rtol in (1e-4, 1e-8):
+        solution = _solved(model, _smooth(), 0.0, 2.0, rtol)
+        _error_at_most(float(np.max(np.abs(solution.sol(t) - _smooth()[1](t)))), rtol, "between the steps")
+
+
+@rule(IntegratorModel)
+def check_runs_backwards_in_time(model: IntegratorModel) -> None:
+    """An end before the start is an interval like any other."""
+    for rtol in (1e-4, 1e-8):
+        solution = _solved(model, _smooth(), 2.0, 0.0, rtol)
+        _error_at_most(float(np.max(np.abs(solution.y[:, -1] - 1.0))), rtol, "backwards")
+
+
+@rule(IntegratorModel)
+def check_adapts_its_steps(model: IntegratorModel) -> None:
+    """Steps are short where the solution turns quickly, here arctan(50 (t - 5)) at t = 5, and long elsewhere."""
+    problem: _Problem = (
+        lambda t, y: np.array([50.0 / (1.0 + (50.0 * (t - 5.0)) ** 2)]),
+        lambda t: np.array([np.arctan(50.0 * (t - 5.0))]),
+    )
+    solution = _solved(model, problem, 0.0, 10.0, 1e-6)
+    steps = np.diff(solution.t)[1:-1]  # the first is a guess and the last is cut to the end
+    refuse_unless(
+        np.max(steps) >= 10 * np.min(steps),
+        f"its steps are {np.min(steps):.2g} to {np.max(steps):.2g} long over a bend that needs them 10 times apart",
+    )
+
+
+@rule(IntegratorModel)
+def check_says_when_it_fails(model: IntegratorModel) -> None:
+    """With y' = y^2 from 1, infinite at t = 1, the solver ends there with the status "failed" and says why."""
+    calls = 0
+
+    def right(t: float, y: Array) -> Array:
+        nonlocal calls
+        calls += 1
+        with np.errstate(over="ignore"):
+            return y * y
+
+    solver = model.solver()(right, 0.0, np.array([1.0]), 2.0, rtol=1e-6, atol=1e-9)
+    message, steps = None, 0
+    with np.errstate(all="ignore"):
+        while solver.status == "running" and steps < _CALLS // 5 and calls < _CALLS:
+            message = solver.step()
+            steps += 1
+    refuse_unless(
+        solver.status != "running", f"after {steps} steps and {calls} calls it still stands at t = {solver.t:.6g}"
+    )
+    refuse_unless(
+        solver.status == "failed" and message,
+        f"it ends with the status {solver.status!r} and the message {message!r} at t = {solver.t:.6g}",
+    )
+
+
+# Lubricants ----------------------------------------------------------------------------------------------------------
+
+
+def _temperatures(oil: Lubricant) -> "st.SearchStrategy[float]":
+    low, high = oil.minimum_temperature, oil.maximum_temperature
+    return st.one_of(st.sampled_from([low, high]), st.floats(low, high))
+
+
+@rule(Lubricant)
+def check_says_what_it_is_and_what_vouches_for_it(oil: Lubricant) -> None:
+    """A value without a source is a rumour."""
+    refuse_unless(
+        re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", oil.name),
+        f"its name is {oil.name!r}; use small letters, digits and hyphens, as in 'sae-30'",
+    )
+    refuse_unless(len(oil.description.split()) >= 3, f"its description is {oil.description!r}; say what it is")
+    refuse_unless(len(oil.source.split()) >= 3, f"its source is {oil.source!r}; say where its data come from")
+    refuse_unless(
+        isinstance(oil.references, tuple) and oil.references and all(oil.references),
+        f"its references are {oil.references!r}; give a tuple of citations, or of keys of the bibliography",
+    )
+
+
+@rule(Lubricant)
+def check_viscosity_falls_with_temperature(oil: Lubricant) -> None:
+    """Every liquid's does, and the film heating rests on it; every property it has is positive and finite."""
+    temperatures = np.linspace(oil.minimum_temperature, oil.maximum_temperature, 201)
+    states = [oil.at(float(T)) for T in temperatures]
+    for before, after in pairwise(states):
+        refuse_unless(
+            after.viscosity < before.viscosity,
+            f"the viscosity goes from {before.viscosity:.6g} to {after.viscosity:.6g} Pa s as the temperature rises "
+            f"from {before.temperature:.6g} to {after.temperature:.6g} K",
+        )
+    for state in states:
+        for name, value in attrs.asdict(state).items():
+            low = -math.inf if name == "pressure_thermoviscosity" else 0.0 if name == "thermoviscosity" else 5e-324
+            refuse_unless(
+                math.isnan(value) or low <= value < math.inf, f"{name} = {value:g} at {state.temperature:g} K"
+            )
+
+
+@rule(Lubricant)
+def check_slopes_are_those_of_its_laws(oil: Lubricant) -> None:
+    """beta0 = -dln(eta0)/dT and gamma = -dalpha/dT, by differences; at the corner of a table either side will do."""
+    low, high = oil.minimum_temperature, oil.maximum_temperature
+    step = 1e-4 * (high - low) / 100
+
+    def slopes(T: float, value: Callable[[float], float]) -> list[float]:
+        below, above = max(T - step, low), min(T + step, high)
+        ends = [(below, above), (below, T), (T, above)]
+        return [-(value(b) - value(a)) / (b - a) for a, b in ends if b > a]
+
+    laws: dict[str, Callable[[float], float]] = {
+        "thermoviscosity": lambda T: math.log(oil.at(T).viscosity),
+        "pressure_thermoviscosity": lambda T: oil.at(T).pressure_viscosity * oil.pressure_thermoviscosity_factor,
+    }
+
+    def holds(T: float) -> None:
+        state = oil.at(T)
+        for name, of in laws.items():
+            found = getattr(state, name)
+            expected = slopes(T, of)
+            scale = abs(of(T)) / T
+            refuse_unless(
+                math.isnan(found) or any(abs(found - e) <= 1e-4 * abs(e) + 1e-6 * scale for e in expected),
+                f"{name} = {found:.9g} at {T:g} K, by differences {expected[0]:.9g}",
+            )
+
+    for_all(_temperatures(oil), holds)
+
+
+@rule(Lubricant)
+def check_refuses_temperatures_outside_its_range(oil: Lubricant) -> None:
+    """Beyond the range there is an error that names the oil, no number."""
+    low, high = oil.minimum_temperature, oil.maximum_temperature
+    refuse_unless(200.0 < low < high < 800.0, f"its range is {low:g} to {high:g} K; give the range of its data")
+    oil.at(low), oil.at(high)
+    for T in (math.nan, math.inf, -math.inf, math.nextafter(low, 0.0), math.nextafter(high, math.inf)):
+        try:
+            oil.at(T)
+        except DomainError as error:
+            refuse_unless(oil.name in str(error), f"the error at {T!r} K does not name the oil: {error}")
+        else:
+            raise Nonconformance(f"{T!r} K is taken: there is no error")

@@ -1,0 +1,132 @@
+"""What a rule is: how checks are put on the list of a kind, how they refuse, and what they compare.
+
+- The list of a kind is made where its checks are defined; a model has to pass those of every kind that it is.
+- A check refuses with a sentence that holds the numbers and the slice, so that nobody has to run it again to see them.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, Final
+
+import numpy as np
+from hypothesis import assume
+
+from rollslip.errors import DomainError, PluginError
+from rollslip.lubricant import Lubricant
+from rollslip.models import ContactModel, DragModel, FilmModel, IntegratorModel, SliceModel, TractionModel
+from rollslip.testing.samples import copy_of, drawn_tables, evaluate, for_all, forms_of, shown
+from rollslip_kernels.slices import Slices
+
+Check = Callable[[Any], None]
+
+#: Below this a float has few digits.
+DENORMAL: Final = 1e-300
+
+
+class Nonconformance(AssertionError):  # noqa: N818 - a verdict
+    """A model breaks a rule of the contract."""
+
+
+class Inapplicable(Exception):  # noqa: N818 - a check that has nothing to look at is no error
+    """A rule says nothing about this model; the message says why."""
+
+
+_RULES: dict[type | str, list[Check]] = {}
+
+
+def rule(*kinds: type | str) -> Callable[[Check], Check]:
+    """Put a check on the list of those of a kind of model."""
+
+    def add(check: Check) -> Check:
+        for kind in kinds:
+            _RULES.setdefault(kind, []).append(check)
+        return check
+
+    return add
+
+
+MODELS: Final = (SliceModel, DragModel, IntegratorModel)
+
+
+def kinds_of(model: object) -> Iterator[type | str]:
+    """Yield the kinds whose rules hold for a model, the general ones first."""
+    yield "value"
+    yield from (
+        kind for kind in (*MODELS, Lubricant, ContactModel, FilmModel, TractionModel) if isinstance(model, kind)
+    )
+    if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
+        yield "deflection"
+
+
+def checks_of(model: object) -> list[Check]:
+    """Return the checks that a model has to pass, in order."""
+    return [check for kind in kinds_of(model) for check in _RULES.get(kind, ())]
+
+
+def all_checks() -> list[Check]:
+    """Return every check there is, once."""
+    return list(dict.fromkeys(check for checks in _RULES.values() for check in checks))
+
+
+def subjects(model: object) -> list[Any]:
+    """Return a model and the stages that it hands out: what is checked in its name."""
+    if isinstance(model, type):
+        raise PluginError(f"{model.__qualname__} is a class; the checks take a model, {model.__qualname__}(...)")
+    return [model, model.deflection()] if isinstance(model, ContactModel) else [model]
+
+
+def refuse_unless(holds: object, message: str) -> None:
+    """Raise the verdict with its message; not by assert, which python -O leaves out."""
+    if not holds:
+        raise Nonconformance(message)
+
+
+def same(
+    found: Slices, expected: Slices, model: SliceModel, tolerance: float, what: str, names: Iterable[str] = ()
+) -> None:
+    """Refuse a difference in the columns a model writes; tolerance 0 compares bits."""
+    for name in names or sorted(model.writes):
+        one, other = getattr(found, name), getattr(expected, name)
+        if tolerance == 0.0:
+            bad = one.view(np.int64) != other.view(np.int64)
+        else:
+            with np.errstate(invalid="ignore", over="ignore"):
+                bad = ~(np.abs(one - other) <= tolerance * np.abs(other) + DENORMAL) & ~(
+                    np.isnan(one) & np.isnan(other)
+                )
+        if np.any(bad):
+            i = int(np.argmax(bad))
+            allowed = "the same bits" if tolerance == 0.0 else f"a relative difference of {tolerance:g}"
+            raise Nonconformance(
+                f"{what}: {name} = {one[i]:.17g} against {other[i]:.17g}, allowed is {allowed}; "
+                f"at {shown(model, expected, i)}"
+            )
+
+
+def bits(form: str, model: SliceModel) -> float:
+    """Difference allowed where nothing but the arrangement of the slices has changed."""
+    return 0.0 if form == "compiled" else model.tolerance
+
+
+def drawn(model: SliceModel, holds: Callable[[Slices, str, SliceModel], None]) -> None:
+    """Check a property of tables drawn from the domain in both forms, as ``holds(filled, form, model)``."""
+    for form, shaped in forms_of(model):
+
+        def property_of(slices: Slices, form: str = form, shaped: SliceModel = shaped) -> None:
+            try:
+                filled = evaluate(shaped, copy_of(slices))
+            except DomainError:
+                assume(False)
+            holds(filled, form, shaped)
+
+        for_all(drawn_tables(model), property_of)
+
+
+def changed(slices: Slices, model: SliceModel, **columns: Any) -> Slices | None:
+    """Evaluate a copy with other columns; None where the model refuses it."""
+    other = copy_of(slices)
+    for name, values in columns.items():
+        getattr(other, name)[:] = values
+    try:
+        return evaluate(model, other)
+    except DomainError:
+        return None

@@ -1,0 +1,309 @@
+"""Inputs for the checks: drawn by hypothesis from a model's own domain, or laid out evenly over it.
+
+- A domain is often "greater than zero" up to the largest float, and few laws mean anything there. Values are therefore
+  drawn where the domain and the engineering magnitude of a member overlap, even in the logarithm, over several decades
+  beyond what bearings give; where they do not overlap, the domain alone decides.
+- Edges are always in: zero where it is allowed, and the ends of a domain that somebody has chosen.
+- Members are drawn independently. A law is a function of what it reads; whether half width and pressure belong to one
+  contact is not its business, and corners that typical oils never reach are where laws go wrong.
+- Few slices are drawn by hypothesis, which then shrinks them to a readable counterexample. Checks of blocks, order and
+  threads need many, whose values hardly matter: those are laid out by a formula, the same in every run.
+- A model may refuse a slice that its domain cannot describe (a contact wider than long). Such slices are left out.
+"""
+
+import contextlib
+import itertools
+import math
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from typing import Any, Final, TypeVar, cast
+
+import attrs
+import numpy as np
+from hypothesis import HealthCheck, Verbosity, given, settings
+from hypothesis import strategies as st
+from hypothesis.errors import Unsatisfiable
+
+from rollslip.chain import Chain
+from rollslip.errors import DomainError
+from rollslip.models import NO_LIMITS, Domain, SliceModel
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
+
+T = TypeVar("T")
+Limits = tuple[float, float]
+
+#: Member -> (lowest, typical, highest) magnitude, SI: several decades around what bearings, gears and cams give.
+MAGNITUDES: Final[Mapping[str, tuple[float, float, float]]] = {
+    "length": (1e-3, 0.015, 1.0),
+    "radius": (1e-4, 0.006875, 1.0),
+    "modulus": (1e9, 2.2857e11, 1e12),
+    "roughness": (1e-9, 2.3e-7, 1e-5),
+    "effusivity": (1e3, 1.3e4, 1e5),
+    "temperature": (230.0, 323.15, 500.0),
+    "viscosity": (1e-4, 8.58e-3, 10.0),
+    "pressure_viscosity": (1e-10, 1.074e-8, 3e-8),
+    "thermoviscosity": (1e-3, 0.0284, 0.1),
+    "pressure_thermoviscosity": (1e-12, 0.93e-10, 1e-9),
+    "conductivity": (0.03, 0.1425, 1.0),
+    "eyring_stress": (1e5, 4e6, 1e8),
+    "shear_modulus": (1e6, 3e8, 1e10),
+    "approach": (1e-8, 2e-6, 1e-4),
+    "rolling_speed": (1e-3, 25.0, 100.0),
+    "sliding_speed": (1e-6, 0.5, 100.0),
+    "load": (10.0, 2e4, 1e7),
+    "stiffness": (1e6, 1e10, 1e13),
+    "half_width": (1e-6, 5e-5, 1e-3),
+    "pressure": (1e6, 4e8, 4e9),
+    "film_thickness": (1e-9, 5e-7, 1e-4),
+    "regime": (1.0, 3.0, 3.0),
+    "friction": (1e-5, 0.03, 1.0),
+}
+#: What a loaded bearing under way gives; a law may be held to more here than over all magnitudes.
+BEARING: Final[Mapping[str, Limits]] = {
+    "rolling_speed": (5.0, 40.0),
+    "sliding_speed": (1e-3, 10.0),
+    "load": (5e3, 1e5),
+    "half_width": (2e-5, 2e-4),
+    "pressure": (2e8, 1.5e9),
+    "film_thickness": (5e-8, 3e-6),
+}
+
+
+# Strategies and forms ------------------------------------------------------------------------------------------------
+
+
+def decades(low: float, high: float) -> "st.SearchStrategy[float]":
+    """Return a strategy of 10^low to 10^high, even in the exponent."""
+    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+
+
+def or_zero(strategy: "st.SearchStrategy[float]") -> "st.SearchStrategy[float]":
+    """Return a strategy that also draws zero."""
+    return st.one_of(st.just(0.0), strategy)
+
+
+def signed(strategy: "st.SearchStrategy[float]") -> "st.SearchStrategy[float]":
+    """Return a strategy that draws either sign."""
+    return st.tuples(strategy, st.sampled_from([1.0, -1.0])).map(lambda drawn: drawn[0] * drawn[1])
+
+
+@attrs.frozen
+class NumpyForm:
+    """A model without its kernel, so that a chain runs its NumPy form."""
+
+    model: Any
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.model, name)
+
+    def kernel(self) -> None:
+        """Return None: run ``evaluate``."""
+
+
+@attrs.frozen
+class Unlimited:
+    """A model without its domain, for values in other units than the domain is written in."""
+
+    model: Any
+    domain: Domain = NO_LIMITS
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.model, name)
+
+
+def law_of(model: Any) -> Any:
+    """Return the model behind a form."""
+    return getattr(model, "model", model)
+
+
+def forms_of(model: SliceModel) -> Iterator[tuple[str, SliceModel]]:
+    """Yield the forms a model has, each with its name: "compiled" where there is a kernel, and "NumPy"."""
+    if model.kernel() is not None:
+        yield "compiled", model
+    yield "NumPy", cast(SliceModel, NumpyForm(model))
+
+
+def evaluate(model: SliceModel, slices: Slices, block: int | None = None) -> Slices:
+    """Fill slices as a user would and return them; overflow and underflow inside a law are the chain's to report."""
+    with np.errstate(all="ignore"):
+        Chain(model, block=block)(slices)
+    return slices
+
+
+def evaluated(model: SliceModel, conditions: Conditions, **columns: Any) -> Slices:
+    """Return the slices that one stage has filled; the columns broadcast against each other."""
+    slices = Slices(max(np.size(values) for values in columns.values()), conditions, **columns)
+    # A kernel leaves NumPy's error state alone, so only a NumPy form needs its warnings off.
+    with np.errstate(all="ignore") if law_of(model) is not model else contextlib.nullcontext():
+        Chain(model)(slices)
+    return slices
+
+
+def copy_of(slices: Slices, **conditions: float) -> Slices:
+    """Return a copy, with other conditions where they are given."""
+    other = Slices(len(slices), attrs.evolve(slices.conditions, **conditions))
+    for name in COLUMNS:
+        getattr(other, name)[:] = getattr(slices, name)
+    return other
+
+
+def picked(slices: Slices, order: Any) -> Slices:
+    """Return the slices of an order, as a copy."""
+    columns = {name: getattr(slices, name)[order] for name in COLUMNS}
+    return Slices(len(columns["load"]), slices.conditions, **columns)
+
+
+# Values of a member --------------------------------------------------------------------------------------------------
+
+
+def _is_chosen(limit: float) -> bool:
+    """Tell an end that somebody chose from the ends of "finite", "> 0" and ">= 0"."""
+    return sys.float_info.min <= abs(limit) < sys.float_info.max
+
+
+def _parts(member: str, limits: Limits, magnitudes: Limits | None = None) -> tuple[list[Limits], list[float]]:
+    """Return the intervals to draw from, negative ones mirrored by their order, and the single values to include."""
+    low, high = limits
+    smallest, largest = magnitudes or MAGNITUDES[member][::2]
+    parts = []
+    if max(low, smallest) < min(high, largest):
+        parts.append((max(low, smallest), min(high, largest)))
+    if max(low, -largest) < min(high, -smallest):
+        parts.append((max(low, -largest), min(high, -smallest)))
+    edges = [limit for limit in limits if _is_chosen(limit)] if magnitudes is None else []
+    if low <= 0.0 <= high:
+        edges.append(0.0)
+    if not parts and not edges:
+        edges = [low if _is_chosen(low) else high]
+    if not parts and _is_chosen(low) and _is_chosen(high):
+        parts.append((low, high))
+    return parts, edges
+
+
+def _between(part: Limits, share: float) -> float:
+    """Return the value at a share of an interval: even in the logarithm, unless the interval crosses zero."""
+    low, high = part
+    if low > 0 or high < 0:
+        sign = math.copysign(1.0, low)
+        value = sign * math.exp((1 - share) * math.log(abs(low)) + share * math.log(abs(high)))
+    else:
+        value = low + share * (high - low)
+    return min(max(value, low), high)
+
+
+def values(member: str, limits: Limits) -> "st.SearchStrategy[float]":
+    """Return a strategy of values of a member within the limits of a domain, its edges among them."""
+    if member == "regime":
+        return st.sampled_from([0.0, 1.0, 2.0, 3.0])
+    parts, edges = _parts(member, limits)
+    ranges = [st.floats(0.0, 1.0).map(partial(_between, part)) for part in parts]
+    return st.one_of(*ranges, *([st.sampled_from(edges)] if edges else []))
+
+
+def typical(member: str, limits: Limits) -> float:
+    """Return a usual value of a member, or the nearest that a domain takes."""
+    return min(max(MAGNITUDES[member][1], limits[0]), limits[1])
+
+
+def _limits(model: SliceModel, member: str) -> Limits:
+    # A member without a domain is a finding of its own; here it must not hide what else is wrong.
+    return model.domain.get(member, MAGNITUDES[member][::2])
+
+
+def members(model: SliceModel, of: Mapping[str, object]) -> list[str]:
+    """Return the columns, or the conditions, that a model reads, in the order of the table."""
+    return [name for name in of if name in model.reads]
+
+
+# Tables --------------------------------------------------------------------------------------------------------------
+
+
+@st.composite
+def drawn_tables(draw: Any, model: SliceModel) -> Slices:
+    """Return a strategy of tables of one to four slices that a model reads."""
+    conditions = {name: draw(values(name, _limits(model, name))) for name in members(model, CONDITIONS)}
+    n = draw(st.integers(1, 4))
+    columns = {
+        name: draw(st.lists(values(name, _limits(model, name)), min_size=n, max_size=n))
+        for name in members(model, COLUMNS)
+    }
+    return Slices(n, Conditions(**conditions), **columns)
+
+
+def table(model: SliceModel, n: int, magnitudes: Mapping[str, Limits] | None = None) -> Slices:
+    """Return n slices laid out over what a model reads, at typical conditions; those it refuses are left out.
+
+    Parameters
+    ----------
+    model : SliceModel
+        The stage.
+    n : int
+        Slices, less those refused.
+    magnitudes : mapping, optional
+        Member -> (lowest, highest) magnitude, in place of the wide ones.
+    """
+    conditions = {name: typical(name, _limits(model, name)) for name in members(model, CONDITIONS)}
+    slices = Slices(n, Conditions(**conditions))
+    for k, name in enumerate(members(model, COLUMNS)):
+        parts, edges = _parts(name, _limits(model, name), None if magnitudes is None else magnitudes.get(name))
+        # Multiples of an irrational number fill an interval evenly, those of different roots independently.
+        shares = np.arange(1, n + 1) * math.sqrt((2, 3, 5, 7, 11, 13, 17, 19, 23, 29)[k]) % 1.0
+        column = [_between(parts[i % len(parts)], share) if parts else edges[0] for i, share in enumerate(shares)]
+        for i, edge in zip(range(k, n, 2 * len(COLUMNS)), itertools.cycle(edges)) if edges and parts else ():
+            column[i] = edge
+        getattr(slices, name)[:] = np.arange(n) % 4 if name == "regime" else column
+    return accepted(model, slices)
+
+
+def accepted(model: SliceModel, slices: Slices) -> Slices:
+    """Return the slices that a model does not refuse."""
+    tried = copy_of(slices)
+    for name in model.writes:
+        getattr(tried, name)[:] = 0.0  # a slice that is left alone is no refusal
+    try:
+        evaluate(model, tried)
+    except DomainError:
+        return picked(slices, [i for i in range(len(slices)) if not refuses(model, picked(slices, [i]))])
+    return slices
+
+
+def refuses(model: SliceModel, slices: Slices) -> bool:
+    """Tell whether a model refuses slices; they are not changed."""
+    try:
+        evaluate(model, copy_of(slices))
+    except DomainError:
+        return True
+    return False
+
+
+def shown(model: SliceModel, slices: Slices, i: int) -> str:
+    """Return one slice in words, for messages."""
+    row = {name: getattr(slices.conditions, name) for name in members(model, CONDITIONS)}
+    row |= {name: float(getattr(slices, name)[i]) for name in members(model, COLUMNS)}
+    return ", ".join(f"{name} = {value:.6g}" for name, value in row.items())
+
+
+def for_all(strategy: "st.SearchStrategy[T]", holds: Callable[[T], None]) -> None:
+    """Run ``holds`` on drawn values: a quarter of what the hypothesis profile asks for, the same ones in every run.
+
+    A verdict on a package must not change from one run to the next, so nothing is drawn at random or remembered.
+    """
+
+    @settings(
+        max_examples=max((settings.default or settings()).max_examples // 4, 10),
+        deadline=None,
+        derandomize=True,
+        database=None,
+        report_multiple_bugs=False,
+        print_blob=False,
+        verbosity=Verbosity.quiet,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(strategy)
+    def run(value: T) -> None:
+        holds(value)
+
+    # A model that refuses all that is drawn is found by the check of typical inputs.
+    with contextlib.suppress(Unsatisfiable):
+        run()

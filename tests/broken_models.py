@@ -1,0 +1,968 @@
+"""Models that each break one rule of the contract, and the rule that has to find it.
+
+- Each fault is laid over a law that keeps every rule (`Film`, `Traction`, `Line`, `Drag`, `Explicit`, `oil`), so that
+  nothing but the fault can be found; a test holds the sound ones against the whole kit.
+- The first line of a docstring says what is wrong; the table in the documentation is made of it.
+- Kernels are functions of Python behind ctypes, wrong in the same ways as compiled ones. Only a scratch that threads
+  share is C, compiled when it is asked for: a function of Python holds the GIL and would not race.
+- `FATAL` are sources of packages that end or hold up the process, for the runner.
+"""
+
+import contextlib
+import ctypes
+import functools
+import math
+import subprocess
+import sysconfig
+import tempfile
+from pathlib import Path
+from types import MappingProxyType
+
+import attrs
+import numpy as np
+import scipy.integrate
+
+from rollslip import get_include
+from rollslip.errors import DomainError
+from rollslip.fields import parameter, positive
+from rollslip.lubricant import Constant, Lubricant, Vogel
+from rollslip.models import (
+    FINITE,
+    POSITIVE,
+    ContactModel,
+    DragModel,
+    FilmModel,
+    IntegratorModel,
+    SliceModel,
+    TractionModel,
+)
+from rollslip_kernels.slices import COLUMNS, CONDITIONS
+from strategies import NAME, SIZE, RsModel, _new_capsule, foreign_capsule
+
+SOURCE = ("Nobody N. On laws that are made to be tested. J. None 1, 2000.",)
+BROKEN = []
+
+
+def breaks(rule, **parameters):
+    """Put a model of this class on the list of those that a rule has to refuse."""
+
+    def add(cls):
+        BROKEN.append((rule, cls(**parameters)))
+        return cls
+
+    return add
+
+
+# Sound laws ----------------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen(kw_only=True)
+class Film(FilmModel):
+    """A rigid, isoviscous film h = c eta u R/w."""
+
+    name = "sound-film"
+    equation = "h = c eta u R/w"
+    references = SOURCE
+    location = "minimum"
+    regime = "IR"
+    factor: float = parameter(default=4.9, unit="1", validator=positive, doc="coefficient c")
+
+    def evaluate(self, slices):
+        slices.film_thickness[...] = self.law(slices, slices.conditions)
+
+    def law(self, s, c):
+        return self.factor * c.viscosity * s.rolling_speed * c.radius / s.load
+
+
+@attrs.frozen(kw_only=True)
+class Traction(TractionModel):
+    """Friction mu = f s/sqrt(1 + (s/s0)^2)/s0 of the slide-roll ratio s = V/u."""
+
+    name = "sound-traction"
+    equation = "mu = f s/s0/sqrt(1 + (s/s0)^2)"
+    references = SOURCE
+    reads = frozenset({"rolling_speed", "sliding_speed"})
+    domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
+    coefficient: float = parameter(default=0.05, unit="1", validator=positive, doc="friction f at large slip")
+
+    def evaluate(self, slices):
+        slices.friction[...] = self.law(slices.sliding_speed, slices.rolling_speed)
+
+    def law(self, V, u):
+        return self.coefficient * V / np.hypot(V, 1e-3 * u)
+
+
+@attrs.frozen
+class Springs(SliceModel):
+    """A bed of springs: the load is proportional to the approach."""
+
+    name = "sound-deflection"
+    equation = "w = E' delta"
+    references = SOURCE
+    reads = frozenset({"approach", "modulus"})
+    writes = frozenset({"load", "stiffness"})
+    domain = MappingProxyType({"approach": FINITE, "modulus": POSITIVE})
+
+    def evaluate(self, slices):
+        slices.load[...] = slices.conditions.modulus * np.maximum(slices.approach, 0.0)
+        slices.stiffness[...] = np.where(slices.approach > 0, slices.conditions.modulus, 0.0)
+
+
+@attrs.frozen
+class Line(ContactModel):
+    """Hertz line contact on a bed of springs."""
+
+    name = "sound-contact"
+    equation = "b = sqrt(8 w R/(pi E')), p = w/(2 b)"
+    references = SOURCE
+
+    def evaluate(self, slices):
+        slices.half_width[...] = self.half_width(slices, slices.conditions)
+        slices.pressure[...] = slices.load / (2 * slices.half_width)
+
+    def half_width(self, s, c):
+        return np.sqrt(8 * c.radius / (np.pi * c.modulus) * s.load)
+
+    def deflection(self):
+        return Springs()
+
+
+@attrs.frozen(kw_only=True)
+class Drag(DragModel):
+    """A torque that is proportional to the speed of the cage."""
+
+    name = "sound-drag"
+    equation = "T = -k w_c"
+    references = SOURCE
+    damping: float = parameter(default=1e-3, unit="1", validator=positive, doc="damping k")
+
+    def torque(self, cage_speed, inner_speed, outer_speed):
+        return -self.damping * cage_speed
+
+
+@attrs.frozen
+class Explicit(IntegratorModel):
+    """SciPy's RK45."""
+
+    name = "sound-integrator"
+    equation = "dy/dt = f(t, y)"
+    references = SOURCE
+    order = 5
+    solver_class = scipy.integrate.RK45
+
+    def solver(self):
+        return self.solver_class
+
+
+def oil(cls=Lubricant, **changes):
+    sound = {
+        "name": "sound-oil",
+        "description": "An oil of nobody",
+        "viscosity": Vogel(1e-4, 800.0, 170.0),
+        "pressure_viscosity": Constant(1e-8),
+        "minimum_temperature": 273.15,
+        "maximum_temperature": 423.15,
+        "source": "Made for these tests.",
+        "references": SOURCE,
+    }
+    return cls(**{**sound, **changes})
+
+
+SOUND = [Film(), Traction(), Line(), Drag(), Explicit(), oil()]
+
+
+# Values --------------------------------------------------------------------------------------------------------------
+
+
+@breaks("check_is_frozen")
+@attrs.frozen(kw_only=True)
+class Mutable(Film):
+    """A parameter can be set after the model was made."""
+
+
+@breaks("check_equal_models_are_equal_and_have_equal_hashes")
+@attrs.frozen(kw_only=True, eq=False)
+class HashOfIdentity(Film):
+    """Two models are equal but have different hashes."""
+
+    def __eq__(self, other):
+        return type(other) is type(self) and other.factor == self.factor
+
+    def __hash__(self):
+        return id(self)
+
+
+@breaks("check_equal_models_are_equal_and_have_equal_hashes")
+@attrs.frozen(kw_only=True)
+class ListAsParameter(Film):
+    """A list as a parameter, which has no hash."""
+
+    points: list = attrs.field(factory=lambda: [1.0, 2.0], metadata={"doc": "points", "unit": None})
+
+
+@breaks("check_equal_models_are_equal_and_have_equal_hashes")
+@attrs.frozen(kw_only=True)
+class UncomparedParameter(Film):
+    """A parameter that equality leaves out."""
+
+    other: float = attrs.field(default=1.0, eq=False, metadata={"doc": "anything", "unit": "1"})
+
+
+@breaks("check_survives_pickling")
+@attrs.frozen(kw_only=True)
+class FunctionAsParameter(Film):
+    """A local function as a parameter, which cannot be sent to another process."""
+
+    shape: object = attrs.field(factory=lambda: lambda x: x, metadata={"doc": "a shape", "unit": None})
+
+
+def _by_name(self):
+    """Pickle a class that says it comes from elsewhere."""
+    return _make, (type(self).__name__,)
+
+
+def _make(name):
+    return globals()[name]()
+
+
+@breaks("check_is_named_as_its_entry_point")
+@attrs.frozen(kw_only=True)
+class NotInItsEntryPoints(Film):
+    """No entry point of its module has its name."""
+
+    __module__ = "rollslip_plugins.film"
+    __reduce__ = _by_name
+
+
+@breaks("check_its_module_is_imported_fast_and_quietly")
+@attrs.frozen(kw_only=True)
+class SlowImport(Film):
+    """Its module takes 0.6 s to import."""
+
+    __module__ = "slow_import"
+    __reduce__ = _by_name
+
+
+@breaks("check_its_module_is_imported_fast_and_quietly")
+@attrs.frozen(kw_only=True)
+class PrintingImport(Film):
+    """Its module prints when it is imported."""
+
+    __module__ = "this"  # of the standard library
+    __reduce__ = _by_name
+
+
+# What is said --------------------------------------------------------------------------------------------------------
+
+
+@breaks("check_says_what_it_is_and_where_it_comes_from")
+@attrs.frozen(kw_only=True)
+class WithoutReference(Film):
+    """It does not say where it comes from."""
+
+    references = ()
+
+
+@breaks("check_says_what_it_is_and_where_it_comes_from")
+@attrs.frozen(kw_only=True)
+class NameWithBlanks(Film):
+    """A name that no scene and no shell can hold."""
+
+    name = "My Film (new)"
+
+
+@breaks("check_says_what_it_is_and_where_it_comes_from")
+@attrs.frozen(kw_only=True)
+class Undescribed(Film):  # its docstring is set below
+    pass
+
+
+Mutable.__setattr__ = object.__setattr__
+Undescribed.__doc__ = "no docstring that is a sentence"
+
+
+@breaks("check_every_parameter_has_a_meaning_and_a_unit")
+@attrs.frozen(kw_only=True)
+class WithoutMeaning(Film):
+    """A parameter without a word on what it means."""
+
+    other: float = attrs.field(default=1.0)
+
+
+@breaks("check_every_parameter_has_a_meaning_and_a_unit")
+@attrs.frozen(kw_only=True)
+class WithoutUnit(Film):
+    """A parameter that is a number, without a unit."""
+
+    other: float = parameter(default=1.0, doc="anything")
+
+
+@breaks("check_says_which_film_it_gives")
+@attrs.frozen(kw_only=True)
+class SomeFilm(Film):
+    """It does not say which thickness it returns."""
+
+    location = "thin"
+
+
+# Slices --------------------------------------------------------------------------------------------------------------
+
+
+@breaks("check_reads_and_writes_members_that_exist")
+@attrs.frozen(kw_only=True)
+class WithoutRange(Film):
+    """It reads a member and gives no range for it."""
+
+    domain = MappingProxyType({name: limits for name, limits in Film.domain.items() if name != "load"})
+
+
+@breaks("check_reads_and_writes_members_that_exist")
+@attrs.frozen(kw_only=True)
+class ReadsWhatItWrites(Film):
+    """It reads the column that it writes."""
+
+    reads = Film.reads | {"film_thickness"}
+    domain = MappingProxyType({**Film.domain, "film_thickness": FINITE})
+
+
+@breaks("check_can_be_bound_in_a_chain")
+@attrs.frozen(kw_only=True)
+class NoCapsule(Film):
+    """Its kernel is a number."""
+
+    def kernel(self):
+        return 42
+
+
+@breaks("check_takes_what_a_bearing_gives")
+@attrs.frozen(kw_only=True)
+class RefusesAll(Film):
+    """It refuses every slice of its own domain."""
+
+    def evaluate(self, slices):
+        raise DomainError(f"{self.name}: slice 0 is outside its domain")
+
+
+class _Kernel(Film):
+    """A film with a kernel: `compiled(part, law)` fills a block, whose members are arrays."""
+
+    def kernel(self):
+        return _capsule(type(self))
+
+    @staticmethod
+    def compiled(part, law):
+        part.film_thickness[...] = law
+
+
+class _Part:
+    """A block as arrays."""
+
+    def __init__(self, part):
+        self.n = part.n
+        for name in CONDITIONS:
+            setattr(self, name, getattr(part, name))
+        for name in COLUMNS:
+            setattr(self, name, np.ctypeslib.as_array(getattr(part, name), (part.n,)))
+
+
+@functools.cache
+def _capsule(cls):
+    def evaluate(struct):
+        part = _Part(struct)
+        cls.compiled(part, 4.9 * part.viscosity * part.rolling_speed * part.radius / part.load)
+        return 0
+
+    return foreign_capsule(evaluate)
+
+
+@breaks("check_fills_what_it_writes_and_touches_nothing_else")
+@attrs.frozen(kw_only=True)
+class WritesAnotherColumn(_Kernel):
+    """Its kernel writes the regime, which it does not say."""
+
+    @staticmethod
+    def compiled(part, law):
+        part.film_thickness[...] = law
+        part.regime[...] = 2.0
+
+
+@breaks("check_fills_what_it_writes_and_touches_nothing_else")
+@attrs.frozen(kw_only=True)
+class WritesItsInput(_Kernel):
+    """Its kernel changes the load it reads."""
+
+    @staticmethod
+    def compiled(part, law):
+        part.film_thickness[...] = law
+        part.load[...] *= 1 + 1e-15
+
+
+@breaks("check_fills_what_it_writes_and_touches_nothing_else")
+@attrs.frozen(kw_only=True)
+class LeavesTheLastSlice(_Kernel):
+    """Its kernel forgets the last slice of a block."""
+
+    @staticmethod
+    def compiled(part, law):
+        part.film_thickness[:-1] = law[:-1]
+
+
+@breaks("check_fills_what_it_writes_and_touches_nothing_else")
+@attrs.frozen(kw_only=True)
+class ReadsAnotherColumn(_Kernel):
+    """Its kernel reads the friction, which it does not say."""
+
+    @staticmethod
+    def compiled(part, law):
+        part.film_thickness[...] = law * np.where(part.friction > 0, 1.01, 1.0)
+
+
+@breaks("check_takes_read_only_inputs")
+@attrs.frozen(kw_only=True)
+class AsksForMore(Film):
+    """Its NumPy form reads a column that it does not declare."""
+
+    def evaluate(self, slices):
+        slices.film_thickness[...] = self.law(slices, slices.conditions) + 0.0 * np.nan_to_num(slices.pressure)
+
+
+@breaks("check_compiled_equals_numpy")
+@attrs.frozen(kw_only=True)
+class AnotherConstant(_Kernel):
+    """Compiled and NumPy form differ by 1e-9."""
+
+    @staticmethod
+    def compiled(part, law):
+        part.film_thickness[...] = law * (1 + 1e-9)
+
+
+@breaks("check_does_not_depend_on_the_block_size")
+@attrs.frozen(kw_only=True)
+class KnowsItsBlock(_Kernel):
+    """The last bits depend on the number of slices in a block."""
+
+    @staticmethod
+    def compiled(part, law):
+        part.film_thickness[...] = law * (1 + 1e-15 * (part.n % 16))
+
+
+@breaks("check_does_not_depend_on_the_order_of_slices")
+@attrs.frozen(kw_only=True)
+class KnowsItsNeighbour(_Kernel):
+    """The last bits depend on the slice before."""
+
+    @staticmethod
+    def compiled(part, law):
+        part.film_thickness[...] = law * (1 + 2e-16 * (np.roll(law, 1) > law))
+
+
+@breaks("check_has_no_hidden_state")
+@attrs.frozen(kw_only=True)
+class Counts(_Kernel):
+    """A hidden counter changes the last bits from call to call."""
+
+    calls = [0]  # noqa: RUF012 - the fault
+
+    @staticmethod
+    def compiled(part, law):
+        Counts.calls[0] += 1
+        part.film_thickness[...] = law * (1 + 4e-16 * (Counts.calls[0] % 7))
+
+
+@breaks("check_has_no_hidden_state")
+@attrs.frozen(kw_only=True)
+class Remembers(Film):
+    """Its NumPy form starts from the last result, as a warm start would."""
+
+    last = [0.0]  # noqa: RUF012 - the fault
+
+    def evaluate(self, slices):
+        film = self.law(slices, slices.conditions)
+        slices.film_thickness[...] = film * (1 + 1e-14 * self.last[0])
+        self.last[0] = 1.0 if film[0] > film[-1] else 0.0
+
+
+@breaks("check_gives_the_same_bits_in_eight_threads")
+@attrs.frozen(kw_only=True)
+class StaticScratch(Film):
+    """Its kernel keeps a block in a static array, which all threads share."""
+
+    def kernel(self):
+        return _static_scratch()
+
+
+@functools.cache
+def _static_scratch():
+    source = """
+        #include "rollslip.h"
+        static volatile double scratch[256];
+        int evaluate(const rs_slices *s, const void *params) {
+            for (size_t start = 0; start < s->n; start += 256) {
+                size_t n = s->n - start < 256 ? s->n - start : 256;
+                for (size_t i = 0; i < n; i++)
+                    scratch[i] = 4.9 * s->viscosity * s->rolling_speed[start + i] * s->radius;
+                for (size_t i = 0; i < n; i++)
+                    s->film_thickness[start + i] = scratch[i] / s->load[start + i];
+            }
+            return 0;
+        }
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "scratch.c")
+        path.write_text(source)
+        compiler = (sysconfig.get_config_var("CC") or "cc").split()
+        library = path.with_suffix(".so")
+        subprocess.run([*compiler, "-O2", "-shared", "-fPIC", f"-I{get_include()}", path, "-o", library], check=True)
+        loaded = ctypes.CDLL(str(library))
+    table = RsModel(1, SIZE, ctypes.cast(loaded.evaluate, ctypes.c_void_p).value, None)
+    _KEPT.append((loaded, table))
+    return _new_capsule(ctypes.addressof(table), NAME, None)
+
+
+_KEPT = []  # a capsule borrows its table and its library
+
+
+@breaks("check_refuses_values_outside_its_domain")
+@attrs.frozen(kw_only=True)
+class TakesInfinity(Film):
+    """Its domain goes to infinity, so that infinite loads are computed with."""
+
+    domain = MappingProxyType({**Film.domain, "load": (5e-324, math.inf)})
+
+
+@breaks("check_answers_its_whole_domain_with_numbers_or_an_error")
+@attrs.frozen(kw_only=True)
+class Overflows(Film):
+    """A power of Python's floats raises OverflowError at large viscosities."""
+
+    def law(self, s, c):
+        return self.factor * (c.viscosity**2 / c.viscosity) * s.rolling_speed * c.radius / s.load
+
+
+@breaks("check_does_not_know_metre_kilogram_second_and_kelvin")
+@attrs.frozen(kw_only=True)
+class HiddenConstant(Film):
+    """A constant in N/m is hidden in the law."""
+
+    def law(self, s, c):
+        return super().law(s, c) / (1 + s.load / 1e6)
+
+
+@breaks("check_does_not_know_metre_kilogram_second_and_kelvin")
+@attrs.frozen(kw_only=True)
+class WrongUnit(Film):
+    """A length is declared as a plain number."""
+
+    floor: float = parameter(default=1e-9, unit="1", doc="least film thickness")
+
+    def law(self, s, c):
+        return np.hypot(super().law(s, c), self.floor)
+
+
+# Contact and deflection ----------------------------------------------------------------------------------------------
+
+
+@breaks("check_mean_pressure_carries_the_load")
+@attrs.frozen
+class MaximumPressure(Line):
+    """It returns the maximum pressure for the mean."""
+
+    def evaluate(self, slices):
+        super().evaluate(slices)
+        slices.pressure[...] *= 4 / np.pi
+
+
+@breaks("check_half_width_rises_with_the_load")
+@attrs.frozen
+class ConstantWidth(Line):
+    """The half width does not depend on the load."""
+
+    def half_width(self, s, c):
+        return 1e-2 * c.radius + 0 * s.load
+
+
+@breaks("check_deflection_is_a_stage_of_its_own")
+@attrs.frozen
+class NoDeflection(Line):
+    """Its deflection is a film."""
+
+    def deflection(self):
+        return Film()
+
+
+@breaks("check_surfaces_apart_carry_nothing")
+@attrs.frozen
+class Sticks(Springs):
+    """Surfaces that are apart pull."""
+
+    def evaluate(self, slices):
+        slices.load[...] = slices.conditions.modulus * slices.approach
+        slices.stiffness[...] = slices.conditions.modulus
+
+
+@breaks("check_load_rises_with_the_approach")
+@attrs.frozen
+class Softens(Springs):
+    """The load falls again where the approach is large."""
+
+    reads = Springs.reads | {"radius"}
+    domain = MappingProxyType({**Springs.domain, "radius": POSITIVE})
+
+    def evaluate(self, slices):
+        c, d = slices.conditions, np.maximum(slices.approach, 0.0)
+        share = d / (1e-3 * c.radius)
+        slices.load[...] = c.modulus * d / (1 + share**2)
+        slices.stiffness[...] = np.where(d > 0, c.modulus * np.abs(1 - share**2) / (1 + share**2) ** 2, 0.0)
+
+
+@breaks("check_stiffness_is_the_derivative_of_the_load")
+@attrs.frozen
+class AnotherSlope(Springs):
+    """The stiffness is off by 1e-6."""
+
+    def evaluate(self, slices):
+        super().evaluate(slices)
+        slices.stiffness[...] *= 1 + 1e-6
+
+
+# Film and traction ---------------------------------------------------------------------------------------------------
+
+
+@breaks("check_film_is_positive")
+@attrs.frozen(kw_only=True)
+class NegativeFilm(Film):
+    """The film is negative under light loads."""
+
+    def law(self, s, c):
+        return super().law(s, c) * (1 - 1e-3 * c.modulus * c.radius / s.load)
+
+
+@breaks("check_film_does_not_grow_with_the_load")
+@attrs.frozen(kw_only=True)
+class GrowsWithLoad(Film):
+    """The film grows with the load where the load is large."""
+
+    def law(self, s, c):
+        return super().law(s, c) * (1 + (s.load / (1e-4 * c.modulus * c.radius)) ** 2)
+
+
+@breaks("check_film_grows_with_the_rolling_speed")
+@attrs.frozen(kw_only=True)
+class FallsWithSpeed(Film):
+    """The film falls with the speed where the speed is large."""
+
+    def law(self, s, c):
+        film = super().law(s, c)
+        return film / (1 + film / c.radius * 1e3) ** 2
+
+
+@breaks("check_is_odd_in_slip")
+@attrs.frozen(kw_only=True)
+class OneWay(Traction):
+    """Friction is greater in one direction than in the other."""
+
+    def law(self, V, u):
+        return super().law(V, u) * np.where(V > 0, 1 + 1e-9, 1.0)
+
+
+@breaks("check_is_zero_at_zero_slip")
+@attrs.frozen(kw_only=True)
+class RollsWithFriction(Traction):
+    """Friction is not zero in pure rolling."""
+
+    def law(self, V, u):
+        return super().law(V, u) + 1e-12
+
+
+@breaks("check_takes_power_out_of_sliding")
+@attrs.frozen(kw_only=True)
+class Drives(Traction):
+    """ln(2 V/u s0) in place of asinh: negative friction at small slip."""
+
+    def law(self, V, u):
+        s = np.abs(V) / (1e-3 * u)
+        return np.sign(V) * self.coefficient * np.log(2 * np.maximum(s, 1e-300))
+
+
+@breaks("check_friction_is_below_one_in_a_bearing")
+@attrs.frozen(kw_only=True)
+class Percent(Traction):
+    """The coefficient is in percent."""
+
+    def law(self, V, u):
+        return 100 * super().law(V, u)
+
+
+# Drag ----------------------------------------------------------------------------------------------------------------
+
+
+@breaks("check_torque_is_finite_and_the_same_again")
+@attrs.frozen(kw_only=True)
+class DividesByTheRing(Drag):
+    """The torque is not a number where the inner ring stands still."""
+
+    def torque(self, cage_speed, inner_speed, outer_speed):
+        return -self.damping * cage_speed / inner_speed * inner_speed if inner_speed else math.nan
+
+
+@breaks("check_torque_changes_sign_with_all_speeds")
+@attrs.frozen(kw_only=True)
+class ForgetsTheSign(Drag):
+    """Churning without the sign of the speed."""
+
+    def torque(self, cage_speed, inner_speed, outer_speed):
+        return -self.damping * cage_speed**2
+
+
+@breaks("check_torque_takes_power_out_of_a_cage_between_still_rings")
+@attrs.frozen(kw_only=True)
+class DrivesTheCage(Drag):
+    """The torque drives the cage."""
+
+    def torque(self, cage_speed, inner_speed, outer_speed):
+        return self.damping * cage_speed
+
+
+# Integrators ---------------------------------------------------------------------------------------------------------
+
+
+@breaks("check_is_a_solver_of_scipys_kind")
+@attrs.frozen
+class Function(Explicit):
+    """It returns a function in place of a solver."""
+
+    def solver(self):
+        return scipy.integrate.solve_ivp
+
+
+@breaks("check_converges_with_its_order")
+@attrs.frozen
+class LowerOrder(Explicit):
+    """It says order 5 and has order 3."""
+
+    solver_class = scipy.integrate.RK23
+
+
+class _Careless(scipy.integrate.RK45):
+    def __init__(self, fun, t0, y0, t_bound, rtol=1e-3, atol=1e-6, **options):
+        super().__init__(fun, t0, y0, t_bound, rtol=max(rtol, 1e-2), atol=max(atol, 1e-2), **options)
+
+
+@breaks("check_error_falls_with_the_tolerance")
+@attrs.frozen
+class Careless(Explicit):
+    """It takes no tolerance below 1e-2."""
+
+    solver_class = _Careless
+
+
+class _Straight(scipy.integrate.RK45):
+    def _dense_output_impl(self):
+        step = super()._dense_output_impl()
+        start, end = self.y_old, self.y
+
+        def line(t):
+            share = (t - step.t_old) / step.h
+            return start + (end - start) * share if np.ndim(t) == 0 else start[:, None] + np.outer(end - start, share)
+
+        step._call_impl = line
+        return step
+
+
+@breaks("check_is_as_accurate_between_its_steps")
+@attrs.frozen
+class Straight(Explicit):
+    """Straight lines between the steps of order 5."""
+
+    solver_class = _Straight
+
+
+class _Forwards(scipy.integrate.RK45):
+    def __init__(self, fun, t0, y0, t_bound, **options):
+        if t_bound < t0:
+            raise ValueError("t_bound must be above t0")
+        super().__init__(fun, t0, y0, t_bound, **options)
+
+
+@breaks("check_runs_backwards_in_time")
+@attrs.frozen
+class Forwards(Explicit):
+    """It runs forwards only."""
+
+    solver_class = _Forwards
+
+
+class _FixedStep(scipy.integrate.RK45):
+    def __init__(self, fun, t0, y0, t_bound, rtol=1e-3, atol=1e-6, **options):
+        super().__init__(fun, t0, y0, t_bound, rtol=1.0, atol=1.0, **{"first_step": 2e-3, "max_step": 2e-3, **options})
+
+
+@breaks("check_adapts_its_steps")
+@attrs.frozen
+class FixedStep(Explicit):
+    """Steps of 2e-3, whatever the problem."""
+
+    solver_class = _FixedStep
+
+
+class _Hides(scipy.integrate.RK45):
+    def step(self):
+        message = super().step()
+        if self.status == "failed":
+            self.status = "finished"
+        return message
+
+
+@breaks("check_says_when_it_fails")
+@attrs.frozen
+class Hides(Explicit):
+    """It says that it has finished where it has failed."""
+
+    solver_class = _Hides
+
+
+# Lubricants ----------------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen
+class _Bump:
+    law: Vogel
+    height: float = 3.0
+
+    def __call__(self, T):
+        return self.law(T) * (1 + self.height * math.exp(-(((T - 350.0) / 5.0) ** 2)))
+
+    def derivative(self, T):
+        bump = self.height * math.exp(-(((T - 350.0) / 5.0) ** 2))
+        return self.law.derivative(T) * (1 + bump) - self.law(T) * bump * 2 * (T - 350.0) / 25.0
+
+
+@attrs.frozen
+class _OtherSlope:
+    law: Vogel
+
+    def __call__(self, T):
+        return self.law(T)
+
+    def derivative(self, T):
+        return 1.001 * self.law.derivative(T)
+
+
+@attrs.frozen(kw_only=True)
+class _Clamped(Lubricant):
+    """Outside its range the nearest temperature is taken."""
+
+    def at(self, temperature):
+        clamped = min(max(temperature, self.minimum_temperature), self.maximum_temperature)
+        with contextlib.suppress(DomainError):
+            return super().at(clamped)
+        return super().at(self.minimum_temperature)
+
+
+OILS = {  # what is wrong with it, for the table: a value has no docstring
+    "no source": ("check_says_what_it_is_and_what_vouches_for_it", oil(source="")),
+    "the viscosity rises in the middle of its range": (
+        "check_viscosity_falls_with_temperature",
+        oil(viscosity=_Bump(Vogel(1e-4, 800.0, 170.0))),
+    ),
+    "the slope of its viscosity law is off by 1e-3": (
+        "check_slopes_are_those_of_its_laws",
+        oil(viscosity=_OtherSlope(Vogel(1e-4, 800.0, 170.0))),
+    ),
+    "outside its range the nearest temperature is taken": (
+        "check_refuses_temperatures_outside_its_range",
+        oil(_Clamped),
+    ),
+}
+BROKEN += OILS.values()
+
+
+def fault_of(model):
+    """Return what is wrong with a model, as its docstring says it."""
+    for fault, (_, broken) in OILS.items():
+        if broken is model:
+            return fault
+    return (type(model).__doc__ or "").strip().splitlines()[0].rstrip(".")
+
+
+# Packages that end the process ---------------------------------------------------------------------------------------
+
+_PACKAGE = '''
+import ctypes, os, sys, time
+import attrs
+from rollslip.hookspecs import hookimpl
+from rollslip.models import FilmModel
+{before}
+
+@attrs.frozen
+class Fatal(FilmModel):
+    """A film that ends the process."""
+
+    name = "{name}"
+    equation = "h = c eta u R/w"
+    references = ("Nobody N. On laws that are made to be tested. J. None 1, 2000.",)
+    location = "minimum"
+
+    def evaluate(self, slices):
+        caller = sys._getframe()
+        while caller is not None and not caller.f_code.co_name.startswith("check_"):
+            caller = caller.f_back
+        if caller is not None and caller.f_code.co_name in {where}:
+            {fault}
+        c = slices.conditions
+        slices.film_thickness[...] = 4.9 * c.viscosity * slices.rolling_speed * c.radius / slices.load
+
+@hookimpl
+def film_models():
+    return [Fatal]
+'''
+_IN = ("check_film_is_positive",)
+
+
+def _package(name, fault="pass", where=_IN, before=""):
+    return _PACKAGE.format(name=name, fault=fault, where=where, before=before)
+
+
+#: name -> (what is wrong, check that is running, what the message must contain, source of the module)
+FATAL = {
+    "segfaults": (
+        "it reads the address 0",
+        "check_film_is_positive",
+        "crashed with signal 11 (SIGSEGV) in check_film_is_positive",
+        _package("segfaults", "ctypes.string_at(0)"),
+    ),
+    "hangs": (
+        "a loop that does not end",
+        "check_film_is_positive",
+        "did not end within 5 s in check_film_is_positive",
+        _package("hangs", "while True: time.sleep(0.01)"),
+    ),
+    "leaves": (
+        "it calls sys.exit",
+        "check_film_is_positive",
+        "left the process with exit code 3 in check_film_is_positive",
+        _package("leaves", "sys.exit(3)"),
+    ),
+    "vanishes": (
+        "it ends the process with exit code 0",
+        "check_film_is_positive",
+        "left the process with exit code 0 in check_film_is_positive",
+        _package("vanishes", "os._exit(0)"),
+    ),
+    "dies-early": (
+        "it crashes while it is imported",
+        "loading",
+        "crashed with signal 6 (SIGABRT)",
+        _package("dies-early", before="os.abort()"),
+    ),
+}
+
+
+def install(folder, name, source):
+    """Write a package that offers a film model, as pip would leave it."""
+    module = "fatal_" + name.replace("-", "_")
+    info = Path(folder, f"{module}-1.0.dist-info")
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\nRequires-Dist: rollslip\n")
+    (info / "entry_points.txt").write_text(f"[rollslip.film]\n{name} = {module}\n")
+    Path(folder, f"{module}.py").write_text(source)
