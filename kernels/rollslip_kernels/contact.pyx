@@ -17,15 +17,15 @@ cdef int _hertz_line(const rs_slices *s, const void *params) noexcept nogil:
     return 0
 
 
-# Q[N] = k l^(8/9) delta^(10/9), l and delta in mm      [Palmgren 1959; ISO/TS 16281]
+# Q = k l^(8/9) delta^(10/9)      [Palmgren 1959; ISO/TS 16281]
 cdef int _power_deflection(const rs_slices *s, const void *params) noexcept nogil:
     cdef double k = (<const double *>params)[0]
-    cdef double per_metre = k * pow(1e3 * s.length, 8.0 / 9.0) / s.length
+    cdef double per_metre = k * pow(s.length, 8.0 / 9.0) / s.length
     cdef double d
     cdef size_t i
     for i in range(s.n):
-        d = 1e3 * s.approach[i] if s.approach[i] > 0.0 else 0.0
-        s.stiffness[i] = per_metre * 1e3 * (10.0 / 9.0) * pow(d, 1.0 / 9.0)
+        d = s.approach[i] if s.approach[i] > 0.0 else 0.0
+        s.stiffness[i] = per_metre * (10.0 / 9.0) * pow(d, 1.0 / 9.0)
         s.load[i] = per_metre * pow(d, 10.0 / 9.0)
     return 0
 
@@ -63,7 +63,7 @@ def hertz_line():
 
 
 def power_deflection(double coefficient):
-    """Return the stage approach -> load, stiffness of the power law; ``coefficient`` k in N and mm."""
+    """Return the stage approach -> load, stiffness of the power law; ``coefficient`` k in Pa."""
     return rs_new_model(_power_deflection, &coefficient, sizeof(coefficient), None)
 
 

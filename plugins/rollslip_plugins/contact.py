@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.errors import DomainError
+from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, ContactModel, SliceModel
 from rollslip_kernels import contact as compiled
@@ -19,11 +20,12 @@ ISO16281 = (
     "ISO/TS 16281:2008 Rolling bearings: methods for calculating the modified reference rating life "
     "for universally loaded bearings."
 )
+MPA = 1e6  # Pa, the unit of the published coefficients, N/mm2
 
 
 @attrs.frozen
 class PowerDeflection(SliceModel):
-    """Deflection Q = k l^(8/9) delta^(10/9) of one line contact, Q in N, l and delta in mm."""
+    """Deflection Q = k l^(8/9) delta^(10/9) of one line contact; the powers make k a pressure, published in N/mm2."""
 
     name: ClassVar[str] = "power-deflection"
     equation: ClassVar[str] = "w = k l^(8/9) delta^(10/9)/l"
@@ -32,15 +34,15 @@ class PowerDeflection(SliceModel):
     writes = frozenset({"load", "stiffness"})
     domain = MappingProxyType({"approach": FINITE, "length": POSITIVE})
 
-    coefficient: float
+    coefficient: float = parameter(unit="Pa", validator=positive, doc="coefficient k, fitted to steel on steel")
 
     def evaluate(self, slices: Slices) -> None:
         """Fill load and stiffness from the approach; surfaces apart carry nothing."""
         length = slices.conditions.length
-        per_metre = self.coefficient * (1e3 * length) ** (8 / 9) / length
-        millimetres = 1e3 * np.maximum(slices.approach, 0.0)
-        slices.load[...] = per_metre * millimetres ** (10 / 9)
-        slices.stiffness[...] = per_metre * 1e3 * (10 / 9) * millimetres ** (1 / 9)
+        per_metre = self.coefficient * length ** (8 / 9) / length
+        approach = np.maximum(slices.approach, 0.0)
+        slices.load[...] = per_metre * approach ** (10 / 9)
+        slices.stiffness[...] = per_metre * (10 / 9) * approach ** (1 / 9)
 
     def kernel(self) -> object:
         """Return the compiled form."""
@@ -123,7 +125,7 @@ class Palmgren(_HertzLine):
 
     def deflection(self) -> SliceModel:
         """Return the stage approach -> load, stiffness."""
-        return PowerDeflection((1 / 3.84e-5) ** (10 / 9))
+        return PowerDeflection((1 / 3.84e-5) ** (10 / 9) * MPA)
 
 
 @attrs.frozen
@@ -138,7 +140,7 @@ class Iso16281(_HertzLine):
 
     def deflection(self) -> SliceModel:
         """Return the stage approach -> load, stiffness."""
-        return PowerDeflection(35948 * 2 ** (10 / 9))
+        return PowerDeflection(35948 * 2 ** (10 / 9) * MPA)
 
 
 @attrs.frozen
