@@ -15,7 +15,7 @@ from pathlib import Path
 import attrs
 import pytest
 
-from rollslip import evolve, hookspecs, load_scene, run
+from rollslip import discovery, evolve, hookspecs, load_scene, run
 from rollslip.assembly import assemble
 from rollslip.cli import cli, main
 from rollslip.lubricant import OilTable
@@ -50,6 +50,7 @@ def made(part, *arguments):
 @pytest.mark.parametrize("page", [page for page, text in PAGES.items() if ">>>" in text])
 def test_code_of_the_pages_runs_as_shown(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(discovery, "_registered", {})  # what a page registers stays on the page
     failed, tried = doctest.testfile(str(DOCS / page), module_relative=False, optionflags=FLAGS)
     assert tried
     assert not failed
@@ -78,7 +79,7 @@ def toml_snippets():
 
 def test_there_are_blocks_to_test():
     assert len(toml_snippets()) == 3
-    assert len(console_blocks()) == 5
+    assert len(console_blocks()) == 6
 
 
 @pytest.mark.parametrize("snippet", toml_snippets())
