@@ -1,4 +1,4 @@
-"""Models without a package: functions and classes of a session, C libraries through ctypes, and Numba."""
+"""Models without a package: functions and classes of a process, C libraries through ctypes, and Numba."""
 
 import ctypes
 import gc
@@ -22,7 +22,7 @@ from rollslip.models import FINITE, POSITIVE, ContactModel, FilmModel, TractionM
 from rollslip.planning import plan
 from rollslip.registry import catalogue, find, get_class
 from rollslip.scene import Surface
-from rollslip.session import model, register
+from rollslip.unpackaged import model, register
 from rollslip_kernels.chain import layout
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_plugins.blend import LambdaBlend
@@ -33,8 +33,8 @@ READS = ("rolling_speed", "sliding_speed")
 
 
 @pytest.fixture(autouse=True)
-def session(monkeypatch):
-    """Every test is a session of its own."""
+def fresh_process(monkeypatch):
+    """Every test begins like a process of its own."""
     monkeypatch.setattr(discovery, "_registered", {})
 
 
@@ -52,13 +52,13 @@ def filled(stage, n=600, **conditions):
 EXPECTED = 0.5 * 2.0 / np.arange(1.0, 601)
 
 
-# Functions of a session ----------------------------------------------------------------------------------------------
+# Functions of a process ----------------------------------------------------------------------------------------------
 
 
 def test_a_function_is_a_model_by_name():
     assert model("traction", "my-law", reads=READS)(law) is law
     offer = available("traction")["my-law"]
-    assert (offer.package, offer.version, offer.state) == ("(this session)", "unpackaged", "ok")
+    assert (offer.package, offer.version, offer.state) == ("(this process)", "unpackaged", "ok")
     assert find("traction", "my-law") == offer
     assert offer in catalogue()
     made = get_model("traction", "my-law")
@@ -102,8 +102,8 @@ def test_a_study_runs_with_it_and_says_that_it_is_not_packaged():
     result = run(evolve(load_scene("1032930-70C"), changes), "friction-curve")
     np.testing.assert_allclose(result.friction.to_numpy()[0], 0.5 * result.slip.to_numpy(), rtol=1e-12)
     traction = next(one for one in json.loads(result.attrs["models"]) if one["kind"] == "traction")
-    assert (traction["package"], traction["version"]) == ("(this session)", "unpackaged")
-    assert json.loads(result.attrs["packages"])["(this session)"] == "unpackaged"
+    assert (traction["package"], traction["version"]) == ("(this process)", "unpackaged")
+    assert json.loads(result.attrs["packages"])["(this process)"] == "unpackaged"
     assert "A Notebook of Mine, 2024." in json.loads(result.attrs["citations"])
 
 
@@ -114,7 +114,7 @@ def test_an_error_of_a_function_says_that_it_is_of_this_session():
 
     with pytest.raises(LookupError, match="mine") as caught:
         filled(get_model("traction", "fails"))
-    assert caught.value.__notes__ == ["raised by evaluate() of model 'fails'; it was registered in this session"]
+    assert caught.value.__notes__ == ["raised by evaluate() of model 'fails'; it was registered in this process"]
 
 
 @pytest.mark.parametrize(
@@ -154,18 +154,18 @@ def test_a_taken_name_is_replaced_on_purpose_only():
         return 0.0 * slices.sliding_speed
 
     model("traction", "my-law", reads=READS)(law)
-    for name, whose in [("my-law", "in this session"), ("muraki", "by package rollslip")]:
+    for name, whose in [("my-law", "in this process"), ("muraki", "by package rollslip")]:
         with pytest.raises(PluginError) as error:
             model("traction", name, reads=READS)(other)
         sentence = f"traction {name!r} is offered {whose} already; rename yours, or set replace=True"
         assert str(error.value) == sentence
-        assert find("traction", name).package == {"my-law": "(this session)", "muraki": "rollslip"}[name]
+        assert find("traction", name).package == {"my-law": "(this process)", "muraki": "rollslip"}[name]
         model("traction", name, reads=READS, replace=True)(other)
-        assert find("traction", name).package == "(this session)"
+        assert find("traction", name).package == "(this process)"
         np.testing.assert_array_equal(filled(get_model("traction", name)), 0.0)
     replaced = next(o for o in catalogue() if (o.name, o.package) == ("muraki", "rollslip"))
     assert replaced.state == "shadowed"
-    assert replaced.cause == "replaced in this session; restart it to have this one back"
+    assert replaced.cause == "replaced in this process; restart it to have this one back"
     model("film", "my-law")(lambda slices: 1e-6)  # a name is one of its kind
 
 
@@ -173,7 +173,7 @@ def test_what_is_registered_belongs_to_no_package():
     before = requirements()
     model("traction", "my-law", reads=READS)(law)
     assert requirements() == before
-    assert "(this session)" not in {package.name for package in packages()}
+    assert "(this process)" not in {package.name for package in packages()}
 
 
 def test_a_misspelt_name_of_the_session_gets_the_nearest():
@@ -197,7 +197,7 @@ def test_many_threads_may_register_and_ask():
     assert answers == {k: float(k) for k in range(8)}
 
 
-# Classes and values of a session -------------------------------------------------------------------------------------
+# Classes and values of a process -------------------------------------------------------------------------------------
 
 
 def made(base, **body):
@@ -212,7 +212,7 @@ def test_a_class_is_offered_under_its_kind():
     assert get_class("film", "mine") is cls
     assert get_model("film", "mine").film_thickness(1e4, 10.0, 0.007, 2e11, 0.01, 1e-8) > 0
     assert "mine" not in available("contact")
-    with pytest.raises(PluginError, match=r"^film 'mine' is offered in this session already; rename yours, or set"):
+    with pytest.raises(PluginError, match=r"^film 'mine' is offered in this process already; rename yours, or set"):
         register(made(Moes))
     other = made(Moes)
     register(other, replace=True)

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from rollslip.registry import available as available
     from rollslip.registry import get_model as get_model
     from rollslip.result import open_result as open_result
-    from rollslip.session import model as model
-    from rollslip.session import register as register
+    from rollslip.unpackaged import model as model
+    from rollslip.unpackaged import register as register
     from rollslip_kernels import get_include as get_include
     from rollslip_kernels.slices import Conditions as Conditions
     from rollslip_kernels.slices import Slices as Slices
@@ -32,10 +32,10 @@ _HOMES = {
     "get_model": "rollslip.registry",
     "load_distribution": "rollslip.execution",
     "load_scene": "rollslip.reading",
-    "model": "rollslip.session",
+    "model": "rollslip.unpackaged",
     "open_result": "rollslip.result",
     "plan": "rollslip.planning",
-    "register": "rollslip.session",
+    "register": "rollslip.unpackaged",
     "run": "rollslip.execution",
 }
 __all__ = sorted(_HOMES)

@@ -7,7 +7,7 @@
   that it is waited for.
 - Of two packages that offer one name neither is taken, and a scene cannot pick one: a name means the same to whoever
   reads the scene, and uninstalling or disabling one of them is easy.
-- What a session registers stands beside what is installed, in a table of its own.
+- What a process registers stands beside what is installed, in a table of its own.
 """
 
 import difflib
@@ -56,17 +56,17 @@ _BASES: Final = MappingProxyType(
     }
 )
 
-#: In place of the package and the version of what a session has registered.
-SESSION: Final = "(this session)"
+#: In place of the package and the version of what this process has registered.
+THIS_PROCESS: Final = "(this process)"
 UNPACKAGED: Final = "unpackaged"
 
 
 @attrs.frozen(kw_only=True)
 class Offer:
-    """One name that one installed package, or this session, offers.
+    """One name that one installed package, or this process, offers.
 
     ``state`` is "ok", "disabled" (by ROLLSLIP_DISABLED_PLUGINS), "incompatible" (its package requires another
-    rollslip) or "shadowed" (two packages offer the name, or the session has replaced it); ``cause`` says why in a
+    rollslip) or "shadowed" (two packages offer the name, or this process has replaced it); ``cause`` says why in a
     sentence. That a package is "broken" shows only when it is imported, as `rollslip.inventory.packages` does.
     """
 
@@ -236,7 +236,7 @@ def load(offer: Offer) -> Any:
     PluginError
         If it cannot be loaded, whatever the reason; the message names the package.
     """
-    return _registered[offer.kind, offer.name] if offer.package == SESSION else _load(offer)
+    return _registered[offer.kind, offer.name] if offer.package == THIS_PROCESS else _load(offer)
 
 
 @cache
@@ -315,7 +315,7 @@ def base_of(kind: str) -> Any:
 def origin(cls: type) -> str:
     """Say where a class comes from and what helps against its faults, to end a message with."""
     if any(cls is thing for thing in list(_registered.values())):
-        return "it was registered in this session"
+        return "it was registered in this process"
     modules = {offer.module: offer for offer in _installed()}
     roots = {offer.module.partition(".")[0]: offer for offer in _installed()}
     offer = modules.get(cls.__module__) or roots.get(cls.__module__.partition(".")[0])
@@ -324,13 +324,13 @@ def origin(cls: type) -> str:
     return f"it comes from package {offer.package} {offer.version}: update or uninstall that, or choose another model"
 
 
-# This session --------------------------------------------------------------------------------------------------------
+# This process --------------------------------------------------------------------------------------------------------
 
 _registered: Final[dict[tuple[str, str], Any]] = {}
 
 
 def add(kind: str, thing: Any, *, replace: bool = False) -> None:
-    """Offer a model class or a named value in this session; see `rollslip.session`.
+    """Offer a model class or a named value in this process; see `rollslip.unpackaged`.
 
     Raises
     ------
@@ -342,7 +342,7 @@ def add(kind: str, thing: Any, *, replace: bool = False) -> None:
         raise PluginError(f"{kind} {getattr(thing, 'name', None)!r} cannot be registered: {problem}")
     taken = [offer for offer in catalogue() if (offer.kind, offer.name) == (kind, thing.name)]
     if taken and not replace:
-        whose = "in this session" if taken[0].package == SESSION else f"by package {taken[0].package}"
+        whose = "in this process" if taken[0].package == THIS_PROCESS else f"by package {taken[0].package}"
         raise PluginError(f"{kind} {thing.name!r} is offered {whose} already; rename yours, or set replace=True")
     _registered[kind, thing.name] = thing
 
@@ -359,19 +359,19 @@ def kind_of(thing: object) -> str | None:
 def _with_session(installed: tuple[Offer, ...]) -> tuple[Offer, ...]:
     registered = dict(_registered)  # another thread may register
     replaced = [
-        attrs.evolve(o, state="shadowed", cause="replaced in this session; restart it to have this one back")
+        attrs.evolve(o, state="shadowed", cause="replaced in this process; restart it to have this one back")
         if (o.kind, o.name) in registered
         else o
         for o in installed
     ]
-    session = [
+    ours = [
         Offer(
             kind=kind,
             name=name,
-            package=SESSION,
+            package=THIS_PROCESS,
             version=UNPACKAGED,
             module=(thing if isinstance(thing, type) else type(thing)).__module__,
         )
         for (kind, name), thing in registered.items()
     ]
-    return _ordered([*replaced, *session])
+    return _ordered([*replaced, *ours])

@@ -6,7 +6,7 @@ from typing import Any
 
 import attrs
 
-from rollslip.discovery import SESSION, Offer, catalogue, is_disabled, load
+from rollslip.discovery import THIS_PROCESS, Offer, catalogue, is_disabled, load
 from rollslip.errors import PluginError, SceneError
 from rollslip.reading import Where
 
@@ -32,7 +32,7 @@ def packages() -> list[PluginPackage]:
     """Return all packages that offer something, rollslip first; each is imported, to know whether it is broken."""
     found: dict[str, list[Offer]] = {}
     for offer in catalogue():
-        if offer.package != SESSION:
+        if offer.package != THIS_PROCESS:
             found.setdefault(offer.package, []).append(_tried(offer))
     return [_package(found[name]) for name in sorted(found, key=lambda name: (name != "rollslip", name))]
 
@@ -68,7 +68,9 @@ def requirements() -> list[str]:
 
     Packages that are disabled or do not fit this rollslip are left out, and nothing is imported.
     """
-    versions = {o.package: o.version for o in catalogue() if o.state in ("ok", "shadowed") and o.package != SESSION}
+    versions = {
+        o.package: o.version for o in catalogue() if o.state in ("ok", "shadowed") and o.package != THIS_PROCESS
+    }
     versions.pop("rollslip", None)
     ours = importlib.metadata.version("rollslip")
     return [f"rollslip=={ours}", *(f"{name}=={version}" for name, version in sorted(versions.items()))]

@@ -26,7 +26,7 @@ _COLUMN: Final = {"film": "film_thickness", "traction": "friction"}
 
 
 def register(thing: T, *, replace: bool = False) -> T:
-    """Offer a model class or named data in this session; its kind follows from what it is.
+    """Offer a model class or named data in this process; its kind follows from what it is.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def register(thing: T, *, replace: bool = False) -> T:
         A class derived from ``ContactModel``, ``FilmModel``, ``TractionModel``, ``DragModel`` or ``IntegratorModel``,
         or a ``Lubricant``, ``BearingData`` or ``SurfaceData``.
     replace : bool
-        Whether it may take the place of one with its name, for this session.
+        Whether it may take the place of one with its name, for this process.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def model(
     references: Collection[str] = (),
     replace: bool = False,
 ) -> Callable[[F], F]:
-    """Offer a function of the slices as a film or traction model in this session.
+    """Offer a function of the slices as a film or traction model in this process.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def model(
     references : collection of str
         Where it comes from, one citation each.
     replace : bool
-        Whether it may take the place of one with its name, for this session.
+        Whether it may take the place of one with its name, for this process.
 
     Returns
     -------
@@ -133,7 +133,7 @@ def model(
                 getattr(slices, column)[...] = values
 
         body = {
-            "__doc__": function.__doc__ or f"Function {function.__name__} of this session.",
+            "__doc__": function.__doc__ or f"Function {function.__name__} of this process.",
             "__module__": function.__module__,
             "name": name,
             "equation": equation or f"{column} = {function.__name__}(slices)",
