@@ -20,7 +20,7 @@ import os
 import re
 import tomllib
 import types
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -176,9 +176,10 @@ def _bare_key(cls: Any) -> str | None:
     return next((_key(a) for a in _attributes(cls) if a.metadata.get("bare")), None)
 
 
-def _unknown(key: str, known: Iterable[str]) -> str:
-    alike = nearest(key, known, count=1)
-    return f"unknown key, did you mean '{alike[0]}'?" if alike else f"unknown key; known are {', '.join(sorted(known))}"
+def _unknown(key: str, known: Collection[str]) -> str:
+    if alike := nearest(key, known, count=1):
+        return f"unknown key, did you mean '{alike[0]}'?"
+    return f"unknown key; known are {', '.join(sorted(known))}" if known else "unknown key; there are none here"
 
 
 def _required(kind: object, attribute: "attrs.Attribute[Any]") -> str:
