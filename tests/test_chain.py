@@ -287,7 +287,7 @@ def test_an_empty_table_is_done_at_once(block):
     Chain(*STAGES[3:8], block=block)(Slices(0, BEARING))
     Chain(Stage(lambda part: pytest.fail("called for nothing")), block=block)(Slices(0, BEARING))
     Chain(block=block)(bearing_slices())
-    with pytest.raises(DomainError, match="needs radius"):  # the conditions of no slices are still conditions
+    with pytest.raises(DomainError, match="needs modulus"):  # the conditions of no slices are still conditions
         Chain(Palmgren(), block=block)(Slices(0))
 
 
