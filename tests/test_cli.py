@@ -99,6 +99,20 @@ def test_a_result_comes_back_as_it_was_and_can_be_run_again(tmp_path):
     assert all("units" in v.attrs and "long_name" in v.attrs for v in stored.variables.values())
 
 
+def test_cite_names_the_sources_of_a_scene_and_of_its_result(tmp_path):
+    of_scene = command("cite", "1032930-30C", cwd=tmp_path).stdout
+    assert of_scene.startswith("Klebanov")
+    assert "Moes H." in of_scene
+    assert "Sakaguchi" in of_scene
+    assert "Kragelskii" in of_scene  # of a model inside the blend
+    command("run", "1032930-30C", *QUICK, "--out", "o", cwd=tmp_path)
+    assert command("cite", "o/friction-curve.nc", cwd=tmp_path).stdout == of_scene
+    changed = json.loads(command("cite", "1032930-30C", "--set", "models.film=blok", "--json", cwd=tmp_path).stdout)
+    assert any("Blok" in text for text in changed)
+    done = command("cite", "o/friction-curve.nc", "--set", "a.b=1", cwd=tmp_path, code=2)
+    assert "a result cannot be changed" in done.stderr
+
+
 def test_set_changes_the_scene(tmp_path):
     plain, changed = (
         json.loads(command("run", "1032930-30C", *QUICK, "--json", "--out", out, *extra, cwd=tmp_path).stdout)

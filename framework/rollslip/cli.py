@@ -143,6 +143,27 @@ def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
         console.print_sections(rows)
 
 
+@cli.command()
+@click.argument("target", metavar="SCENE|RESULT.nc")
+@_set
+@_json
+def cite(target: str, changes: Sequence[str], as_json: bool) -> None:
+    """Print what to cite for the models and the oil of a SCENE or a RESULT."""
+    from rollslip.assembly import assemble
+    from rollslip.result import citations, open_result
+
+    if target.endswith(".nc"):
+        if changes:
+            raise click.UsageError("--set changes a scene; a result cannot be changed")
+        texts = json.loads(open_result(target).attrs["citations"])
+    else:
+        texts = citations(assemble(_scene(target, changes)))
+    if as_json:
+        _print_json(texts)
+    else:
+        click.echo("\n".join(texts))
+
+
 @cli.group()
 def plugins() -> None:
     """List, check and start packages that offer models."""

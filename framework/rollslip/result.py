@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
+from rollslip.assembly import Assembly
 from rollslip.discovery import DATA
 from rollslip.errors import OutputError
 from rollslip.models import SliceModel
@@ -54,8 +55,6 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
     data = [(kind, table["name"]) for kind in DATA if isinstance(table := named.get(kind), Mapping) and "name" in table]
     used = {offer.package: offer.version for offer in (*offers.values(), *(find(*pair) for pair in data))}
     used |= {name: importlib.metadata.version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
-    citations = [CITATION] + [text for model in models.values() for text in _references(model)]
-    citations += [text for text in lubricant.references if text not in citations]
     return {
         "title": scene.title,
         "description": scene.description,
@@ -82,11 +81,17 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
         "conditions": json.dumps({r.ring: attrs.asdict(r.conditions) for r in plan.assembly.raceways}),
         "plan": json.dumps([attrs.asdict(part) for part in plan.parts]),
         "warnings": json.dumps(warnings),
-        "citations": json.dumps(list(dict.fromkeys(citations))),
+        "citations": json.dumps(citations(plan.assembly)),
         "evaluations": evaluations,
         "wall_time": wall_time,
         "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
     }
+
+
+def citations(assembly: Assembly) -> list[str]:
+    """Return what to cite for a bearing's models and oil, the paper that rollslip follows first."""
+    used = [text for model in assembly.models.values() for text in _references(model)]
+    return list(dict.fromkeys([CITATION, *used, *assembly.lubricant.references]))
 
 
 def _references(model: SliceModel) -> list[str]:
