@@ -187,6 +187,19 @@ def test_mirrored_rotation_gives_the_same_curve():
     np.testing.assert_array_equal(there.effective_friction, back.effective_friction)
 
 
+@pytest.mark.parametrize("closure", ["epicyclic", "outer-rolling", "free-roller"])
+def test_friction_drives_the_cage_whichever_ring_turns(closure):
+    """Both rings drive a cage that is slower than epicyclic, also where the outer ring turns or turns backwards."""
+    driven = {"operation.inner_speed": "0 rpm", "operation.outer_speed": "6371 rpm"}
+    for changes in (driven, driven | {"operation.outer_speed": "-6371 rpm"}):
+        result = curve(evolve(STRAIGHT, changes), closure=closure, per_roller=True, map_points=3, max_cage_slip=0.5)
+        assert (result.effective_friction.sel(ring="inner")[1:] > 0.0).all()
+        assert (result.effective_friction >= 0.0).all()
+        # a roller without inner load rolls on the outer ring, up to the rounding of its spin
+        assert np.nanmin(result.roller_friction) > -1e-15
+        assert "no friction" not in str(result.critical_status.sel(ring="inner").item())
+
+
 def test_nothing_loaded_is_refused_in_words():
     scene = evolve(STRAIGHT, {"operation.radial_load": "0 N", "bearing.radial_clearance": "20 um"})
     with pytest.raises(SceneError, match=r"operation\.radial_load: no roller is loaded .* give a radial load"):

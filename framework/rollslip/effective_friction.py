@@ -5,6 +5,8 @@
   (Klebanov et al. 2022); averaging unloaded rollers in is a known mistake. With slices the sum runs over them too.
 - Equal rollers repeat after one pitch, so the instants are spread over a pitch and doubled until the curve and its
   maximum stand still; what the last doubling still moved is reported.
+- Effective friction is positive where it drives the cage towards its epicyclic speed. With the outer ring driving that
+  is against the direction in which rolling speeds are positive, hence the sign in ``_LoadedContacts``.
 - What a roller spins at is not fixed by the cage slip. The closures are: ``outer-rolling`` (pure rolling on the outer
   ring), ``epicyclic`` (every roller at its epicyclic spin) and ``free-roller`` (each loaded roller spins so that both
   rings pull alike). The map over cage slip and roller slip, which needs none, is stored beside the curve.
@@ -199,8 +201,10 @@ class EffectiveFriction:
 class _LoadedContacts:
     """The loaded slices of one raceway at all instants, one table that is evaluated again and again."""
 
-    def __init__(self, raceway: Raceway, load: Array, width: float) -> None:
+    def __init__(self, raceway: Raceway, load: Array, width: float, orbit: float) -> None:
         loaded = load > 0.0
+        #: direction of the rollers' orbit, 1 or -1
+        self.orbit = orbit
         self.raceway = raceway
         self.rollers = load.shape[0] * load.shape[1]
         #: number of the roller (over all instants) that each slice belongs to
@@ -210,11 +214,11 @@ class _LoadedContacts:
         self.slices = Slices(self.force.size, raceway.conditions, load=load[loaded])
 
     def friction(self, rolling: Any, sliding: Any) -> Array:
-        """Friction coefficient of every slice, (N,), at speeds that broadcast to it."""
+        """Friction coefficient of every slice along the orbit, (N,), at speeds that broadcast to it."""
         self.slices.rolling_speed[:] = rolling
         self.slices.sliding_speed[:] = sliding
         self.raceway.chain(self.slices)
-        return self.slices.friction
+        return self.orbit * self.slices.friction
 
     def per_roller(self, values: Array) -> Array:
         """Sum of values of slices for every roller, (instants Z,)."""
@@ -230,9 +234,9 @@ class _LoadedRaceways:
 
     def __init__(self, assembly: Assembly, distribution: LoadDistribution, closure: str) -> None:
         self.assembly, self.distribution, self.closure = assembly, distribution, closure
-        width = assembly.slice_width
-        self.inner = _LoadedContacts(assembly.inner, distribution.inner_load, width)
-        self.outer = _LoadedContacts(assembly.outer, distribution.outer_load, width)
+        width, orbit = assembly.slice_width, float(np.sign(assembly.kinematics.epicyclic_cage_speed))
+        self.inner = _LoadedContacts(assembly.inner, distribution.inner_load, width, orbit)
+        self.outer = _LoadedContacts(assembly.outer, distribution.outer_load, width, orbit)
         if self.inner.total == 0.0:
             operation, bearing = assembly.scene.operation, assembly.scene.bearing
             raise SceneError(
