@@ -24,6 +24,7 @@ from rollslip.discovery import DATA
 from rollslip.errors import OutputError
 from rollslip.models import SliceModel
 from rollslip.planning import Plan
+from rollslip.references import KLEBANOV
 from rollslip.registry import find
 from rollslip.scene import resolved, scene_hash
 
@@ -91,19 +92,13 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
 def citations(assembly: Assembly) -> list[str]:
     """Return what to cite for a bearing's models and oil, the paper that rollslip follows first."""
     used = [text for model in assembly.models.values() for text in _references(model)]
-    return list(dict.fromkeys([CITATION, *used, *assembly.lubricant.references]))
+    return list(dict.fromkeys([KLEBANOV, *used, *assembly.lubricant.references]))
 
 
 def _references(model: SliceModel) -> list[str]:
     """Citations of a model and of the models it is composed of."""
     children = [getattr(model, a.name) for a in getattr(model, "__attrs_attrs__", ()) if "kind" in a.metadata]
     return list(dict.fromkeys([*model.references, *(text for child in children for text in _references(child))]))
-
-
-CITATION = (
-    "Klebanov Ya.M., Polyakov K.A., Petrov N.I., Pankratova I.V. Slip in roller bearings under hydrodynamic contact "
-    "friction. J. Frict. Wear 43, 2022. doi:10.3103/S1068366622010068"
-)
 
 
 @contextmanager

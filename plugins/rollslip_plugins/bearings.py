@@ -2,6 +2,7 @@
 
 from rollslip.datasets import BearingData
 from rollslip.hookspecs import hookimpl
+from rollslip.references import KLEBANOV
 from rollslip.scene import Bearing, Profile
 
 bearing_1032930 = BearingData(
@@ -13,10 +14,7 @@ bearing_1032930 = BearingData(
         "none. Material: bearing steel."
     ),
     validity="Before mounting: fits, speed and temperature change the clearance; a scene gives the one in operation.",
-    references=(
-        "Klebanov Ya.M., Polyakov K.A., Petrov N.I., Pankratova I.V. Slip in roller bearings under hydrodynamic "
-        "contact friction. J. Frict. Wear 43, 2022. doi:10.3103/S1068366622010068",
-    ),
+    references=(KLEBANOV,),
     bearing=Bearing(
         rollers=28,
         roller_diameter=0.015,

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
+from rollslip.references import KLEBANOV
 from rollslip_kernels import traction as compiled
 from rollslip_kernels.slices import Slices
 
@@ -30,8 +31,7 @@ class Kragelsky(TractionModel):
     equation: ClassVar[str] = "mu = sign(V) [(-A + B s) exp(-C s) + A], s = |V|/u"
     references: ClassVar[tuple[str, ...]] = (
         "Kragelskii I.V., Dobychin M.N., Kombalov V.S. Friction and Wear: Calculation Methods. Pergamon, 1982.",
-        "Klebanov Ya.M., Polyakov K.A., Petrov N.I., Pankratova I.V. Slip in roller bearings under hydrodynamic "
-        "contact friction. J. Frict. Wear 43, 2022. doi:10.3103/S1068366622010068",
+        KLEBANOV,
     )
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = SLIDE_ROLL

@@ -11,16 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, TractionModel
+from rollslip.references import KLEBANOV
 from rollslip_kernels import traction as compiled
 from rollslip_kernels.slices import Slices
 from rollslip_plugins.stress import eyring_stress, maxwell_eyring_stress, muraki_stress
 
 Array = NDArray[np.float64]
 
-KLEBANOV = (
-    "Klebanov Ya.M., Polyakov K.A., Petrov N.I., Pankratova I.V. Slip in roller bearings under hydrodynamic contact "
-    "friction. J. Frict. Wear 43, 2022. doi:10.3103/S1068366622010068"
-)
 MURAKI = "Muraki M. (1987, 1992), as cited by Klebanov et al. (2022)."
 
 
