@@ -181,13 +181,18 @@ def _boundary(assembly: Assembly, limit: float, loads: LoadDistribution | None, 
     except DomainError:
         thinnest = np.nan
     needed = not thinnest >= limit
+    found = (
+        f"up to a cage slip of {slip:g} the smallest film parameter is {thinnest:.3g}, "
+        f"{'below' if needed else 'above'} the limit of the full film, {limit:g}"
+        if not np.isnan(thinnest)
+        else "the film cannot be told before the run"
+    )
     return Part(
         part="boundary friction",
         included=needed,
         choice="evaluated only on slices that need it",
         resolution="",
-        reason=f"up to a cage slip of {slip:g} the smallest film parameter is {thinnest:.3g}, "
-        f"{'below' if needed else 'above'} the limit of the full film, {limit:g}",
+        reason=found,
     )
 
 
