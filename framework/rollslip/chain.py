@@ -17,7 +17,10 @@ def stage(model: SliceModel) -> object:
     PluginError
         If the model's kernel does not keep the contract of ``rollslip.h``.
     """
-    capsule = _kernel(model)
+    return _checked(model, _kernel(model))
+
+
+def _checked(model: SliceModel, capsule: object | None) -> object:
     if capsule is None:
         return compiled.python_stage(_blaming(model), model.writes)
     if problem := compiled.problem(capsule):
@@ -81,10 +84,14 @@ class Chain:
 
     def __init__(self, *models: SliceModel, block: int | None = None) -> None:
         self.models = models
-        if block is None and any(_kernel(model) is None for model in models):
+        kernels = [_kernel(model) for model in models]
+        if block is None and None in kernels:
             block = 0
         # what a model reads without a range of its own must at least be a number
-        stages = [(stage(m), dict.fromkeys(sorted(m.reads), FINITE) | dict(m.domain), m.writes) for m in models]
+        stages = [
+            (_checked(m, kernel), dict.fromkeys(sorted(m.reads), FINITE) | dict(m.domain), m.writes)
+            for m, kernel in zip(models, kernels, strict=True)
+        ]
         self._chain = compiled.Chain(stages) if block is None else compiled.Chain(stages, block)
         #: slices evaluated so far, as far as calls did not overlap
         self.evaluated = 0
