@@ -129,6 +129,7 @@ def test_set_changes_the_scene(tmp_path):
         ('roller_diameter = "15 mm"', 'roller_diameter = "15 kg"', "bearing.roller_diameter: '15 kg' is a mass"),
         ('roller_diameter = "15 mm"', 'roller_diameter = "1,5 mm"', "a decimal comma is not read; write '1.5 mm'"),
         ('roller_diameter = "15 mm"', 'roller_diameter = "-15 mm"', "bearing.roller_diameter: must be above 0"),
+        ('roller_roughness = "0.1 um"', 'roller_roughness = "0 um"', "surface.roller_roughness: must be above 0"),
         ("rollers = 28", "rollers = 38", "bearing.rollers: 38 rollers of 15 mm do not fit"),
         ("rollers = 28", "rollers = 12.9", "bearing.rollers: "),
         ("rollers = 28", "rollers = true", "bearing.rollers: "),

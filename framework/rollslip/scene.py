@@ -174,12 +174,12 @@ class Surface:
     """Roughness of the running surfaces."""
 
     inner_raceway_roughness: float = field(
-        default=0.16e-6, unit="m", doc="roughness Ra of the inner raceway", validator=non_negative
+        default=0.16e-6, unit="m", doc="roughness Ra of the inner raceway", validator=positive
     )
     outer_raceway_roughness: float = field(
-        default=0.16e-6, unit="m", doc="roughness Ra of the outer raceway", validator=non_negative
+        default=0.16e-6, unit="m", doc="roughness Ra of the outer raceway", validator=positive
     )
-    roller_roughness: float = field(default=0.1e-6, unit="m", doc="roughness Ra of the rollers", validator=non_negative)
+    roller_roughness: float = field(default=0.1e-6, unit="m", doc="roughness Ra of the rollers", validator=positive)
 
 
 @attrs.frozen(kw_only=True)
