@@ -138,29 +138,23 @@ FLASH = 0.97
 def films(draw, deborah=None, heating=None):
     """Return a strategy of `Film`.
 
-    Pressure 1e6 to 4e9 Pa with alpha p up to 40, h 1e-9 to 1e-4 m, u 1e-3 to 100 m/s, an oil from fuel to grease; the
+    Pressure 1e6 to 4e9 Pa, a viscosity there of up to exp(40) times that at ambient pressure, h 1e-9 to 1e-4 m, u 1e-3 to 100 m/s, an oil from fuel to grease; the
     shear modulus and the thermal coefficients follow from the Deborah number and the heating group drawn, which would
-    else be tied to alpha p. The film parameter is 1e-3 to 30.
+    else be tied to that viscosity. The film parameter is 1e-3 to 30.
     """
     pressure = draw(decades(6, 9.6))
-    pressure_viscosity = draw(or_zero(st.floats(1e-3, 40.0).map(lambda barus: barus / pressure)))
-    viscosity, eyring_stress = draw(decades(-3, 0.5)), draw(decades(5, 8))
+    eta = draw(decades(-3, 0.5)) * float(np.exp(draw(or_zero(st.floats(1e-3, 40.0)))))
+    eyring_stress = draw(decades(5, 8))
     half_width, film_thickness, rolling_speed = draw(decades(-6, -3)), draw(decades(-9, -4)), draw(decades(-3, 2))
     effusivity, conductivity = draw(decades(3, 5)), draw(decades(-1.5, 0))
     deborah = draw(decades(-6, 6) if deborah is None else deborah)
     heating = draw(or_zero(decades(-6, 3)) if heating is None else heating)
-    eta = viscosity * float(np.exp(pressure_viscosity * pressure))
     zeta = FLASH * np.sqrt(half_width / (np.pi * rolling_speed)) / effusivity + film_thickness / (12 * conductivity)
     softening = heating * eta / (zeta * eyring_stress**2 * film_thickness)
-    share = draw(st.floats(0.0, 1.0))
     return Film(
         conditions=Conditions(
             roughness=film_thickness / draw(decades(-3, 1.5)),
             effusivity=effusivity,
-            viscosity=viscosity,
-            pressure_viscosity=pressure_viscosity,
-            thermoviscosity=softening * share,
-            pressure_thermoviscosity=softening * (1 - share) / pressure,
             conductivity=conductivity,
             eyring_stress=eyring_stress,
             shear_modulus=eta * rolling_speed / (deborah * half_width),
@@ -170,6 +164,8 @@ def films(draw, deborah=None, heating=None):
             "half_width": half_width,
             "film_thickness": film_thickness,
             "rolling_speed": rolling_speed,
+            "film_viscosity": eta,
+            "film_thermoviscosity": softening,
         },
         eta=eta,
         deborah=deborah,

@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 
 from rollslip import Chain, Conditions, Slices
 from rollslip.errors import DomainError, PluginError
+from rollslip.models import interval
+from rollslip.pressure_viscosity import Barus, Roelands, Yasutomi
 from rollslip_kernels import chain as compiled
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_plugins.blend import LambdaBlend
@@ -34,6 +36,9 @@ STAGES = [
     PanHamrock(),
     Moes(),
     Regime(),
+    Barus(),
+    Roelands(),
+    Yasutomi(glass_temperature=245.0, a1=60.0, a2=1.929e-9, b1=4.8, b2=0.16e-9, c1=16.0, c2=20.7),
     Muraki(),
     MaxwellEyring(),
     Eyring(),
@@ -76,6 +81,8 @@ def bearing_slices(n=5, conditions=BEARING):
         film_thickness=2.3e-7 * 10 ** (-3 + 4 * np.sin(5 * at) ** 2),
         regime=3.0,
         friction=0.0,
+        film_viscosity=0.1 * 20**at,
+        film_thermoviscosity=0.05 + 0.03 * at,
     )
 
 
@@ -443,10 +450,10 @@ def test_nothing_below_a_domain_is_taken(model, member):
     low = model.domain[member][0]
     with pytest.raises(DomainError) as error:
         Chain(model)(spoiled(member, np.nextafter(low, -np.inf)))
-    allowed = "(> 0)" if low > 0 else "(>= 0)"
+    allowed = f"({interval((low, model.domain[member][1]))})"
     unit = {**COLUMNS, **CONDITIONS}[member][0]
     where = " at slice 3" if member in COLUMNS else ""
-    value = "0" if low > 0 else "-4.94066e-324"
+    value = f"{np.nextafter(low, -np.inf):g}"
     assert str(error.value) == f"{model.name}: {member} = {value} {unit}{where} is outside its domain {allowed}"
 
 
@@ -487,8 +494,9 @@ def test_a_condition_that_nobody_gave_is_asked_for():
 
 
 def test_a_column_that_nobody_filled_is_refused():
-    with pytest.raises(DomainError, match="muraki: film_thickness = nan m at slice 0"):
-        Chain(Palmgren(), Muraki())(Slices(2, BEARING, load=1e4, rolling_speed=10.0, sliding_speed=0.1))
+    needs = "muraki: slice 0 has no film_thickness .*; give it, or put a stage that fills it before this one"
+    with pytest.raises(DomainError, match=needs):
+        Chain(Palmgren(), Barus(), Muraki())(Slices(2, BEARING, load=1e4, rolling_speed=10.0, sliding_speed=0.1))
 
 
 @pytest.mark.parametrize("block", [1, 2, 0])
@@ -505,12 +513,11 @@ def test_a_result_that_is_not_finite_is_refused(block, bad, language):
         Chain(Stage(write, capsule), Kragelsky(), block=block)(slices)
 
 
-@pytest.mark.parametrize("model", forms([Muraki(), MaxwellEyring(), Eyring(), LambdaBlend()]))
+@pytest.mark.parametrize("model", forms([Barus()]))
 def test_overflow_inside_a_law_is_refused(model):
     """exp(alpha p) overflows at alpha p = 710."""
     slices = spoiled("pressure", 800 / BEARING.pressure_viscosity)
-    slices.film_thickness[:] = 1e-6
-    with np.errstate(all="ignore"), pytest.raises(DomainError, match=f"{model.name}: slice 3 gives a friction"):
+    with np.errstate(all="ignore"), pytest.raises(DomainError, match=f"{model.name}: slice 3 gives a film_viscosity"):
         Chain(model)(slices)
 
 

@@ -61,7 +61,9 @@ def test_hertz_line_contact(model, load, radius, modulus):
 @every_contact
 @pytest.mark.parametrize("load", [0.0, -1.0, np.nan, np.inf])
 def test_hertz_refuses_a_contact_without_load(model, load):
-    with pytest.raises(DomainError, match=f"{law_of(model).name}: load = .* N/m at slice 1 is outside its domain"):
+    with pytest.raises(
+        DomainError, match=f"{law_of(model).name}: (load = .* N/m at slice 1 is outside its domain|slice 1 has no load)"
+    ):
         evaluated(model, Conditions(radius=0.007, modulus=STEEL), load=[1e4, load])
 
 

@@ -194,12 +194,12 @@ def test_an_error_in_the_middle_of_a_block_says_whose_it_is_in_every_thread(tmp_
         start = threading.Barrier(8)
         blend = Chain(get_model("traction", "lambda-blend", boundary="later", boundary_limit=1.0), block=2)
         conditions = Conditions(
-            roughness=1e-6, modulus=2e11, effusivity=1e4, viscosity=0.01, pressure_viscosity=1e-8, thermoviscosity=0.03,
-            conductivity=0.1, eyring_stress=4e6, shear_modulus=3e8, radius=0.007, pressure_thermoviscosity=0.0,
+            roughness=1e-6, modulus=2e11, effusivity=1e4, conductivity=0.1, eyring_stress=4e6, shear_modulus=3e8,
+            radius=0.007,
         )
         def task(k):
             slices = Slices(9, conditions, rolling_speed=10.0, sliding_speed=1.0, film_thickness=1e-9, load=0.0,
-                            half_width=5e-5, pressure=3e8)
+                            half_width=5e-5, pressure=3e8, film_viscosity=0.2, film_thermoviscosity=0.03)
             if k % 2:
                 slices.load[6:] = 7 + k
             start.wait(timeout=60)

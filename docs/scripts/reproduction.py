@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 from output import BLUE, GREEN, ORANGE, coefficient, figure, percent, save_figure, write_table
 
-from rollslip import Chain, evolve, get_model, load_scene, run
+from rollslip import Chain, evolve, load_scene, run
 from rollslip.assembly import assemble
 from rollslip.effective_friction import EffectiveFriction
 from rollslip_plugins.hydrodynamic import Muraki
@@ -170,7 +170,7 @@ def logarithm():
     for name, shipped in FIGURES.items():
         assembly = assemble(load_scene(shipped))
         law = attrs.evolve(assembly.traction, hydrodynamic=MurakiLogarithm())
-        chain = Chain(get_model("contact", "palmgren"), assembly.film, law)
+        chain = Chain(assembly.contact, assembly.film, assembly.lubricant.pressure_viscosity_law, law)
         with_log = attrs.evolve(
             assembly,
             traction=law,

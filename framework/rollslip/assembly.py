@@ -13,6 +13,7 @@ from rollslip.errors import DomainError, SceneError
 from rollslip.kinematics import Kinematics
 from rollslip.lubricant import Lubricant, lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
+from rollslip.pressure_viscosity import with_law
 from rollslip.profile import profile_drop, slice_positions
 from rollslip.reading import Where
 from rollslip.registry import get_class, structure_model
@@ -56,7 +57,7 @@ class Assembly:
 
     @property
     def models(self) -> dict[str, SliceModel]:
-        """The stages by kind, in the order in which they run."""
+        """The models by kind; the oil's law of viscosity with pressure runs before the last."""
         return {"contact": self.contact, "film": self.film, "traction": self.traction}
 
     @property
@@ -155,9 +156,12 @@ def assemble(scene: Scene) -> Assembly:
     if lubricant is None or problems:
         raise SceneError(problems)
     conditions = {ring: _conditions(scene, kinematics, lubricant, ring, where) for ring in RINGS}
+    law = lubricant.pressure_viscosity_law
+    models = {kind: with_law(model, law) for kind, model in models.items()}
+    stages = models["contact"], models["film"], law, models["traction"]
     deflection = models["contact"].deflection()
-    _check_given((deflection, *models.values()), conditions["inner"], lubricant, where)
-    chain, approach = Chain(*models.values()), Chain(deflection)
+    _check_given((deflection, *stages), conditions["inner"], lubricant, where)
+    chain, approach = Chain(*stages), Chain(deflection)
     inner, outer = (Raceway(ring, conditions[ring], chain, approach) for ring in RINGS)
     return Assembly(
         scene=scene, lubricant=lubricant, kinematics=kinematics, drop=drop, inner=inner, outer=outer, **models

@@ -6,7 +6,7 @@ from rollslip.discovery import in_words, origin
 from rollslip.errors import DomainError, PluginError, RollslipError
 from rollslip.models import FINITE, SliceModel, in_unit, interval
 from rollslip_kernels import chain as compiled
-from rollslip_kernels.slices import CONDITIONS, Slices
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 
 
 def stage(model: SliceModel) -> object:
@@ -128,4 +128,10 @@ def _refusal_text(model: SliceModel, what: str, member: str, index: int, slices:
             return f"{model.name}: needs {member} ({CONDITIONS[member][1]}), which the lubricant or scene does not give"
         return f"{model.name}: {member} = {in_unit(value, member)} is outside its domain ({allowed})"
     value = float(getattr(slices, member)[index])
+    if value != value:
+        unit, meaning = COLUMNS[member]
+        return (
+            f"{model.name}: slice {index} has no {member} ({meaning}, {unit}); "
+            "give it, or put a stage that fills it before this one"
+        )
     return f"{model.name}: {member} = {in_unit(value, member)} at slice {index} is outside its domain ({allowed})"

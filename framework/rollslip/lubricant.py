@@ -15,11 +15,12 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, Protocol
 
-from attrs import NOTHING, asdict, evolve, fields_dict, frozen
+from attrs import NOTHING, Factory, asdict, evolve, fields_dict, frozen
 from attrs.validators import optional
 
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError, field, one_of, positive
+from rollslip.pressure_viscosity import Barus, PressureViscosity, Roelands, Yasutomi
 from rollslip.reading import Where, structure
 from rollslip.units import format_quantity
 
@@ -348,6 +349,8 @@ class Lubricant:
         Dynamic viscosity at ambient pressure, eta0(T) [Pa s].
     pressure_viscosity : TemperatureLaw, optional
         Pressure-viscosity coefficient alpha(T) [1/Pa].
+    pressure_viscosity_law : PressureViscosity
+        How viscosity rises with pressure; one that fixes alpha itself overrules `pressure_viscosity`.
     conductivity : TemperatureLaw, optional
         Thermal conductivity K_f(T) [W/(m K)].
     eyring_stress : float, optional
@@ -373,6 +376,7 @@ class Lubricant:
     description: str
     viscosity: TemperatureLaw
     pressure_viscosity: TemperatureLaw | None = None
+    pressure_viscosity_law: PressureViscosity = Factory(Barus)
     conductivity: TemperatureLaw | None = None
     eyring_stress: float | None = _positive("Pa", "Eyring stress", None)
     shear_modulus: float | None = _positive("Pa", "shear modulus", None)
@@ -397,6 +401,13 @@ class Lubricant:
                 "minimum_temperature",
                 f"the viscosity does not fall from {_celsius(low)} to {_celsius(high)} after {self.viscosity}; "
                 "narrow the range",
+            )
+        factors = (self.pressure_viscosity_factor, self.pressure_thermoviscosity_factor)
+        if factors != (1.0, 1.0) and not math.isnan(self.pressure_viscosity_law.coefficient(low)):
+            raise FieldError(
+                "pressure_viscosity_law",
+                f"{self.pressure_viscosity_law.name!r} fixes alpha itself, so factors on it have no effect; leave out "
+                "pressure_viscosity_factor and pressure_thermoviscosity_factor",
             )
 
     def at(self, temperature: float) -> OilState:
@@ -424,7 +435,9 @@ class Lubricant:
                 f"lubricant.minimum_temperature or lubricant.maximum_temperature if you can vouch for its laws there"
             )
         eta0, eta0_fall = _evaluate(self.viscosity, temperature)
-        alpha, alpha_fall = _evaluate(self.pressure_viscosity, temperature)
+        alpha, alpha_fall = self.pressure_viscosity_law.coefficient(temperature), math.nan
+        if math.isnan(alpha):
+            alpha, alpha_fall = _evaluate(self.pressure_viscosity, temperature)
         conductivity, _ = _evaluate(self.conductivity, temperature)
         return OilState(
             temperature=temperature,
@@ -608,6 +621,12 @@ class OilTable:
     points: tuple[OilPoint, ...] = field(default=(), doc="measured viscosities")
     density: float | None = _positive("kg/m3", "density, between kinematic and dynamic viscosity", None)
     pressure_viscosity: float | None = _positive("1/Pa", "pressure-viscosity coefficient, constant", None)
+    pressure_viscosity_law: str | None = field(
+        default=None,
+        doc="how viscosity rises with pressure",
+        validator=optional(one_of("barus", "roelands", "yasutomi")),
+    )
+    yasutomi: Yasutomi | None = field(default=None, doc="constants of Yasutomi's law")
     conductivity: float | None = _positive("W/(m K)", "thermal conductivity, constant", None)
     eyring_stress: float | None = _positive("Pa", "Eyring stress", None)
     shear_modulus: float | None = _positive("Pa", "shear modulus", None)
@@ -627,6 +646,15 @@ class OilTable:
         kinematic = any(point.viscosity is None for point in self.points)
         if self.density is None and (kinematic or self.viscosity_law == "walther"):
             raise FieldError("density", "missing; it stands between kinematic and dynamic viscosity")
+        if (self.yasutomi is None) == (self.pressure_viscosity_law == "yasutomi"):
+            raise FieldError("yasutomi", "the constants and pressure_viscosity_law = 'yasutomi' need each other")
+        if self.yasutomi is not None and self.pressure_viscosity is not None:
+            raise FieldError("pressure_viscosity", "not with Yasutomi's law, which fixes it; leave it out")
+
+    @property
+    def law(self) -> PressureViscosity | None:
+        """Law of viscosity with pressure, None if the table says nothing of it."""
+        return self.yasutomi or {"barus": Barus(), "roelands": Roelands()}.get(self.pressure_viscosity_law or "")
 
     def fit(self) -> TemperatureLaw:
         """Viscosity law through the points."""
@@ -688,6 +716,8 @@ def lubricant_from_table(
 
     given = {key: value for key, value in asdict(table, recurse=False).items() if value not in (None, ())}
     changes = {key: value for key, value in given.items() if key in fields_dict(Lubricant)}
+    if table.law is not None:
+        changes["pressure_viscosity_law"] = table.law
     changes |= {key: Constant(given[key]) for key in ("pressure_viscosity", "conductivity") if key in given}
     base = None if table.name is None else get_named(table.name)
     set_here = ", ".join(key for key in given if key not in ("name", "description", "source"))

@@ -83,6 +83,15 @@ def plan(scene: Scene | str, study: str | None = None) -> Plan:
     evaluations = sum(one.evaluations(assembly) for one in studies.values())
     named = dict(scene.raw or {}).get("models", {})
     parts = [_stage(kind, model, named) for kind, model in assembly.models.items()]
+    parts.append(
+        Part(
+            part="viscosity at pressure",
+            included=True,
+            choice=assembly.lubricant.pressure_viscosity_law.name,
+            resolution="every loaded slice",
+            reason=f"the law of the oil, {assembly.lubricant.name}",
+        )
+    )
     if assembly.slices == 1:
         parts.append(
             Part(

@@ -78,7 +78,13 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
                 for kind, model in models.items()
             ]
         ),
-        "lubricant": json.dumps({"name": lubricant.name, "source": lubricant.source}),
+        "lubricant": json.dumps(
+            {
+                "name": lubricant.name,
+                "source": lubricant.source,
+                "pressure_viscosity_law": repr(lubricant.pressure_viscosity_law),
+            }
+        ),
         "conditions": json.dumps({r.ring: attrs.asdict(r.conditions) for r in plan.assembly.raceways}),
         "plan": json.dumps([attrs.asdict(part) for part in plan.parts]),
         "warnings": json.dumps(warnings),
@@ -91,8 +97,9 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
 
 def citations(assembly: Assembly) -> list[str]:
     """Return what to cite for a bearing's models and oil, the paper that rollslip follows first."""
+    oil = assembly.lubricant
     used = [text for model in assembly.models.values() for text in _references(model)]
-    return list(dict.fromkeys([KLEBANOV, *used, *assembly.lubricant.references]))
+    return list(dict.fromkeys([KLEBANOV, *used, *oil.references, *oil.pressure_viscosity_law.references]))
 
 
 def _references(model: SliceModel) -> list[str]:

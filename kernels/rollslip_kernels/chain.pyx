@@ -20,9 +20,9 @@ from rollslip_kernels.slices import COLUMNS, Conditions, Slices
 cdef enum:
     MAX_STAGES = 8
     MAX_CHECKS = 128
-    BLOCK = 256          # 10 columns x 256 x 8 B = 20 KiB: one block stays in a 32 KiB L1 cache
+    BLOCK = 256          # 12 columns x 256 x 8 B = 24 KiB: one block stays in a 32 KiB L1 cache
     PYTHON_RAISED = -1   # the Python error is set in this thread
-    N_COLUMNS = 10
+    N_COLUMNS = 12
 
 cdef double LARGEST = 1.7976931348623157e308
 
@@ -194,6 +194,8 @@ def layout():
         "film_thickness": <char *>&s.film_thickness - base,
         "regime": <char *>&s.regime - base,
         "friction": <char *>&s.friction - base,
+        "film_viscosity": <char *>&s.film_viscosity - base,
+        "film_thermoviscosity": <char *>&s.film_thermoviscosity - base,
     }
     return sizeof(rs_slices), offsets
 
@@ -224,6 +226,8 @@ cdef int _bind(rs_slices *s, double[:, ::1] t, conditions) except -1:
     s.film_thickness = &t[7, 0]
     s.regime = &t[8, 0]
     s.friction = &t[9, 0]
+    s.film_viscosity = &t[10, 0]
+    s.film_thermoviscosity = &t[11, 0]
     return 0
 
 
@@ -251,6 +255,7 @@ cdef object _as_slices(const rs_slices *s, writes):
     columns[:] = [
         s.approach, s.rolling_speed, s.sliding_speed, s.load, s.stiffness,
         s.half_width, s.pressure, s.film_thickness, s.regime, s.friction,
+        s.film_viscosity, s.film_thermoviscosity,
     ]
     arrays = {}
     for i, name in enumerate(COLUMNS):

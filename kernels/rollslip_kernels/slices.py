@@ -27,6 +27,8 @@ COLUMNS: Final = {
     "film_thickness": ("m", "lubricant film thickness h"),
     "regime": ("1", "film regime: 0 IR, 1 VR, 2 IE, 3 VE"),
     "friction": ("1", "traction coefficient mu, with the sign of the sliding speed"),
+    "film_viscosity": ("Pa s", "viscosity of the oil at the mean pressure and the inlet temperature"),
+    "film_thermoviscosity": ("1/K", "its fall with temperature -dln(eta)/dT at that pressure"),
 }
 
 
@@ -87,6 +89,8 @@ class Slices:
     film_thickness: Column
     regime: Column
     friction: Column
+    film_viscosity: Column
+    film_thermoviscosity: Column
 
     def __init__(self, n: int, conditions: Conditions | None = None, **columns: Any) -> None:
         self.conditions = Conditions() if conditions is None else conditions

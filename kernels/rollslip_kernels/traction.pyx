@@ -20,22 +20,21 @@ cdef enum:
 ctypedef double (*law_t)(double sigma, double deborah, double heating) noexcept nogil
 
 
-# sigma = eta V/(tau0 h), D = eta u/(Gamma b), Phi = (beta0 + gamma p) zeta tau0^2 h/eta, mu = tau0 S/p
+# sigma = eta V/(tau0 h), D = eta u/(Gamma b), Phi = beta zeta tau0^2 h/eta, mu = tau0 S/p
 cdef inline int _hydrodynamic(const rs_slices *s, const void *params, law_t law, bint elastic) noexcept nogil:
     cdef double flash = (<const double *>params)[0] / (s.effusivity * sqrt(M_PI))
-    cdef double h, p, u, eta, zeta, deborah = 0.0, heating
+    cdef double h, u, eta, zeta, deborah = 0.0, heating
     cdef size_t i
     for i in range(s.n):
         h = s.film_thickness[i]
-        p = s.pressure[i]
         u = s.rolling_speed[i]
-        eta = s.viscosity * exp(s.pressure_viscosity * p)
+        eta = s.film_viscosity[i]
         zeta = flash * sqrt(s.half_width[i] / u) + h / (12.0 * s.conductivity)
-        heating = (s.thermoviscosity + s.pressure_thermoviscosity * p) * zeta * h / eta
+        heating = s.film_thermoviscosity[i] * zeta * h / eta
         heating *= s.eyring_stress * s.eyring_stress
         if elastic:
             deborah = eta * u / (s.shear_modulus * s.half_width[i])
-        s.friction[i] = s.eyring_stress / p * law(eta * s.sliding_speed[i] / (s.eyring_stress * h), deborah, heating)
+        s.friction[i] = s.eyring_stress / s.pressure[i] * law(eta * s.sliding_speed[i] / (s.eyring_stress * h), deborah, heating)
     return 0
 
 
@@ -86,7 +85,7 @@ cdef struct blend_t:
 
 
 cdef struct scratch_t:
-    double columns[10][BLOCK]
+    double columns[12][BLOCK]
     size_t index[BLOCK]
 
 
@@ -120,6 +119,8 @@ cdef int _run_child(const rs_model *child, const rs_slices *block, size_t n,
     part.film_thickness = _gather(block.film_thickness, t, 7, n)
     part.regime = _gather(block.regime, t, 8, n)
     part.friction = t.columns[9]
+    part.film_viscosity = _gather(block.film_viscosity, t, 10, n)
+    part.film_thermoviscosity = _gather(block.film_thermoviscosity, t, 11, n)
     status = child.evaluate(&part, child.params)
     if status > <int>n:
         return NO_SUCH_STATUS

@@ -24,14 +24,13 @@ MURAKI = "Muraki M. (1987, 1992), as cited by Klebanov et al. (2022)."
 class _EyringFluid(TractionModel, abc.ABC):
     """Traction mu = tau0 S/p of a stress law S(sigma, D, Phi).
 
-    sigma = eta V/(tau0 h), D = eta u/(Gamma b), Phi = (beta0 + gamma p) zeta tau0^2 h/eta, eta = eta0 exp(alpha p),
-    zeta = flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f).
+    sigma = eta V/(tau0 h), D = eta u/(Gamma b), Phi = beta zeta tau0^2 h/eta, with eta and beta = -dln(eta)/dT at the
+    mean pressure after the oil's law, zeta = flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f).
     """
 
     reads = frozenset(
-        {"pressure", "half_width", "film_thickness", "rolling_speed", "sliding_speed", "effusivity", "viscosity"}
-        | {"pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity", "conductivity", "eyring_stress"}
-        | {"shear_modulus"}
+        {"pressure", "half_width", "film_thickness", "rolling_speed", "sliding_speed", "film_viscosity"}
+        | {"film_thermoviscosity", "effusivity", "conductivity", "eyring_stress", "shear_modulus"}
     )
     domain = MappingProxyType(
         {
@@ -41,10 +40,8 @@ class _EyringFluid(TractionModel, abc.ABC):
             "rolling_speed": POSITIVE,
             "sliding_speed": FINITE,
             "effusivity": POSITIVE,
-            "viscosity": POSITIVE,
-            "pressure_viscosity": NON_NEGATIVE,
-            "thermoviscosity": NON_NEGATIVE,
-            "pressure_thermoviscosity": NON_NEGATIVE,
+            "film_viscosity": POSITIVE,
+            "film_thermoviscosity": NON_NEGATIVE,
             "conductivity": POSITIVE,
             "eyring_stress": POSITIVE,
             "shear_modulus": POSITIVE,
@@ -63,18 +60,17 @@ class _EyringFluid(TractionModel, abc.ABC):
         deborah : array_like
             D = eta u/(Gamma b), >= 0.
         heating : array_like
-            Phi = (beta0 + gamma p) zeta tau0^2 h/eta, >= 0.
+            Phi = beta zeta tau0^2 h/eta, >= 0.
         """
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient."""
         c, s = slices.conditions, slices
-        eta = c.viscosity * np.exp(c.pressure_viscosity * s.pressure)
+        eta = s.film_viscosity
         zeta = self.flash / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed)
         zeta = zeta + s.film_thickness / (12 * c.conductivity)
-        softening = c.thermoviscosity + c.pressure_thermoviscosity * s.pressure
         # a product, since a power of Python's floats raises where it overflows
-        heating = softening * zeta * (c.eyring_stress * c.eyring_stress) * s.film_thickness / eta
+        heating = s.film_thermoviscosity * zeta * (c.eyring_stress * c.eyring_stress) * s.film_thickness / eta
         deborah = eta * s.rolling_speed / (c.shear_modulus * s.half_width)
         strain_rate = eta * s.sliding_speed / (c.eyring_stress * s.film_thickness)
         s.friction[...] = c.eyring_stress / s.pressure * self.dimensionless_stress(strain_rate, deborah, heating)

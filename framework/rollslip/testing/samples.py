@@ -58,6 +58,8 @@ MAGNITUDES: Final[Mapping[str, tuple[float, float, float]]] = {
     "film_thickness": (1e-9, 5e-7, 1e-4),
     "regime": (1.0, 3.0, 3.0),
     "friction": (1e-5, 0.03, 1.0),
+    "film_viscosity": (1e-4, 0.6, 1e12),
+    "film_thermoviscosity": (1e-3, 0.0656, 0.3),
 }
 #: What a loaded bearing under way gives; a law may be held to more here than over all magnitudes.
 BEARING: Final[Mapping[str, Limits]] = {
@@ -67,6 +69,8 @@ BEARING: Final[Mapping[str, Limits]] = {
     "half_width": (2e-5, 2e-4),
     "pressure": (2e8, 1.5e9),
     "film_thickness": (5e-8, 3e-6),
+    "film_viscosity": (0.02, 1e4),
+    "film_thermoviscosity": (0.03, 0.2),
 }
 
 

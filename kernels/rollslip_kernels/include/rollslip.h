@@ -42,6 +42,8 @@ typedef struct {
     double *film_thickness;            /* m     h; which one, the model says          film ->      */
     double *regime;                    /* 0 IR, 1 VR, 2 IE, 3 VE                      film ->      */
     double *friction;                  /* 1     traction coefficient, sign of V       traction ->  */
+    double *film_viscosity;            /* Pa s  of the oil at that pressure           oil ->       */
+    double *film_thermoviscosity;      /* 1/K   its fall -dln(eta)/dT there           oil ->       */
 } rs_slices;
 
 /* 0: done; k > 0: slice k-1 of the block is outside the model's domain; -1: a Python error is set. */

@@ -31,6 +31,8 @@ cdef extern from "rollslip.h" nogil:
         double *film_thickness
         double *regime
         double *friction
+        double *film_viscosity
+        double *film_thermoviscosity
 
     ctypedef int (*rs_evaluate)(const rs_slices *, const void *) noexcept nogil
 

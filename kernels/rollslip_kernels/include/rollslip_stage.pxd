@@ -48,4 +48,6 @@ cdef inline rs_slices rs_cut(const rs_slices *whole, size_t start, size_t n) noe
     s.film_thickness += start
     s.regime += start
     s.friction += start
+    s.film_viscosity += start
+    s.film_thermoviscosity += start
     return s
