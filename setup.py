@@ -30,4 +30,4 @@ def kernel(name: str) -> Extension:
     )
 
 
-setup(ext_modules=[kernel(name) for name in ("chain", "contact", "film", "stress", "traction", "viscosity")])
+setup(ext_modules=[kernel(name) for name in ("blend", "chain", "contact", "film", "stress", "traction", "viscosity")])

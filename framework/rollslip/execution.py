@@ -130,6 +130,11 @@ def warnings(plan: Plan, dataset: "xr.Dataset") -> list[str]:
             f"film model {film.name!r} holds in the {LONG_NAMES[film.regime]} regime, but of the contact force "
             f"{where}; there its film may be far off: film 'moes' covers all regimes"
         )
+    corrections = [f"shear heating of the inlet after {film.inlet_heating!r}"] if film.inlet_heating else []
+    if film.inlet_starvation < 1:
+        corrections.append(f"starvation by a factor of {film.inlet_starvation:g}")
+    if corrections:
+        found.append(f"the film is thinned for {' and '.join(corrections)}, as the scene asks")
     if "light_share" in dataset:
         light, what = float(dataset["light_share"].max()), "of the contact force of a ring"
     else:

@@ -144,6 +144,16 @@ class FilmModel(SliceModel):
     #: Film regime it holds in: "IR", "VR", "IE", "VE", or "all".
     regime: ClassVar[str] = "all"
 
+    @property
+    def inlet_heating(self) -> str:
+        """Law by which shear heating of the inlet thins the film; empty if the inlet is isothermal."""
+        return ""
+
+    @property
+    def inlet_starvation(self) -> float:
+        """Factor by which a starved inlet thins the film; 1 if it is fully flooded."""
+        return 1.0
+
     def film_thickness(
         self,
         load_per_length: "ArrayLike",

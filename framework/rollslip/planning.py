@@ -13,7 +13,7 @@ from rollslip.assembly import Assembly, assemble
 from rollslip.equilibrium import LoadDistribution
 from rollslip.errors import DomainError
 from rollslip.inventory import check_required
-from rollslip.models import SliceModel
+from rollslip.models import FilmModel, SliceModel
 from rollslip.reading import Where, load_scene
 from rollslip.registry import find
 from rollslip.scene import Scene
@@ -136,13 +136,7 @@ def plan(scene: Scene | str, study: str | None = None) -> Plan:
         slip = max(study.largest_cage_slip for study in studies.values())
         parts.append(_boundary(assembly, assembly.traction.full_film_from, loads, slip))
     parts += [
-        Part(
-            part="thermal inlet shear",
-            included=False,
-            choice="isothermal inlet",
-            resolution="",
-            reason="the scene does not ask for it",
-        ),
+        _inlet(assembly.film),
         Part(
             part="cage, drag and integrators",
             included=False,
@@ -171,6 +165,18 @@ def _stage(kind: str, model: SliceModel, named: Any) -> Part:
         choice=f"{model.name} ({offer.package} {offer.version}, {compiled})",
         resolution="every loaded slice",
         reason="the scene names it" if kind in named else "default",
+    )
+
+
+def _inlet(film: FilmModel) -> Part:
+    """What heat and want of oil in the inlet do to the film."""
+    heating, starvation = film.inlet_heating, film.inlet_starvation
+    return Part(
+        part="thermal inlet shear",
+        included=bool(heating),
+        choice=(heating or "isothermal inlet") + (f", starved by a factor of {starvation:g}" if starvation < 1 else ""),
+        resolution="every loaded slice" if heating else "",
+        reason=f"film model {film.name!r} asks for it" if heating else "the scene does not ask for it",
     )
 
 

@@ -1,8 +1,9 @@
 """Film thickness of a line contact; mean entrainment speed u, U = eta0 u/(E'R), W = w/(E'R), G = alpha E'."""
 
-from libc.math cimport exp, pow, sqrt
+from cpython.pycapsule cimport PyCapsule_GetPointer
+from libc.math cimport M_PI, exp, fabs, pow, sqrt
 
-from rollslip_abi cimport rs_slices
+from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
 from rollslip_stage cimport rs_new_model
 
 cdef struct power_t:
@@ -10,6 +11,14 @@ cdef struct power_t:
 
 cdef struct four_t:
     power_t ri, rp, ei, ep
+
+cdef enum:
+    NONE, MURCH_WILSON, GUPTA
+
+cdef struct inlet_t:
+    rs_model film
+    int thermal
+    double starvation
 
 
 # h/R = c U^u G^g W^w
@@ -28,6 +37,17 @@ cdef inline double _moes(double M, double L) noexcept nogil:
     # the larger one taken out, so that no power over- or underflows
     cdef double larger = max(isoviscous, piezoviscous), smaller = min(isoviscous, piezoviscous)
     return larger * pow(1.0 + pow(smaller / larger, s), 1.0 / s)
+
+
+# Lt = eta0 beta0 u^2/K_f; the printed constant 3.94 is 1/0.254
+cdef inline double _murch_wilson(double thermal_load) noexcept nogil:
+    return 3.94 / (3.94 + pow(thermal_load, 0.62))
+
+
+# of p_H/E' and S = |V|/u as well  [Zhou and Hoeprich 1991, Eq. 21]
+cdef inline double _gupta(double thermal_load, double stress, double slide) noexcept nogil:
+    return (1.0 - 13.2 * stress * pow(thermal_load, 0.42)) / (
+        1.0 + 0.213 * (1.0 + 2.23 * pow(slide, 0.83)) * pow(thermal_load, 0.64))
 
 
 cdef int _power_film(const rs_slices *s, const void *params) noexcept nogil:
@@ -71,6 +91,29 @@ cdef int _regime_film(const rs_slices *s, const void *params) noexcept nogil:
     return 0
 
 
+# h = C_T C_S h_film; a factor that is not positive has no film
+cdef int _inlet_film(const rs_slices *s, const void *params) noexcept nogil:
+    cdef const inlet_t *q = <const inlet_t *>params
+    cdef double heat = s.viscosity * s.thermoviscosity / s.conductivity, to_stress = 4.0 / M_PI / s.modulus
+    cdef double u, load, factor = q.starvation
+    cdef size_t i
+    cdef int status = q.film.evaluate(s, q.film.params)
+    if status != 0:
+        return status
+    for i in range(s.n):
+        if q.thermal != NONE:
+            u = s.rolling_speed[i]
+            load = heat * (u * u)
+            if q.thermal == MURCH_WILSON:
+                factor = q.starvation * _murch_wilson(load)
+            else:
+                factor = q.starvation * _gupta(load, to_stress * s.pressure[i], fabs(s.sliding_speed[i]) / u)
+            if not factor > 0.0:
+                return <int>i + 1
+        s.film_thickness[i] *= factor
+    return 0
+
+
 cdef power_t _power_law(given) except *:
     c, u, g, w = given
     return power_t(c, u, g, w)
@@ -91,3 +134,14 @@ def regime(ri, rp, ei, ep):
     """Return the stage that takes the formula of the regime the contact is in; each one as (c, u, g, w)."""
     cdef four_t q = four_t(_power_law(ri), _power_law(rp), _power_law(ei), _power_law(ep))
     return rs_new_model(_regime_film, &q, sizeof(q), None)
+
+
+def inlet(film, int thermal, double starvation):
+    """Return the stage that thins the film of a capsule, which lives as long as it does, by the factors of its inlet.
+
+    ``thermal`` is 0 for none, 1 for Murch and Wilson's factor, 2 for Gupta's.
+    """
+    cdef inlet_t q
+    q.film = (<rs_model *>PyCapsule_GetPointer(film, ROLLSLIP_MODEL))[0]
+    q.thermal, q.starvation = thermal, starvation
+    return rs_new_model(_inlet_film, &q, sizeof(q), film)
