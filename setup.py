@@ -30,4 +30,6 @@ def kernel(name: str) -> Extension:
     )
 
 
-setup(ext_modules=[kernel(name) for name in ("blend", "chain", "contact", "film", "stress", "traction", "viscosity")])
+KERNELS = ("blend", "chain", "contact", "film", "rheology", "stress", "traction", "viscosity")
+
+setup(ext_modules=[kernel(name) for name in KERNELS])

@@ -157,15 +157,15 @@ def test_the_catalogue_has_them_all(place: Place) -> None:
     assert {offer["state"] for offer in offers} == {"ok"}
     offered = {(offer["kind"], offer["name"], offer["package"]) for offer in offers}
     assert offered >= {
-        ("traction", "carreau", "rollslip-carreau"),
-        ("traction", "limiting-shear", "rollslip-limiting-shear"),
+        ("traction", "cross", "rollslip-cross"),
+        ("traction", "circular", "rollslip-circular"),
         ("film", "ertel-grubin", "rollslip-plain-c-film"),
         ("lubricant", "example-oil", "rollslip-example-oil"),
     }
     assert offered >= {(kind, name.removeprefix("rollslip-"), name) for name, kind, _ in SCAFFOLDED}
     for kind, name, compiled in [
-        ("traction", "carreau", False),
-        ("traction", "limiting-shear", True),
+        ("traction", "cross", False),
+        ("traction", "circular", True),
         ("film", "ertel-grubin", True),
         ("contact", "fast-contact", True),
         ("contact", "own-contact", False),
@@ -220,8 +220,8 @@ model = "lambda-blend"
 boundary_limit = 1.0
 hydrodynamic_limit = 3.0
 exponent = 2
-boundary = { model = "limiting-shear", limit = 0.06 }
-hydrodynamic = { model = "carreau", critical_stress = "5 MPa", exponent = 0.4 }
+boundary = { model = "circular", limit = 0.06 }
+hydrodynamic = { model = "cross", critical_stress = "5 MPa", exponent = 0.8 }
 
 [study.friction-curve]
 normal_force = ["100 N", "1 kN"]
@@ -236,7 +236,7 @@ map_points = 0
 
 
 def expected(rpm: float, force: float, slip: np.ndarray) -> dict[str, Any]:
-    """The scene once more, from its formulas: Hertz, Walther, Wooster, Grubin, Carreau, Bair and Winer, Kragelsky."""
+    """The scene once more, from its formulas: Hertz, Walther, Wooster, Grubin, Cross, Lee and Hamrock, Kragelsky."""
     r, Ri, Ro, length = 0.0055, 0.03, 0.041, 0.012
     R = r * Ri / (r + Ri)
     E = 208e9 / (1 - 0.3**2)
@@ -258,8 +258,8 @@ def expected(rpm: float, force: float, slip: np.ndarray) -> dict[str, Any]:
 
     V = slip * u
     newtonian = eta * V / h
-    carreau = newtonian * (1 + (newtonian / 5e6) ** 2) ** ((0.4 - 1) / 2) / p
-    limiting = 0.06 * (1 - np.exp(-newtonian / (0.06 * p)))
+    cross = newtonian / (1 + (newtonian / 5e6) ** 0.8) / p
+    circular = newtonian / p / np.sqrt(1 + (newtonian / (0.06 * p)) ** 2)
     kragelsky = (-0.1 + 22.28 * slip) * np.exp(-181.46 * slip) + 0.1
 
     def blend(low: Any, high: Any, first: float, last: float, power: float) -> Any:
@@ -269,7 +269,7 @@ def expected(rpm: float, force: float, slip: np.ndarray) -> dict[str, Any]:
             return high
         return high + (low - high) * ((film_parameter - last) / (first - last)) ** power
 
-    friction = blend(kragelsky, blend(limiting, carreau, 1.0, 3.0, 2), 0.01, 1.5, 6)
+    friction = blend(kragelsky, blend(circular, cross, 1.0, 3.0, 2), 0.01, 1.5, 6)
     return {
         "half_width": b, "pressure": p, "film_thickness": h, "film_parameter": film_parameter, "friction": friction,
     }  # fmt: skip
@@ -293,11 +293,11 @@ def test_a_scene_mixes_models_of_all_packages(place: Place) -> None:
                 got = np.asarray(one[name])
                 np.testing.assert_allclose(got, np.broadcast_to(value, got.shape), rtol=1e-11, atol=1e-15)
             seen.append(want["film_parameter"])
-    # The film parameters lie in every branch: both blends, the inner one alone, Carreau alone.
+    # The film parameters lie in every branch: both blends, the inner one alone, Cross alone.
     assert np.histogram(seen, [0.01, 1.0, 1.5, 3.0, np.inf])[0].min() >= 1
     assert json.loads(result.attrs["packages"]).items() >= {"rollslip-plain-c-film": "0.1.0"}.items()
     citations = result.attrs["citations"]
-    assert all(who in citations for who in ("Grubin", "Carreau P.J.", "Bair S., Winer", "Kragelskii", "Stachowiak"))
+    assert all(who in citations for who in ("Grubin", "Cross M.M.", "Lee R.-T., Hamrock", "Kragelskii", "Stachowiak"))
 
 
 def test_a_whole_run_finishes_with_models_of_all_packages(place: Place) -> None:

@@ -142,12 +142,12 @@ def test_what_is_no_requirement_is_a_mistake_of_the_scene():
     first, second = error.value.problems
     assert first.startswith(f"scene.toml:{LINE}: plugins.require[1]: '>=0.1' is no requirement (")
     assert second.startswith(f"scene.toml:{LINE}: plugins.require[2]: 'two words' is no requirement (")
-    assert all(problem.endswith("); write it as 'rollslip-carreau>=0.1'") for problem in error.value.problems)
+    assert all(problem.endswith("); write it as 'rollslip-cross>=0.1'") for problem in error.value.problems)
     assert "\n" not in first + second
 
 
 def test_a_requirement_is_checked_before_the_models_are_looked_up():
-    changes = {"models.traction": "carreau", "plugins.require": ["rollslip-nowhere"]}
+    changes = {"models.traction": "cross", "plugins.require": ["rollslip-nowhere"]}
     with pytest.raises(PluginError, match=r"^changes: plugins.require\[0\]: package rollslip-nowhere is required but"):
         plan(evolve(load_scene("1032930-70C"), changes))
 

@@ -107,7 +107,7 @@ def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
         ("film", "mos", "no film is called 'mos'; did you mean 'moes'?"),
         ("film", "dowson", "no film is called 'dowson'; did you mean 'dowson-1968' or 'dowson-toyoda'"),
         ("traction", "maxwell", "no traction is called 'maxwell'; did you mean 'maxwell-eyring'"),
-        ("traction", "zzz", "no traction is called 'zzz'; there are: constant, eyring, kragelsky, lambda-blend"),
+        ("traction", "zzz", "no traction is called 'zzz'; there are: carreau, constant, eyring, eyring-thermal, "),
         ("film", "muraki", "no film is called 'muraki'"),
         ("fil", "moes", "no kind of model is called 'fil'; did you mean 'film'?"),
         (
@@ -443,6 +443,12 @@ def test_every_model_is_an_immutable_value(kind, name):
         one.name = "another"
 
 
+#: Constants of a curve that may have either sign; what they must be together, their model checks.
+ANY_NUMBER = {("gupta", "a"), ("gupta", "b")}
+#: The references, which are slow anyway, and a table that SciPy interpolates.
+NUMPY_ONLY = {"reynolds-line", "maxwell-eyring-field", "tabulated"}
+
+
 @every_model
 def test_every_parameter_has_a_meaning_and_numbers_a_unit(kind, name):
     for attribute in attrs.fields(attrs.resolve_types(get_class(kind, name))):
@@ -450,7 +456,7 @@ def test_every_parameter_has_a_meaning_and_numbers_a_unit(kind, name):
         assert not attribute.metadata["doc"].endswith(".")
         if attribute.type is float:
             assert attribute.metadata["unit"], attribute.name
-            assert attribute.validator is not None, attribute.name
+            assert attribute.validator is not None or (name, attribute.name) in ANY_NUMBER
         if "kind" in attribute.metadata:
             assert attribute.metadata["kind"] in KINDS
 
@@ -465,7 +471,7 @@ def test_every_stage_reads_and_writes_members_that_exist(kind, name):
     assert not model.reads & model.writes
     assert model.writes >= BASES[kind].writes
     assert set(model.domain) == model.reads
-    assert model.kernel() is not None
+    assert (model.kernel() is None) == (name in NUMPY_ONLY)
 
 
 # Integrators ---------------------------------------------------------------------------------------------------------

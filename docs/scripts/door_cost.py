@@ -1,6 +1,6 @@
 """Measure what a law pays for coming through the door, against the same law compiled into the box.
 
-The law is that of docs/example-plugins/rollslip-limiting-shear, built by its own setup.py, and compared with
+The law is that of docs/example-plugins/rollslip-circular, built by its own setup.py, and compared with
 
 - in the box: the same .pyx file, built with the flags and directives of rollslip's own kernels, in the same chain;
 - by hand: the same loop called straight from its module, without capsule, chain, domain and blocks;
@@ -24,10 +24,10 @@ from typing import Any
 
 import numpy as np
 
-from rollslip import Chain, Conditions, Slices, get_include
+from rollslip import Chain, Slices, get_include
 
 ROOT = Path(__file__).parents[2]
-EXAMPLE = ROOT / "docs" / "example-plugins" / "rollslip-limiting-shear"
+EXAMPLE = ROOT / "docs" / "example-plugins" / "rollslip-circular"
 SIZES = (1, 16, 256, 1024, 4096, 65536)
 TURNS = 40
 TURN = 2e-3  # s, at least, for one variant
@@ -39,12 +39,11 @@ def by_hand(slices, double limit):
     cdef double[:, ::1] t = slices._table
     cdef rs_slices s
     s.n = t.shape[1]
-    s.viscosity = slices.conditions.viscosity
-    s.pressure_viscosity = slices.conditions.pressure_viscosity
     s.sliding_speed = &t[2, 0]
     s.pressure = &t[6, 0]
     s.film_thickness = &t[7, 0]
     s.friction = &t[9, 0]
+    s.film_viscosity = &t[10, 0]
     with nogil:
         _evaluate(&s, &limit)
 """
@@ -80,7 +79,7 @@ def build(folder: Path) -> None:
     example, box = folder / "example", folder / "box"
     shutil.copytree(EXAMPLE, example, ignore=shutil.ignore_patterns("build", "*.so", "*.c", "*.egg-info"))
     box.mkdir()
-    law = (EXAMPLE / "src" / "rollslip_limiting_shear" / "_kernel.pyx").read_text(encoding="utf-8")
+    law = (EXAMPLE / "src" / "rollslip_circular" / "_kernel.pyx").read_text(encoding="utf-8")
     (box / "box.pyx").write_text(law + BY_HAND, encoding="utf-8")
     (box / "setup.py").write_text(SETUP.format(include=get_include()), encoding="utf-8")
     for place in (example, box):
@@ -107,8 +106,8 @@ def slices_of(n: int) -> Slices:
     spread = np.linspace(0.0, 1.0, n)
     return Slices(
         n,
-        Conditions(viscosity=0.01, pressure_viscosity=1.2e-8),
         pressure=4e8 + 4e8 * spread,
+        film_viscosity=0.01 * np.exp(1.2e-8 * (4e8 + 4e8 * spread)),
         film_thickness=4e-7 + 2e-7 * spread,
         sliding_speed=3.0 * spread[::-1],
     )
@@ -137,7 +136,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         build(Path(folder))
         box = importlib.import_module("box")
-        law = importlib.import_module("rollslip_limiting_shear.traction").LimitingShear()
+        law = importlib.import_module("rollslip_circular.traction").Circular()
         models: dict[str, Any] = {
             "door": law,
             "box": Form(law, box.capsule(law.limit)),

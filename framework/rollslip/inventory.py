@@ -104,7 +104,7 @@ def check_required(required: Iterable[str], where: Where) -> None:
     Parameters
     ----------
     required : iterable of str
-        Requirements as pip takes them, such as "rollslip-carreau>=0.1".
+        Requirements as pip takes them, such as "rollslip-cross>=0.1".
     where : Where
         Place of the list in the scene.
 
@@ -124,7 +124,7 @@ def check_required(required: Iterable[str], where: Where) -> None:
         except InvalidRequirement as error:
             reason = str(error).splitlines()[0]
             problems.append(
-                where.at(index).says(f"{text!r} is no requirement ({reason}); write it as 'rollslip-carreau>=0.1'")
+                where.at(index).says(f"{text!r} is no requirement ({reason}); write it as 'rollslip-cross>=0.1'")
             )
             continue
         if requirement.marker is not None and not requirement.marker.evaluate():

@@ -196,7 +196,9 @@ class Yasutomi(PressureViscosity):
 
 def from_oil() -> Any:
     """Declare the part of a model that is the oil's law: not a key of a scene, put in when the bearing is assembled."""
-    return attrs.field(factory=Barus, kw_only=True, metadata={"key": None, "from_oil": True})
+    return attrs.field(
+        factory=Barus, kw_only=True, metadata={"key": None, "unit": None, "doc": "the law of the oil", "from_oil": True}
+    )
 
 
 def with_law(model: Any, law: PressureViscosity) -> Any:

@@ -3,7 +3,7 @@
 - The files are templates beside the framework with the placeholders of `string.Template`; a line that begins with
   ``@compiled`` or ``@python`` belongs to packages with or without a compiled form only.
 - The name given is the distribution's; module, model and class follow from it, so there is nothing to fill in. The
-  model leaves out "rollslip-", with which distributions are found on an index: ``rollslip-carreau`` offers ``carreau``.
+  model leaves out "rollslip-", with which distributions are found on an index: ``rollslip-cross`` offers ``cross``.
 - A compiled package names rollslip among its build requirements, because it needs the header of the version it will
   run with; its README builds it with ``--no-build-isolation``, against the rollslip that is installed.
 - Everything is checked before the first file is written, and the folder appears whole or not at all.

@@ -8,12 +8,12 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
-from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, TractionModel
+from rollslip.models import POSITIVE, Domain, TractionModel
 from rollslip.references import KLEBANOV
 from rollslip_kernels import traction as compiled
 from rollslip_kernels.slices import Slices
+from rollslip_plugins.heating import HEATED, flash_factor
 from rollslip_plugins.stress import eyring_stress, maxwell_eyring_stress, muraki_stress
 
 Array = NDArray[np.float64]
@@ -28,25 +28,8 @@ class _EyringFluid(TractionModel, abc.ABC):
     mean pressure after the oil's law, zeta = flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f).
     """
 
-    reads = frozenset(
-        {"pressure", "half_width", "film_thickness", "rolling_speed", "sliding_speed", "film_viscosity"}
-        | {"film_thermoviscosity", "effusivity", "conductivity", "eyring_stress", "shear_modulus"}
-    )
-    domain = MappingProxyType(
-        {
-            "pressure": POSITIVE,
-            "half_width": POSITIVE,
-            "film_thickness": POSITIVE,
-            "rolling_speed": POSITIVE,
-            "sliding_speed": FINITE,
-            "effusivity": POSITIVE,
-            "film_viscosity": POSITIVE,
-            "film_thermoviscosity": NON_NEGATIVE,
-            "conductivity": POSITIVE,
-            "eyring_stress": POSITIVE,
-            "shear_modulus": POSITIVE,
-        }
-    )
+    domain: Domain = MappingProxyType({**HEATED, "eyring_stress": POSITIVE, "shear_modulus": POSITIVE})
+    reads = frozenset(domain)
     flash: float
 
     @abc.abstractmethod
@@ -76,16 +59,6 @@ class _EyringFluid(TractionModel, abc.ABC):
         s.friction[...] = c.eyring_stress / s.pressure * self.dimensionless_stress(strain_rate, deborah, heating)
 
 
-def _flash() -> float:
-    factor: float = parameter(
-        default=0.97,
-        unit="1",
-        validator=positive,
-        doc="factor of the flash temperature: 0.97 elliptic heat flux, 0.960 plain mean, 1.001 flux-weighted mean",
-    )
-    return factor
-
-
 @attrs.frozen(kw_only=True)
 class Muraki(_EyringFluid):
     """Closed form of Muraki: linear elastic ramp, then an Eyring plateau with mean-stress heating.
@@ -102,7 +75,7 @@ class Muraki(_EyringFluid):
         "mu = tau0 S/p, S = y - D y^2/(4 sigma), (D Phi/4) y^2 - (1 + Phi sigma) y + asinh(sigma) = 0"
     )
     references: ClassVar[tuple[str, ...]] = (KLEBANOV, MURAKI)
-    flash: float = _flash()
+    flash: float = flash_factor()
 
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
         """Return S of the closed form."""
@@ -130,7 +103,7 @@ class MaxwellEyring(_EyringFluid):
         "Proc. R. Soc. Lond. A 356, 1977, 215-236.",
         KLEBANOV,
     )
-    flash: float = _flash()
+    flash: float = flash_factor()
 
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
         """Return S of the exact solution."""
@@ -157,7 +130,7 @@ class Eyring(_EyringFluid):
     )
     reads = _EyringFluid.reads - {"shear_modulus"}
     domain = MappingProxyType({k: v for k, v in _EyringFluid.domain.items() if k != "shear_modulus"})
-    flash: float = _flash()
+    flash: float = flash_factor()
 
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
         """Return S; the Deborah number is accepted and has no effect."""

@@ -9,7 +9,7 @@ As a pytest class, one test for each model and rule::
         expected_failures = {"check_is_odd_in_slip": "the law has a preferred direction, doi:..."}
 
 as a function, without pytest: ``conformance(Carreau())`` returns a list of `Finding`; and in a process of its own,
-which may crash or hang: ``check_in_subprocess("traction", "carreau")``. The kit needs ``rollslip[test]``.
+which may crash or hang: ``check_in_subprocess("traction", "cross")``. The kit needs ``rollslip[test]``.
 """
 
 from rollslip.errors import PluginError

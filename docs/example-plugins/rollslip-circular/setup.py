@@ -12,8 +12,8 @@ FLAGS = [] if sys.platform == "win32" else ["-O3", "-fno-math-errno", "-fno-trap
 setup(
     ext_modules=[
         Extension(
-            "rollslip_limiting_shear._kernel",
-            ["src/rollslip_limiting_shear/_kernel.pyx"],
+            "rollslip_circular._kernel",
+            ["src/rollslip_circular/_kernel.pyx"],
             include_dirs=[rollslip.get_include()],
             cython_include_dirs=[rollslip.get_include()],
             extra_compile_args=FLAGS,

@@ -1,1 +1,0 @@
-"""Traction with a limiting shear stress, found through the entry point in pyproject.toml."""

@@ -1,0 +1,108 @@
+"""Films that soften in the heat of their own shear, whatever their flow law: what they read, and the stress they keep.
+
+- A flow law is written as the share t = tau/(eta V/h) of the stress of a cold Newtonian film that it keeps: t is 1 for
+  slow sliding, is an even function of V, and none of its groups contains the stress looked for.
+- With q = beta eta V^2/h, heat that lowers the viscosity is two groups: q phi of the flash temperature phi tau V of
+  the surfaces, phi = flash sqrt(b/(pi u))/sqrt(K rho c), and q h/K_f of the conduction across the film.
+- A softened law is t = F(t) with a falling F. In log t the residual is increasing and, for all laws here, convex, so
+  that Newton's steps from an upper bound descend to the root.
+"""
+
+import abc
+from collections.abc import Callable
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.fields import parameter, positive
+from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Domain, TractionModel
+from rollslip_kernels.slices import Slices
+
+Array = NDArray[np.float64]
+
+MAX_STEPS: Final = 60  # never reached: some eight are enough
+#: Below, a group has no effect on the last bit; in its place it keeps quotients of it from 0/0.
+NO_EFFECT: Final = 1e-17
+
+HEATED: Final[Domain] = MappingProxyType(
+    {
+        "pressure": POSITIVE,
+        "half_width": POSITIVE,
+        "film_thickness": POSITIVE,
+        "rolling_speed": POSITIVE,
+        "sliding_speed": FINITE,
+        "film_viscosity": POSITIVE,
+        "film_thermoviscosity": NON_NEGATIVE,
+        "effusivity": POSITIVE,
+        "conductivity": POSITIVE,
+    }
+)
+
+
+def flash_factor() -> float:
+    """Declare the factor of the flash temperature of two surfaces that share the heat of the film."""
+    factor: float = parameter(
+        default=0.97,
+        unit="1",
+        validator=positive,
+        doc="factor of the flash temperature: 0.97 elliptic heat flux, 0.960 plain mean, 1.001 flux-weighted mean",
+    )
+    return factor
+
+
+class HeatedFilm(TractionModel, abc.ABC):
+    """Traction mu = t eta V/(h p) with the share t of the cold Newtonian stress that a flow law keeps."""
+
+    reads = frozenset(HEATED)
+    domain = HEATED
+    flash: float
+
+    @abc.abstractmethod
+    def share(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
+        """Return t of slices.
+
+        Parameters
+        ----------
+        newtonian : array
+            Cold Newtonian stress eta |V|/h [Pa].
+        surfaces : array
+            Softening by the flash temperature of the surfaces, beta phi eta V^2/h [1].
+        across : array
+            Softening by conduction across the film, beta eta V^2/K_f [1], the Nahme number.
+        slices : Slices
+            What else the law reads.
+        """
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the traction coefficient."""
+        c, s = slices.conditions, slices
+        newtonian = s.film_viscosity * s.sliding_speed / s.film_thickness
+        softening = s.film_thermoviscosity * newtonian * s.sliding_speed
+        surfaces = self.flash / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed) * softening
+        across = softening * s.film_thickness / c.conductivity
+        s.friction[...] = newtonian / s.pressure * self.share(np.abs(newtonian), surfaces, across, s)
+
+
+def mean_softening(surfaces: Array, across: Array) -> Array:
+    """Return w = beta zeta eta V^2/h of a film at its mean temperature: viscosity falls by the factor exp(-w t)."""
+    return surfaces + across / 12
+
+
+def softened(law: Callable[[Array], tuple[Array, Array]], share: Array) -> Array:
+    """Solve t = F(t) from an upper bound; law(t) returns F, which falls, and -dlnF/dln t."""
+    for _ in range(MAX_STEPS):
+        value, fall = law(share)
+        step = np.log(share / value) / (1 + fall)
+        share = share * np.exp(-step)
+        if not np.any((1 + fall) * step**2 > 1e-17):  # the error left is below (1 + fall) step^2; NaN also ends
+            break
+    return share
+
+
+def newtonian_bound(softening: Array) -> Array:
+    """Return the share of a Newtonian film, t = exp(-w t), to a few percent: no other law keeps more."""
+    w = np.maximum(softening, NO_EFFECT)
+    x = np.log1p(w)
+    return np.asarray(x * (1 - np.log1p(x) / (2 + x)) / w)  # Lambert's W after Iacono and Boyd (2017)

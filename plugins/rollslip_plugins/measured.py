@@ -1,0 +1,325 @@
+"""Traction as it was measured: Gupta's fitted curve, and a table of a file.
+
+- Both know the oil only through the measurement, and hold for no other; neither asks for its viscosity.
+- A table is never extrapolated. Friction beyond what was measured is what a flow law is for.
+- A table is named by its full path: a scene does not tell its models where it lies, and a path relative to the folder
+  in which a run happens to start would give one scene two meanings.
+"""
+
+import csv
+import math
+from functools import cached_property
+from importlib.resources import files
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, ClassVar, Final
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rollslip.errors import DomainError
+from rollslip.fields import FieldError, non_negative, one_of, parameter, positive
+from rollslip.hookspecs import hookimpl
+from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
+from rollslip.units import UnitError, as_written, expectation, format_quantity, quantity
+from rollslip_kernels import rheology as compiled
+from rollslip_kernels.slices import Slices
+
+Array = NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class Gupta(TractionModel):
+    """Traction curve of four constants after Gupta, s = |V|/u.
+
+    mu = (A + B s) exp(-C s) + D: A + D at zero slip, a maximum or minimum at s = 1/C - A/B, D far beyond. It serves as
+    a fit of a film's traction or as boundary friction. Where A + D is not zero, a ramp (A + D) s/s0 takes its place
+    below s0, so that pure rolling needs no force.
+
+    Gupta writes the law in the sliding speed; here it is in the slide-roll ratio, so that C and B are his times the
+    rolling speed of the measurement. Constants belong to an oil, a load and a temperature. The default ones are those
+    of the boundary friction of Klebanov et al., which is the same form and no film's traction (grade C); no constants
+    of Gupta's own were at hand.
+
+    Raises
+    ------
+    FieldError
+        If the curve, or the ramp, would drive the sliding somewhere.
+    """
+
+    name: ClassVar[str] = "gupta"
+    equation: ClassVar[str] = "mu = sign(V) [(A + B s) exp(-C s) + D - (A + D) max(0, 1 - s/s0)], s = |V|/u"
+    references: ClassVar[tuple[str, ...]] = (
+        "Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984.",
+    )
+    reads = frozenset({"rolling_speed", "sliding_speed"})
+    domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
+
+    a: float = parameter(default=-0.1, unit="1", doc="A, the part that decays")
+    b: float = parameter(default=22.28, unit="1", doc="B, coefficient of the rise")
+    c: float = parameter(default=181.46, unit="1", validator=positive, doc="C, the decay")
+    d: float = parameter(default=0.1, unit="1", validator=non_negative, doc="D, friction far beyond the maximum")
+    transition: float = parameter(
+        default=1e-3, unit="1", validator=positive, doc="slide-roll ratio s0 at which the ramp from zero ends"
+    )
+
+    def __attrs_post_init__(self) -> None:
+        a, b, c, start = self.a, self.b, self.c, self.a + self.d
+        if start < 0:
+            raise FieldError("a", f"a + d, the friction at zero slip, must not be negative, not {start:g}")
+        if b < 0 < 1 / c - a / b and b / c * math.exp(a * c / b - 1) + self.d < 0:
+            raise FieldError("b", f"the minimum of the friction, at s = {1 / c - a / b:g}, must not be negative")
+        # the steepest fall of the curve is at s = 2/C - A/B, or at zero; a ramp that rises as steeply does not dip
+        steepest = b * math.exp(a * c / b - 2) if b > 0 and 2 / c > a / b else a * c - b
+        if (a > 0 or b < 0) and steepest * self.transition > start:
+            raise FieldError("transition", f"must be at most {start / steepest:.3g}, or the ramp would fall somewhere")
+
+    def friction(self, slide_roll_ratio: ArrayLike) -> Array:
+        """Return mu of the slide-roll ratio V/u, signed; odd, and zero at zero."""
+        s = np.asarray(slide_roll_ratio, dtype=float)
+        x = np.abs(s)
+        # expm1 keeps the digits that A exp(-C s) + D loses at small s where A + D = 0
+        mu = self.b * x * np.exp(-self.c * x) + self.a * np.expm1(-self.c * x)
+        return np.asarray(np.copysign(mu + (self.a + self.d) * np.minimum(x / self.transition, 1.0), s))
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the traction coefficient."""
+        slices.friction[...] = self.friction(slices.sliding_speed / slices.rolling_speed)
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.gupta(self.a, self.b, self.c, self.d, self.transition)
+
+
+# The table -----------------------------------------------------------------------------------------------------------
+
+SLIP: Final = "slide_roll_ratio"
+#: Column of a file -> (SI unit, member of the slices that it is the value of, factor to it).
+COLUMNS: Final = {
+    SLIP: ("1", None, 1.0),
+    "mean_pressure": ("Pa", "pressure", 1.0),
+    "max_pressure": ("Pa", "pressure", math.pi / 4),
+    "rolling_speed": ("m/s", "rolling_speed", 1.0),
+    "temperature": ("K", "temperature", 1.0),
+    "friction": ("1", None, 1.0),
+}
+#: The table in the box.
+KRAGELSKY: Final = "kragelsky"
+
+
+@attrs.frozen(kw_only=True)
+class Tabulated(TractionModel):
+    """Friction interpolated in a measured table, mu(s) or mu(s, p, u, T) with s = |V|/u.
+
+    The file holds comma-separated values under a header ``name [unit], ...``: ``slide_roll_ratio [1]``, ``friction
+    [1]`` and as many of ``mean_pressure`` or ``max_pressure`` (times pi/4 the mean, for a line contact),
+    ``rolling_speed`` and ``temperature`` (of the oil at the inlet) as were varied, in any order; lines that start with
+    ``#`` are comments. Its rows, in any order, are a full grid. Slip is 0 or above, and friction odd in it; at zero
+    slip it is zero, whether the table says so or not. Interpolation is linear in all columns, or monotone (pchip),
+    which needs four values of each.
+
+    Range: the table. What lies outside is refused and never extrapolated, and what the table does not vary is
+    taken not to matter.
+
+    The default table is not a measurement but points of the published boundary friction, to show the form of a file.
+
+    Raises
+    ------
+    FieldError
+        If the file cannot be read, with the line, or is no full grid.
+    DomainError
+        When evaluated outside the table.
+    """
+
+    name: ClassVar[str] = "tabulated"
+    equation: ClassVar[str] = "mu = sign(V) table(|V|/u, p, u, T)"
+    references: ClassVar[tuple[str, ...]] = ("The measurement that the file holds, as its own comments cite it.",)
+
+    file: str = parameter(
+        default=KRAGELSKY, doc=f"full path of a CSV file with units in its header; '{KRAGELSKY}' is in the box"
+    )
+    interpolation: str = parameter(
+        default="linear", validator=one_of("linear", "pchip"), doc="interpolation: 'linear' or 'pchip'"
+    )
+
+    def __attrs_post_init__(self) -> None:
+        _ = self._table  # its faults are found where the model is made
+
+    @property
+    def axes(self) -> dict[str, Array]:
+        """The grid: slide_roll_ratio, and the members of the slices that were varied, to their values."""
+        return self._table[0]
+
+    @cached_property
+    def _table(self) -> tuple[dict[str, Array], Any]:
+        from scipy.interpolate import RegularGridInterpolator  # takes longer than a module of models may
+
+        axes, friction = read_table(self.file)
+        few = [name for name, axis in axes.items() if len(axis) < 4]
+        if self.interpolation == "pchip" and few:
+            raise FieldError("interpolation", f"'pchip' needs four values of {', '.join(few)}; choose 'linear'")
+        return axes, RegularGridInterpolator(
+            tuple(axes.values()),
+            friction,
+            method=self.interpolation,  # type: ignore[call-overload]
+        )
+
+    @property
+    def reads(self) -> frozenset[str]:  # type: ignore[override]
+        """What makes the slide-roll ratio, and what was varied."""
+        return frozenset(self.domain)
+
+    @property
+    def domain(self) -> Domain:  # type: ignore[override]
+        """The range of the table, but for the slide-roll ratio, which is no member of the slices."""
+        varied = {name: (float(axis[0]), float(axis[-1])) for name, axis in self.axes.items() if name != SLIP}
+        return MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE, **varied})
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the traction coefficient."""
+        axes, interpolator = self._table
+        ratio = slices.sliding_speed / slices.rolling_speed
+        given = [np.abs(ratio)] + [
+            getattr(slices.conditions if name == "temperature" else slices, name) for name in list(axes)[1:]
+        ]
+        for (name, axis), values in zip(axes.items(), given, strict=True):
+            outside = ~((values >= axis[0]) & (values <= axis[-1]))
+            if np.any(outside):
+                raise DomainError(
+                    f"{self.name}: {name} = {_shown(name, float(np.extract(outside, values)[0]))} is outside the "
+                    f"table {self.file!r}, which holds {_shown(name, axis[0])} to {_shown(name, axis[-1])}; measure "
+                    "there or choose a flow law"
+                )
+        points = np.stack(np.broadcast_arrays(*given), axis=-1)
+        slices.friction[...] = np.copysign(interpolator(points), ratio)
+
+
+def _shown(name: str, value: float) -> str:
+    return format_quantity(value, "Pa" if name == "pressure" else COLUMNS[name][0])
+
+
+def read_table(file: str) -> tuple[dict[str, Array], Array]:
+    """Return the axes of a table, the slide-roll ratio first, and the friction on their grid, in SI units.
+
+    Raises
+    ------
+    FieldError
+        With the first fault of the file: its line, what came and what is allowed.
+    """
+    names, rows, lines = _rows(file, _text(file))
+    columns = dict(zip(names, np.array(rows).T, strict=True))
+    slip, friction = columns[SLIP], columns.pop("friction")
+    for values, what in ((slip, "slip is 0 or above"), (friction, "friction is 0 or above, along the sliding")):
+        if np.any(values < 0):
+            at = int(np.argmax(values < 0))
+            raise _fault(file, lines[at], f"{values[at]:g} is negative; {what}, and odd in the slip by itself")
+    if np.any(friction[slip == 0] != 0):
+        at = int(np.argmax((slip == 0) & (friction != 0)))
+        raise _fault(file, lines[at], f"friction {friction[at]:g} at zero slip; there it is 0, or left out")
+    axes, places = {}, []
+    for name in [name for name in COLUMNS if name in columns]:
+        _, member, factor = COLUMNS[name]
+        values, place = np.unique(columns[name], return_inverse=True)
+        if len(values) < 2 and (name != SLIP or values[0] == 0):
+            raise _fault(file, None, f"{name} has one value only; leave out a column that is not varied")
+        axes[member or name] = values * factor
+        places.append(place)
+    grid = np.full([len(axis) for axis in axes.values()], np.nan)
+    first: dict[tuple[int, ...], int] = {}
+    for cell, value, line in zip(zip(*(place.tolist() for place in places), strict=True), friction, lines, strict=True):
+        if cell in first:
+            raise _fault(file, line, f"the same point as in line {first[cell]}; a table holds each once")
+        first[cell] = line
+        grid[cell] = value
+    if np.any(np.isnan(grid)):
+        cell = np.unravel_index(np.argmax(np.isnan(grid)), grid.shape)
+        where = " and ".join(
+            f"{name} = {_shown(name, axis[k])}" for (name, axis), k in zip(axes.items(), cell, strict=True)
+        )
+        raise _fault(file, None, f"no row for {where}; a table is a full grid, here of {grid.size} rows")
+    if axes[SLIP][0] > 0:
+        axes[SLIP] = np.concatenate([[0.0], axes[SLIP]])
+        grid = np.concatenate([np.zeros((1, *grid.shape[1:])), grid])
+    return axes, grid
+
+
+def _fault(file: str, line: int | None, reason: str) -> FieldError:
+    return FieldError("file", f"{file}{'' if line is None else f':{line}'}: {reason}")
+
+
+def _text(file: str) -> str:
+    if file == KRAGELSKY:
+        return (files("rollslip_plugins") / f"{KRAGELSKY}.csv").read_text(encoding="utf-8")
+    path = Path(file)
+    if not path.is_absolute():
+        raise FieldError(
+            "file", f"must be a full path, not {as_written(file)}, which from this folder would be '{path.resolve()}'"
+        )
+    try:
+        return path.read_text(encoding="utf-8-sig")  # some editors put a mark at the start
+    except UnicodeDecodeError:
+        raise _fault(file, None, "not UTF-8 text; save the file in the encoding UTF-8") from None
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
+        raise _fault(file, None, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+
+
+def _rows(file: str, text: str) -> tuple[list[str], list[list[float]], list[int]]:
+    """Return names of the columns, SI values of the rows, and their lines."""
+    units: dict[str, str] = {}
+    rows, lines = [], []
+    for number, line in enumerate(text.splitlines(), 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        cells = [cell.strip() for cell in next(csv.reader([line]))]
+        try:
+            if not units:
+                units = _header(cells)
+            else:
+                if len(cells) != len(units):
+                    hint = "; a decimal comma is not read, write 0.05" if len(cells) > len(units) else ""
+                    raise UnitError(f"{len(cells)} values under {len(units)} columns{hint}")
+                rows.append([_value(*column, cell) for column, cell in zip(units.items(), cells, strict=True)])
+                lines.append(number)
+        except UnitError as error:
+            raise _fault(file, number, str(error)) from None
+    if not rows:
+        raise _fault(file, None, "no data; a header such as 'slide_roll_ratio [1], friction [1]' and rows are expected")
+    return list(units), rows, lines
+
+
+def _header(cells: list[str]) -> dict[str, str]:
+    """Return the units of the columns by name."""
+    units: dict[str, str] = {}
+    for cell in cells:
+        name, bracket, rest = (part.strip() for part in cell.partition("["))
+        if name not in COLUMNS:
+            raise UnitError(f"{as_written(name)}: unknown column; known are {', '.join(COLUMNS)}, separated by commas")
+        unit = rest.removesuffix("]").strip()
+        if not bracket or not rest.endswith("]") or not unit:
+            SI = COLUMNS[name][0]
+            raise UnitError(f"{name}: has no unit, write '{name} [{SI}]'; {expectation(SI)}")
+        if name in units:
+            raise UnitError(f"{name}: stands there twice")
+        quantity(f"1 {unit}", COLUMNS[name][0])
+        units[name] = unit
+    missing = {SLIP, "friction"} - units.keys()
+    if missing:
+        raise UnitError(f"column {' and '.join(sorted(missing))} missing; a table needs {SLIP} and friction")
+    if {"mean_pressure", "max_pressure"} <= units.keys():
+        raise UnitError("mean_pressure and max_pressure say the same; give one of them")
+    return units
+
+
+def _value(name: str, unit: str, cell: str) -> float:
+    try:
+        float(cell)
+    except ValueError:
+        raise UnitError(f"{name}: {as_written(cell)} is not a number; its unit stands in the header") from None
+    return quantity(f"{cell} {unit}", COLUMNS[name][0])
+
+
+@hookimpl
+def traction_models() -> list[type[TractionModel]]:
+    """Offer the traction models of this module."""
+    return [Gupta, Tabulated]

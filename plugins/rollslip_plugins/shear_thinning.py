@@ -1,0 +1,238 @@
+"""Films that thin under shear, heated by their mean stress: Carreau's fluid, and one with a limiting stress."""
+
+from types import MappingProxyType
+from typing import ClassVar
+
+import attrs
+import numpy as np
+
+from rollslip.fields import in_range, parameter, positive
+from rollslip.hookspecs import hookimpl
+from rollslip.models import POSITIVE, TractionModel
+from rollslip_kernels import rheology as compiled
+from rollslip_kernels.slices import Slices
+from rollslip_plugins.heating import (
+    HEATED,
+    MAX_STEPS,
+    NO_EFFECT,
+    Array,
+    HeatedFilm,
+    flash_factor,
+    mean_softening,
+    newtonian_bound,
+    softened,
+)
+
+EULER = np.euler_gamma
+
+
+@attrs.frozen(kw_only=True)
+class Carreau(HeatedFilm):
+    """Shear thinning after Carreau in Bair's form, heated by the mean stress.
+
+    tau = eta_N g [1 + (eta_N g/G)^2]^((n - 1)/2), g = V/h, eta_N = eta exp(-beta zeta tau V), mu = tau/p, with
+    zeta = flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f). G [Pa] is the stress at which thinning begins, n its
+    exponent; eta [Pa s] and beta [1/K] the oil's viscosity and its fall with temperature at the mean pressure p [Pa];
+    V sliding speed [m/s], u rolling speed [m/s], h film [m], b half width [m], K_f conductivity of the oil [W/(m K)],
+    sqrt(K rho c) effusivity of the steel.
+
+    Limits: Newtonian for eta_N g << G, a power law tau = G (eta_N g/G)^n beyond. For n > 0 nothing but heat limits the
+    stress; n = 1 is Newtonian, n = 0 tends to tau = G.
+
+    G and n are an oil's own. The defaults are those given for squalane at 40 degC, G = 6.9 MPa and n = 0.463 (grade C:
+    recalled, the tables of the source were not at hand); no measured flow curve has been compared here.
+    """
+
+    name: ClassVar[str] = "carreau"
+    equation: ClassVar[str] = (
+        "mu = eta_N g/p [1 + (eta_N g/G)^2]^((n - 1)/2), g = V/h, eta_N = eta exp(-beta zeta mu p V)"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "Carreau P.J. Rheological equations from molecular network theories. Trans. Soc. Rheol. 16, 1972, 99-127.",
+        "Bair S. High-Pressure Rheology for Quantitative Elastohydrodynamics, 2nd ed. Elsevier, 2019.",
+        "Bair S., McCabe C., Cummings P.T. Comparison of nonequilibrium molecular dynamics with experimental "
+        "measurements in the nonlinear shear-thinning regime. Phys. Rev. Lett. 88, 2002, 058302.",
+    )
+    expected_failures = MappingProxyType(
+        {
+            "check_friction_is_below_one_in_a_bearing": "a power law has no limiting stress, and an oil whose "
+            "viscosity does not fall with temperature is not softened by heat either"
+        }
+    )
+
+    critical_stress: float = parameter(default=6.9e6, unit="Pa", validator=positive, doc="critical stress G")
+    exponent: float = parameter(default=0.463, unit="1", validator=in_range(0.0, 1.0), doc="exponent n of the thinning")
+    flash: float = flash_factor()
+
+    def share(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
+        """Return t = exp(-w t) [1 + (c exp(-w t))^2]^((n - 1)/2), c = eta V/(h G)."""
+        n, strain, softening = self.exponent, newtonian / self.critical_stress, mean_softening(surfaces, across)
+
+        def law(share: Array) -> tuple[Array, Array]:
+            thinned = np.exp(-softening * share)
+            x = strain * thinned
+            c = np.hypot(1.0, x)  # the square would overflow first
+            return thinned * c ** (n - 1), softening * share * (n + (1 - n) / c / c)
+
+        cold = np.hypot(1.0, strain) ** (n - 1)
+        return softened(law, np.minimum(newtonian_bound(softening), cold))
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.carreau(self.flash, self.critical_stress, self.exponent)
+
+
+@attrs.frozen(kw_only=True)
+class LimitingShear(HeatedFilm):
+    """Maxwell fluid with a limiting stress in proportion to the pressure after Bair and Winer, heated by the mean.
+
+    V/h = (1/Gamma) dtau/dt - (tau_L/eta_N) ln(1 - tau/tau_L), tau_L = lambda p, from tau = 0 at the entry over the
+    transit 2 b/u at the mean pressure p [Pa]; mu = tau_m/p with the mean stress tau_m, whose heat softens the film to
+    eta_N = eta exp(-beta zeta tau_m V), zeta = flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f). The equation has an
+    exact solution in exponential integrals. lambda [1] is the oil's limiting stress over the pressure, Gamma [Pa] its
+    shear modulus, eta [Pa s] and beta [1/K] its viscosity and the fall of that with temperature at p; V sliding speed
+    [m/s], u rolling speed [m/s], h film [m], b half width [m], K_f conductivity of the oil [W/(m K)], sqrt(K rho c)
+    effusivity of the steel.
+
+    Limits: tau_m = eta V/h for slow sliding and Gamma b >> eta u; elastic, tau_m = Gamma b V/(h u), for slow sliding
+    and eta u >> Gamma b; tau_m = tau_L [1 - exp(-eta_N V/(h tau_L))] for Gamma b >> eta u; never above tau_L.
+
+    Range: lambda is some 0.05 to 0.1 for bearing oils and falls with temperature (grade C); the default 0.08 is not
+    that of a named oil (grade D). The source's own tables were not at hand, and no measured curve has been compared.
+    """
+
+    name: ClassVar[str] = "limiting-shear"
+    equation: ClassVar[str] = (
+        "mu = mean(tau)/p, V/h = (1/Gamma) dtau/dt - (tau_L/eta_N) ln(1 - tau/tau_L), tau_L = lambda p, "
+        "eta_N = eta exp(-beta zeta mu p V)"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "Bair S., Winer W.O. A rheological model for elastohydrodynamic contacts based on primary laboratory data. "
+        "J. Lubr. Technol. 101, 1979, 258-265.",
+    )
+    reads = HeatedFilm.reads | {"shear_modulus"}
+    domain = MappingProxyType({**HEATED, "shear_modulus": POSITIVE})
+
+    limit: float = parameter(default=0.08, unit="1", validator=positive, doc="limiting stress over pressure lambda")
+    flash: float = flash_factor()
+
+    def share(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
+        """Return t from the mean stress over the transit."""
+        strain = np.maximum(newtonian / (self.limit * slices.pressure), NO_EFFECT)
+        deborah = slices.film_viscosity * slices.rolling_speed
+        deborah = deborah / (slices.conditions.shear_modulus * slices.half_width)
+        softening = mean_softening(surfaces, across)
+
+        def law(share: Array) -> tuple[Array, Array]:
+            y = softening * share
+            thinned = np.exp(-y)
+            mean, fall = transit(strain * thinned, 2 / (deborah * thinned))
+            return mean / strain, y * fall
+
+        bound = np.minimum(newtonian_bound(softening), 1 / strain)
+        return softened(law, np.minimum(bound, 1 / np.maximum(deborah, NO_EFFECT)))
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.limiting_shear(self.flash, self.limit)
+
+
+def transit(strain: Array, duration: Array) -> tuple[Array, Array]:
+    """Return the mean S of dS/dx = eps + ln(1 - S) over 0 <= x <= P, S(0) = 0, and its fall with heat.
+
+    The fall is -dln(mean)/dy at eps = strain exp(-y), P = duration exp(y).
+
+    With v from eps + ln(1 - S) = eps exp(-v): dx = g dv and S = 1 - g, g = exp(-eps (1 - exp(-v))). With r = eps
+    exp(-v) at the end and N(x) = Ei(x) - gamma - ln x = sum of x^k/(k k!)::
+
+        P = exp(-eps) [v + N(eps) - N(r)]
+        mean = 1 - exp(-eps) - exp(-2 eps) [N(2 eps) - N(2 r) - N(eps) + N(r)]/P
+
+    Both differences cancel while S is nearly eps x; there quadrature in v is exact.
+    """
+    eps, p = np.broadcast_arrays(strain, np.minimum(duration, 1e30))  # beyond, the ramp is lost in rounding
+    mean, end = np.empty(eps.shape), np.empty(eps.shape)
+    early = (p < 2.0) & (eps * p < 0.5)
+    mean[early], end[early] = _early(eps[early], p[early])
+    mean[~early], end[~early] = _late(eps[~early], p[~early])
+    fall = eps * (1 + end - 2 * mean) - end / p - end + mean  # of the order of 1/eps, which eps rounds away
+    return mean, np.where(eps < 1e8, np.clip(fall / mean, 0.0, 1.0), 0.0)
+
+
+def _early(eps: Array, p: Array) -> tuple[Array, Array]:
+    """Return mean and end of S by Gauss's rule in v."""
+    place, weight = np.polynomial.legendre.leggauss(12)
+    place, weight = (1 + place) / 2, weight / 2
+    v = p
+    for _ in range(MAX_STEPS):
+        step = (v * (np.exp(eps[..., None] * np.expm1(-v[..., None] * place)) @ weight) - p) / np.exp(
+            eps * np.expm1(-v)
+        )
+        v = v - step
+        if not np.any(np.abs(step) > 1e-9 * v):  # quadratic
+            break
+    stress = -np.expm1(eps[..., None] * np.expm1(-v[..., None] * place))
+    return v * ((stress * (1 - stress)) @ weight) / p, -np.expm1(eps * np.expm1(-v))
+
+
+def _late(eps: Array, p: Array) -> tuple[Array, Array]:
+    """Return mean and end of S in closed form."""
+    decay = np.exp(-eps)
+    gap = _scaled(eps) + decay * (EULER + np.log(eps)) - p  # exp(-eps) Ei(r)
+    rising = gap > 2 * decay
+    distance = np.empty(eps.shape)  # eps - r
+    distance[rising] = _rising(eps[rising], gap[rising])
+    distance[~rising] = _settling(eps[~rising], gap[~rising])
+    r, near = eps - distance, np.exp(-distance)
+    missing = _scaled(2 * eps) - near**2 * _scaled(2 * r) - decay * (_scaled(eps) - near * _scaled(r))
+    return -np.expm1(-eps) - missing / p, -np.expm1(-distance)
+
+
+def _rising(eps: Array, gap: Array) -> Array:
+    """Return eps - r > 0 from exp(-eps) Ei(r) = gap, r > 1: nearly linear in the logarithm."""
+    at_eps = _scaled(eps) + np.exp(-eps) * (EULER + np.log(eps))
+    distance = np.clip(np.log(at_eps / gap), 0.0, eps - 1)
+    for _ in range(MAX_STEPS):
+        r = eps - distance
+        value = _scaled(r) + np.exp(-r) * (EULER + np.log(r))  # exp(-r) Ei(r)
+        step = (np.log(value / gap) - distance) * r * value
+        distance = np.clip(distance + step, 0.0, eps - 1)
+        if not np.any(np.abs(step) > 1e-9):  # quadratic
+            break
+    return distance
+
+
+def _settling(eps: Array, gap: Array) -> Array:
+    """Return eps - r from exp(-eps) Ei(r) = gap, r <= 1, by v of r = eps exp(-v): v - N(r) = T, concave."""
+    target = EULER + np.log(eps) - gap * np.exp(np.minimum(eps, 600.0))
+    v = np.maximum(target, np.log(eps))
+    for _ in range(MAX_STEPS):
+        r = eps * np.exp(-v)
+        step = (target - v) * np.exp(-r) + _scaled(r)
+        v = v + step
+        if not np.any(np.abs(step) > 1e-9):  # quadratic; NaN also ends
+            break
+    return -eps * np.expm1(-v)
+
+
+def _scaled(x: Array) -> Array:
+    """Return exp(-x) N(x) with N(x) = sum of x^k/(k k!), k >= 1; above 40 from the asymptotic series of Ei."""
+    small = np.minimum(x, 40.0)
+    term, total = np.ones_like(small), np.zeros_like(small)
+    for k in range(1, 160):
+        term = term * small / k
+        total = total + term / k
+        if not np.any(term > 1e-17 * total):
+            break
+    large = np.maximum(x, 40.0)
+    term, tail = 1 / large, np.zeros_like(large)
+    for k in range(1, 41):
+        tail = tail + term
+        term = term * k / large
+    return np.where(x > 40.0, tail, np.exp(-small) * total)
+
+
+@hookimpl
+def traction_models() -> list[type[TractionModel]]:
+    """Offer the traction models of this module."""
+    return [Carreau, LimitingShear]
