@@ -150,6 +150,8 @@ def fields(cls, prefix):
     """Rows of key, unit, default and meaning, with the choices, for the fields of an attrs class."""
     rows = []
     for a in attrs.fields(cls):
+        if a.metadata.get("key", a.name) is None:
+            continue
         validator = getattr(a.validator, "validator", a.validator)  # that of an optional value
         choices = ", ".join(f"``{choice}``" for choice in getattr(validator, "options", ()))
         meaning = a.metadata.get("doc", "") + (f": {choices}" if choices else "")

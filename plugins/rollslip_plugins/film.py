@@ -56,7 +56,7 @@ class Martin(_PowerLaw):
 class Blok(_PowerLaw):
     """Rigid, piezoviscous minimum film after Weber and Saalfeld and Blok: h = 1.66630 R (G U)^(2/3).
 
-    Limit of g_V towards its largest value; a rigid contact with a Barus oil has no solution beyond g_V = 17.66.
+    Limit of g_V towards its largest value; a rigid contact with a Barus oil has no solution beyond g_V = 17.602.
     """
 
     name: ClassVar[str] = "blok"
