@@ -138,9 +138,9 @@ FLASH = 0.97
 def films(draw, deborah=None, heating=None):
     """Return a strategy of `Film`.
 
-    Pressure 1e6 to 4e9 Pa, a viscosity there of up to exp(40) times that at ambient pressure, h 1e-9 to 1e-4 m, u 1e-3 to 100 m/s, an oil from fuel to grease; the
-    shear modulus and the thermal coefficients follow from the Deborah number and the heating group drawn, which would
-    else be tied to that viscosity. The film parameter is 1e-3 to 30.
+    Pressure 1e6 to 4e9 Pa, a viscosity there of up to exp(40) times that at ambient pressure, h 1e-9 to 1e-4 m, u 1e-3
+    to 100 m/s, an oil from fuel to grease; the shear modulus and the thermal coefficient follow from the Deborah number
+    and the heating group drawn, which would else be tied to that viscosity. The film parameter is 1e-3 to 30.
     """
     pressure = draw(decades(6, 9.6))
     eta = draw(decades(-3, 0.5)) * float(np.exp(draw(or_zero(st.floats(1e-3, 40.0)))))

@@ -26,13 +26,17 @@ from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
 pytest_plugins = ["pytester"]
 
 
+#: The numerical references take minutes; they are checked apart.
+REFERENCES = {"reynolds-line", "maxwell-eyring-field"}
+
+
 def box(*kinds):
-    """All models of the box of some kinds, with their default parameters."""
+    """All models of the box of some kinds, with their default parameters, but for the references."""
     return [
         get_model(kind, name)
         for kind in kinds
         for name, offer in available(kind).items()
-        if offer.package == "rollslip"
+        if offer.package == "rollslip" and name not in REFERENCES
     ]
 
 
@@ -53,6 +57,11 @@ class TestTraction(Conformance):
         LambdaBlend(boundary=Constant(), hydrodynamic=MaxwellEyring(), boundary_limit=0.0, exponent=1.0),
         LambdaBlend(hydrodynamic=LambdaBlend(hydrodynamic=Eyring(), boundary_limit=0.5, exponent=2.5)),
     )
+
+
+@pytest.mark.slow
+class TestReferences(Conformance):
+    models = (get_model("film", "reynolds-line"), get_model("traction", "maxwell-eyring-field"))
 
 
 class TestIntegrator(Conformance):

@@ -1,0 +1,751 @@
+"""Traction of a line contact, integrated along the contact and across the film: the reference of the closed forms.
+
+The equations, with x along the contact from -b to b and z across the film, transported with the rolling speed u:
+
+- stress, uniform across the film: V/h = (u/Gamma) dtau/dx + mean over z of (tau0/eta) sinh(tau/tau0), tau(-b) = 0;
+- viscosity eta = eta_Ni(p(x)) exp(-beta(p(x)) theta(x, z)), eta_Ni and beta after the oil's law at the local pressure;
+- film: rho_f c_f u dtheta/dx = K_f d2theta/dz2 + tau (tau0/eta) sinh(tau/tau0). Stored elastic energy is no heat;
+- both surfaces: theta_s(x) = 1/(E sqrt(pi u)) integral of q(x')/sqrt(x - x') dx', q = K_f dtheta/dz at the wall.
+
+How they are solved, and why:
+
+- In a cell of the grid viscosity and heat release are frozen. The stress then has an exact solution, so that no stress
+  relaxes too fast for the grid (D of a bearing is 1e-4 to 1e-2); only its slow drift with pressure and temperature is
+  taken out first, without which the relaxation would leave an error of first order. The film's temperature has an
+  exact solution too, in the modes of conduction, and no film is too thin.
+- Film and surfaces are linear in the heat released in a cell, temperature = offset + response (release), so that one
+  Newton iteration in the temperatures of the cell serves the field and its simplified variants.
+- The cells are even in phi, x = -b cos(phi), where Hertz's pressure and the surfaces' temperature are smooth. The
+  scheme is of second order and regular; two grids are extrapolated, and three extrapolations tell the error.
+- The conduction of the film must have a memory. Without it (rho_f c_f = 0) an elastic film has no solution beyond the
+  stress at which conduction cannot carry the heat of its shear.
+"""
+
+import abc
+from collections.abc import Callable
+from functools import lru_cache
+from types import MappingProxyType
+from typing import ClassVar, Final, Literal, NamedTuple, TypeAlias
+
+import attrs
+import numpy as np
+from numpy.polynomial.legendre import leggauss, legvander
+from numpy.typing import ArrayLike, NDArray
+
+from rollslip.errors import DomainError
+from rollslip.fields import in_range, parameter, positive
+from rollslip.hookspecs import hookimpl
+from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
+from rollslip.pressure_viscosity import Barus, PressureViscosity, from_oil
+from rollslip.references import KLEBANOV
+from rollslip_kernels.slices import COLUMNS, Slices
+from rollslip_plugins.stress import LINEAR, _dilogarithm
+
+Array = NDArray[np.float64]
+
+#: Pressure over the contact: Hertz's, its mean, or the user's as (x/b rising from -1 to 1, p over the mean pressure).
+Pressure: TypeAlias = Literal["hertz", "mean"] | tuple[ArrayLike, ArrayLike]
+#: Heating: of the field above; uniform across the film and along the contact but for the local stress; uniform after
+#: the mean stress, as in the closed forms; none.
+Heating: TypeAlias = Literal["field", "local-stress", "mean-stress", "none"]
+
+#: Factor of the mean flash temperature in the closed forms, which the simplified heatings share.
+FLASH: Final = 0.97
+#: Heat capacity of an oil by volume [J/(m3 K)], 850 to 950 kg/m3 times 1.9 to 2.1 kJ/(kg K) (grade C).
+OIL_HEAT_CAPACITY: Final = 1.8e6
+#: Cells along the contact and modes across half the film, from one refinement to the next.
+GRIDS: Final = ((8, 3), (16, 4), (32, 6), (64, 10), (128, 16), (256, 24), (512, 32))
+MAX_STEPS = 30  # of Newton's method in a cell; three or four are usual
+BOLD = 3.0  # largest change of beta theta in one of them
+NEAR = 0.3  # largest change of ln(kappa) over which a secant stands for the slope of the heat
+MAX_SECANTS = 60  # for the mean stress; a dozen are usual
+SETTLED = 1e-9  # change of beta theta that ends them
+BATCH = 256  # slices marched at a time, for the sake of the cache
+
+
+# Grids ---------------------------------------------------------------------------------------------------------------
+
+
+class _Grid(NamedTuple):
+    """Cells along the contact, lengths in half widths."""
+
+    edge: Array
+    middle: Array
+    width: Array
+    #: (edges, cells): integral of q(x')/sqrt(x - x') up to an edge from the mean q of the cells
+    flash: Array
+
+
+@lru_cache(maxsize=len(GRIDS))
+def _grid(n: int) -> _Grid:
+    """Return n cells; q is taken as linear in a cell, with the slope between its mean and that of the cell before."""
+    edge = np.pi * np.arange(n + 1) / n
+    middle = (edge[1:] + edge[:-1]) / 2
+
+    def apart(a: Array, b: Array) -> Array:
+        return 2 * np.sin((a + b) / 2) * np.sin((a - b) / 2)  # cos(b) - cos(a), without cancellation
+
+    width, gap = apart(edge[1:], edge[:-1]), apart(middle[1:], middle[:-1])
+    root = np.sqrt(np.maximum(apart(edge[:, None], edge), 0))
+    behind = np.tri(n + 1, n, -1, dtype=bool)
+    rise = np.where(behind, width / np.where(behind, root[:, :-1] + root[:, 1:], 1), 0)
+    flash, tilt = 2 * rise, rise[:, 1:] ** 3 / (3 * gap)
+    flash[:, 1:] += tilt
+    flash[:, :-1] -= tilt
+    return _Grid(-np.cos(edge), -np.cos(middle), width, flash)
+
+
+class _Modes(NamedTuple):
+    """Modes of conduction between walls at zero, over half the film: polynomials, even about its middle."""
+
+    place: Array
+    weight: Array
+    #: (places, modes), orthonormal over the half film
+    shape: Array
+    mean: Array
+    #: decay over x/b times the film's capacity
+    rate: Array
+
+
+@lru_cache(maxsize=len(GRIDS))
+def _modes(m: int) -> _Modes:
+    """Return m modes, and m + 1 places of Gauss's rule."""
+    place, weight = (values[m + 1 :] for values in leggauss(2 * (m + 1)))
+    legendre = legvander(place, 2 * m)
+    # P_2j - P_2j+2 vanish at the wall, and the products of their slopes are orthogonal
+    basis = (legendre[:, 0 : 2 * m : 2] - legendre[:, 2 : 2 * m + 1 : 2]) / np.sqrt(4 * np.arange(m) + 3)
+    inverse, vectors = np.linalg.eigh(basis.T @ (weight[:, None] * basis))
+    shape = basis @ vectors[:, ::-1] / np.sqrt(inverse[::-1])
+    return _Modes(place, weight, shape, weight @ shape, 4 / inverse[::-1])
+
+
+# Stress --------------------------------------------------------------------------------------------------------------
+
+RAMP, SHARE = (values / 2 for values in leggauss(4))
+RAMP = RAMP + 0.5
+
+
+def _relaxed(start: Array, kappa: Array, sigma: Array, deborah: Array) -> tuple[Array, Array]:
+    """Return mean and end of S over a cell of unit length: D S' + kappa sinh S = sigma, all positive.
+
+    tanh(S/2) and exp(-S) both follow from their first values by one Moebius map without a difference; the former has
+    the digits of small stresses, the latter those of large ones.
+    """
+    r = np.hypot(kappa, sigma)
+    steady, fading = sigma / (kappa + r), kappa / (sigma + r)  # tanh(S/2) and exp(-S) at rest
+    z, y = np.tanh(start / 2), np.exp(-start)
+    p = np.minimum(r / deborah, 1e30)  # where relaxation is faster its ramp is lost in rounding
+
+    def after(p: Array, steady: Array, fading: Array, z: Array, y: Array) -> Array:
+        q, gone = np.exp(-p), -np.expm1(-p)
+        return _stress(_moebius(steady, z, q, gone), _moebius(fading, y, q, gone))
+
+    # mean = steady stress + [Li2(-x m q) - Li2(-x m) + Li2(x) - Li2(x q)]/p, m = fading^2, x the distance from rest
+    small = (z < 0.5) & (steady < 0.5)
+    distance = np.where(small, (z - steady) / (1 - z * steady), (fading - y) / (fading + y))
+    x, q = distance * (fading + y) / (fading * (1 + fading * y)), np.exp(-p)
+    inner = -x * fading**2
+    plus, minus, other_minus, other_plus = _dilogarithm_of_any(np.stack([inner * q, inner, x * q, x]))
+    mean = _stress(steady, fading) + (plus - minus + other_plus - other_minus) / p
+    ramp = p < 0.25  # there the bracket cancels, while S is smooth
+    if np.any(ramp):
+        part = (values[ramp, None] for values in (steady, fading, z, y))
+        mean[ramp] = after(p[ramp, None] * RAMP, *part) @ SHARE
+    return mean, after(p, steady, fading, z, y)
+
+
+def _moebius(rest: Array, start: Array, q: Array, gone: Array) -> Array:
+    return (rest * gone + start * (rest**2 + q)) / (1 + rest**2 * q + rest * start * gone)
+
+
+def _stress(z: Array, y: Array) -> Array:
+    """S of tanh(S/2) and exp(-S)."""
+    return np.where(z < 0.5, 2 * np.arctanh(np.minimum(z, 0.5)), -np.log(y))
+
+
+def _dilogarithm_of_any(x: Array) -> Array:
+    """Return Li2(x), x < 1, by inversion and reflection."""
+    far, near = x < -1, x > 0.5
+    inner = _dilogarithm(np.where(far, 1 / np.where(far, x, -1), np.where(near, 1 - x, x)))
+    inverted = -(np.pi**2) / 6 - np.log(np.where(far, -x, 1)) ** 2 / 2 - inner
+    reflected = np.pi**2 / 6 - np.log(np.where(near, x, 1)) * np.log1p(-np.where(near, x, 0)) - inner
+    return np.asarray(np.where(far, inverted, np.where(near, reflected, inner)))
+
+
+def _carried(start: Array, kappa: Array, sigma: Array, deborah: Array, change: Array) -> tuple[Array, Array]:
+    """Return mean and end of S over a cell across which ln(kappa) changes, kappa that of its middle.
+
+    With the drift g of the steady stress, R = S - g x follows the equation of S with sigma - D g for sigma, up to terms
+    that are odd about the middle. The drift is bounded where that would leave nothing of the drive or of the stress.
+    """
+    half = -np.tanh(change) * sigma / np.hypot(kappa, sigma) / 2
+    half = np.maximum(np.minimum(half, sigma / deborah / 4), -start / 2)
+    mean, end = _relaxed(start + half, kappa, sigma - 2 * half * deborah, deborah)
+    return mean, end + half
+
+
+# Heat ----------------------------------------------------------------------------------------------------------------
+
+
+class _Heat(abc.ABC):
+    """Temperatures of a cell as offset + response @ release, in units of tau0 V h/K_f; release in those of tau0 V/h."""
+
+    #: weights of the mean over the places at which there is a temperature
+    weight: Array
+    #: does stored elastic energy count as heat
+    of_all_work: bool = True
+
+    @abc.abstractmethod
+    def affine(self, i: int) -> tuple[Array, Array]:
+        """Return offset (s, places) and response (s, places, places) of cell i."""
+
+    def advance(self, i: int, release: Array) -> None:  # noqa: B027 - most have no memory
+        """Go on to the next cell with the heat released in cell i at the places."""
+
+
+class _Given(_Heat):
+    """A uniform temperature."""
+
+    def __init__(self, temperature: Array) -> None:
+        self.weight = np.ones(1)
+        self._affine = temperature[:, None], np.zeros((temperature.size, 1, 1))
+
+    def affine(self, i: int) -> tuple[Array, Array]:
+        return self._affine
+
+
+class _Local(_Heat):
+    """Uniform across the film and in proportion to the stress of the cell."""
+
+    def __init__(self, zeta: Array) -> None:
+        self.weight = np.ones(1)
+        self._affine = np.zeros((zeta.size, 1)), zeta[:, None, None]
+
+    def affine(self, i: int) -> tuple[Array, Array]:
+        return self._affine
+
+
+class _Field(_Heat):
+    """Conduction and convection of the film between two equal surfaces, and the surfaces' flash temperature."""
+
+    of_all_work = False
+
+    def __init__(self, capacity: Array, flash: Array, grid: _Grid, modes: _Modes) -> None:
+        self.weight, s, n = modes.weight, capacity.size, grid.width.size
+        self._capacity, self._flash, self._grid, self._modes = capacity[:, None], flash, grid, modes
+        self._amplitude = np.zeros((s, modes.rate.size))
+        self.surface = np.zeros((s, n + 1))  # at the edges
+        self.flux = np.zeros((s, n))  # from the film into one surface, in units of 2 tau0 V
+        self._project = (modes.shape * modes.weight[:, None]).T
+
+    def affine(self, i: int) -> tuple[Array, Array]:
+        """Solve the cell for a release that is constant along it; mean values over the cell."""
+        m, grid = self._modes, self._grid
+        storage = self._capacity / grid.width[i]
+        decay = m.rate / storage
+        gone = -np.expm1(-decay)
+        kept = gone / decay
+        self._gone, self._storage = gone, storage
+        self._end = gone / m.rate  # response of a mode at the end of the cell, and its mean over the cell:
+        mean = (1 - kept) / m.rate
+        # The heat that has not stayed in the film flows into the surfaces: this fixes how far their temperature rises.
+        stored = m.mean * self._end * storage
+        into = self._flash * grid.flash[i + 1, i] / 4
+        share = 1 + into * storage[:, 0] * (1 - stored @ m.mean)
+        known = self._flash * (self.flux[:, :i] @ grid.flash[i + 1, :i]) - self.surface[:, i]
+        given_back = (gone * self._amplitude) @ m.mean * storage[:, 0]
+        self._rise = (known + into * given_back) / share
+        self._rise_of_release = (into / share)[:, None] * (m.weight - stored @ self._project)
+        offset = (self.surface[:, i] + self._rise / 2)[:, None] + (
+            kept * self._amplitude - mean * storage * self._rise[:, None] * m.mean
+        ) @ m.shape.T
+        response = (m.shape * mean[:, None, :]) @ self._project
+        response += (0.5 - (mean * storage * m.mean) @ m.shape.T)[:, :, None] * self._rise_of_release[:, None, :]
+        return offset, response
+
+    def advance(self, i: int, release: Array) -> None:
+        m = self._modes
+        rise = self._rise + np.sum(self._rise_of_release * release, axis=1)
+        source = release @ self._project.T - self._storage * rise[:, None] * m.mean
+        change = self._end * source - self._gone * self._amplitude
+        self.flux[:, i] = (release @ m.weight - self._storage[:, 0] * (rise + change @ m.mean)) / 4
+        self.surface[:, i + 1] = self.surface[:, i] + rise
+        self._amplitude = self._amplitude + change
+
+
+# March ---------------------------------------------------------------------------------------------------------------
+
+
+class _Groups(NamedTuple):
+    """The slices in dimensionless groups, (s,); viscosity is that at the mean pressure."""
+
+    strain_rate: Array  # sigma = eta V/(tau0 h)
+    deborah: Array  # D = eta u/(Gamma b)
+    capacity: Array  # C = rho_f c_f u h^2/(K_f b), conduction against transit
+    flash: Array  # 2 K_f/(h E) sqrt(b/(pi u))
+    heating: Array  # tau0^2 h^2/(K_f eta) [K]: times beta sigma, the exponent of the unit of temperature
+    scale: Array  # tau0/p, with the sign of V
+
+
+class _Oil(NamedTuple):
+    """The oil along the contact, (s, cells): viscosity of the mean pressure over that of the cell, and its slope."""
+
+    thinning: Array
+    change: Array  # of the logarithm of the former across a cell
+    softening: Array  # beta [1/K]
+
+
+class _Marched(NamedTuple):
+    """What a march along the contact leaves, (s, cells) and (s, cells, places)."""
+
+    stress: Array
+    temperature: Array
+
+
+def _march(groups: _Groups, oil: _Oil, grid: _Grid, heat: _Heat) -> _Marched:
+    """Integrate stress and temperature cell by cell; NaN where Newton's method does not settle."""
+    s, n = oil.thinning.shape
+    weight, identity = heat.weight, np.eye(heat.weight.size)
+    stress, temperature = np.empty((s, n)), np.zeros((s, n, weight.size))
+    unit = groups.heating * groups.strain_rate
+    warming = np.zeros((s, n))  # logarithm of the film's mean of exp(beta theta)
+    release = np.zeros((s, weight.size))
+    start, end = np.zeros(s), np.zeros(s)
+    alive = np.ones(s, dtype=bool)
+    for i in range(n):
+        offset, response = heat.affine(i)
+        if i > 1:  # the cells are even in phi
+            temperature[:, i] = 2 * temperature[:, i - 1] - temperature[:, i - 2]
+        else:
+            temperature[:, i] = temperature[:, 0] if i else offset
+        todo = np.flatnonzero(alive)
+        log_before, heated_before = np.full((2, s), np.nan)
+        for _ in range(MAX_STEPS):
+            sigma, deborah, first = groups.strain_rate[todo], groups.deborah[todo] / grid.width[i], start[todo]
+            beta, t = (oil.softening[todo, i] * unit[todo])[:, None], temperature[todo, i]
+            top = np.max(beta * t, axis=1)
+            share = np.exp(beta * t - top[:, None])  # of the places in the shear
+            mean_share = share @ weight
+            share = share / mean_share[:, None]
+            log = warming[todo, i] = top + np.log(mean_share)
+            # hotter films are met on the way to the mean stress only
+            kappa, change = oil.thinning[todo, i] * np.exp(np.minimum(log, 600)), oil.change[todo, i]
+            if i > 1:
+                change = change + 1.5 * log - 2 * warming[todo, i - 1] + 0.5 * warming[todo, i - 2]
+            mean, last = _carried(first, kappa, sigma, deborah, change)
+            spring = 0.0 if heat.of_all_work else deborah / sigma
+            heated = mean - spring * (last**2 - first**2) / 2
+            # slope of the heat over ln(kappa), as if cosh S were constant in the cell: right for slow and for fast
+            p = np.minimum(kappa * np.cosh(np.minimum(mean, 300.0)) / deborah, 1e30)
+            fall = -np.tanh(mean) * -np.expm1(-p)
+            slope = -np.tanh(mean) - fall / p - spring * last * fall
+            apart = log - log_before[todo]
+            secant = (heated - heated_before[todo]) / apart
+            slope = np.where((np.abs(apart) > 1e-7) & (np.abs(apart) < NEAR), secant, slope)
+            log_before[todo], heated_before[todo] = log, heated
+            released, steeper, r = heated[:, None] * share, (slope - heated)[:, None] * share, response[todo]
+            residual = t - offset[todo] - _times(r, released)
+            jacobian = identity - r * (beta * released)[:, None, :]
+            jacobian -= _times(r, steeper)[:, :, None] * (beta * share * weight)[:, None, :]
+            step = _solved(jacobian, residual)
+            size = np.max(np.abs(beta * step), axis=1)
+            good = np.isfinite(size)
+            temperature[todo, i] = t - step * (BOLD / np.maximum(size, BOLD))[:, None]
+            stress[todo, i], end[todo], release[todo] = mean, last, released
+            alive[todo[~good]] = False
+            todo = todo[good & (size > SETTLED)]
+            if not todo.size:
+                break
+        alive[todo] = False
+        for values in (temperature[:, i], warming[:, i], release, end):
+            values[~alive] = 0.0
+        heat.advance(i, release)
+        start = end.copy()
+    stress[~alive] = np.nan
+    return _Marched(stress, temperature)
+
+
+def _solved(matrix: Array, vector: Array) -> Array:
+    """Solve many systems; NaN for the singular ones, which values at the ends of the floats give."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, vector[:, :, None])[:, :, 0])
+    except np.linalg.LinAlgError:
+        if len(matrix) == 1:
+            return np.full_like(vector, np.nan)
+        return np.concatenate([_solved(matrix[k : k + 1], vector[k : k + 1]) for k in range(len(matrix))])
+
+
+def _times(matrix: Array, vector: Array) -> Array:
+    return (matrix @ vector[:, :, None])[:, :, 0]
+
+
+def _solve(groups: _Groups, oil: _Oil, grid: _Grid, modes: _Modes, heating: Heating) -> tuple[_Marched, _Heat]:
+    """Integrate along a grid with a kind of heating."""
+    zeta = FLASH * groups.flash / 2 + 1 / 12
+    heat: _Heat
+    if heating == "field":
+        heat = _Field(groups.capacity, groups.flash, grid, modes)
+    elif heating == "local-stress":
+        heat = _Local(zeta)
+    else:
+        heat = _Given(np.zeros_like(zeta))
+    marched = _march(groups, oil, grid, heat)
+    if heating != "mean-stress":
+        return marched, heat
+    # ln S less the logarithm of the mean stress at the heat of S is rising and convex in ln S: secants that begin above
+    # its root, at the stress of the cold film, descend to it.
+    log = np.log(_mean(marched, grid))
+    old, residual_old = log, np.full_like(log, np.nan)  # no slope yet: a step of 1e-3
+    for _ in range(MAX_SECANTS):
+        heat = _Given(zeta * np.exp(log))
+        marched = _march(groups, oil, grid, heat)
+        residual = log - np.log(_mean(marched, grid))
+        if not np.any(np.abs(residual) > SETTLED / 10):
+            break
+        slope = (residual - residual_old) / (log - old)
+        slope = np.where(slope >= 1, slope, np.maximum(1e3 * residual, 1))
+        old, residual_old, log = log, residual, log - np.minimum(residual / slope, 2)
+    return marched, heat
+
+
+def _mean(marched: _Marched, grid: _Grid) -> Array:
+    return np.asarray(marched.stress @ grid.width / 2)
+
+
+# Slices --------------------------------------------------------------------------------------------------------------
+
+
+def _profile(pressure: Pressure) -> Callable[[Array], Array]:
+    """Return the pressure over its mean as a function of x/b."""
+    if isinstance(pressure, str):
+        if pressure == "mean":
+            return np.ones_like
+        return lambda x: 4 / np.pi * np.sqrt(np.maximum(1 - x * x, 0))
+    places, ratios = (np.asarray(values, dtype=float) for values in pressure)
+    return lambda x: np.interp(x, places, ratios)
+
+
+def _groups(slices: Slices, law: PressureViscosity, heat_capacity: float) -> _Groups:
+    c, s = slices.conditions, slices
+    eta = law.at(c, s.pressure)[0]
+    transit = s.half_width / s.rolling_speed
+    signed = eta * s.sliding_speed / (c.eyring_stress * s.film_thickness)
+    return _Groups(
+        strain_rate=np.maximum(np.abs(signed), LINEAR),
+        deborah=eta / (c.shear_modulus * transit),
+        capacity=heat_capacity * s.film_thickness**2 / (c.conductivity * transit),
+        flash=2 * c.conductivity / (s.film_thickness * c.effusivity) * np.sqrt(transit / np.pi),
+        heating=(c.eyring_stress * s.film_thickness) ** 2 / (c.conductivity * eta),
+        scale=c.eyring_stress / s.pressure * np.copysign(np.minimum(np.abs(signed), LINEAR) / LINEAR, signed),
+    )
+
+
+def _oil(slices: Slices, law: PressureViscosity, profile: Callable[[Array], Array], grid: _Grid) -> _Oil:
+    c, p = slices.conditions, slices.pressure[:, None]
+    eta, softening = law.at(c, p * profile(grid.middle))
+    at_edges = np.log(law.at(c, p * profile(grid.edge))[0])
+    softening = np.where(softening >= 0, softening, np.nan)  # an oil that thickens with heat is none
+    return _Oil(law.at(c, p)[0] / eta, at_edges[:, :-1] - at_edges[:, 1:], softening)
+
+
+def _picked(slices: Slices, part: NDArray[np.intp]) -> Slices:
+    columns = {name: getattr(slices, name)[part] for name in COLUMNS if hasattr(slices, name)}
+    return Slices.of_columns(slices.conditions, columns)
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class TractionField:
+    """Stress and temperature in one contact.
+
+    Attributes
+    ----------
+    position : ndarray
+        x along the contact [m], in the direction of rolling, (cells,).
+    pressure, stress : ndarray
+        Local pressure and shear stress [Pa], (cells,).
+    height : ndarray
+        z/h across the film, 0 at one surface and 1 at the other, (places,).
+    film_temperature : ndarray
+        Rise over the inlet temperature [K], (cells, places).
+    surface_temperature : ndarray
+        That of both surfaces [K], (cells,); where heating is uniform that of the film.
+    friction, error : float
+        Friction coefficient, and its estimated relative error.
+    """
+
+    position: Array
+    pressure: Array
+    stress: Array
+    height: Array
+    film_temperature: Array
+    surface_temperature: Array
+    friction: float
+    error: float
+
+
+def solve_friction(
+    slices: Slices,
+    *,
+    law: PressureViscosity | None = None,
+    pressure: Pressure = "hertz",
+    heating: Heating = "field",
+    heat_capacity: float = OIL_HEAT_CAPACITY,
+    accuracy: float = 1e-5,
+) -> tuple[Array, Array]:
+    """Return friction coefficient and its estimated relative error of every slice, with all physics or with less.
+
+    Parameters
+    ----------
+    slices : Slices
+        With the columns that `MaxwellEyringField` reads.
+    law : PressureViscosity, optional
+        Of the oil; Barus's by default.
+    pressure : "hertz", "mean" or (array_like, array_like)
+        Pressure over the contact; or x/b, rising from -1 to 1, and the pressure there over the slice's, linear between.
+    heating : "field", "local-stress", "mean-stress" or "none"
+        Temperatures of film and surfaces; or theta = zeta tau V uniform across the film, with the local stress or with
+        its mean as in the closed forms; or none.
+    heat_capacity : float, optional
+        Of the oil, rho_f c_f [J/(m3 K)].
+    accuracy : float, optional
+        Relative error of the friction at which refinement ends.
+
+    Returns
+    -------
+    friction, error : ndarray
+        The error is the change between the last two extrapolations, or an eighth of the change before if that is more.
+        Where it is above `accuracy`, the finest grid did not suffice; where it is infinite, the friction is NaN and
+        the field has no solution or left the floats.
+    """
+    friction, error, _ = _refined(slices, law, pressure, heating, heat_capacity, accuracy)
+    return friction, error
+
+
+def solve_field(
+    slices: Slices,
+    k: int = 0,
+    *,
+    law: PressureViscosity | None = None,
+    pressure: Pressure = "hertz",
+    heating: Heating = "field",
+    heat_capacity: float = OIL_HEAT_CAPACITY,
+    accuracy: float = 1e-5,
+) -> TractionField:
+    """Return stress and temperatures of one slice, on the finest grid that its friction took.
+
+    Parameters
+    ----------
+    slices, law, pressure, heating, heat_capacity, accuracy
+        As in `solve_friction`.
+    k : int, optional
+        Which slice.
+
+    Raises
+    ------
+    DomainError
+        If the field has no solution, or not of that accuracy.
+    """
+    one, law, profile = _picked(slices, np.array([k])), law or Barus(), _profile(pressure)
+    friction, error, level = _refined(one, law, pressure, heating, heat_capacity, accuracy)
+    _refuse_unsettled("traction field", error, accuracy, k)
+    n, m = GRIDS[level[0]]
+    grid, modes = _grid(n), _modes(m)
+    c, V, h = one.conditions, one.sliding_speed[0], one.film_thickness[0]
+    groups = _groups(one, law, heat_capacity)
+    marched, heat = _solve(groups, _oil(one, law, profile, grid), grid, modes, heating)
+    kelvin = c.eyring_stress * abs(V) * h / c.conductivity
+    film = kelvin * marched.temperature[0]
+    height, surface = np.array([0.5]), film[:, 0]
+    if isinstance(heat, _Field):
+        height = np.concatenate([(1 - modes.place[::-1]) / 2, (1 + modes.place) / 2])
+        film = np.concatenate([film[:, ::-1], film], axis=1)
+        surface = kelvin * (heat.surface[0, :-1] + heat.surface[0, 1:]) / 2
+    return TractionField(
+        position=one.half_width[0] * grid.middle,
+        pressure=one.pressure[0] * profile(grid.middle),
+        stress=one.pressure[0] * groups.scale[0] * marched.stress[0],
+        height=height,
+        film_temperature=film,
+        surface_temperature=surface,
+        friction=float(friction[0]),
+        error=float(error[0]),
+    )
+
+
+def stress_on_grid(
+    slices: Slices,
+    cells: int,
+    modes: int,
+    *,
+    law: PressureViscosity | None = None,
+    pressure: Pressure = "hertz",
+    heating: Heating = "field",
+    heat_capacity: float = OIL_HEAT_CAPACITY,
+) -> Array:
+    """Return the mean shear stress over the Eyring stress that one grid gives, NaN where it gives none.
+
+    Parameters
+    ----------
+    slices, law, pressure, heating, heat_capacity
+        As in `solve_friction`.
+    cells, modes : int
+        Cells along the contact, modes across half the film.
+    """
+    law, profile, grid = law or Barus(), _profile(pressure), _grid(cells)
+    stress = np.empty(slices.pressure.size)
+    with np.errstate(all="ignore"):  # what leaves the floats becomes NaN
+        for first in range(0, stress.size, BATCH):
+            part = _picked(slices, np.arange(first, min(first + BATCH, stress.size)))
+            groups, oil = _groups(part, law, heat_capacity), _oil(part, law, profile, grid)
+            marched, _ = _solve(groups, oil, grid, _modes(modes), heating)
+            stress[first : first + BATCH] = _mean(marched, grid)
+    return stress
+
+
+def _refined(
+    slices: Slices,
+    law: PressureViscosity | None,
+    pressure: Pressure,
+    heating: Heating,
+    heat_capacity: float,
+    accuracy: float,
+) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Return friction, error and the number of the grid at which a slice ended, of all slices."""
+    s = slices.pressure.size
+    stress, error, level = np.full(s, np.nan), np.full(s, np.inf), np.zeros(s, dtype=np.intp)
+    todo, (coarse, guess, last) = np.arange(s), np.full((3, s), np.nan)
+    for at, (n, m) in enumerate(GRIDS):
+        part = _picked(slices, todo)
+        mean = stress_on_grid(part, n, m, law=law, pressure=pressure, heating=heating, heat_capacity=heat_capacity)
+        better = mean + (mean - coarse) / 3
+        change = np.abs(better - guess) / better
+        # one change alone may be small by chance; an eighth is what a grid leaves of it where all is smooth
+        off = np.maximum(change, last / 8)
+        level[todo], stress[todo], error[todo] = at, better, np.where(np.isnan(off), np.inf, off)
+        # what two grids in a row cannot solve has no solution
+        on = ~(off <= accuracy) & (np.isfinite(mean) | np.isfinite(coarse) | (at == 0))
+        todo, coarse, guess, last = todo[on], mean[on], better[on], change[on]
+        if not todo.size:
+            break
+    with np.errstate(all="ignore"):
+        friction = stress * _groups(slices, law or Barus(), heat_capacity).scale
+    error[~np.isfinite(friction)] = np.inf
+    friction[np.isinf(error)] = np.nan
+    return friction, error, level
+
+
+def _refuse_unsettled(name: str, error: Array, accuracy: float, first: int = 0) -> None:
+    """Raise the error of the first slice that is not as accurate as asked."""
+    bad = np.flatnonzero(~(error <= accuracy))
+    if not bad.size:
+        return
+    k, off = int(bad[0]), float(error[bad[0]])
+    if np.isfinite(off):
+        raise DomainError(
+            f"{name}: slice {first + k} did not settle: the error of its friction is {off:.1e} at "
+            f"{GRIDS[-1][0]} cells, {accuracy:g} is asked; ask for less accuracy, or take maxwell-eyring"
+        )
+    raise DomainError(
+        f"{name}: slice {first + k} has no solution: its film runs away thermally, its oil thickens with heat, or a "
+        "value is too large or too small; take maxwell-eyring"
+    )
+
+
+# Model ---------------------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen(kw_only=True)
+class MaxwellEyringField(TractionModel):
+    """Maxwell-Eyring oil, integrated over Hertz's pressure, the film's and the surfaces' temperatures.
+
+    V/h = (u/Gamma) dtau/dx + mean over z of (tau0/eta) sinh(tau/tau0), tau(-b) = 0, eta = eta_Ni exp(-beta theta) with
+    eta_Ni and beta = -dln(eta)/dT after the oil's law at p = (4/pi) p_mean sqrt(1 - x^2/b^2);
+    rho_f c_f u dtheta/dx = K_f d2theta/dz2 + tau (tau0/eta) sinh(tau/tau0) across the film, and at both walls
+    theta = 1/(E sqrt(pi u)) integral of K_f (dtheta/dz)(x') / sqrt(x - x') dx', E = sqrt(K rho c) of the solids.
+    mu = mean(tau)/p_mean, with the sign of V.
+
+    It is the reference of the closed forms ``muraki``, ``maxwell-eyring`` and ``eyring``, which take the mean pressure,
+    the mean stress, and a temperature that is uniform and without the film's own heat capacity. Accuracy is by
+    refinement: the grid is doubled until the extrapolated friction stands still.
+
+    Range: sliding slow against rolling. Film and both surfaces move with u here; surfaces at u + V/2 and u - V/2 would
+    have a mean flash temperature larger by the factor 1 + (3/32) (V/u)^2. Conduction along the film, heat of
+    compression, and the change of h, K_f and rho_f c_f over the contact are left out. Where
+    beta tau tau0/(Gamma rho_f c_f) is of order 1 or more (1e-3 to 1e-2 for oils) an elastic film releases its energy
+    faster than it is conducted, in an ever thinner band; such a slice is refused, and one for which the finest grid
+    does not suffice.
+
+    The heat capacity of oils is 1.7e6 to 1.9e6 J/(m3 K), 850 to 950 kg/m3 times 1.9 to 2.1 kJ/(kg K) (grade C).
+
+    Raises
+    ------
+    DomainError
+        From ``evaluate``: if a slice does not reach the accuracy, or has no solution.
+    """
+
+    name: ClassVar[str] = "maxwell-eyring-field"
+    equation: ClassVar[str] = (
+        "mu = mean(tau)/p, V/h = (u/Gamma) dtau/dx + mean_z[(tau0/eta) sinh(tau/tau0)], eta = eta(p(x)) "
+        "exp(-beta(p(x)) theta(x, z)), rho_f c_f u dtheta/dx = K_f d2theta/dz2 + tau dgamma/dt"
+    )
+    references: ClassVar[tuple[str, ...]] = (
+        "Johnson K.L., Tevaarwerk J.L. Shear behaviour of elastohydrodynamic oil films. "
+        "Proc. R. Soc. Lond. A 356, 1977, 215-236.",
+        "Carslaw H.S., Jaeger J.C. Conduction of Heat in Solids. 2nd ed., Oxford, 1959, section 2.9.",
+        KLEBANOV,
+    )
+    #: what is left when Newton's method ends in other company
+    tolerance: ClassVar[float] = 1e-7
+
+    accuracy: float = parameter(
+        default=1e-4, unit="1", validator=in_range(1e-8, 0.1), doc="relative error of the friction that is allowed"
+    )
+    heat_capacity: float = parameter(
+        default=OIL_HEAT_CAPACITY,
+        unit="J/(m3 K)",
+        validator=positive,
+        doc="heat capacity rho_f c_f of the oil by volume",
+    )
+    law: PressureViscosity = from_oil()
+
+    @property
+    def reads(self) -> frozenset[str]:  # type: ignore[override]
+        """Contact, film and oil; of the latter what its law reads."""
+        return frozenset(_DOMAIN) | self.law.reads
+
+    @property
+    def domain(self) -> Domain:  # type: ignore[override]
+        """Where the field and the oil's law are defined."""
+        both = dict(_DOMAIN)
+        for member, (low, high) in self.law.domain.items():
+            other_low, other_high = both.get(member, (low, high))
+            both[member] = (max(low, other_low), min(high, other_high))
+        return MappingProxyType(both)
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the traction coefficient."""
+        slices.friction[...], error = solve_friction(
+            slices, law=self.law, heat_capacity=self.heat_capacity, accuracy=self.accuracy
+        )
+        _refuse_unsettled(self.name, error, self.accuracy)
+
+
+_DOMAIN: Final[Domain] = MappingProxyType(
+    {
+        "pressure": POSITIVE,
+        "half_width": POSITIVE,
+        "film_thickness": POSITIVE,
+        "rolling_speed": POSITIVE,
+        "sliding_speed": FINITE,
+        "effusivity": POSITIVE,
+        "conductivity": POSITIVE,
+        "eyring_stress": POSITIVE,
+        "shear_modulus": POSITIVE,
+    }
+)
+
+
+@hookimpl
+def traction_models() -> list[type[TractionModel]]:
+    """Offer the field."""
+    return [MaxwellEyringField]
