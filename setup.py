@@ -1,6 +1,7 @@
 """Build the compiled kernels; everything else is in pyproject.toml."""
 
 import glob
+import os
 import sys
 
 from Cython.Distutils import Extension
@@ -9,6 +10,8 @@ from setuptools import setup
 HERE = "kernels/rollslip_kernels"
 # Without the two -fno- flags the block loops do not vectorise; -ffast-math would break exp's rounding.
 FLAGS = [] if sys.platform == "win32" else ["-O3", "-fno-math-errno", "-fno-trapping-math"]
+# ROLLSLIP_BOUNDSCHECK=1 checks every index of a memoryview, for a build under test.
+CHECKED = os.environ.get("ROLLSLIP_BOUNDSCHECK") == "1"
 
 
 def kernel(name: str) -> Extension:
@@ -22,10 +25,10 @@ def kernel(name: str) -> Extension:
         extra_compile_args=FLAGS,
         cython_directives={
             "language_level": 3,
-            "boundscheck": False,
+            "boundscheck": CHECKED,
             "wraparound": False,
             "cdivision": True,
-            "initializedcheck": False,
+            "initializedcheck": CHECKED,
         },
     )
 

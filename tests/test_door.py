@@ -5,7 +5,7 @@ import ctypes
 import pytest
 
 from packages import TRACTION, install, python, rollslip
-from rollslip import get_model
+from rollslip import available, get_model
 from rollslip.foreign import SlicesStruct
 
 SIZE = ctypes.sizeof(SlicesStruct)
@@ -275,7 +275,7 @@ for name in {names}:
         print(repr(str(error)))
 print(len(available("traction")))
 """
-BOX = 6
+BOX = sum(offer.package == "rollslip" for offer in available("traction").values())
 IMPORTED = "raise SystemExit('imported')"
 
 

@@ -21,8 +21,8 @@ from rollslip.errors import PluginError, SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
 from rollslip.reading import (
     Where,
-    _key_lines,
     evolve,
+    key_lines,
     load_scene,
     nearest,
     parse_scene,
@@ -691,7 +691,7 @@ def test_the_lines_of_a_tricky_document() -> None:
     }
     tomllib.loads(TRICKY)
     for text in (TRICKY, TRICKY + "\n", TRICKY.replace("\n", "\r\n")):
-        lines = _key_lines(text)
+        lines = key_lines(text)
         assert {path: lines.get(path) for path in expected} == expected
 
 
@@ -755,7 +755,7 @@ def leaves(value: object, path: tuple[str | int, ...] = ()) -> list[tuple[str | 
 def test_every_key_has_the_line_where_it_appeared(lines: list[str]) -> None:
     """The line noted for a key is that of the statement with which the key enters the parsed document."""
     text = valid_document(lines)
-    noted = _key_lines(text)
+    noted = key_lines(text)
     every: set[tuple[str | int, ...]] = set()
     for path in leaves(tomllib.loads(text)):
         longest = next((path[:n] for n in range(len(path), 0, -1) if path[:n] in noted), None)

@@ -23,6 +23,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.errors import PluginError
+from rollslip.units import as_written
 
 #: Kind -> the hook that collects it; the entry-point group is "rollslip.<kind>".
 KINDS: Final = MappingProxyType(
@@ -204,7 +205,7 @@ def find(kind: str, name: str) -> Offer:
     names = list(available(kind))
     near = difflib.get_close_matches(name, names, n=3, cutoff=0.4)
     hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(names) or 'none'}"
-    raise PluginError(f"no {kind} is called {name!r}; {hint} ('rollslip models {kind}' lists them)")
+    raise PluginError(f"no {kind} is called {as_written(name)}; {hint} ('rollslip models {kind}' lists them)")
 
 
 def _check_kind(kind: str) -> None:

@@ -52,6 +52,7 @@ _PART = r"""[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*'"""
 _KEY = re.compile(rf"(?:{_PART})(?:[ \t]*\.[ \t]*(?:{_PART}))*")
 _PARTS = re.compile(_PART)
 _CHANGES = "changes"
+_DEEPEST = 32  # tables and lists within each other; far more than any scene has, and far less than Python's stack
 
 
 @attrs.frozen
@@ -78,7 +79,8 @@ def _dotted(path: KeyPath) -> str:
         if isinstance(part, int):
             text += f"[{part}]"
         else:
-            text += ("." if text else "") + (part if re.fullmatch(r"[\w-]+", part, re.ASCII) else f"{part!r}")
+            plain = re.fullmatch(r"[\w-]{1,80}", part, re.ASCII) is not None
+            text += ("." if text else "") + (part if plain else as_written(part))
     return text
 
 
@@ -236,7 +238,7 @@ def _converted(kind: Any, raw: object, unit: str, where: Where, faults: list[str
             faults.append(where.says(str(error)))
             return _MISSING
     elif kind is int:
-        if isinstance(raw, Integral) and not isinstance(raw, bool):
+        if isinstance(raw, Integral) and not isinstance(raw, bool) and _storable(raw):
             return int(raw)
         expected = "a whole number"
     elif kind is bool:
@@ -268,6 +270,9 @@ def _list(
 
 def _frozen(raw: object, where: Where, faults: list[str]) -> object:
     """Keep a value as it is written, if it is of a kind that a scene may hold."""
+    if len(where.path) > _DEEPEST:
+        faults.append(where.says(f"is nested too deeply, {_DEEPEST} tables and lists within each other are the most"))
+        return _MISSING
     if isinstance(raw, bool | str):
         return raw
     if isinstance(raw, Mapping):
@@ -277,11 +282,17 @@ def _frozen(raw: object, where: Where, faults: list[str]) -> object:
         values = tuple(_frozen(value, where.at(index), faults) for index, value in enumerate(raw))
         return _MISSING if _MISSING in values else values
     if isinstance(raw, Integral):
-        return int(raw)
-    if isinstance(raw, Real) and math.isfinite(raw):
+        if _storable(raw):
+            return int(raw)
+    elif isinstance(raw, Real) and math.isfinite(raw):
         return float(raw)
     faults.append(where.says(f"{as_written(raw)} cannot be used: a finite number, a text, a list or a table can"))
     return _MISSING
+
+
+def _storable(number: Integral) -> bool:
+    """Whether a whole number has the 64 bits that TOML asks for; what has more, no other program can read either."""
+    return -(2**63) <= int(number) < 2**63
 
 
 # Reading ------------------------------------------------------------------------------------------------------------
@@ -319,7 +330,7 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
     if isinstance(name_or_path, str) and not source.endswith(".toml"):
         shipped = _shipped()
         if source in shipped:
-            return parse_scene(_decoded(shipped[source].read_bytes(), source), source)
+            return parse_scene(decoded(shipped[source].read_bytes(), source), source)
         if not source or not path.exists():
             alike = ", ".join(nearest(source, shipped, cutoff=0.0)) or "none"
             raise SceneError(
@@ -334,10 +345,11 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
     except (OSError, ValueError) as error:  # ValueError: a null byte in the path
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise SceneError([f"{source}: cannot be read: {reason}"]) from None
-    return parse_scene(_decoded(content, source), source)
+    return parse_scene(decoded(content, source), source)
 
 
-def _decoded(content: bytes, source: str) -> str:
+def decoded(content: bytes, source: str) -> str:
+    """Return the text of a file in UTF-8; ``source`` is its name in messages."""
     try:
         return content.decode("utf-8-sig")  # some editors put a mark at the start
     except UnicodeDecodeError as error:
@@ -365,8 +377,8 @@ def parse_scene(text: str, source: str) -> Scene:
     try:
         raw = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise SceneError([_syntax_error(error, text, source)]) from None
-    origins: dict[KeyPath, str] = {path: f"{source}:{line}" for path, line in _key_lines(text).items()}
+        raise SceneError([syntax_error(error, text, source)]) from None
+    origins: dict[KeyPath, str] = {path: f"{source}:{line}" for path, line in key_lines(text).items()}
     origins[()] = source
     return _scene(raw, origins, source, text)
 
@@ -427,11 +439,12 @@ def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:
 _UNQUOTED = re.compile(r"=\s*[+-]?[\d.]+(?:,|\s*(?![eE][+-]?\d|[xob_])[A-Za-z%/])")
 
 
-def _syntax_error(error: Exception, text: str, source: str) -> str:
+def syntax_error(error: Exception, text: str, source: str) -> str:
     """Say where the text is not TOML; tomllib gives the place in words only."""
     if not isinstance(error, tomllib.TOMLDecodeError):  # endless digits or brackets
         return f"{source}: not valid TOML: {error}"
     message, _, place = str(error).rpartition(" (at ")
+    message = message if len(message) <= 200 else message[:197] + "..."  # it may spell a whole key out
     found = re.fullmatch(r"line (\d+), column (\d+)\)", place)
     line = int(found[1]) if found else text.count("\n") + 1
     column = f" (column {found[2]})" if found else " (at the end of the file)"
@@ -453,7 +466,7 @@ _VALUE_TOKEN = re.compile(
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 
 
-def _key_lines(text: str) -> dict[KeyPath, int]:
+def key_lines(text: str) -> dict[KeyPath, int]:
     """Map each key of a valid TOML document to its line; keys inside a value count with the key that holds them."""
     lines: dict[KeyPath, int] = {}
     tables: dict[KeyPath, int] = {}  # how many elements each array of tables has so far
@@ -468,7 +481,7 @@ def _key_lines(text: str) -> dict[KeyPath, int]:
     def note(start: KeyPath, parts: list[str]) -> KeyPath:
         """Note the line of a dotted key and, where they are new, of the tables that it opens."""
         path = start
-        for number, part in enumerate(parts, 1):
+        for number, part in enumerate(parts[:_DEEPEST], 1):  # a deeper key is refused later
             path = (*path, part)
             lines.setdefault(path, line)
             if path in tables and number < len(parts):
@@ -557,11 +570,14 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
         try:
             path = tuple(_split_key(key.strip()))
             _set(raw, path, _thawed(value))
-        except ValueError as error:
-            problems.append(f"{_CHANGES}: {key!r} {error}")
+        except (ValueError, RecursionError) as error:
+            reason = "is nested too deeply" if isinstance(error, RecursionError) else str(error)
+            problems.append(f"{_CHANGES}: {as_written(key)} {reason}")
             continue
         for below in [known for known in origins if known[: len(path)] == path]:
             del origins[below]
+        for opened in range(1, min(len(path), _DEEPEST)):
+            origins.setdefault(path[:opened], _CHANGES)
         origins[path] = _CHANGES
     if problems:
         raise SceneError(problems)
@@ -610,7 +626,7 @@ def parse_set(text: str) -> tuple[str, object]:
     """
     key, equals, value = text.partition("=")
     if not equals or not key.strip():
-        raise SceneError([f"{text!r}: write KEY=VALUE, such as operation.radial_load='500 N'"])
+        raise SceneError([f"{as_written(text)}: write KEY=VALUE, such as operation.radial_load='500 N'"])
     key, value = key.strip(), value.strip()
     try:
         parsed = tomllib.loads(f"value = {value}")

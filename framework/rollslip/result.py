@@ -72,7 +72,7 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
                     "package": offers[kind].package,
                     "version": offers[kind].version,
                     "equation": model.equation,
-                    "references": _references(model),
+                    "references": references_of(model),
                     "parameters": repr(model),
                 }
                 for kind, model in models.items()
@@ -98,14 +98,14 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
 def citations(assembly: Assembly) -> list[str]:
     """Return what to cite for a bearing's models and oil, the paper that rollslip follows first."""
     oil = assembly.lubricant
-    used = [text for model in assembly.models.values() for text in _references(model)]
+    used = [text for model in assembly.models.values() for text in references_of(model)]
     return list(dict.fromkeys([KLEBANOV, *used, *oil.references, *oil.pressure_viscosity_law.references]))
 
 
-def _references(model: SliceModel) -> list[str]:
+def references_of(model: SliceModel) -> list[str]:
     """Citations of a model and of the models it is composed of."""
     children = [getattr(model, a.name) for a in getattr(model, "__attrs_attrs__", ()) if "kind" in a.metadata]
-    return list(dict.fromkeys([*model.references, *(text for child in children for text in _references(child))]))
+    return list(dict.fromkeys([*model.references, *(text for child in children for text in references_of(child))]))
 
 
 @contextmanager
@@ -197,7 +197,7 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
     try:
         with xr.open_dataset(path, engine="h5netcdf") as stored:
             dataset = stored.load()
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, KeyError, RuntimeError) as error:
         raise OutputError(f"{path}: is not a netCDF file that can be read ({error})") from error
     if "study" not in dataset.attrs or "scene_hash" not in dataset.attrs:
         raise OutputError(f"{path}: is a netCDF file but not a result of rollslip; it names no study and no scene")

@@ -245,7 +245,9 @@ class Accuracy:
         default=1e-3, unit="1", doc="relative error that is acceptable", validator=in_range(0, 1, open=True)
     )
     slices: int = field(
-        default=101, doc="slices along a roller, where a profile or a tilt needs them", validator=at_least(3)
+        default=101,
+        doc="slices along a roller, where a profile or a tilt needs them",
+        validator=attrs.validators.and_(at_least(3), in_range(3, 10_000)),
     )
 
 

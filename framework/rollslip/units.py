@@ -101,6 +101,8 @@ _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "W/(m K)": ("a thermal conductivity", "46 W/(m K)", ("W/(m K)",)),
 }
 
+_LONGEST = 80  # characters of a value that a message repeats
+_MOST_FACTORS = 8  # above or below the line; exact fractions of thousands take minutes
 _CELSIUS_ZERO = Fraction("273.15")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+)([^\d,][^,]*)?", re.ASCII)
@@ -123,7 +125,10 @@ def _unit(text: str) -> tuple[Fraction, Dimension]:
 
 def _product(factors: str, unit: str) -> tuple[Fraction, Dimension]:
     size, dimension = _ATOMS["1"]
-    for word in factors.split() or [""]:
+    words = factors.split() or [""]
+    if len(words) > _MOST_FACTORS:
+        raise UnitError(f"{as_written(unit)} is not a unit, it has {len(words)} factors")
+    for word in words:
         factor = _FACTOR.fullmatch(word)
         if factor is None or factor[1] not in _ATOMS:
             raise UnitError(f"{as_written(unit)} is not a unit that is known here")
@@ -153,8 +158,10 @@ def as_written(value: object) -> str:
         return "a table"
     if isinstance(value, list | tuple):
         return "a list"
+    if isinstance(value, int) and value.bit_length() > 256:  # beyond some thousand digits Python writes none
+        return "a whole number of more than 77 digits"
     text = repr(value) if isinstance(value, str) else str(value)
-    return text if len(text) <= 80 else text[:77] + "..."
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
 def check_unit(unit: str) -> str:
@@ -243,14 +250,14 @@ def _from_text(text: str, unit: str) -> Fraction:
         raise UnitError(f"{as_written(text)}: {error}; here {expectation(unit)}") from None
     if dimension != _unit(unit)[1]:
         known = _known_as(dimension)
-        name = f"a quantity in {symbol}" if known is None else _QUANTITIES[known][0]
+        name = f"a quantity in {' '.join(symbol.split())}" if known is None else _QUANTITIES[known][0]
         raise UnitError(f"{as_written(text)} is {name}, here {expectation(unit)}")
     return value * size
 
 
 def _without_comma(text: str, unit: str) -> str:
     number = _DECIMAL_COMMA.fullmatch(text)
-    if number is None:
+    if number is None or len(text) > _LONGEST:
         return f"here {expectation(unit)}"
     whole, digits, rest = number[1], number[2], number[3] or ""
     # Three digits may as well be thousands: show both.
