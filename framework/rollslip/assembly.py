@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rollslip.chain import Chain
 from rollslip.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_equilibrium
-from rollslip.errors import DomainError, SceneError
+from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.kinematics import Kinematics
 from rollslip.lubricant import Lubricant, lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
@@ -83,9 +83,22 @@ class Assembly:
 
     @property
     def centrifugal_force(self) -> float:
-        """Centrifugal force m R_m w_ce^2 of a roller at the epicyclic cage speed [N]."""
+        """Centrifugal force m R_m w_ce^2 of a roller at the epicyclic cage speed [N].
+
+        Raises
+        ------
+        DomainError
+            If it overflows.
+        """
         k = self.kinematics
-        return self.roller_mass * k.orbit_radius * k.epicyclic_cage_speed**2
+        speed = k.epicyclic_cage_speed
+        force = self.roller_mass * k.orbit_radius * (speed * speed)  # a power would raise where it overflows
+        if not force < math.inf:
+            raise DomainError(
+                f"the centrifugal force of a roller of {self.roller_mass:g} kg overflows at a cage speed of "
+                f"{speed:g} rad/s; lower operation.inner_speed and operation.outer_speed, or the mass"
+            )
+        return force
 
     def coarser(self) -> "Assembly":
         """Return the same bearing with half as many slices, to estimate what the slices leave."""
@@ -98,6 +111,8 @@ class Assembly:
         ------
         ConvergenceError
             If forces and moments do not balance to 1e-10.
+        DomainError
+            If a force is more than the contact law, or a float, can hold.
         """
         b, o = self.scene.bearing, self.scene.operation
         case = LoadCase(
@@ -177,6 +192,8 @@ def _lubricant(scene: Scene, where: Where, problems: list[str]) -> Lubricant | N
     except SceneError as error:
         problems += error.problems
         return None
+    except PluginError as error:
+        raise PluginError(where.at("lubricant").at("name").says(str(error))) from error
 
 
 def _profile_drop(scene: Scene, slices: int) -> Array:

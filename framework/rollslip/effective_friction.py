@@ -6,7 +6,7 @@
 - Equal rollers repeat after one pitch, so the instants are spread over a pitch and doubled until the curve and its
   maximum stand still; what the last doubling still moved is reported.
 - Effective friction is positive where it drives the cage towards its epicyclic speed. With the outer ring driving that
-  is against the direction in which rolling speeds are positive, hence the sign in ``_LoadedContacts``.
+  is against the direction in which rolling speeds are positive, hence the sign in ``LoadedContacts``.
 - What a roller spins at is not fixed by the cage slip. The closures are: ``outer-rolling`` (pure rolling on the outer
   ring), ``epicyclic`` (every roller at its epicyclic spin) and ``free-roller`` (each loaded roller spins so that both
   rings pull alike). The map over cage slip and roller slip, which needs none, is stored beside the curve.
@@ -21,7 +21,7 @@ import numpy as np
 from rollslip.assembly import RINGS, Array, Assembly, Raceway
 from rollslip.critical import Critical, locate
 from rollslip.equilibrium import LoadDistribution
-from rollslip.errors import ConvergenceError, SceneError
+from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.friction_curve import about, slip_grid
 from rollslip.kinematics import SurfaceSpeeds
@@ -83,22 +83,35 @@ class EffectiveFriction:
         ------
         SceneError
             If no roller is loaded on the inner ring.
+        DomainError
+            If a contact rolls backwards at a cage slip of the range, or a law has no value there.
         ConvergenceError
-            If doubling the instants does not settle the curve.
+            If doubling the instants does not settle the curve, or the radial load is lost beside centrifugal forces.
         """
         slip = slip_grid(self.max_cage_slip, self.points)
         raceways, friction, critical, error = self._converged(assembly, slip)
         return self._dataset(assembly, raceways, slip, friction, critical, error)
 
+    def at_instants(self, assembly: Assembly, instants: int, error: float) -> "xr.Dataset":
+        """Return what `run` does, on a given number of instants, which leave a relative error known to the caller."""
+        slip = slip_grid(self.max_cage_slip, self.points)
+        raceways = self.loaded(assembly, instants)
+        friction = raceways.curve(slip)
+        return self._dataset(assembly, raceways, slip, friction, raceways.critical(slip, friction), error)
+
+    def loaded(self, assembly: Assembly, instants: int) -> "LoadedRaceways":
+        """Return the loaded contacts at a number of instants of a pitch."""
+        return LoadedRaceways(assembly, assembly.load_distribution(instants), self.closure)
+
     def _converged(
         self, assembly: Assembly, slip: Array
-    ) -> "tuple[_LoadedRaceways, Array, tuple[Critical, Critical], float]":
+    ) -> "tuple[LoadedRaceways, Array, tuple[Critical, Critical], float]":
         """Double the instants until neither the curves nor the critical slips move by more than the tolerance."""
         tolerance = assembly.scene.accuracy.tolerance
         before: tuple[Array, tuple[Critical, Critical]] | None = None
         instants, moved = _FIRST_INSTANTS, np.inf
         while instants <= _MOST_INSTANTS:
-            raceways = _LoadedRaceways(assembly, assembly.load_distribution(instants), self.closure)
+            raceways = self.loaded(assembly, instants)
             friction = raceways.curve(slip)
             critical = raceways.critical(slip, friction)
             if before is not None:
@@ -108,13 +121,13 @@ class EffectiveFriction:
             before, instants = (friction, critical), 2 * instants
         raise ConvergenceError(
             f"effective friction still moves by {moved:.1e} (relative) from {_MOST_INSTANTS // 2} to {_MOST_INSTANTS} "
-            f"instants of a pitch; accuracy.tolerance is {tolerance:g}"
+            f"instants of a pitch; raise accuracy.tolerance, which is {tolerance:g}"
         )
 
     def _dataset(
         self,
         assembly: Assembly,
-        raceways: "_LoadedRaceways",
+        raceways: "LoadedRaceways",
         slip: Array,
         friction: Array,
         critical: tuple[Critical, Critical],
@@ -198,7 +211,7 @@ class EffectiveFriction:
         )
 
 
-class _LoadedContacts:
+class LoadedContacts:
     """The loaded slices of one raceway at all instants, one table that is evaluated again and again."""
 
     def __init__(self, raceway: Raceway, load: Array, width: float, orbit: float) -> None:
@@ -229,14 +242,14 @@ class _LoadedContacts:
         return float((values * self.force).sum() / self.total) if self.total > 0.0 else np.nan
 
 
-class _LoadedRaceways:
+class LoadedRaceways:
     """Both raceways under one load distribution, and the closure that gives the rollers their spin."""
 
     def __init__(self, assembly: Assembly, distribution: LoadDistribution, closure: str) -> None:
         self.assembly, self.distribution, self.closure = assembly, distribution, closure
         width, orbit = assembly.slice_width, float(np.sign(assembly.kinematics.epicyclic_cage_speed))
-        self.inner = _LoadedContacts(assembly.inner, distribution.inner_load, width, orbit)
-        self.outer = _LoadedContacts(assembly.outer, distribution.outer_load, width, orbit)
+        self.inner = LoadedContacts(assembly.inner, distribution.inner_load, width, orbit)
+        self.outer = LoadedContacts(assembly.outer, distribution.outer_load, width, orbit)
         if self.inner.total == 0.0:
             operation, bearing = assembly.scene.operation, assembly.scene.bearing
             raise SceneError(
@@ -247,6 +260,13 @@ class _LoadedRaceways:
                         "average; give a radial load or a negative clearance"
                     )
                 ]
+            )
+        inner, outer = float(distribution.inner_force.max()), float(distribution.outer_force.max())
+        unbalanced = max(distribution.force_residual, np.finfo(float).eps) * max(inner, outer)
+        if unbalanced > max(assembly.scene.accuracy.tolerance, 1e-9) * inner:
+            raise ConvergenceError(
+                f"the forces on the inner ring, at most {inner:.2g} N, are lost beside those of up to {outer:.2g} N on "
+                f"the outer ring, which balance to {unbalanced:.1g} N; give more radial load or less speed"
             )
 
     def speeds(self, cage_slip: float) -> SurfaceSpeeds:
@@ -280,7 +300,7 @@ class _LoadedRaceways:
             speeds = kinematics.surface_speeds(cage_slip, trial)
             pulls = [
                 contacts.per_roller(contacts.force * contacts.friction(rolling, sliding))
-                for contacts, rolling, sliding in self._with(speeds)
+                for contacts, rolling, sliding in self.contacts(speeds)
             ]
             return np.asarray((pulls[0] - pulls[1])[roller])
 
@@ -289,17 +309,25 @@ class _LoadedRaceways:
         if not np.all(found.success):
             raise ConvergenceError(
                 f"closure 'free-roller' found no spin for {np.count_nonzero(~found.success)} of {loaded.size} rollers "
-                f"at a cage slip of {cage_slip:g}"
+                f"at a cage slip of {cage_slip:g}, where friction rises within the rounding of the speeds or has no "
+                "balance; take closure 'epicyclic' or 'outer-rolling'"
             )
         result[loaded] = found.x
         return result
 
-    def _with(self, speeds: SurfaceSpeeds) -> "Iterator[tuple[_LoadedContacts, Any, Any]]":
+    def contacts(self, speeds: SurfaceSpeeds) -> "Iterator[tuple[LoadedContacts, Any, Any]]":
         """Contacts of each ring with the rolling and sliding speed of their slices."""
         for contacts, rolling, sliding in (
             (self.inner, speeds.inner_rolling, speeds.inner_sliding),
             (self.outer, speeds.outer_rolling, speeds.outer_sliding),
         ):
+            if not np.all(rolling > 0.0):
+                slip = 1.0 - float(np.ravel(speeds.cage_speed)[0]) / self.assembly.kinematics.epicyclic_cage_speed
+                raise DomainError(
+                    f"at a cage slip of {slip:.3g} a contact of the {contacts.raceway.ring} ring has the entrainment "
+                    f"speed {np.min(rolling):.3g} m/s, which draws no oil in; lower "
+                    "study.effective-friction.max_cage_slip"
+                )
             if rolling.ndim:
                 rolling, sliding = rolling[contacts.owner], sliding[contacts.owner]
             yield contacts, rolling, sliding
@@ -308,7 +336,7 @@ class _LoadedRaceways:
         """Effective friction of both rings, (2, n)."""
         return np.array(
             [
-                [contacts.mean(contacts.friction(u, V)) for contacts, u, V in self._with(self.speeds(float(s)))]
+                [contacts.mean(contacts.friction(u, V)) for contacts, u, V in self.contacts(self.speeds(float(s)))]
                 for s in slip
             ]
         ).T
@@ -327,7 +355,7 @@ class _LoadedRaceways:
             return 0.0
         assembly = self.assembly.coarser()
         loads = assembly.load_distribution(self.distribution.psi.shape[0])
-        return _moved(_LoadedRaceways(assembly, loads, self.closure).curve(slip), friction)
+        return _moved(LoadedRaceways(assembly, loads, self.closure).curve(slip), friction)
 
     def details(self, slip: Array) -> dict[str, Array]:
         """What goes with the curve, and in which regimes the contacts run over all of it."""
@@ -338,7 +366,7 @@ class _LoadedRaceways:
         epicyclic_spin = self.assembly.kinematics.epicyclic_roller_speed
         for k, s in enumerate(slip):
             speeds = self.speeds(float(s))
-            for i, (contacts, u, V) in enumerate(self._with(speeds)):
+            for i, (contacts, u, V) in enumerate(self.contacts(speeds)):
                 contacts.friction(u, V)
                 slices = contacts.slices
                 spin = speeds.roller_speed[contacts.owner] if speeds.roller_speed.ndim else speeds.roller_speed
@@ -358,7 +386,7 @@ class _LoadedRaceways:
         rollers = self.distribution.psi.shape[1]
         out = np.full((2, rollers, slip.size), np.nan)
         for k, s in enumerate(slip):
-            for i, (contacts, u, V) in enumerate(self._with(self.speeds(float(s)))):
+            for i, (contacts, u, V) in enumerate(self.contacts(self.speeds(float(s)))):
                 pull = contacts.per_roller(contacts.friction(u, V) * contacts.force)[:rollers]
                 force = contacts.per_roller(contacts.force)[:rollers]
                 out[i, force > 0.0, k] = pull[force > 0.0] / force[force > 0.0]
@@ -374,7 +402,7 @@ class _LoadedRaceways:
         for j, c in enumerate(cage):
             for k, r in enumerate(roller):
                 speeds = kinematics.surface_speeds(c, r)
-                for i, (contacts, u, V) in enumerate(self._with(speeds)):
+                for i, (contacts, u, V) in enumerate(self.contacts(speeds)):
                     surface[i, j, k] = contacts.mean(contacts.friction(u, V))
         return cage, roller, surface
 

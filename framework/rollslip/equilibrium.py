@@ -44,6 +44,7 @@ _SHALLOWER = 0.9  # and from pass to pass: deep steps find many contacts fast, s
 _TRACE = 1e-14  # stiffness of an open contact in the Hessian, relative to the stiffest
 _LIMIT = 200  # passes; usual are 5 to 10
 _APPROACH = np.logspace(-24, -3, 211)  # [m], where a contact law is sampled to estimate deflections
+_REMEDY = "check the load, the clearance, the misalignment and the speed: rollers and rings must be able to bear them"
 
 
 def angular_positions(rollers: int, instants: int) -> Floats:
@@ -330,6 +331,8 @@ class _Problem:
         )
 
     def forces(self, state: _State, active: NDArray[np.intp]) -> _Forces:
+        if not (np.all(np.isfinite(state.inner)) and np.all(np.isfinite(state.outer))):
+            raise ConvergenceError(f"the bearing found no equilibrium in the range of floats; {_REMEDY}")
         inner_load, inner_stiffness = self.deflection(state.inner, "inner")
         outer_load, outer_stiffness = self.deflection(state.outer, "outer")
         inner, outer = (np.moveaxis(load @ self.powers[:, :2], -1, 0) for load in (inner_load, outer_load))
@@ -442,7 +445,8 @@ def solve_equilibrium(case: LoadCase, deflection: Deflection) -> LoadDistributio
     ------
     ConvergenceError
         Forces or moments do not balance to 1e-10; the message says how far it came. So it is when no roller can carry
-        the load; it has also been seen, once in thousands, with a misaligned ring under less than 0.01 N.
+        the load, or when it presses contacts many millimetres deep; it has also been seen, once in thousands, with a
+        misaligned ring under less than 0.01 N.
 
     Examples
     --------
@@ -458,6 +462,11 @@ def solve_equilibrium(case: LoadCase, deflection: Deflection) -> LoadDistributio
     ----------
     ISO/TS 16281:2008; ISO 5593 (clearance); T. A. Harris, M. N. Kotzalas, Essential Concepts of Bearing Technology.
     """
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused, or does not balance
+        return _solved(case, deflection)
+
+
+def _solved(case: LoadCase, deflection: Deflection) -> LoadDistribution:
     problem = _Problem(case, deflection)
     result = state = problem.start()
     everyone = active = np.arange(case.psi.shape[0])
@@ -485,7 +494,7 @@ def solve_equilibrium(case: LoadCase, deflection: Deflection) -> LoadDistributio
         raise ConvergenceError(
             f"the bearing found no equilibrium in {iteration} iterations at {active.size} of {everyone.size} instants: "
             f"relative residual of the forces {force_residual:.1e}, of the moments {moment_residual:.1e}, "
-            f"required {_REQUIRED:.0e}"
+            f"required {_REQUIRED:.0e}; {_REMEDY}"
         )
     half = 0.5 * case.roller_length
     moment = (forces.inner_load @ problem.powers[:, 1] * half * problem.direction[0]).sum(axis=1)

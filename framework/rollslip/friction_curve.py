@@ -7,6 +7,7 @@ import numpy as np
 
 from rollslip.assembly import Array, Assembly, Raceway
 from rollslip.critical import locate
+from rollslip.errors import DomainError
 from rollslip.fields import at_least, one_of, parameter, positive
 from rollslip.regimes import NAMES, film_by_regime, groups, moes_groups
 
@@ -56,7 +57,7 @@ class FrictionCurve:
         u = float(speeds.inner_rolling if self.ring == "inner" else speeds.outer_rolling)
         slip = slip_grid(self.max_slip, self.points)
         forces = np.array(self.normal_force)
-        rows = [_curve(assembly, raceway, load, u, slip) for load in _loads(assembly, raceway, forces)]
+        rows = [_curve(assembly, raceway, load, u, slip) for load in contact_loads(assembly, raceway, forces)]
 
         def stacked(name: str) -> Array:
             return np.stack([row[name] for row in rows])
@@ -115,24 +116,36 @@ def about(unit: str, long_name: str) -> dict[str, Any]:
     return {"units": unit, "long_name": long_name}
 
 
-def _loads(assembly: Assembly, raceway: Raceway, forces: Array) -> list[Array]:
+def contact_loads(assembly: Assembly, raceway: Raceway, forces: Array) -> list[Array]:
     """Loads per length of the loaded slices [N/m] of an aligned contact, for each normal force."""
     if assembly.slices == 1:
-        return [np.array([force / assembly.scene.bearing.roller_length]) for force in forces]
+        return [np.array([force / assembly.scene.bearing.roller_length]) for force in forces.tolist()]
     from scipy.optimize import brentq
 
+    drop = (
+        assembly.drop - assembly.drop.min()
+    )  # approaches are measured from the first touch, else small ones round off
+
     def load(approach: float) -> Array:
-        return assembly.deflect(approach - assembly.drop, raceway.ring)[0]
+        return assembly.deflect(approach - drop, raceway.ring)[0]
 
     def excess(approach: float, force: float) -> float:
-        return float(load(approach).sum()) * assembly.slice_width - force
+        with np.errstate(over="ignore"):  # far above a tiny force
+            return float((load(approach) * assembly.slice_width / force).sum()) - 1.0
 
     rows = []
     for force in forces:
-        upper = 1e-6
+        lower = upper = 1e-6
         while excess(upper, force) < 0.0:
             upper *= 2.0
-        row = load(brentq(excess, 0.0, upper, args=(force,), xtol=1e-18, rtol=1e-14))
+        while lower > 0.0 and excess(lower, force) > 0.0:
+            lower, upper = 0.5 * lower, lower
+        row = load(brentq(excess, lower, upper, args=(force,), xtol=5e-324, rtol=1e-14))
+        if not np.any(row > 0.0):
+            raise DomainError(
+                f"a normal force of {force:g} N is lost along a roller of {assembly.scene.bearing.roller_length:g} m: "
+                "its load per length is below all floats; give more of it"
+            )
         rows.append(row[row > 0.0])
     return rows
 

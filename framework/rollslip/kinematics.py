@@ -151,11 +151,12 @@ class Kinematics:
         Raises
         ------
         DomainError
-            The epicyclic cage speed is zero (rings turning against each other): no cage slip refers to it.
+            There is a cage slip, and the epicyclic cage speed that it refers to is zero (rings turning against each
+            other).
         """
         Sc, Sr = np.broadcast_arrays(np.asarray(cage_slip, dtype=float), np.asarray(roller_slip, dtype=float))
         u = self.roller_radius * self.epicyclic_roller_speed
-        cage_lag = self._slip_reference() * Sc
+        cage_lag = self._slip_reference() * Sc if np.any(Sc) else np.zeros_like(Sc)  # no slip refers to nothing
         inner, outer, spin = self.inner_radius * cage_lag, self.outer_radius * cage_lag, u * Sr
         return SurfaceSpeeds(
             inner_sliding=inner + spin,
@@ -188,7 +189,12 @@ class Kinematics:
         return self.outer_radius * self._slip_reference() / u * np.asarray(cage_slip, dtype=float)
 
     def _slip_reference(self) -> float:
-        speed = self.epicyclic_cage_speed
-        if speed == 0.0:
-            raise DomainError("the epicyclic cage speed is zero: cage slip, which is relative to it, has no meaning")
+        speed, Ri, Ro = self.epicyclic_cage_speed, self.inner_radius, self.outer_radius
+        # a sum whose terms cancel to their rounding has no digit of its own
+        rounding = 4.0 * math.ulp(1.0) * (abs(Ri * self.inner_speed) + abs(Ro * self.outer_speed)) / (Ri + Ro)
+        if abs(speed) <= rounding:
+            raise DomainError(
+                "the epicyclic cage speed is zero: cage slip, which is relative to it, has no meaning; change the "
+                "speed of a ring"
+            )
         return speed
