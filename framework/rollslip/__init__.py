@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rollslip.chain import Chain as Chain
+    from rollslip.comparison import compare as compare
     from rollslip.execution import load_distribution as load_distribution
     from rollslip.execution import run as run
+    from rollslip.fitting import fit as fit
     from rollslip.planning import plan as plan
     from rollslip.reading import evolve as evolve
     from rollslip.reading import load_scene as load_scene
@@ -27,7 +29,9 @@ _HOMES = {
     "Conditions": "rollslip_kernels.slices",
     "Slices": "rollslip_kernels.slices",
     "available": "rollslip.registry",
+    "compare": "rollslip.comparison",
     "evolve": "rollslip.reading",
+    "fit": "rollslip.fitting",
     "get_include": "rollslip_kernels",
     "get_model": "rollslip.registry",
     "load_distribution": "rollslip.execution",

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rollslip.scene import Scene
 
 #: What the shell sees.
-OK, BAD_SCENE, NOT_CONVERGED, BAD_PLUGIN, INTERRUPTED = 0, 2, 3, 5, 130
+OK, BAD_SCENE, NOT_CONVERGED, SOME_FAILED, BAD_PLUGIN, INTERRUPTED = 0, 2, 3, 4, 5, 130
 
 _json = click.option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")
 _set = click.option(
@@ -106,6 +106,138 @@ def plan(scene: str, study: str | None, changes: Sequence[str], as_json: bool) -
     else:
         click.echo(console.headline(made))
         console.print_plan(made)
+
+
+@cli.command()
+@click.argument("data", metavar="DATA.csv", type=click.Path(path_type=Path))
+@click.option("--parameters", metavar="NAME,NAME", required=True, help="What to fit, separated by commas.")
+@click.option("--traction", metavar="MODEL", help="Traction model, by default that of the rig file.")
+@click.option("--film", metavar="MODEL", help="Film model, by default that of the rig file.")
+@click.option(
+    "--rig", metavar="RIG.toml", type=click.Path(path_type=Path), help="Rig file, by default rig.toml beside the data."
+)
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for the results, new or empty.")
+@click.option("--overwrite", is_flag=True, help="Replace what is in the folder.")
+@click.option("--no-plots", is_flag=True, help="Write data and oil only.")
+@_json
+def fit(
+    data: Path,
+    parameters: str,
+    traction: str | None,
+    film: str | None,
+    rig: Path | None,
+    out: Path | None,
+    overwrite: bool,
+    no_plots: bool,
+    as_json: bool,
+) -> None:
+    """Fit parameters of oil and traction model to DATA of a traction rig, and write results, plots and an oil."""
+    from rollslip import console, fit_result
+    from rollslip.fitting import fit
+    from rollslip.result import save, whole
+
+    target = out if out is not None else _free_folder(f"{data.stem}-fit")
+    with whole(target, overwrite=overwrite) as folder:
+        with _progress("fit"):
+            found = fit(data, parameters=parameters, traction=traction, film=film, rig=rig)
+        save(found, folder / "fit.nc")
+        fit_result.write_oil(found, folder / f"{data.stem}.toml")
+        if not no_plots:
+            from rollslip.plots import plot
+
+            with _progress("plots"):
+                plot(found, folder)
+        files = sorted(path.name for path in folder.iterdir())
+    if as_json:
+        _print_json(fit_result.as_dict(found) | {"folder": str(target), "files": files})
+        return
+    click.echo(fit_result.headline(found))
+    console.print_table(
+        ("parameter", "value", "error", "68 %", "95 %", "what the data tell"), fit_result.parameter_rows(found)
+    )
+    click.echo("\n".join(fit_result.notes(found)))
+    for warning in json.loads(found.attrs["warnings"]):
+        click.echo(f"warning: {warning}", err=True)
+    click.echo(f"written to {target}: {', '.join(files)}")
+
+
+@cli.command()
+@click.argument("scene")
+@click.option("--traction", metavar="A,B", multiple=True, help="Traction models to compare.")
+@click.option("--film", metavar="A,B", multiple=True, help="Film models to compare.")
+@click.option("--contact", metavar="A,B", multiple=True, help="Contact models to compare.")
+@click.option(
+    "--reference",
+    metavar="NAME",
+    help="Traction that the others are held against; NAME,NAME for its film and contact too.",
+)
+@click.option("--study", metavar="STUDY", help="friction-curve or effective-friction.")
+@_set
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for the results, new or empty.")
+@click.option("--overwrite", is_flag=True, help="Replace what is in the folder.")
+@click.option("--report", is_flag=True, help="Write a report in HTML too.")
+@click.option("--no-plots", is_flag=True, help="Write data only.")
+@_json
+def compare(
+    scene: str,
+    traction: Sequence[str],
+    film: Sequence[str],
+    contact: Sequence[str],
+    reference: str | None,
+    study: str | None,
+    changes: Sequence[str],
+    out: Path | None,
+    overwrite: bool,
+    report: bool,
+    no_plots: bool,
+    as_json: bool,
+) -> None:
+    """Run every combination of models on SCENE; compare friction, critical slip and cost.
+
+    A model that is not composed of others takes the place of the hydrodynamic model where the scene's traction is a
+    blend, such as lambda-blend, and of the film where the scene's film is a correction, such as inlet-correction; --set
+    models.traction=NAME takes the blend out of the scene. What --reference does not name is the first of the
+    comparison, and without it that is what the others are held against.
+    """
+    from rollslip import console
+    from rollslip.comparison import plan_comparison, run_comparison
+    from rollslip.result import save, whole
+
+    made = plan_comparison(
+        _scene(scene, changes),
+        contact=",".join(contact),
+        film=",".join(film),
+        traction=",".join(traction),
+        reference=reference,
+        study=study,
+    )
+    if not as_json:
+        click.echo(console.comparison_headline(made))
+        console.print_comparison_plan(made)
+    target = out if out is not None else _free_folder(f"{Path(scene).stem}-comparison")
+    with whole(target, overwrite=overwrite) as folder:
+        with _progress("compare"):
+            dataset = run_comparison(made)
+        save(dataset, folder / "compare.nc")
+        if report or not no_plots:
+            from rollslip.plots import plot
+
+            with _progress("plots"):
+                figures = plot(dataset, folder)
+        if report:
+            from rollslip.report import write_report
+
+            write_report({"comparison": dataset}, {"comparison": figures}, folder / "report.html")
+        files = sorted(path.name for path in folder.iterdir())
+    if as_json:
+        _print_json(console.comparison_as_dict(dataset, target, files))
+    else:
+        console.print_comparison(dataset)
+        for warning in json.loads(dataset.attrs["warnings"]):
+            click.echo(f"warning: {warning}", err=True)
+        click.echo(f"written to {target}: {', '.join(files)}")
+    if any(dataset["status"] != "done"):
+        sys.exit(SOME_FAILED)
 
 
 @cli.command()

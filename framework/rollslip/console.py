@@ -22,6 +22,7 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rollslip.comparison import Comparison
     from rollslip.planning import Plan
 
 Sections = dict[str, list[tuple[str, str]]]
@@ -29,12 +30,15 @@ Sections = dict[str, list[tuple[str, str]]]
 
 def headline(plan: "Plan") -> str:
     """Return the first line of every run: version, scene and hash, models with their packages."""
-    models = ", ".join(
-        f"{kind} {model.name} ({find(kind, model.name).package} {find(kind, model.name).version})"
-        for kind, model in plan.assembly.models.items()
-    )
+    return _headline(plan.scene, ((kind, model.name, model.name) for kind, model in plan.assembly.models.items()))
+
+
+def _headline(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
+    """First line for models by kind, name and what they are called here."""
+    offers = ((kind, called, find(kind, name)) for kind, name, called in models)
+    used = ", ".join(f"{kind} {called} ({offer.package} {offer.version})" for kind, called, offer in offers)
     version = importlib.metadata.version("rollslip")
-    return f"rollslip {version} | {plan.scene.source} {scene_hash(plan.scene)[:12]} | {models}"
+    return f"rollslip {version} | {scene.source} {scene_hash(scene)[:12]} | {used}"
 
 
 def findings(dataset: "xr.Dataset") -> str:
@@ -79,6 +83,12 @@ def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]", target: Path
 
 def _critical_rows(dataset: "xr.Dataset") -> Iterable[tuple[str, dict[str, Any]]]:
     """Critical slip, its friction and its status of each ring or normal force."""
+    if dataset.attrs["study"] == "comparison":
+        from rollslip.comparison_findings import members
+
+        for label, one in members(dataset):
+            yield from ((f"{label}, {name}", row) for name, row in _critical_rows(one))
+        return
     if dataset.attrs["study"] == "effective-friction":
         names, slip = [f"{ring} ring" for ring in dataset["ring"].to_numpy()], dataset["critical_cage_slip"]
     else:
@@ -109,6 +119,58 @@ def print_plan(plan: "Plan") -> None:
         f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; "
         f"about {plan.evaluations} slices to evaluate, {plan.seconds:.2g} s in the kernels"
     )
+
+
+def comparison_headline(comparison: "Comparison") -> str:
+    """Return the first line of a comparison, with the models of all combinations."""
+    chosen = [one.choices for one in comparison.combinations.values()]
+    models = dict.fromkeys((kind, c[kind].name, c[kind].full) for kind in chosen[0] for c in chosen)
+    return _headline(comparison.scene, models)
+
+
+def print_comparison_plan(comparison: "Comparison") -> None:
+    """Print what a comparison will run, with its size and cost as far as they can be told."""
+    plans = comparison.plans.values()
+    click.echo(
+        f"{comparison.study} of {len(comparison.combinations)} combinations: {', '.join(comparison.combinations)}"
+    )
+    if comparison.exchanged:
+        click.echo(comparison.exchanged)
+    slices, seconds = sum(plan.evaluations for plan in plans), sum(plan.seconds for plan in plans)
+    click.echo(f"about {slices} slices to evaluate, {seconds:.2g} s in the kernels")
+
+
+def print_comparison(dataset: "xr.Dataset") -> None:
+    """Print what a comparison found: a table for each curve, and where the differences are."""
+    from rollslip.comparison_findings import findings, tables
+
+    for name, head, rows in tables(dataset):
+        click.echo(f"{name}:")
+        print_table(head, rows)
+    click.echo("\n".join(findings(dataset)))
+
+
+def comparison_as_dict(dataset: "xr.Dataset", target: Path, files: list[str]) -> dict[str, Any]:
+    """Return what a comparison found, as plain values; a value without meaning is null, with its status beside it."""
+    from rollslip.comparison_findings import findings, records
+
+    a = dataset.attrs
+    return {
+        "rollslip": importlib.metadata.version("rollslip"),
+        "scene": a["source"],
+        "scene_hash": a["scene_hash"],
+        "study": a["compared"],
+        "reference": a["reference"],
+        "reference_named": bool(a["reference_named"]),
+        "exchanged": a["exchanged"],
+        "results": records(dataset),
+        "findings": findings(dataset),
+        "warnings": json.loads(a["warnings"]),
+        "evaluations": int(a["evaluations"]),
+        "wall_time": float(a["wall_time"]),
+        "folder": str(target),
+        "files": files,
+    }
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
@@ -226,6 +288,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
             "meaning": a.metadata.get("doc", ""),
         }
         for a in attrs.fields(thing)
+        if a.metadata.get("key", a.name) is not None  # else nobody can set it
     ]
     about |= {
         "description": "\n".join(_doc(thing)),
@@ -323,14 +386,26 @@ def result_info(path: Path) -> Sections:
             ("dimensions", ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())),
             ("variables", ", ".join(map(str, dataset.data_vars))),
             ("evaluations", f"{a['evaluations']} slices in {a['wall_time']:.2g} s"),
-            *(
-                (name, f"critical slip {row['critical_slip']:.2%}" if row["critical_slip"] else row["status"])
-                for name, row in _critical_rows(dataset)
-            ),
+            *_found(dataset),
         ],
         "packages": list(json.loads(a["packages"]).items()),
         "warnings": [("", text) for text in json.loads(a["warnings"])],
     }
+
+
+def _found(dataset: "xr.Dataset") -> Iterable[tuple[str, str]]:
+    """Name and what was found, of each parameter of a fit, or of the critical slip of each curve."""
+    if dataset.attrs["study"] == "fit":
+        from rollslip.fit_result import parameter_rows
+
+        return [
+            (name, f"{value}, 95 %: {widest}; {status}")
+            for name, value, _, _, widest, status in parameter_rows(dataset)
+        ]
+    return [
+        (name, f"critical slip {row['critical_slip']:.2%}" if row["critical_slip"] else row["status"])
+        for name, row in _critical_rows(dataset)
+    ]
 
 
 def scene_info(scene: Scene) -> Sections:

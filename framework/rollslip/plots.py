@@ -5,11 +5,13 @@
 - The same dataset gives the same bytes: fixed salt for ids, no date, matplotlib's own defaults and its own font, so
   that nobody's matplotlibrc has a say. Figures are made without pyplot, so that no state outlives them.
 - Widths are those of one and of two columns of a journal page; letters have 7 pt in print.
-- Everything reads in grey: curves differ in lightness, and dashed is only ever the thermal branch.
+- Everything reads in grey: curves differ in lightness, and dashed is only ever the thermal branch, but where models are
+  compared: there dashes tell them apart.
 - What is said in words stands above the curves, in room that is kept free for it, never on them.
 """
 
 import json
+import math
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -19,6 +21,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.comparison_findings import CURVES, curve_names, findings, members
+from rollslip.fit_result import parameter_rows
 from rollslip.regimes import LONG_NAMES, NAMES
 from rollslip.units import format_quantity, quantity
 
@@ -37,6 +41,9 @@ Array = NDArray[np.float64]
 #: Okabe & Ito (2008), "Color universal design": the blue and the orange are told apart with every kind of colour
 #: vision, and in grey.
 RING_COLOURS: Final = {"inner": "#0072B2", "outer": "#E69F00"}
+#: The same palette for models that are compared, and dashes that tell them apart in grey.
+MODEL_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+DASHES: Final = ("solid", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (5, 1.5, 1, 1.5, 1, 1.5)))
 #: Nunez, Anderton & Renslow (2018): lightness rises evenly, for grey print and every kind of colour vision.
 SEQUENTIAL: Final = "cividis"
 #: Background where the thinnest film is no longer full.
@@ -68,6 +75,7 @@ STYLE: Final[Mapping[str, Any]] = {
 }
 
 _MARKER: Final[Mapping[str, Any]] = {"marker": "o", "markersize": 4, "markeredgecolor": "white"}
+_OPEN: Final[Mapping[str, Any]] = {"marker": "o", "markersize": 3, "markerfacecolor": "white", "markeredgewidth": 0.8}
 #: Where a label may stand, the best first: offset in points from what it belongs to, alignment.
 _PLACES: Final = tuple(
     (x, y, aligned)
@@ -76,6 +84,8 @@ _PLACES: Final = tuple(
 )
 _MM = 1 / 25.4
 _ONE_COLUMN, _TWO_COLUMNS = (90 * _MM, 62 * _MM), (190 * _MM, 80 * _MM)
+#: Relative difference beyond which small ones would not be seen on a linear axis.
+_SPREAD = 0.1
 #: Height of a row of the legend, by which a figure grows so that its axes do not shrink.
 _ROW = 4 * _MM
 
@@ -162,6 +172,9 @@ def curves(dataset: "xr.Dataset") -> list[Curve]:
         Result of friction-curve or effective-friction.
     """
     study = dataset.attrs.get("study")
+    if study == "comparison":
+        named = ((label, curve) for label, one in members(dataset) for curve in curves(one))
+        return [attrs.evolve(curve, name=f"{label}, {curve.name}") for label, curve in named]
     if study == "friction-curve":
         dimension, variable, critical, against = "normal_force", "friction", "critical_slip", "slip"
     elif study == "effective-friction":
@@ -217,7 +230,7 @@ def plot(dataset: "xr.Dataset", folder: Path) -> list[Path]:
         for name, caption, figure in _figures(dataset):
             folder.mkdir(parents=True, exist_ok=True)
             files.append(folder / f"{name}.svg")
-            findings = " ".join(curve.finding() for curve in curves(dataset))
+            findings = _findings(dataset)
             figure.savefig(
                 files[-1],
                 format="svg",
@@ -243,6 +256,37 @@ def _figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
         if "friction_map" in dataset:
             caption = f"Effective friction over cage slip and roller slip; the line is the {closure}."
             yield f"{study}-map", caption, _map(dataset)
+    elif study == "comparison":
+        names = curve_names(dataset)
+        for position, name in enumerate(names):
+            caption = f"{name}: combinations of models against {attributes['reference']}."
+            yield (
+                study if len(names) == 1 else f"{study}-{name.replace(' ', '-')}",
+                caption,
+                _comparison(dataset, position),
+            )
+    elif study == "fit":
+        name = Path(attributes["source"]).name
+        held = _held(dataset)[0]
+        yield study, f"Friction measured ({name}) and fitted{held and ', ' + held}.", _fit(dataset)
+        yield (
+            f"{study}-residuals",
+            "Residuals over their standard deviation; the band is two of it.",
+            _residuals(dataset),
+        )
+        if dataset.sizes["fitted_parameter"]:
+            caption = "Rise of chi2 over the variance with one parameter held, the others fitted anew."
+            yield f"{study}-profiles", caption, _profiles(dataset)
+
+
+def _findings(dataset: "xr.Dataset") -> str:
+    """Say in sentences what a dataset has found."""
+    if dataset.attrs.get("study") == "comparison":
+        return ". ".join(findings(dataset)) + "."
+    if dataset.attrs.get("study") == "fit":
+        rows = parameter_rows(dataset)
+        return " ".join(f"{name}: {value}, 95 %: {limits}; {status}." for name, value, _, _, limits, status in rows)
+    return " ".join(curve.finding() for curve in curves(dataset))
 
 
 # Figures ------------------------------------------------------------------------------------------------------------
@@ -343,6 +387,196 @@ def _map(dataset: "xr.Dataset") -> "Figure":
             Line2D([], [], color="white", markeredgecolor="black", marker="o", markersize=5, label="critical cage slip")
         )
     figure.legend(handles=handles, loc="outside upper left", ncols=3)
+    return figure
+
+
+def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
+    """Curves of all combinations with their critical slips, their differences, and difference against cost."""
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    figure = Figure(layout="constrained")
+    layout: list[Any] = [["curves", "costs"], ["differences", "costs"]]
+    panels = figure.subplot_mosaic(layout, width_ratios=(3, 2), height_ratios=(3, 2))
+    variable, dimension, slip, _ = CURVES[dataset.attrs["compared"]]
+    one = dataset.isel({dimension: position})
+    reference = dataset.attrs["reference"]
+    difference, error, cost = (one[name].to_numpy() for name in ("difference", "rms_error", "cost"))
+    handles: list[Line2D] = []
+    for k, ((label, member), style) in enumerate(zip(members(dataset), _styles(dataset), strict=True)):
+        curve, name = curves(member)[position], f"{k + 1}  {label}"
+        if np.isnan(curve.friction).all():
+            handles.append(Line2D([], [], linestyle="none", label=f"{name}: failed"))
+            continue
+        x, y, begin, _ = curve.branches()
+        handles += panels["curves"].plot(100 * x, y, label=name + ": reference" * (label == reference), **style)
+        if curve.has_critical:
+            panels["curves"].plot(100 * x[begin], y[begin], color=style["color"], zorder=4, **_MARKER)
+        panels["differences"].plot(100 * curve.slip, 100 * difference[k], **style)
+        if label == reference:
+            panels["costs"].axvline(cost[k], color="black", linewidth=1.0, zorder=0)
+        elif error[k] > 0.0:
+            place = cost[k], 100 * error[k]
+            panels["costs"].plot(*place, marker="o", markersize=5, color=style["color"])
+            panels["costs"].annotate(
+                f"{k + 1}", place, (5, (0, 6, -6)[k % 3]), textcoords="offset points", va="center_baseline", zorder=5
+            )
+    cage = dimension == "ring"
+    panels["curves"].set_ylabel(_label(dataset[variable], r"$\mu_\mathrm{e}$" if cage else r"$\mu$", "–"))
+    panels["curves"].set_ylim(min(0.0, np.nanmin(one[variable])))
+    panels["curves"].tick_params(labelbottom=False)
+    if np.nanmax(abs(difference), initial=0.0) > _SPREAD:
+        panels["differences"].set_yscale("symlog", linthresh=1.0)
+        panels["differences"].yaxis.set_major_formatter("{x:g}")
+    panels["differences"].set_ylabel("Relative difference [%]")
+    against = {"symbol": r"$S_\mathrm{c}$"} if cage else {"symbol": "$V/u$", "name": "slide–roll ratio"}
+    panels["differences"].set_xlabel(_label(dataset[slip], unit="%", **against))
+    for name in ("curves", "differences"):
+        panels[name].set_xlim(0.0, 100 * float(one[slip][-1]))
+    shown = np.log10(100 * error[error > 0.0])
+    panels["costs"].loglog()
+    panels["costs"].set_xlim(0.8, 1.3 * max(2.0, np.nanmax(cost)))
+    panels["costs"].set_ylim(10 ** np.floor(shown.min(initial=1.0)), 10 ** np.ceil(shown.max(initial=0.0)))
+    for axis in (panels["costs"].xaxis, panels["costs"].yaxis):
+        decades = np.ptp(np.log10(axis.get_view_interval()))
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 2.5 else (1,)))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(NullFormatter())
+    panels["costs"].set_xlabel("Time for a slice over that of the fastest [–]")
+    panels["costs"].set_ylabel("Relative difference, root mean square [%]")
+    columns = max(1, min(4, int(140 / (6 + max(len(str(handle.get_label())) for handle in handles)))))
+    figure.legend(handles=handles, loc="outside upper left", ncols=columns)
+    figure.set_size_inches(_TWO_COLUMNS[0], 100 * _MM + _ROW * -(-len(handles) // columns))
+    return figure
+
+
+def _styles(dataset: "xr.Dataset") -> list[dict[str, Any]]:
+    """Colour and dashes of each combination: the kind with most models gives colours, the others dashes."""
+    kinds = [dataset[kind].to_numpy().tolist() for kind in ("contact", "film", "traction")]
+    main = max(kinds, key=lambda names: len(set(names)))
+    others = list(zip(*(names for names in kinds if names is not main), strict=True))
+    colours, dashes = list(dict.fromkeys(main)), list(dict.fromkeys(others))
+    styles = []
+    for label, name, rest in zip(dataset["combination"].to_numpy(), main, others, strict=True):
+        colour = colours.index(name)
+        dash = dashes.index(rest) if len(dashes) > 1 else colour
+        styles.append(
+            {"color": "black", "linewidth": 2.2, "zorder": 1}
+            if label == dataset.attrs["reference"]
+            else {
+                "color": MODEL_COLOURS[colour % len(MODEL_COLOURS)],
+                "linestyle": DASHES[dash % len(DASHES)],
+                "linewidth": 1.1,
+            }
+        )
+    return styles
+
+
+def _held(dataset: "xr.Dataset") -> tuple[str, list[str]]:
+    """What a rig held at all operating points, and what was different at each."""
+    columns = {"point_temperature": "K", "point_pressure": "Pa", "point_speed": "m/s"}
+    texts = {name: [format_quantity(float(v), unit, 3) for v in dataset[name]] for name, unit in columns.items()}
+    common = [said[0] for said in texts.values() if len(set(said)) == 1]
+    different = [said for said in texts.values() if len(set(said)) > 1]
+    return ", ".join(common), [", ".join(row) for row in zip(*different, strict=True)]
+
+
+def _fit(dataset: "xr.Dataset") -> "Figure":
+    from matplotlib.lines import Line2D
+
+    figure, axes = _new()
+    handles: list[Artist] = []
+    slip, friction = dataset["slide_roll_ratio"].to_numpy(), dataset["friction"].to_numpy()
+    known = dataset.attrs["uncertainties"] == "given"
+    for point, colour, label in _points(dataset):
+        rows = dataset["operating_point"].to_numpy() == point
+        error = dataset["uncertainty"].to_numpy()[rows] if known else None
+        axes.errorbar(
+            100 * slip[rows], friction[rows], error, color=colour, linestyle="none", elinewidth=0.6, **_OPEN
+        )  # fmt: skip
+        one = dataset.isel(point=point)
+        (line,) = axes.plot(100 * one["curve_slip"], one["curve_friction"], color=colour, linewidth=1.0, label=label)
+        if label:
+            handles.append(line)
+    many = "" if handles or dataset.sizes["point"] == 1 else f"{dataset.sizes['point']} operating points"
+    words = ", ".join(filter(None, ("measured", many, _held(dataset)[0])))
+    handles.append(Line2D([], [], color="0.3", linestyle="none", label=words, **_OPEN))
+    axes.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
+    axes.set_xlabel(_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio"))
+    axes.set_ylabel(_label(dataset["friction"], r"$\mu$", "–"))
+    figure.legend(handles=handles, loc="outside upper left")
+    figure.set_figheight(_ONE_COLUMN[1] + _ROW * len(handles))
+    return figure
+
+
+def _residuals(dataset: "xr.Dataset") -> "Figure":
+    figure, axes = _new()
+    slip = dataset["slide_roll_ratio"].to_numpy()
+    residual = (dataset["residual"] / dataset["uncertainty"]).to_numpy()
+    axes.axhspan(-2.0, 2.0, color="0.93", linewidth=0.0, zorder=0)
+    axes.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
+    handles = []
+    for point, colour, label in _points(dataset):
+        rows = dataset["operating_point"].to_numpy() == point
+        (line,) = axes.plot(100 * slip[rows], residual[rows], color=colour, linestyle="none", label=label, **_OPEN)
+        if label:
+            handles.append(line)
+    axes.set_ylim(*(np.array([-1.1, 1.1]) * max(3.0, np.abs(residual).max())))
+    axes.set_xlabel(_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio"))
+    axes.set_ylabel("Residual / standard deviation [–]")
+    if handles:
+        figure.legend(handles=handles, loc="outside upper left")
+    figure.set_figheight(_ONE_COLUMN[1] + _ROW * len(handles))
+    return figure
+
+
+def _points(dataset: "xr.Dataset") -> Iterator[tuple[int, Any, str]]:
+    """Number, colour and label of each operating point; no labels where they would fill the page."""
+    count, labels = dataset.sizes["point"], _held(dataset)[1]
+    for point, colour in enumerate(_colours()(np.linspace(1.0, 0.0, count)[::-1])):
+        yield point, colour, labels[point] if 1 < count <= 12 else ""
+
+
+def _profiles(dataset: "xr.Dataset") -> "Figure":
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    names = dataset["fitted_parameter"].values
+    columns = min(names.size, 3)
+    rows = -(-names.size // columns)
+    size = _ONE_COLUMN if columns == 1 else _TWO_COLUMNS
+    figure = Figure(figsize=(size[0], 58 * _MM * rows + 2 * _ROW), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
+    limits = dataset["rise_limit"].to_numpy()
+    for axes, name in zip(panels, names, strict=False):
+        one = dataset.sel(parameter=name)
+        # people's unit, taken from how the value is shown to them
+        SI, best = one["unit"].item(), float(one["value"])
+        unit = format_quantity(best, SI).partition(" ")[2]
+        held = one["profile_value"].to_numpy() / (quantity(f"1 {unit}", SI) if unit else 1.0)
+        best *= held[held.size // 2] / best if best else 1.0
+        for limit, level in zip(limits, dataset["level"].values, strict=True):
+            axes.axhline(limit, color="0.6", linewidth=0.6, zorder=0)
+            axes.text(0.5, limit, f"{level:.0%}", transform=axes.get_yaxis_transform(), va="bottom", ha="center")
+        error = math.sqrt(float(one["covariance"].sel(with_parameter=name)))
+        if math.isfinite(error):
+            change = np.log(held / best) if held.min() > 0.0 < best else held - best
+            axes.plot(held, (change / error) ** 2, color=RING_COLOURS["outer"], linewidth=1.0)
+        axes.plot(held, one["profile_rise"], color=RING_COLOURS["inner"])
+        axes.plot(best, 0.0, color=RING_COLOURS["inner"], clip_on=False, **_MARKER)
+        if held.min() > 0.0 and held.max() > 5.0 * held.min():
+            axes.set_xscale("log")
+        axes.set_ylim(0.0, 1.6 * limits[-1])
+        axes.set_xlabel(f"{name} [{unit or '–'}]")
+    for axes in panels[names.size :]:
+        axes.set_visible(False)
+    panels[0].set_ylabel(r"Rise of $\chi^2$ over the variance [–]")
+    handles = [
+        Line2D([], [], color=RING_COLOURS["inner"], label="profile likelihood, the others fitted anew"),
+        Line2D([], [], color=RING_COLOURS["outer"], linewidth=1.0, label="covariance: the law taken for linear"),
+    ]
+    figure.legend(handles=handles, loc="outside upper left", ncols=columns)
     return figure
 
 

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 
+from rollslip.comparison_findings import bin_tables, findings, tables
 from rollslip.lubricant import OilTable
 from rollslip.plots import curves, percent
 from rollslip.reading import schema
@@ -110,8 +111,21 @@ def _warnings(datasets: "Datasets") -> str:
 def _findings(datasets: "Datasets") -> str:
     body = ""
     for name, dataset in datasets.items():
-        if found := curves(dataset):
+        if dataset.attrs.get("study") == "comparison":
+            body += _tag("h3", name) + _comparison(dataset)
+        elif found := curves(dataset):
             body += _tag("h3", name) + _list(_capital(curve.finding()) for curve in found)
+    return body
+
+
+def _comparison(dataset: "xr.Dataset") -> str:
+    """Tables of a comparison, one for each curve, what is said of it, and its differences bin by bin."""
+    body = _tag("p", _capital(dataset.attrs["exchanged"]) + ".") if dataset.attrs["exchanged"] else ""
+    for name, head, rows in tables(dataset):
+        body += _table(head, rows, _capital(name))
+    body += _list(_capital(text) + "." for text in findings(dataset))
+    for name, head, rows in bin_tables(dataset):
+        body += _table(head, rows, f"{_capital(name)}: relative differences by regime")
     return body
 
 
@@ -221,7 +235,7 @@ def _oil(datasets: "Datasets") -> str:
 def _regimes(datasets: "Datasets") -> str:
     rows = []
     for name, dataset in datasets.items():
-        if "load_parameter" not in dataset:
+        if "load_parameter" not in dataset or "combination" in dataset.dims:
             continue
         for position, curve in enumerate(curves(dataset)):
             largest, light = float(dataset["load_parameter"][position]), ""

@@ -6,7 +6,6 @@
   in which a run happens to start would give one scene two meanings.
 """
 
-import csv
 import math
 from functools import cached_property
 from importlib.resources import files
@@ -22,6 +21,7 @@ from rollslip.errors import DomainError
 from rollslip.fields import FieldError, non_negative, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
+from rollslip.rig_data import cells
 from rollslip.units import UnitError, as_written, expectation, format_quantity, quantity
 from rollslip_kernels import rheology as compiled
 from rollslip_kernels.slices import Slices
@@ -271,15 +271,15 @@ def _rows(file: str, text: str) -> tuple[list[str], list[list[float]], list[int]
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        cells = [cell.strip() for cell in next(csv.reader([line]))]
+        row = cells(line)
         try:
             if not units:
-                units = _header(cells)
+                units = _header(row)
             else:
-                if len(cells) != len(units):
-                    hint = "; a decimal comma is not read, write 0.05" if len(cells) > len(units) else ""
-                    raise UnitError(f"{len(cells)} values under {len(units)} columns{hint}")
-                rows.append([_value(*column, cell) for column, cell in zip(units.items(), cells, strict=True)])
+                if len(row) != len(units):
+                    hint = "; a decimal comma is not read, write 0.05" if len(row) > len(units) else ""
+                    raise UnitError(f"{len(row)} values under {len(units)} columns{hint}")
+                rows.append([_value(*column, cell) for column, cell in zip(units.items(), row, strict=True)])
                 lines.append(number)
         except UnitError as error:
             raise _fault(file, number, str(error)) from None
@@ -288,10 +288,10 @@ def _rows(file: str, text: str) -> tuple[list[str], list[list[float]], list[int]
     return list(units), rows, lines
 
 
-def _header(cells: list[str]) -> dict[str, str]:
+def _header(row: list[str]) -> dict[str, str]:
     """Return the units of the columns by name."""
     units: dict[str, str] = {}
-    for cell in cells:
+    for cell in row:
         name, bracket, rest = (part.strip() for part in cell.partition("["))
         if name not in COLUMNS:
             raise UnitError(f"{as_written(name)}: unknown column; known are {', '.join(COLUMNS)}, separated by commas")

@@ -1,0 +1,161 @@
+"""What a comparison says: its single values as records, tables and sentences, from the dataset alone."""
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rollslip.units import format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Study -> its friction, what there is one curve for, its slip, its critical slip.
+CURVES: Final = {
+    "effective-friction": ("effective_friction", "ring", "cage_slip", "critical_cage_slip"),
+    "friction-curve": ("friction", "normal_force", "slip", "critical_slip"),
+}
+#: Share of a difference's variance below which a grouping does not explain it.
+EXPLAINS: Final = 0.1
+
+
+def members(dataset: "xr.Dataset") -> "Iterator[tuple[str, xr.Dataset]]":
+    """Give every combination of a comparison as a result of its study, with its label."""
+    for k, label in enumerate(dataset["combination"].to_numpy()):
+        yield str(label), dataset.isel(combination=k).assign_attrs(study=dataset.attrs["compared"])
+
+
+def curve_names(dataset: "xr.Dataset") -> list[str]:
+    """Return what the curves of a comparison are called: "inner ring" or "300 N"."""
+    curve = CURVES[dataset.attrs["compared"]][1]
+    values = dataset[curve].to_numpy()
+    return [f"{value} ring" if curve == "ring" else format_quantity(float(value), "N") for value in values]
+
+
+def records(dataset: "xr.Dataset") -> list[dict[str, Any]]:
+    """Return all single values of a comparison, a record for each curve and combination; what has no value is None."""
+    found = []
+    for j, name in enumerate(curve_names(dataset)):
+        for label, one in members(dataset.isel({CURVES[dataset.attrs["compared"]][1]: j})):
+            values = {str(key): one[key].item() for key in one.variables if one[key].ndim == 0}
+            found.append(
+                {"combination": label, "curve": name}
+                | {key: None if value != value else value for key, value in values.items()}
+                | {"bins": _bins(one) if "bin" in one.dims else []}
+            )
+    return found
+
+
+def _bins(one: "xr.Dataset") -> list[dict[str, Any]]:
+    """Bins that hold friction, those of the most contact force first, each with how much its grouping explains."""
+    explained = dict(zip(one["grouping"].to_numpy(), one["explained"].to_numpy(), strict=True))
+    names = ("bin", "bin_grouping", "bin_share", "bin_difference", "bin_contribution")
+    found = [
+        {
+            "bin": str(name),
+            "grouping": str(grouping),
+            "explained": float(explained[grouping]),
+            "share": float(share),
+            "difference": float(difference),
+            "contribution": float(contribution),
+        }
+        for name, grouping, share, difference, contribution in zip(*(one[n].to_numpy() for n in names), strict=True)
+        if not np.isnan(difference)
+    ]
+    return sorted(found, key=lambda bin: -float(bin["share"]))
+
+
+def tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[str]]]]:
+    """Return name, head and rows of a table for each curve of a comparison; the film is the thinnest without slip."""
+    which = "error" if dataset.attrs["reference_named"] else "difference"
+    head = (
+        "combination", "critical slip", "friction", "film", "Lambda", f"rms {which}", f"max {which}",
+        f"critical {which}", "cost",
+    )  # fmt: skip
+    found: dict[str, list[list[str]]] = {name: [] for name in curve_names(dataset)}
+    for one in records(dataset):
+        critical = one[CURVES[dataset.attrs["compared"]][3]]
+        differences = [one[name] for name in ("rms_error", "max_error", "critical_slip_error")]
+        found[one["curve"]].append(
+            [
+                one["combination"],
+                "failed" if one["status"] != "done" else _or_dash(critical, "{:.2%}"),
+                _or_dash(one["critical_friction"], "{:.4g}"),
+                "–" if one["smallest_film"] is None else format_quantity(one["smallest_film"], "m", 3),
+                _or_dash(one["smallest_film_parameter"], "{:.3g}"),
+                *(
+                    ["reference", "", ""]
+                    if one["combination"] == dataset.attrs["reference"]
+                    else [
+                        _or_dash(value, form)
+                        for value, form in zip(differences, ("{:.2%}", "{:.2%}", "{:+.2%}"), strict=True)
+                    ]
+                ),
+                _or_dash(one["cost"], "{:.3g}"),
+            ]
+        )
+    return [(name, head, rows) for name, rows in found.items()]
+
+
+def bin_tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[str]]]]:
+    """Return name, head and rows of a table of the differences in each bin, for each curve that has friction."""
+    found: dict[str, dict[str, list[str]]] = {}
+    heads: dict[str, list[str]] = {}
+    for one in records(dataset):
+        for bin in one["bins"]:
+            row = found.setdefault(one["curve"], {}).setdefault(bin["bin"], [bin["bin"], f"{bin['share']:.1%}"])
+            row.append(f"{bin['difference']:+.2%}")
+        if one["bins"]:
+            heads.setdefault(one["curve"], ["slices of the reference", "share of the force"]).append(one["combination"])
+    order = dataset["bin"].to_numpy().tolist() if found else []
+    return [
+        (name, tuple(heads[name]), sorted(rows.values(), key=lambda row: order.index(row[0])))
+        for name, rows in found.items()
+    ]
+
+
+def _or_dash(value: float | None, form: str) -> str:
+    return "–" if value is None else form.format(value)
+
+
+def findings(dataset: "xr.Dataset") -> list[str]:
+    """Say what the errors and costs are held against, and of every combination where it differs from the reference.
+
+    It speaks of the curve that differs most, and of the grouping that explains most of the difference's variance.
+    """
+    reference, cost = dataset.attrs["reference"], dataset["cost"].to_numpy()
+    cheapest = int(np.nanargmin(cost))
+    label, time = dataset["combination"].to_numpy()[cheapest], float(dataset["seconds_per_slice"].to_numpy()[cheapest])
+    places = dict(zip(dataset["film"].to_numpy(), dataset["film_location"].to_numpy(), strict=True))
+    films = ", ".join(f"{film} {place}" for film, place in places.items() if place)
+    said = [
+        f"{'errors are against' if dataset.attrs['reference_named'] else 'differences are from'} {reference}"
+        if "bin" in dataset.dims
+        else f"there are no differences, because {reference} failed",
+        f"cost is the time of the models over that of {label}, {1e9 * time:.3g} ns for a slice",
+        f"film is the smallest without slip, of what the models return: {films}",
+    ]
+    most: dict[str, dict[str, Any]] = {}
+    for one in records(dataset):
+        if one["combination"] != reference and one["bins"]:
+            most[one["combination"]] = max(most.get(one["combination"], one), one, key=lambda each: each["rms_error"])
+    return said + [_explanation(one, reference) for one in most.values()]
+
+
+def _explanation(one: Mapping[str, Any], reference: str) -> str:
+    if one["max_error"] == 0.0:
+        return f"{one['combination']} does not differ from {reference}"
+    said = f"{one['combination']} is {_in_words(one['mean_difference'])} {reference} ({one['curve']})"
+    best = max(one["bins"], key=lambda bin: float(bin["explained"]))
+    if best["explained"] < EXPLAINS:
+        return f"{said}; no regime explains more than {100 * EXPLAINS:.0f} % of how that varies"
+    bins = [bin for bin in one["bins"] if bin["grouping"] == best["grouping"]]
+    shares = [f"{100 * bin['share']:.3g} %{'' if k else ' of the contact force'}" for k, bin in enumerate(bins)]
+    parts = [f"{_in_words(bin['difference'])} {bin['bin']} ({share})" for bin, share in zip(bins, shares, strict=True)]
+    return f"{said}: {', '.join(parts)}; {best['grouping']} explains {100 * best['explained']:.0f} % of how that varies"
+
+
+def _in_words(difference: float) -> str:
+    if difference >= 1.0:
+        return f"{1.0 + difference:.3g} times"
+    return f"{100 * abs(difference):.3g} % {'above' if difference > 0.0 else 'below'}"
