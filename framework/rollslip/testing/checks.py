@@ -154,9 +154,9 @@ import json, os, sys, time
 sys.path[:] = json.loads(sys.argv[2])
 import rollslip, rollslip.chain, rollslip.hookspecs, rollslip.lubricant, rollslip.models, rollslip_kernels.traction
 answer = os.fdopen(os.dup(1), "w")
-start = time.perf_counter()
+start = time.process_time()
 __import__(sys.argv[1])
-answer.write(f"\\n{time.perf_counter() - start}")
+answer.write(f"\\n{time.process_time() - start}")
 """
 
 
