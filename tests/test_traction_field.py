@@ -313,29 +313,26 @@ def test_the_scheme_is_of_second_order(speed, modulus):
     np.testing.assert_allclose(steps[:-1] / steps[1:], 4, rtol=0.1)
 
 
-def some_contacts(count):
-    """Return contacts of bearings and gears, drawn evenly; the same in every run."""
-    draw = np.random.default_rng(7).uniform
-    return [
-        contact(
-            10 ** draw(-3, -0.3) * (rolling := 10 ** draw(0.7, 1.6)),
-            rolling_speed=rolling,
-            pressure=draw(1e8, 1.2e9),
-            film_thickness=10 ** draw(-7.3, -5.5),
-            half_width=10 ** draw(-4.7, -3.7),
-        )
-        for _ in range(count)
-    ]
-
-
-@pytest.mark.parametrize("count", [2, pytest.param(150, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [12, pytest.param(1000, marks=pytest.mark.slow)])
 def test_the_estimate_holds_against_the_finest_grid(count):
-    for slices in some_contacts(count):
-        best, known = solve_friction(slices, accuracy=1e-6)
-        for accuracy in (1e-3, 1e-4):
-            friction, error = solve_friction(slices, accuracy=accuracy)
-            assert error[0] <= max(accuracy, known[0])
-            assert abs(friction[0] / best[0] - 1) <= error[0] + known[0]
+    """Contacts of bearings and gears, drawn evenly, the same in every run: once in a thousand it is 11 % too small."""
+    draw = np.random.default_rng(11).uniform
+    rolling = 10 ** draw(0.7, 1.6, count)
+    slices = contact(
+        rolling * 10 ** draw(-3, -0.3, count),
+        rolling_speed=rolling,
+        pressure=draw(1e8, 1.2e9, count),
+        film_thickness=10 ** draw(-7.3, -5.5, count),
+        half_width=10 ** draw(-4.7, -3.7, count),
+    )
+    best, known = solve_friction(slices, accuracy=1e-6)
+    assert np.mean(known <= 1e-5) > 0.9
+    for accuracy in (1e-3, 1e-4):
+        friction, error = solve_friction(slices, accuracy=accuracy)
+        assert np.all(error <= np.maximum(accuracy, 1.001 * known))
+        off = np.abs(friction / best - 1)
+        assert np.sum(off > error + known) <= count // 1000
+        assert np.all(off <= 1.2 * error + known)
 
 
 # Hard cases ----------------------------------------------------------------------------------------------------------

@@ -60,6 +60,7 @@ BOLD = 3.0  # largest change of beta theta in one of them
 NEAR = 0.3  # largest change of ln(kappa) over which a secant stands for the slope of the heat
 MAX_SECANTS = 60  # for the mean stress; a dozen are usual
 SETTLED = 1e-9  # change of beta theta that ends them
+COARSE = 64  # cells, below which no solution is no verdict
 BATCH = 256  # slices marched at a time, for the sake of the cache
 
 
@@ -513,7 +514,7 @@ def solve_friction(
     Returns
     -------
     friction, error : ndarray
-        The error is the change between the last two extrapolations, or an eighth of the change before if that is more.
+        The error is the change between the last two extrapolations, or a quarter of the change before if that is more.
         Where it is above `accuracy`, the finest grid did not suffice; where it is infinite, the friction is NaN and
         the field has no solution or left the floats.
     """
@@ -619,11 +620,11 @@ def _refined(
         mean = stress_on_grid(part, n, m, law=law, pressure=pressure, heating=heating, heat_capacity=heat_capacity)
         better = mean + (mean - coarse) / 3
         change = np.abs(better - guess) / better
-        # one change alone may be small by chance; an eighth is what a grid leaves of it where all is smooth
-        off = np.maximum(change, last / 8)
+        # one change alone may be small by chance; a quarter is left of it by a grid where all is smooth, or less
+        off = np.maximum(change, last / 4)
         level[todo], stress[todo], error[todo] = at, better, np.where(np.isnan(off), np.inf, off)
-        # what two grids in a row cannot solve has no solution
-        on = ~(off <= accuracy) & (np.isfinite(mean) | np.isfinite(coarse) | (at == 0))
+        # what two grids in a row cannot solve has no solution; the first are coarse
+        on = ~(off <= accuracy) & (np.isfinite(mean) | np.isfinite(coarse) | (n < COARSE))
         todo, coarse, guess, last = todo[on], mean[on], better[on], change[on]
         if not todo.size:
             break
@@ -698,7 +699,7 @@ class MaxwellEyringField(TractionModel):
     tolerance: ClassVar[float] = 1e-7
 
     accuracy: float = parameter(
-        default=1e-4, unit="1", validator=in_range(1e-8, 0.1), doc="relative error of the friction that is allowed"
+        default=1e-3, unit="1", validator=in_range(1e-8, 0.1), doc="relative error of the friction that is allowed"
     )
     heat_capacity: float = parameter(
         default=OIL_HEAT_CAPACITY,
