@@ -217,7 +217,7 @@ class Case:
 
 def is_slow(case, subject):
     """Tell whether a pair takes so long that it is run by name only."""
-    if subject.name in SLOW_MODELS and case.name not in QUICK:
+    if (subject.name in SLOW_MODELS or subject.kind == "study") and case.name not in QUICK:
         return True
     return subject.name in case.slow if isinstance(case.slow, tuple) else case.slow
 
