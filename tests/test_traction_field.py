@@ -118,7 +118,7 @@ def test_friction_is_that_of_the_method_of_lines_to_all_its_digits(row):
     assert abs(friction[0] / values["friction"] - 1) <= 3e-7 + values["error"]
 
 
-@pytest.mark.parametrize("row", LINES[1::4], ids=range(1, len(LINES), 4))
+@pytest.mark.parametrize("row", LINES[1:6:4], ids=(1, 5))
 def test_temperatures_are_those_of_the_method_of_lines(row):
     slices, told, values = of_lines(row)
     field = solve_field(slices, accuracy=1e-4, **told)
@@ -179,7 +179,7 @@ def couette(sigma, nahme):
 def test_a_film_that_conducts_at_once_is_couette_flow():
     """Inelastic, cold walls, no heat capacity: Eyring against a boundary value problem, Newtonian in closed form."""
     none = {"heat_capacity": heat_capacity_of(1e-6), "pressure": "mean", "accuracy": 1e-6}
-    for sigma, heating in ((0.5, 1.0), (5.0, 0.3), (20.0, 0.05)):
+    for sigma, heating in ((0.5, 1.0), (20.0, 0.05)):
         slices = of_groups([sigma], 1e-13, heating, flash=1e-9)
         assert stress_of(slices, **none)[0][0] == pytest.approx(couette(sigma, 12 * heating * sigma), rel=1e-7)
     sigma = np.array([1e-4, 3e-4, 1e-3])
@@ -213,7 +213,8 @@ def test_a_film_between_insulating_walls_warms_uniformly():
 
 
 @pytest.mark.parametrize(
-    ("deborah", "barus"), [(1e-3, 4.0), (0.1, 12.0), (3.0, 12.0), pytest.param(0.1, 60.0, marks=pytest.mark.slow)]
+    ("deborah", "barus"),
+    [(1e-3, 4.0), (3.0, 12.0), *(pytest.param(0.1, barus, marks=pytest.mark.slow) for barus in (12.0, 60.0))],
 )
 def test_cold_stress_over_hertz_pressure_is_that_of_its_equation(deborah, barus):
     """D dS/dX + exp(alpha (p_mean - p(X))) sinh S = sigma, integrated by SciPy in phi, where p is smooth."""
@@ -304,8 +305,7 @@ def test_surfaces_have_jaegers_mean_temperatures(name):
 # Refinement ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("speed", [0.03, 3.0, 30.0])
-@pytest.mark.parametrize("modulus", [3e8, 3e6])
+@pytest.mark.parametrize(("speed", "modulus"), [(0.03, 3e6), (3.0, 3e8), (30.0, 3e6)])
 def test_the_scheme_is_of_second_order(speed, modulus):
     slices = contact(speed, attrs.evolve(OIL, shear_modulus=modulus))
     values = np.array([stress_on_grid(slices, cells, 12)[0] for cells in (32, 64, 128)])
@@ -325,7 +325,7 @@ def test_the_estimate_holds_against_the_finest_grid(count):
         film_thickness=10 ** draw(-7.3, -5.5, count),
         half_width=10 ** draw(-4.7, -3.7, count),
     )
-    best, known = solve_friction(slices, accuracy=1e-6)
+    best, known = solve_friction(slices, accuracy=1e-5)
     assert np.mean(known <= 1e-5) > 0.9
     for accuracy in (1e-3, 1e-4):
         friction, error = solve_friction(slices, accuracy=accuracy)
@@ -375,8 +375,8 @@ def test_a_hot_film_is_solved():
 
 def test_a_slice_does_not_feel_the_others():
     speed = np.logspace(-3, 1.5, 4)
-    together = solve_friction(contact(speed), accuracy=1e-5)[0]
-    alone = [solve_friction(contact(one), accuracy=1e-5)[0][0] for one in speed]
+    together = solve_friction(contact(speed), accuracy=1e-4)[0]
+    alone = [solve_friction(contact(one), accuracy=1e-4)[0][0] for one in speed]
     np.testing.assert_allclose(together, alone, rtol=MaxwellEyringField.tolerance)
 
 
