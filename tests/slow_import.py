@@ -2,4 +2,6 @@
 
 import time
 
-time.sleep(0.6)
+STARTED = time.process_time()
+while time.process_time() < 0.6 + STARTED:
+    pass

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from foreign_stages import Stage
 from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene, plan
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError
@@ -17,7 +18,7 @@ from rollslip.testing import Conformance
 from rollslip_plugins.blend import REACH, GreenwoodTripp, LambdaBlend, LinearBlend, ZhouHoeprich, asperity_integral
 from rollslip_plugins.boundary import Constant, Kragelsky
 from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
-from strategies import NumpyForm, Stage, decades, films, forms, law_of
+from strategies import NumpyForm, decades, films, forms, law_of
 
 REFERENCE = Path(__file__).parent / "references" / "greenwood_tripp.csv"
 WITH_INTEGRAL = [

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from foreign_stages import PYTHON_RAISED, RsModel, RsSlices, Stage, foreign_capsule
 from rollslip import Chain, Conditions, Slices
 from rollslip.errors import DomainError, PluginError
 from rollslip.models import interval
@@ -24,7 +25,7 @@ from rollslip_plugins.boundary import Constant, Kragelsky
 from rollslip_plugins.contact import Iso16281, Lundberg, Palmgren
 from rollslip_plugins.film import Martin, Moes, PanHamrock, Regime
 from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
-from strategies import PYTHON_RAISED, NumpyForm, RsModel, RsSlices, Stage, foreign_capsule, forms, law_of
+from strategies import NumpyForm, forms, law_of
 
 STAGES = [
     Palmgren().deflection(),

@@ -140,7 +140,7 @@ import ctypes, sys
 from fuzz import stages
 from rollslip import Chain
 from rollslip.foreign import capsule_from_address
-from strategies import Stage
+from foreign_stages import Stage
 library = ctypes.CDLL("./overrun.so")
 capsule = capsule_from_address(ctypes.cast(library.overrun, ctypes.c_void_p).value, keep=library)
 slices = stages.table(stages.typical(7))
@@ -169,7 +169,7 @@ from fuzz import stages
 from rollslip import Chain, Slices
 from rollslip.errors import DomainError
 from rollslip.testing.samples import NumpyForm
-from strategies import Stage
+from foreign_stages import Stage
 
 allocated = ctypes.CDLL(None).__sanitizer_get_current_allocated_bytes
 allocated.restype = ctypes.c_size_t

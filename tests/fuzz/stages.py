@@ -13,13 +13,13 @@ from functools import cache
 
 import numpy as np
 
+from foreign_stages import EVALUATE, NAME, RsModel, RsSlices
 from rollslip import Chain, Conditions, Slices, available, get_model
 from rollslip.chain import stage
 from rollslip.errors import DomainError
 from rollslip.pressure_viscosity import Barus, Roelands, Yasutomi
 from rollslip.testing.samples import MAGNITUDES
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
-from strategies import EVALUATE, NAME, RsModel, RsSlices
 
 #: 5P4E after Ehret, Dowson and Taylor (1998); the other laws have no constants.
 YASUTOMI = Yasutomi(glass_temperature=244.95, a1=134.2, a2=1.929e-9, b1=4.815, b2=0.160e-9, c1=16.01, c2=20.69)

@@ -1,0 +1,44 @@
+"""The solvers of the integrators in `broken_models`, apart from them since SciPy takes its time to import."""
+
+import numpy as np
+from scipy.integrate import RK23, RK45, solve_ivp
+
+__all__ = ["RK23", "RK45", "Careless", "FixedStep", "Forwards", "Hides", "Straight", "solve_ivp"]
+
+
+class Careless(RK45):
+    def __init__(self, fun, t0, y0, t_bound, rtol=1e-3, atol=1e-6, **options):
+        super().__init__(fun, t0, y0, t_bound, rtol=max(rtol, 1e-2), atol=max(atol, 1e-2), **options)
+
+
+class Straight(RK45):
+    def _dense_output_impl(self):
+        step = super()._dense_output_impl()
+        start, end = self.y_old, self.y
+
+        def line(t):
+            share = (t - step.t_old) / step.h
+            return start + (end - start) * share if np.ndim(t) == 0 else start[:, None] + np.outer(end - start, share)
+
+        step._call_impl = line
+        return step
+
+
+class Forwards(RK45):
+    def __init__(self, fun, t0, y0, t_bound, **options):
+        if t_bound < t0:
+            raise ValueError("t_bound must be above t0")
+        super().__init__(fun, t0, y0, t_bound, **options)
+
+
+class FixedStep(RK45):
+    def __init__(self, fun, t0, y0, t_bound, rtol=1e-3, atol=1e-6, **options):
+        super().__init__(fun, t0, y0, t_bound, rtol=1.0, atol=1.0, **{"first_step": 2e-3, "max_step": 2e-3, **options})
+
+
+class Hides(RK45):
+    def step(self):
+        message = super().step()
+        if self.status == "failed":
+            self.status = "finished"
+        return message
