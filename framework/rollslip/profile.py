@@ -127,5 +127,6 @@ def _interpolated(x: Floats, half: float, position: Floats, drop: Floats) -> Flo
         )
     from scipy.interpolate import PchipInterpolator
 
-    interpolated: Floats = PchipInterpolator(position, drop)(np.clip(x, position[0], position[-1]))
+    with np.errstate(over="ignore", divide="ignore"):  # of a slope's reciprocal, where drops are denormal
+        interpolated: Floats = PchipInterpolator(position, drop)(np.clip(x, position[0], position[-1]))
     return interpolated
