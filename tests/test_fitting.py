@@ -715,6 +715,7 @@ def examples(tmp_path, monkeypatch):
     for name in ("rig.toml", "twin-disc.csv"):
         shutil.copy(ROOT / "docs" / "examples" / name, tmp_path)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "120")
     return tmp_path
 
 
@@ -817,6 +818,13 @@ def test_commands_of_the_page_answer_as_shown(examples, capsys):
         want = re.sub(r"^   ", "", want, flags=re.MULTILINE)
         flags = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
         assert doctest.OutputChecker().check_output(want, said.out + said.err, flags), said.out
+
+
+def test_no_word_is_cut_on_a_narrow_terminal(examples, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    said = command(f"{PROMISED} --no-plots", capsys).out
+    assert {"eyring_stress", "pressure_viscosity"} <= set(said.split())
+    assert "…" not in said
 
 
 def test_code_of_the_page_runs(examples, capsys):

@@ -174,12 +174,16 @@ def comparison_as_dict(dataset: "xr.Dataset", target: Path, files: list[str]) ->
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table as wide as the terminal, or 120 columns where there is none."""
+    """Print a table as wide as the terminal, or 120 columns where there is none; cells wrap, but no word is cut."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
 
-    table = Table(*header, box=box.SIMPLE_HEAD, pad_edge=False)
+    rows = list(rows)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for head, *cells in zip(header, *rows, strict=True):
+        words = [word for cell in (head, *cells) for word in cell.split()]
+        table.add_column(head, min_width=max(map(len, words), default=0))
     for row in rows:
         table.add_row(*(cell.replace("[", "\\[") for cell in row))
     Console(width=shutil.get_terminal_size((120, 24)).columns, highlight=False).print(table)
