@@ -62,6 +62,7 @@ def test_what_ends_the_process_is_a_finding_and_the_other_checks_run(installed, 
         assert len(findings) == len(kinds)
 
 
+@pytest.mark.slow  # it is waited for
 def test_a_model_that_hangs_in_every_check_is_given_up(installed):
     source = FATAL["hangs"][3].replace("if caller is not None and caller.f_code.co_name in", "if caller is not None or")
     installed("hangs", source)
