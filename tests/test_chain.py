@@ -84,6 +84,7 @@ def bearing_slices(n=5, conditions=BEARING):
         friction=0.0,
         film_viscosity=0.1 * 20**at,
         film_thermoviscosity=0.05 + 0.03 * at,
+        resistance=100.0 + 50.0 * at,
     )
 
 

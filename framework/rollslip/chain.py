@@ -105,15 +105,28 @@ class Chain:
         """Evaluate all models on ``slices``, in place."""
         refusal = self._chain.run(slices)
         self.evaluated += len(slices)
-        if refusal is None:
-            return
+        if refusal is not None:
+            raise self.error(refusal, slices)
+
+    @property
+    def kernel(self) -> compiled.Chain:
+        """The chain itself, for compiled code that runs it."""
+        return self._chain
+
+    @property
+    def resists(self) -> bool:
+        """Whether a stage fills the rolling resistance."""
+        return any("resistance" in model.writes for model in self.models)
+
+    def error(self, refusal: "compiled.Refusal", slices: Slices) -> RollslipError:
+        """Return the error that says in words what the compiled chain refused of ``slices``."""
         what, k, member, index = refusal
         model = self.models[k]
         if what == "status" and index < 0:
-            raise PluginError(
+            return PluginError(
                 f"the kernel of {model.name!r} returned a status that rollslip.h does not define; {origin(type(model))}"
             )
-        raise DomainError(_refusal_text(model, what, member, index, slices))
+        return DomainError(_refusal_text(model, what, member, index, slices))
 
 
 def _refusal_text(model: SliceModel, what: str, member: str, index: int, slices: Slices) -> str:

@@ -25,7 +25,7 @@ cdef struct blend_t:
 
 
 cdef struct scratch_t:
-    double columns[12][BLOCK]
+    double columns[13][BLOCK]
     size_t index[BLOCK]
 
 
@@ -102,6 +102,7 @@ cdef int _run_child(const rs_model *child, const rs_slices *block, size_t n,
     part.friction = t.columns[9]
     part.film_viscosity = _gather(block.film_viscosity, t, 10, n)
     part.film_thermoviscosity = _gather(block.film_thermoviscosity, t, 11, n)
+    part.resistance = _gather(block.resistance, t, 12, n)
     status = child.evaluate(&part, child.params)
     if status > <int>n:
         return NO_SUCH_STATUS

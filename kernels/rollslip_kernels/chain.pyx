@@ -10,19 +10,21 @@
 import numpy as np
 
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
-from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid
+from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid, PyCapsule_New, PyCapsule_SetContext
+from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
+from libc.stdlib cimport free, malloc
 
 from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, rs_model, rs_slices
-from rollslip_stage cimport rs_cut, rs_new_model
+from rollslip_stage cimport rs_capsule_context, rs_capsule_pointer, rs_cut, rs_new_model
 
 from rollslip_kernels.slices import COLUMNS, Conditions, Slices
 
 cdef enum:
     MAX_STAGES = 8
     MAX_CHECKS = 128
-    BLOCK = 256          # 12 columns x 256 x 8 B = 24 KiB: one block stays in a 32 KiB L1 cache
+    BLOCK = 256          # 13 columns x 256 x 8 B = 26 KiB: one block stays in a 32 KiB L1 cache
     PYTHON_RAISED = -1   # the Python error is set in this thread
-    N_COLUMNS = 12
+    N_COLUMNS = 13
 
 cdef double LARGEST = 1.7976931348623157e308
 
@@ -31,6 +33,23 @@ cdef struct check_t:
     int output
     size_t offset
     double low, high
+
+cdef struct refusal_t:
+    int status    # what the stage returned; 0 where a check failed
+    int stage
+    int check     # number of the check that failed, or -1
+    int column    # it was one of a column, not of a condition
+    Py_ssize_t slice
+
+cdef struct chain_t:
+    rs_model stages[MAX_STAGES]
+    int n_stages
+    check_t columns[MAX_CHECKS]
+    int n_columns
+    check_t conditions[MAX_CHECKS]
+    int n_conditions
+    Py_ssize_t block
+    refusal_t last   # of the chain as a stage
 
 
 cdef class Chain:
@@ -41,34 +60,36 @@ cdef class Chain:
     where a Python stage pays per call.
     """
 
-    cdef rs_model stages[MAX_STAGES]
-    cdef int n_stages
-    cdef check_t column_checks[MAX_CHECKS]
-    cdef int n_column_checks
-    cdef tuple condition_checks
+    cdef chain_t chain
     cdef tuple capsules
-    cdef tuple names
-    cdef readonly Py_ssize_t block
+    cdef tuple column_names, condition_names
 
     def __init__(self, stages, Py_ssize_t block=BLOCK):
         cdef rs_model *given
         stages = tuple(stages)
         if len(stages) > MAX_STAGES:
             raise ValueError(f"a chain holds at most {MAX_STAGES} stages, got {len(stages)}")
-        offsets, names, conditions = layout()[1], [], []
+        offsets, columns, conditions = layout()[1], [], []
         for k, (capsule, domain, writes) in enumerate(stages):
             given = <rs_model *>PyCapsule_GetPointer(capsule, ROLLSLIP_MODEL)
-            self.stages[k] = given[0]
-            conditions += [(k, name, *limits) for name, limits in domain.items() if name not in COLUMNS]
-            rows = [(name, False, *limits) for name, limits in domain.items() if name in COLUMNS]
-            rows += [(name, True, -LARGEST, LARGEST) for name in sorted(writes)]
-            for name, output, low, high in rows:
-                if len(names) == MAX_CHECKS:
-                    raise ValueError(f"the stages' domains have more than {MAX_CHECKS} entries")
-                self.column_checks[len(names)] = check_t(k, output, offsets[name], low, high)
-                names.append(name)
-        self.n_column_checks, self.names, self.condition_checks = len(names), tuple(names), tuple(conditions)
-        self.capsules, self.n_stages, self.block = tuple(capsule for capsule, _, _ in stages), len(stages), block
+            self.chain.stages[k] = given[0]
+            conditions += [(k, name, False, *limits) for name, limits in domain.items() if name not in COLUMNS]
+            columns += [(k, name, False, *limits) for name, limits in domain.items() if name in COLUMNS]
+            columns += [(k, name, True, -LARGEST, LARGEST) for name in sorted(writes)]
+        if max(len(columns), len(conditions)) > MAX_CHECKS:
+            raise ValueError(f"the stages' domains have more than {MAX_CHECKS} entries")
+        for c, (k, name, output, low, high) in enumerate(columns):
+            self.chain.columns[c] = check_t(k, output, offsets[name], low, high)
+        for c, (k, name, output, low, high) in enumerate(conditions):
+            self.chain.conditions[c] = check_t(k, output, offsets[name], low, high)
+        self.column_names, self.condition_names = (tuple(row[1] for row in rows) for rows in (columns, conditions))
+        self.chain.n_columns, self.chain.n_conditions = len(columns), len(conditions)
+        self.chain.n_stages, self.chain.block = len(stages), block
+        self.capsules = tuple(capsule for capsule, _, _ in stages)
+
+    @property
+    def block(self):
+        return self.chain.block
 
     def run(self, slices):
         """Evaluate all stages in place; return None when done, else (what, stage, member, slice).
@@ -76,54 +97,96 @@ cdef class Chain:
         ``what`` is "input" (a value outside the stage's domain), "output" (a result that is not finite) or "status"
         (the stage itself refused the slice; then there is no member, and a slice of -1 if the status does not exist).
         """
-        cdef double[:, ::1] table = slices._table
-        cdef Py_ssize_t n = table.shape[1], step = self.block or n, start = 0, at = -1
-        cdef int status = 0, k = 0, bad = -1
-        cdef rs_slices whole, part
-        if table.shape[0] != N_COLUMNS:
-            raise ValueError(f"a table of slices has {N_COLUMNS} columns, got {table.shape[0]}")
-        conditions = slices.conditions
-        for stage, name, low, high in self.condition_checks:
-            if not low <= getattr(conditions, name) <= high:
-                return "input", stage, name, 0
-        if n == 0:
-            return None
-        _bind(&whole, table, conditions)
+        cdef rs_slices whole
+        cdef refusal_t refusal
+        cdef int status
+        _bind(&whole, slices)
         with nogil:
-            while start < n and status == 0 and bad < 0:
-                part = rs_cut(&whole, start, min(step, n - start))
-                for k in range(self.n_stages):
-                    bad = self._outside(&part, k, False, &at)
-                    if bad >= 0:
-                        break
-                    status = self.stages[k].evaluate(&part, self.stages[k].params)
-                    if status != 0:
-                        break
-                    bad = self._outside(&part, k, True, &at)
-                    if bad >= 0:
-                        break
-                else:
-                    start += step
-        if bad >= 0:
-            return "output" if self.column_checks[bad].output else "input", k, self.names[bad], start + at
+            status = _run(&self.chain, &whole, &refusal)
+        if status == 0:
+            return None
         if status == PYTHON_RAISED and PyErr_Occurred() != NULL:
             _raise_pending()
-        if status < 0 or status > <Py_ssize_t>part.n:
-            return "status", k, "", -1
-        if status != 0:
-            return "status", k, "", start + status - 1
-        return None
+        return self._words(&refusal)
 
-    cdef int _outside(self, const rs_slices *part, int stage, int output, Py_ssize_t *at) noexcept nogil:
-        """Number of the first check of a stage that fails, with the slice in ``at``, or -1."""
-        cdef int c
-        for c in range(self.n_column_checks):
-            if self.column_checks[c].stage == stage and self.column_checks[c].output == output:
-                at[0] = _first_outside((<double **>(<char *>part + self.column_checks[c].offset))[0], part.n,
-                                       self.column_checks[c].low, self.column_checks[c].high)
-                if at[0] >= 0:
-                    return c
-        return -1
+    def as_stage(self):
+        """Return the whole chain as one stage, which remembers what it refused.
+
+        Its status says which slice was refused, `refusal` also by whom and why. It belongs to one thread.
+        """
+        self.chain.last.stage = -1
+        return rs_new_model(_call_chain, &self.chain, sizeof(self.chain), self)
+
+    def refusal(self, stage):
+        """Return what a capsule of `as_stage` refused last, as `run` does; None if nothing."""
+        cdef const rs_model *model = <const rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL)
+        if model.evaluate != _call_chain:
+            raise ValueError("the stage is not a chain")
+        cdef const chain_t *chain = <const chain_t *>model.params
+        return None if chain.last.stage < 0 else self._words(&chain.last)
+
+    cdef tuple _words(self, const refusal_t *r):
+        if r.check >= 0 and not r.column:
+            return "input", r.stage, self.condition_names[r.check], 0
+        if r.check >= 0:
+            return "output" if self.chain.columns[r.check].output else "input", r.stage, \
+                self.column_names[r.check], r.slice
+        return "status", r.stage, "", r.slice
+
+
+cdef int _run(const chain_t *c, const rs_slices *whole, refusal_t *refusal) noexcept nogil:
+    """Evaluate all stages on all slices; return 0, or a status other than 0 and what was refused."""
+    cdef size_t n = whole.n, step = c.block if c.block else n, start = 0
+    cdef Py_ssize_t at = -1
+    cdef int status, k, check
+    cdef rs_slices part
+    cdef double value
+    for k in range(c.n_conditions):
+        value = (<const double *>(<const char *>whole + c.conditions[k].offset))[0]
+        if not (c.conditions[k].low <= value <= c.conditions[k].high):
+            refusal[0] = refusal_t(0, c.conditions[k].stage, k, False, 0)
+            return 1
+    while start < n:
+        part = rs_cut(whole, start, min(step, n - start))
+        for k in range(c.n_stages):
+            check = _outside(c, &part, k, False, &at)
+            if check < 0:
+                status = c.stages[k].evaluate(&part, c.stages[k].params)
+                if status != 0:
+                    at = -1 if status < 0 or status > <Py_ssize_t>part.n else <Py_ssize_t>start + status - 1
+                    refusal[0] = refusal_t(status, k, -1, True, at)
+                    return PYTHON_RAISED if status == PYTHON_RAISED else 1
+                check = _outside(c, &part, k, True, &at)
+            if check >= 0:
+                refusal[0] = refusal_t(0, k, check, True, <Py_ssize_t>start + at)
+                return 1
+        start += step
+    return 0
+
+
+cdef int _outside(const chain_t *c, const rs_slices *part, int stage, int output, Py_ssize_t *at) noexcept nogil:
+    """Number of the first check of a stage that fails, with the slice in ``at``, or -1."""
+    cdef int k
+    for k in range(c.n_columns):
+        if c.columns[k].stage == stage and c.columns[k].output == output:
+            at[0] = _first_outside((<double **>(<char *>part + c.columns[k].offset))[0], part.n,
+                                   c.columns[k].low, c.columns[k].high)
+            if at[0] >= 0:
+                return k
+    return -1
+
+
+cdef int _call_chain(const rs_slices *s, const void *params) noexcept nogil:
+    """A chain seen as a stage."""
+    cdef chain_t *chain = <chain_t *>params  # a copy of the capsule's own, for what it remembers
+    cdef int status = _run(chain, s, &chain.last)
+    if status == PYTHON_RAISED:
+        with gil:
+            if PyErr_Occurred() != NULL:
+                return PYTHON_RAISED
+    if status == 0:
+        return 0
+    return <int>(chain.last.slice if chain.last.slice >= 0 else s.n) + 1
 
 
 cdef Py_ssize_t _first_outside(const double *x, size_t n, double low, double high) noexcept nogil:
@@ -196,12 +259,35 @@ def layout():
         "friction": <char *>&s.friction - base,
         "film_viscosity": <char *>&s.film_viscosity - base,
         "film_thermoviscosity": <char *>&s.film_thermoviscosity - base,
+        "resistance": <char *>&s.resistance - base,
     }
     return sizeof(rs_slices), offsets
 
 
-cdef int _bind(rs_slices *s, double[:, ::1] t, conditions) except -1:
+def bound(slices):
+    """Return a capsule "rollslip.slices" of an ``rs_slices`` that points at the table of ``slices``."""
+    cdef rs_slices *made = <rs_slices *>malloc(sizeof(rs_slices))
+    if made == NULL:
+        raise MemoryError
+    capsule = PyCapsule_New(made, "rollslip.slices", _free_bound)
+    _bind(made, slices)
+    Py_INCREF(slices)
+    PyCapsule_SetContext(capsule, <void *>slices)
+    return capsule
+
+
+cdef void _free_bound(object capsule) noexcept:
+    cdef PyObject *slices = <PyObject *>rs_capsule_context(capsule)
+    free(rs_capsule_pointer(capsule, "rollslip.slices"))
+    Py_XDECREF(slices)
+
+
+cdef int _bind(rs_slices *s, slices) except -1:
     """Point ``s`` at the rows of a table, in the order of COLUMNS, and copy the conditions."""
+    cdef double[:, ::1] t = slices._table
+    if t.shape[0] != N_COLUMNS:
+        raise ValueError(f"a table of slices has {N_COLUMNS} columns, got {t.shape[0]}")
+    conditions = slices.conditions
     s.n = t.shape[1]
     s.length = conditions.length
     s.radius = conditions.radius
@@ -228,6 +314,7 @@ cdef int _bind(rs_slices *s, double[:, ::1] t, conditions) except -1:
     s.friction = &t[9, 0]
     s.film_viscosity = &t[10, 0]
     s.film_thermoviscosity = &t[11, 0]
+    s.resistance = &t[12, 0]
     return 0
 
 
@@ -255,7 +342,7 @@ cdef object _as_slices(const rs_slices *s, writes):
     columns[:] = [
         s.approach, s.rolling_speed, s.sliding_speed, s.load, s.stiffness,
         s.half_width, s.pressure, s.film_thickness, s.regime, s.friction,
-        s.film_viscosity, s.film_thermoviscosity,
+        s.film_viscosity, s.film_thermoviscosity, s.resistance,
     ]
     arrays = {}
     for i, name in enumerate(COLUMNS):

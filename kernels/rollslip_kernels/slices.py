@@ -29,6 +29,7 @@ COLUMNS: Final = {
     "friction": ("1", "traction coefficient mu, with the sign of the sliding speed"),
     "film_viscosity": ("Pa s", "viscosity of the oil at the mean pressure and the inlet temperature"),
     "film_thermoviscosity": ("1/K", "its fall with temperature -dln(eta)/dT at that pressure"),
+    "resistance": ("N/m", "rolling resistance of one surface per length, against its rolling"),
 }
 
 
@@ -91,6 +92,7 @@ class Slices:
     friction: Column
     film_viscosity: Column
     film_thermoviscosity: Column
+    resistance: Column
 
     def __init__(self, n: int, conditions: Conditions | None = None, **columns: Any) -> None:
         self.conditions = Conditions() if conditions is None else conditions

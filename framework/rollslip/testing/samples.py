@@ -27,7 +27,7 @@ from hypothesis.errors import Unsatisfiable
 
 from rollslip.chain import Chain
 from rollslip.errors import DomainError
-from rollslip.models import NO_LIMITS, Domain, SliceModel
+from rollslip.models import NO_LIMITS, Domain, SliceModel, left_to_scene
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
 
 T = TypeVar("T")
@@ -60,6 +60,21 @@ MAGNITUDES: Final[Mapping[str, tuple[float, float, float]]] = {
     "friction": (1e-5, 0.03, 1.0),
     "film_viscosity": (1e-4, 0.6, 1e12),
     "film_thermoviscosity": (1e-3, 0.0656, 0.3),
+    "resistance": (1e-4, 100.0, 1e5),
+}
+#: What a scene may give a drag, of a bearing of 180 mm pitch diameter.
+SCENE: Final[Mapping[str, float | str]] = {
+    "viscosity": 8.58e-3,
+    "density": 930.0,
+    "rollers": 28.0,
+    "roller_diameter": 0.015,
+    "roller_length": 0.015,
+    "orbit_radius": 0.09,
+    "elastic_modulus": 208e9,
+    "guiding_ring": "outer",
+    "land_radius": 0.0945,
+    "land_width": 0.0075,
+    "land_clearance": 2e-4,
 }
 #: What a loaded bearing under way gives; a law may be held to more here than over all magnitudes.
 BEARING: Final[Mapping[str, Limits]] = {
@@ -156,6 +171,12 @@ def picked(slices: Slices, order: Any) -> Slices:
     """Return the slices of an order, as a copy."""
     columns = {name: getattr(slices, name)[order] for name in COLUMNS}
     return Slices(len(columns["load"]), slices.conditions, **columns)
+
+
+def with_scene(model: Any) -> Any:
+    """Return a model with typical values for what it leaves to a scene."""
+    given = {a.name: SCENE[a.metadata["from_scene"]] for a in left_to_scene(model)}
+    return attrs.evolve(model, **given) if given else model
 
 
 # Values of a member --------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-/* The C contract between rollslip and a compiled slice model.  Plain C, no Python.h.
+/* The C contract between rollslip and a compiled slice model, or a compiled torque on the cage.  Plain C, no Python.h.
  *
  * - One structure of arrays: a stage reads some members and fills others, so contact, film and
  *   traction need one function type, one capsule and one binder.
@@ -13,7 +13,8 @@
 #include <stdint.h>
 
 #define ROLLSLIP_ABI 1
-#define ROLLSLIP_MODEL "rollslip.slice_model.v1"   /* PyCapsule name */
+#define ROLLSLIP_MODEL "rollslip.slice_model.v1"   /* PyCapsule names */
+#define ROLLSLIP_DRAG "rollslip.drag.v1"
 
 typedef struct {
     size_t n;                          /* slices in this block; any number */
@@ -44,6 +45,7 @@ typedef struct {
     double *friction;                  /* 1     traction coefficient, sign of V       traction ->  */
     double *film_viscosity;            /* Pa s  of the oil at that pressure           oil ->       */
     double *film_thermoviscosity;      /* 1/K   its fall -dln(eta)/dT there           oil ->       */
+    double *resistance;                /* N/m   rolling resistance of one surface     drag ->      */
 } rs_slices;
 
 /* 0: done; k > 0: slice k-1 of the block is outside the model's domain; -1: a Python error is set. */
@@ -55,4 +57,15 @@ typedef struct {
     rs_evaluate evaluate;   /* re-entrant, without the GIL; never NULL */
     const void *params;     /* read-only; lives as long as the capsule */
 } rs_model;
+
+/* Torque on the cage, N m, positive where it accelerates the cage; speeds of cage and rings in rad/s, any sign.
+ * NaN: a Python error is set, or the speeds are outside the drag's domain. */
+typedef double (*rs_torque)(double cage_speed, double inner_speed, double outer_speed, const void *params);
+
+typedef struct {
+    uint32_t abi;           /* ROLLSLIP_ABI the provider was compiled with */
+    uint32_t size;          /* sizeof(rs_drag) the provider was compiled with */
+    rs_torque torque;       /* re-entrant, without the GIL; never NULL */
+    const void *params;     /* read-only; lives as long as the capsule */
+} rs_drag;
 #endif

@@ -5,6 +5,7 @@ cdef extern from "rollslip.h" nogil:
     enum:
         ROLLSLIP_ABI
     const char *ROLLSLIP_MODEL
+    const char *ROLLSLIP_DRAG
 
     ctypedef struct rs_slices:
         size_t n
@@ -33,6 +34,7 @@ cdef extern from "rollslip.h" nogil:
         double *friction
         double *film_viscosity
         double *film_thermoviscosity
+        double *resistance
 
     ctypedef int (*rs_evaluate)(const rs_slices *, const void *) noexcept nogil
 
@@ -40,4 +42,12 @@ cdef extern from "rollslip.h" nogil:
         uint32_t abi
         uint32_t size
         rs_evaluate evaluate
+        const void *params
+
+    ctypedef double (*rs_torque)(double, double, double, const void *) noexcept nogil
+
+    ctypedef struct rs_drag:
+        uint32_t abi
+        uint32_t size
+        rs_torque torque
         const void *params

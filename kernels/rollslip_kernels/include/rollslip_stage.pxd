@@ -50,4 +50,5 @@ cdef inline rs_slices rs_cut(const rs_slices *whole, size_t start, size_t n) noe
     s.friction += start
     s.film_viscosity += start
     s.film_thermoviscosity += start
+    s.resistance += start
     return s
