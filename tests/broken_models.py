@@ -1,7 +1,7 @@
 """Models that each break one rule of the contract, and the rule that has to find it.
 
-- Each fault is laid over a law that keeps every rule (`Film`, `Traction`, `Line`, `Drag`, `Explicit`, `oil`), so that
-  nothing but the fault can be found; a test holds the sound ones against the whole kit.
+- Each fault is laid over a law that keeps every rule (`Film`, `Traction`, `Line`, `Drag`, `Resistance`, `Pocket`,
+  `Explicit`, `oil`), so that nothing but the fault can be found; a test holds the sound ones against the whole kit.
 - The first line of a docstring says what is wrong; the table in the documentation is made of it.
 - Kernels are functions of Python behind ctypes, wrong in the same ways as compiled ones. Only a scratch that threads
   share is C, compiled when it is asked for: a function of Python holds the GIL and would not race.
@@ -33,9 +33,12 @@ from rollslip.models import (
     DragModel,
     FilmModel,
     IntegratorModel,
+    PocketFriction,
+    ResistanceModel,
     SliceModel,
     TractionModel,
 )
+from rollslip_kernels.drag import python_drag
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 SOURCE = ("Nobody N. On laws that are made to be tested. J. None 1, 2000.",)
@@ -139,6 +142,31 @@ class Drag(DragModel):
         return -self.damping * cage_speed
 
 
+@attrs.frozen(kw_only=True)
+class Resistance(ResistanceModel):
+    """A resistance that is a share of the load."""
+
+    name = "sound-resistance"
+    equation = "F = k w"
+    references = SOURCE
+    reads = frozenset({"load"})
+    domain = MappingProxyType({"load": POSITIVE})
+    share: float = parameter(default=1e-3, unit="1", validator=positive, doc="share k")
+
+    def evaluate(self, slices):
+        slices.resistance[...] = self.share * slices.load
+
+
+@attrs.frozen(kw_only=True)
+class Pocket(PocketFriction):
+    """A friction of the pocket."""
+
+    name = "sound-pocket"
+    equation = "M = mu P r"
+    references = SOURCE
+    coefficient: float = parameter(default=0.1, unit="1", validator=positive, doc="friction coefficient mu")
+
+
 @attrs.frozen
 class Explicit(IntegratorModel):
     """SciPy's RK45."""
@@ -169,7 +197,7 @@ def oil(cls=Lubricant, **changes):
     return cls(**{**sound, **changes})
 
 
-SOUND = [Film(), Traction(), Line(), Drag(), Explicit(), oil()]
+SOUND = [Film(), Traction(), Line(), Drag(), Resistance(), Pocket(), Explicit(), oil()]
 
 
 # Values --------------------------------------------------------------------------------------------------------------
@@ -722,6 +750,39 @@ class DrivesTheCage(Drag):
 
     def torque(self, cage_speed, inner_speed, outer_speed):
         return self.damping * cage_speed
+
+
+@breaks("check_compiled_torque_equals_python")
+@attrs.frozen(kw_only=True)
+class AnotherTorque(Drag):
+    """The compiled form forgets a digit of the damping."""
+
+    def kernel(self):
+        return python_drag(lambda cage, inner, outer: -1.0000001 * self.damping * cage)
+
+
+@breaks("check_resistance_takes_power_out_of_rolling")
+@attrs.frozen(kw_only=True)
+class Helps(Resistance):
+    """The oil rolls the rollers on."""
+
+    def evaluate(self, slices):
+        slices.resistance[...] = -self.share * slices.load
+
+
+@breaks("check_resistance_does_not_fall_with_load_and_speed")
+@attrs.frozen(kw_only=True)
+class TiresWithLoad(Resistance):
+    """The resistance falls as the load rises."""
+
+    def evaluate(self, slices):
+        slices.resistance[...] = self.share / slices.load
+
+
+@breaks("check_coefficient_of_the_pocket_is_a_share", coefficient=12.0)
+@attrs.frozen(kw_only=True)
+class PercentOfThePocket(Pocket):
+    """The friction of the pocket is given in per cent."""
 
 
 # Integrators ---------------------------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from rollslip.fields import FieldError
 from rollslip.registry import KINDS
 from rollslip.scaffold import new, package
 
-FORMS = [(kind, False) for kind in KINDS] + [(kind, True) for kind in ("contact", "film", "traction")]
+FORMS = [(kind, False) for kind in KINDS] + [(kind, True) for kind in ("contact", "film", "traction", "drag")]
 every_form = pytest.mark.parametrize(
     ("kind", "compiled"), FORMS, ids=[f"{kind}-compiled" if compiled else kind for kind, compiled in FORMS]
 )
@@ -156,9 +156,9 @@ def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("kind", ["drag", "integrator", "lubricant", "bearing", "surface"])
+@pytest.mark.parametrize("kind", ["integrator", "lubricant", "bearing", "surface"])
 def test_what_has_no_compiled_form_is_refused_one(kind: str, tmp_path: Path) -> None:
-    with pytest.raises(FieldError, match=f"{kind} has no compiled form, only contact, film, traction have"):
+    with pytest.raises(FieldError, match=f"{kind} has no compiled form, only contact, film, traction, drag have"):
         new("law", kind, True, tmp_path)
     assert list(tmp_path.iterdir()) == []
 

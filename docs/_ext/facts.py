@@ -7,6 +7,7 @@ from pathlib import Path
 import attrs
 import click
 
+from rollslip.cage import Cage
 from rollslip.cli import cli
 from rollslip.console import models_as_dict
 from rollslip.lubricant import OilPoint, OilTable
@@ -28,6 +29,15 @@ def scene_keys():
 def oil_keys():
     """Keys of the table ``[lubricant]`` and of its points."""
     rows = [*fields(OilTable, "lubricant."), *fields(OilPoint, "lubricant.points[].")]
+    return table(("key", "unit", "default", "meaning"), rows)
+
+
+def cage_keys():
+    """Keys of the table ``[cage]``; what is estimated from the bearing says so in its meaning."""
+    rows = [
+        (key, unit, "derived" if "by default" in doc else default, doc)
+        for key, unit, default, doc in fields(Cage, "cage.")
+    ]
     return table(("key", "unit", "default", "meaning"), rows)
 
 
@@ -136,6 +146,7 @@ def from_table(name):
 PARTS = {
     "scene-keys": scene_keys,
     "oil-keys": oil_keys,
+    "cage-keys": cage_keys,
     "study-keys": study_keys,
     "models": models,
     "kinds": kinds,

@@ -1,12 +1,14 @@
 """The bearing of a scene put together: models by name, oil at temperature, one bound chain for each raceway."""
 
 import math
+from functools import cached_property
 from typing import Any, Literal
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.cage import Cage, read_cage
 from rollslip.chain import Chain
 from rollslip.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_equilibrium
 from rollslip.errors import DomainError, PluginError, SceneError
@@ -90,22 +92,56 @@ class Assembly:
         DomainError
             If it overflows.
         """
-        k = self.kinematics
-        speed = k.epicyclic_cage_speed
-        force = self.roller_mass * k.orbit_radius * (speed * speed)  # a power would raise where it overflows
+        return self._centrifugal_force_at(self.kinematics.epicyclic_cage_speed)
+
+    def _centrifugal_force_at(self, cage_speed: float) -> float:
+        force = self.roller_mass * self.kinematics.orbit_radius * (cage_speed * cage_speed)  # a power would raise
         if not force < math.inf:
             raise DomainError(
                 f"the centrifugal force of a roller of {self.roller_mass:g} kg overflows at a cage speed of "
-                f"{speed:g} rad/s; lower operation.inner_speed and operation.outer_speed, or the mass"
+                f"{cage_speed:g} rad/s; lower operation.inner_speed and operation.outer_speed, or the mass"
             )
         return force
+
+    @cached_property
+    def cage(self) -> Cage:
+        """The cage with its drags; read when a study in time asks for it.
+
+        Raises
+        ------
+        SceneError
+            If the scene has none, or it is wrong.
+        PluginError
+            If a drag that it names does not exist or cannot be loaded.
+        """
+        cage = read_cage(self.scene, self.kinematics, self.lubricant)
+        if (resistance := cage.drags.resistance) is not None:
+            _check_given((resistance,), self.inner.conditions, self.lubricant, Where(self.scene.origins))
+        return cage
+
+    def resisting(self) -> "Assembly":
+        """Return the same bearing with resistance to rolling behind the friction of its raceways, if there is any."""
+        resistance = self.cage.drags.resistance
+        if resistance is None:
+            return self
+        chain = Chain(*self.inner.chain.models, resistance)
+        return attrs.evolve(
+            self, inner=attrs.evolve(self.inner, chain=chain), outer=attrs.evolve(self.outer, chain=chain)
+        )
 
     def coarser(self) -> "Assembly":
         """Return the same bearing with half as many slices, to estimate what the slices leave."""
         return attrs.evolve(self, drop=_profile_drop(self.scene, self.slices // 2))
 
-    def load_distribution(self, instants: int = 1) -> LoadDistribution:
+    def load_distribution(self, instants: int = 1, cage_speed: float | None = None) -> LoadDistribution:
         """Return the quasi-static loads of all rollers at instants spread over one roller pitch.
+
+        Parameters
+        ----------
+        instants : int
+            Number of instants.
+        cage_speed : float, optional
+            Speed [rad/s] with which the rollers go round, for their centrifugal force; by default the epicyclic one.
 
         Raises
         ------
@@ -122,7 +158,7 @@ class Assembly:
             radial_clearance=b.radial_clearance,
             radial_load=o.radial_load,
             misalignment=o.misalignment,
-            centrifugal_force=self.centrifugal_force,
+            centrifugal_force=self.centrifugal_force if cage_speed is None else self._centrifugal_force_at(cage_speed),
         )
         return solve_equilibrium(case, self.deflect)
 

@@ -49,7 +49,7 @@ _BASES: Final = MappingProxyType(
         "contact": ("rollslip.models", "ContactModel"),
         "film": ("rollslip.models", "FilmModel"),
         "traction": ("rollslip.models", "TractionModel"),
-        "drag": ("rollslip.models", "DragModel"),
+        "drag": ("rollslip.models", "Drag"),
         "integrator": ("rollslip.models", "IntegratorModel"),
         "lubricant": ("rollslip.lubricant", "Lubricant"),
         "bearing": ("rollslip.datasets", "BearingData"),
@@ -294,7 +294,8 @@ def fault(kind: str, thing: Any) -> str:
         return f"class {thing.__name__} does not define {', '.join(sorted(abstract))}"
     if not attrs.has(thing):
         return f"class {thing.__name__} is not decorated with @attrs.frozen"
-    declared = [name for cls in base.__mro__ for name in inspect.get_annotations(cls)]
+    ours = [cls for cls in thing.__mro__ if cls.__module__ == base.__module__]
+    declared = [name for cls in ours for name in inspect.get_annotations(cls)]
     if missing := [name for name in declared if not hasattr(thing, name)]:
         return f"class {thing.__name__} does not define {', '.join(missing)}"
     return ""

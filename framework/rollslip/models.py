@@ -9,6 +9,7 @@
 """
 
 import abc
+import math
 import sys
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -37,6 +38,66 @@ NO_LIMITS: Final[Domain] = MappingProxyType({})
 def submodel(kind: str, *, factory: Callable[[], object], doc: str) -> Any:
     """Declare a parameter that is itself a model of ``kind``: in a scene a name, or a table with ``model``."""
     return attrs.field(factory=factory, metadata={"doc": doc, "unit": None, "kind": kind})
+
+
+#: What a drag can take from the scene -> (SI unit, or None for a text, and meaning).
+SCENE_VALUES: Final[Mapping[str, tuple[str | None, str]]] = MappingProxyType(
+    {
+        "viscosity": ("Pa s", "viscosity of the oil at operation.temperature and ambient pressure"),
+        "density": ("kg/m3", "density of the oil"),
+        "rollers": ("1", "number of rollers"),
+        "roller_diameter": ("m", "diameter of a roller"),
+        "roller_length": ("m", "length of a roller"),
+        "orbit_radius": ("m", "radius of the orbit of the rollers"),
+        "elastic_modulus": ("Pa", "Young's modulus of rings and rollers"),
+        "guiding_ring": (None, "ring whose land guides the cage"),
+        "land_radius": ("m", "radius of the land that guides the cage"),
+        "land_width": ("m", "width of that land, all rails together"),
+        "land_clearance": ("m", "radial clearance between cage and land"),
+    }
+)
+
+
+@attrs.frozen
+class _IfGiven:
+    """Validator: a value that the scene is to give passes, any other goes to ``validator``."""
+
+    validator: Callable[[Any, Any, Any], object] | None
+
+    def __call__(self, instance: object, attribute: "attrs.Attribute[Any]", value: object) -> None:
+        if self.validator is not None and _given(value) is not None:
+            self.validator(instance, attribute, value)
+
+
+def _given(value: object) -> object | None:
+    """Return a value, None in place of NaN and of an empty text; one NaN does not equal another, but None does."""
+    return value if value == value and value != "" else None
+
+
+def from_scene(name: str, *, doc: str, validator: Callable[[Any, Any, Any], object] | None = None) -> Any:
+    """Declare a parameter of a drag that the scene gives where it is not set: NaN, or an empty text, until then.
+
+    Parameters
+    ----------
+    name
+        What of the scene it is, one of `SCENE_VALUES`; that says the unit too.
+    doc, validator
+        As in `rollslip.fields.parameter`.
+    """
+    unit = SCENE_VALUES[name][0]
+    return attrs.field(
+        default=math.nan if unit else "",
+        validator=_IfGiven(validator),
+        eq=_given,
+        metadata={"doc": doc, "unit": unit, "from_scene": name},
+    )
+
+
+def left_to_scene(model: Any) -> "list[attrs.Attribute[Any]]":
+    """Return the parameters of a model that the scene is to give."""
+    return [
+        a for a in attrs.fields(type(model)) if "from_scene" in a.metadata and _given(getattr(model, a.name)) is None
+    ]
 
 
 class SliceModel(abc.ABC):
@@ -206,16 +267,58 @@ class TractionModel(SliceModel):
         return None
 
 
-class DragModel(abc.ABC):
-    """Torque that resists the cage [N m], from the state of the bearing."""
+class Drag(abc.ABC):
+    """What resists the cage or the rollers beside the traction of the raceways: one of the three sorts below."""
 
     name: ClassVar[str]
     equation: ClassVar[str]
     references: ClassVar[tuple[str, ...]]
 
+    def check_given(self) -> None:
+        """Refuse to go on while a parameter is left to a scene.
+
+        Raises
+        ------
+        DomainError
+            If there is one.
+        """
+        if missing := left_to_scene(self):
+            names = ", ".join(a.name for a in missing)
+            raise DomainError(f"drag {self.name!r} takes {names} from a scene; outside of one give them")
+
+
+class DragModel(Drag):
+    """Torque on the cage [N m], from the speeds of cage and rings."""
+
+    #: Rule of the conformance kit that the law breaks for a reason -> that reason.
+    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    #: Relative difference allowed between the compiled and the Python form.
+    tolerance: ClassVar[float] = 1e-12
+
     @abc.abstractmethod
     def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
         """Return the torque on the cage [N m], positive where it accelerates the cage; speeds in rad/s."""
+
+    def kernel(self) -> object | None:
+        """Return the same law as a capsule ``rs_drag`` of ``rollslip.h``, or None to call ``torque``."""
+        return None
+
+
+class ResistanceModel(SliceModel, Drag):
+    """Rolling resistance [N/m]: a force F on each of the two surfaces, against its rolling; it takes the power 2 F u.
+
+    The stage runs after that of traction, on loaded slices; where the motion stops or turns back, at a rolling speed
+    of its size with a floor of 1 mm/s.
+    """
+
+    writes = frozenset({"resistance"})
+
+
+class PocketFriction(Drag):
+    """Friction of a roller that spins in its pocket, mu_p P against the spin, with P the normal force of the pocket."""
+
+    #: Coefficient mu_p [1].
+    coefficient: float
 
 
 class IntegratorModel(abc.ABC):
@@ -232,3 +335,10 @@ class IntegratorModel(abc.ABC):
     @abc.abstractmethod
     def solver(self) -> type[Any]:
         """Return the OdeSolver class."""
+
+    def compiled(self) -> type[Any] | None:
+        """Return the class that goes through many steps of a compiled system at once, or None.
+
+        Its interface is that of `rollslip_kernels.rosenbrock.Rosenbrock`.
+        """
+        return None

@@ -62,7 +62,12 @@ _FILES: Final = MappingProxyType(
             compiled=True,
         ),
         "drag": _Kind(
-            "A drag model", "the law", _PYTHON.format(kind="drag"), classes=("DragModel",), needs=("attrs>=24.2",)
+            "A drag model",
+            "the law",
+            _PYTHON.format(kind="drag"),
+            classes=("DragModel",),
+            needs=("attrs>=24.2",),
+            compiled=True,
         ),
         "integrator": _Kind(
             "An integrator",
@@ -95,7 +100,7 @@ def new(name: str, kind: str, compiled: bool, folder: Path) -> Path:
     kind : str
         "contact", "film", "traction", "drag", "integrator", "lubricant", "bearing" or "surface".
     compiled : bool
-        With a form compiled against ``rollslip.h`` beside the NumPy form; for contact, film and traction.
+        With a form compiled against ``rollslip.h`` beside the NumPy form; for contact, film, traction and drag.
     folder : Path
         Where the folder ``name`` is made.
 
@@ -111,7 +116,7 @@ def new(name: str, kind: str, compiled: bool, folder: Path) -> Path:
     OutputError
         If there is something of that name already, or it cannot be written; then nothing is left.
     """
-    from rollslip.result import whole
+    from rollslip.writing import whole
 
     texts = package(name, kind, compiled)
     target = folder / name

@@ -32,9 +32,9 @@ from hypothesis import strategies as st
 
 from rollslip.chain import Chain, stage
 from rollslip.errors import DomainError, PluginError
-from rollslip.models import ContactModel, DragModel, FilmModel, IntegratorModel, SliceModel, TractionModel
+from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, SliceModel, TractionModel
 from rollslip.registry import catalogue, get_class
-from rollslip.testing.rules import MODELS, Inapplicable, Nonconformance, bits, refuse_unless, rule, same
+from rollslip.testing.rules import MODELS, STAGES, Inapplicable, Nonconformance, bits, refuse_unless, rule, same
 from rollslip.testing.samples import (
     Unlimited,
     copy_of,
@@ -125,7 +125,7 @@ def check_is_named_as_its_entry_point(model: Any) -> None:
 def _offers(model: Any) -> list[Any]:
     """Return what entry points promise of the module that a model, or a named value, comes from."""
     bases: dict[str, type] = {"contact": ContactModel, "film": FilmModel, "traction": TractionModel}
-    bases |= {"drag": DragModel, "integrator": IntegratorModel}
+    bases |= {"drag": Drag, "integrator": IntegratorModel}
     if isinstance(model, MODELS):
         kinds = [kind for kind, base in bases.items() if isinstance(model, base)]
         offers = [offer for offer in catalogue() if offer.kind in kinds and offer.module == type(model).__module__]
@@ -259,7 +259,7 @@ def check_reads_and_writes_members_that_exist(model: SliceModel) -> None:
     )
     both = model.reads & model.writes
     refuse_unless(not both, f"it reads and writes {sorted(both)}; a second run would give something else")
-    for base in (ContactModel, FilmModel, TractionModel):
+    for base in STAGES:
         if isinstance(model, base):
             missing = set(base.writes) - set(model.writes)
             refuse_unless(not missing, f"a {base.__name__} also writes {sorted(missing)}")

@@ -18,9 +18,19 @@ from hypothesis import strategies as st
 
 from rollslip.errors import DomainError
 from rollslip.lubricant import Lubricant
-from rollslip.models import ContactModel, DragModel, FilmModel, IntegratorModel, SliceModel, TractionModel
-from rollslip.testing.rules import Inapplicable, Nonconformance, changed, drawn, refuse_unless, rule, same
+from rollslip.models import (
+    ContactModel,
+    DragModel,
+    FilmModel,
+    IntegratorModel,
+    PocketFriction,
+    ResistanceModel,
+    SliceModel,
+    TractionModel,
+)
+from rollslip.testing.rules import DENORMAL, Inapplicable, Nonconformance, changed, drawn, refuse_unless, rule, same
 from rollslip.testing.samples import BEARING, copy_of, evaluate, for_all, forms_of, picked, shown, signed, table
+from rollslip_kernels import drag as compiled
 from rollslip_kernels.slices import Slices
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -281,6 +291,59 @@ def check_torque_takes_power_out_of_a_cage_between_still_rings(model: DragModel)
         refuse_unless(speeds[0] != 0 or torque == 0, f"the torque is {torque:g} N m where all is at rest")
 
     for_all(_SPEEDS, holds)
+
+
+@rule(DragModel)
+def check_compiled_torque_equals_python(model: DragModel) -> None:
+    """Two forms of one law: ``kernel()`` is None or a capsule ``rs_drag`` of ``rollslip.h`` with the same numbers."""
+    capsule = model.kernel()
+    if capsule is None:
+        raise Inapplicable("it has no kernel")
+    if problem := compiled.problem(capsule):
+        raise Nonconformance(f"its kernel() {problem}")
+
+    def holds(speeds: tuple[float, ...]) -> None:
+        found, expected = compiled.torque(capsule, *speeds), _torque(model, speeds)
+        refuse_unless(
+            abs(found - expected) <= model.tolerance * abs(expected) + DENORMAL,
+            f"the compiled torque is {found:.17g} at {speeds} rad/s, that of Python {expected:.17g}",
+        )
+
+    for_all(_SPEEDS, holds)
+
+
+@rule(ResistanceModel)
+def check_resistance_takes_power_out_of_rolling(model: ResistanceModel) -> None:
+    """A surface that rolls is resisted, never driven."""
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        if np.any(filled.resistance < 0):
+            i = int(np.argmin(filled.resistance))
+            raise Nonconformance(
+                f"{form} form: the resistance is {filled.resistance[i]:g} N/m; at {shown(shaped, filled, i)}"
+            )
+
+    drawn(model, holds)
+
+
+@rule(ResistanceModel)
+def check_resistance_does_not_fall_with_load_and_speed(model: ResistanceModel) -> None:
+    """A contact that is loaded more, or rolls faster, resists at least as much."""
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        for of in ("load", "rolling_speed"):
+            _monotonic(of, {"resistance": 0})(filled, form, shaped)
+
+    drawn(model, holds)
+
+
+@rule(PocketFriction)
+def check_coefficient_of_the_pocket_is_a_share(model: PocketFriction) -> None:
+    """Friction that a pocket has is a part of the force there; above one a unit is wrong."""
+    refuse_unless(
+        isinstance(model.coefficient, float) and 0.0 <= model.coefficient <= 1.0,
+        f"its coefficient is {model.coefficient!r}; it must be a float from 0 to 1",
+    )
 
 
 # Integrators ---------------------------------------------------------------------------------------------------------

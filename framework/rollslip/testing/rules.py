@@ -12,8 +12,18 @@ from hypothesis import assume
 
 from rollslip.errors import DomainError, PluginError
 from rollslip.lubricant import Lubricant
-from rollslip.models import ContactModel, DragModel, FilmModel, IntegratorModel, SliceModel, TractionModel
-from rollslip.testing.samples import copy_of, drawn_tables, evaluate, for_all, forms_of, shown
+from rollslip.models import (
+    ContactModel,
+    Drag,
+    DragModel,
+    FilmModel,
+    IntegratorModel,
+    PocketFriction,
+    ResistanceModel,
+    SliceModel,
+    TractionModel,
+)
+from rollslip.testing.samples import copy_of, drawn_tables, evaluate, for_all, forms_of, shown, with_scene
 from rollslip_kernels.slices import Slices
 
 Check = Callable[[Any], None]
@@ -44,15 +54,14 @@ def rule(*kinds: type | str) -> Callable[[Check], Check]:
     return add
 
 
-MODELS: Final = (SliceModel, DragModel, IntegratorModel)
+MODELS: Final = (SliceModel, DragModel, PocketFriction, IntegratorModel)
+STAGES: Final = (ContactModel, FilmModel, TractionModel, ResistanceModel)
 
 
 def kinds_of(model: object) -> Iterator[type | str]:
     """Yield the kinds whose rules hold for a model, the general ones first."""
     yield "value"
-    yield from (
-        kind for kind in (*MODELS, Lubricant, ContactModel, FilmModel, TractionModel) if isinstance(model, kind)
-    )
+    yield from (kind for kind in (*MODELS, Lubricant, *STAGES) if isinstance(model, kind))
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
         yield "deflection"
 
@@ -71,7 +80,9 @@ def subjects(model: object) -> list[Any]:
     """Return a model and the stages that it hands out: what is checked in its name."""
     if isinstance(model, type):
         raise PluginError(f"{model.__qualname__} is a class; the checks take a model, {model.__qualname__}(...)")
-    return [model, model.deflection()] if isinstance(model, ContactModel) else [model]
+    if isinstance(model, ContactModel):
+        return [model, model.deflection()]
+    return [with_scene(model) if isinstance(model, Drag) else model]
 
 
 def refuse_unless(holds: object, message: str) -> None:

@@ -1,0 +1,204 @@
+"""What resists cage and rollers: torques on the cage, and the rolling resistance of a slice.
+
+- A torque is an ``rs_drag``, a Python one has a trampoline for its function; who calls it never asks which.
+- Torques are added by who calls them, resistances, of which a slice has one column, by ``total_resistance``.
+"""
+
+from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
+from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid
+from libc.math cimport M_PI, NAN, fabs, pow, sqrt
+
+from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
+from rollslip_drag cimport rs_new_drag
+from rollslip_stage cimport rs_cut, rs_new_model
+
+cdef enum:
+    MOST = 8
+    BLOCK = 256
+    NO_SUCH_STATUS = -2   # a stage returned more than its number of slices; the chain says so
+
+cdef extern from *:
+    """
+    static int rs_raise_pending_of_drag(void) { return -1; }   /* the error is already set */
+    """
+    int _raise_pending "rs_raise_pending_of_drag"() except -1
+
+
+def problem(capsule):
+    """Return in words what keeps ``capsule`` from being used as a torque, or an empty string."""
+    cdef const rs_drag *given
+    if not PyCapsule_IsValid(capsule, ROLLSLIP_DRAG):
+        return f"must return None or a capsule named {ROLLSLIP_DRAG.decode()!r}, got {capsule!r}"
+    given = <const rs_drag *>PyCapsule_GetPointer(capsule, ROLLSLIP_DRAG)
+    if given.abi != ROLLSLIP_ABI:
+        return f"was built for ABI {given.abi} of rollslip.h, this is {ROLLSLIP_ABI}: rebuild it against this version"
+    if given.size < sizeof(rs_drag):
+        return f"has {given.size} bytes of rs_drag, this rollslip reads {sizeof(rs_drag)}: rebuild it"
+    if given.torque == NULL:
+        return "gave a table whose torque is NULL"
+    return ""
+
+
+def torque(capsule, double cage_speed, double inner_speed, double outer_speed):
+    """Return what the torque in ``capsule`` gives; an error of a Python function behind it is raised."""
+    cdef const rs_drag *given = <const rs_drag *>PyCapsule_GetPointer(capsule, ROLLSLIP_DRAG)
+    cdef double found
+    with nogil:
+        found = given.torque(cage_speed, inner_speed, outer_speed, given.params)
+    if found != found and PyErr_Occurred() != NULL:
+        _raise_pending()
+    return found
+
+
+# Torques -------------------------------------------------------------------------------------------------------------
+
+
+cdef struct constant_t:
+    double size, transition
+
+
+# T = -T0 w_c/sqrt(w_c^2 + w_s^2)
+cdef double _constant_torque(double cage, double inner, double outer, const void *params) noexcept nogil:
+    cdef const constant_t *q = <const constant_t *>params
+    return -q.size * cage / sqrt(cage * cage + q.transition * q.transition)
+
+
+cdef struct land_t:
+    double damping
+    bint inner
+
+
+# T = k (w_ring - w_c)
+cdef double _petroff_land(double cage, double inner, double outer, const void *params) noexcept nogil:
+    cdef const land_t *q = <const land_t *>params
+    return q.damping * ((inner if q.inner else outer) - cage)
+
+
+# T = -k |w_c| w_c
+cdef double _churning(double cage, double inner, double outer, const void *params) noexcept nogil:
+    return -(<const double *>params)[0] * fabs(cage) * cage
+
+
+cdef double _call_python(double cage, double inner, double outer, const void *params) noexcept nogil:
+    """A Python torque seen from C."""
+    cdef double found
+    with gil:
+        if PyErr_Occurred() != NULL:   # of another one, whose sum with this one is asked for
+            return NAN
+        try:
+            found = (<object>(<void **>params)[0])(cage, inner, outer)
+            if found != found:
+                raise ArithmeticError(f"the torque is nan at cage, inner and outer speed {cage}, {inner}, {outer}")
+        except BaseException as error:
+            PyErr_SetObject(type(error), error)
+            return NAN
+    return found
+
+
+def constant_torque(double size, double transition):
+    """Return a torque of one size against the motion of the cage, smoothed near rest."""
+    cdef constant_t q = constant_t(size, transition)
+    return rs_new_drag(_constant_torque, &q, sizeof(q), None)
+
+
+def petroff_land(double damping, bint inner):
+    """Return the torque in proportion to the speed of a ring relative to the cage; ``damping`` in N m s."""
+    cdef land_t q = land_t(damping, inner)
+    return rs_new_drag(_petroff_land, &q, sizeof(q), None)
+
+
+def churning(double factor):
+    """Return the torque in proportion to the square of the cage's speed; ``factor`` in N m s^2."""
+    return rs_new_drag(_churning, &factor, sizeof(factor), None)
+
+
+def python_drag(torque):
+    """Return a capsule that calls ``torque(cage_speed, inner_speed, outer_speed)`` with the GIL; NaN is its error."""
+    cdef void *pointer = <void *>torque
+    return rs_new_drag(_call_python, &pointer, sizeof(pointer), torque)
+
+
+# Resistance of a slice -----------------------------------------------------------------------------------------------
+
+
+cdef struct rolling_t:
+    double rigid, elastic
+
+
+# F = (a^-5 + b^-5)^(-1/5), a = 2.0796 sqrt(eta u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126, x = a/b
+cdef int _rolling(const rs_slices *s, const void *params) noexcept nogil:
+    cdef const rolling_t *q = <const rolling_t *>params
+    cdef double shared = pow(s.pressure_viscosity, 0.342) / (q.elastic * s.radius)
+    cdef double flow, a, x, large, small
+    cdef size_t i
+    for i in range(s.n):
+        flow = s.viscosity * s.rolling_speed[i]
+        a = q.rigid * sqrt(flow * s.load[i])
+        x = a * shared / (pow(flow / s.radius, 0.658) * pow(s.load[i] / (s.modulus * s.radius), 0.0126))
+        large = max(x, 1.0)
+        small = min(x, 1.0 / large)
+        s.resistance[i] = a / large * pow(1.0 + small * small * small * small * small, -0.2)
+    return 0
+
+
+# F = k w b/(3 pi R)
+cdef int _hysteresis(const rs_slices *s, const void *params) noexcept nogil:
+    cdef double factor = (<const double *>params)[0] / (3.0 * M_PI * s.radius)
+    cdef size_t i
+    for i in range(s.n):
+        s.resistance[i] = factor * s.load[i] * s.half_width[i]
+    return 0
+
+
+cdef struct stages_t:
+    int n
+    rs_model terms[MOST]
+
+
+cdef int _total_resistance(const rs_slices *s, const void *params) noexcept nogil:
+    cdef const stages_t *q = <const stages_t *>params
+    cdef double one[BLOCK]
+    cdef double total[BLOCK]
+    cdef size_t start = 0, i
+    cdef rs_slices part
+    cdef int k, status
+    while start < s.n:
+        part = rs_cut(s, start, min(<size_t>BLOCK, s.n - start))
+        part.resistance = one
+        for i in range(part.n):
+            total[i] = 0.0
+        for k in range(q.n):
+            status = q.terms[k].evaluate(&part, q.terms[k].params)
+            if status > <int>part.n:
+                return NO_SUCH_STATUS
+            if status != 0:
+                return status if status < 0 else <int>start + status
+            for i in range(part.n):
+                total[i] += one[i]
+        for i in range(part.n):
+            s.resistance[start + i] = total[i]
+        start += part.n
+    return 0
+
+
+def rolling_resistance(double rigid, double elastic):
+    """Return the stage of hydrodynamic rolling resistance; the numbers are those of its two limits."""
+    cdef rolling_t q = rolling_t(rigid, elastic)
+    return rs_new_model(_rolling, &q, sizeof(q), None)
+
+
+def hysteresis(double loss):
+    """Return the stage of hysteresis; ``loss`` is the share of the work of deformation that is lost."""
+    return rs_new_model(_hysteresis, &loss, sizeof(loss), None)
+
+
+def total_resistance(capsules):
+    """Return the stage that adds what other stages, at most eight, put into the column of the resistance."""
+    cdef stages_t q
+    capsules = tuple(capsules)
+    if len(capsules) > MOST:
+        raise ValueError(f"at most {MOST} can be added, got {len(capsules)}")
+    q.n = len(capsules)
+    for k, capsule in enumerate(capsules):
+        q.terms[k] = (<const rs_model *>PyCapsule_GetPointer(capsule, ROLLSLIP_MODEL))[0]
+    return rs_new_model(_total_resistance, &q, sizeof(q), capsules)

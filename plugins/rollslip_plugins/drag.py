@@ -1,0 +1,169 @@
+"""Torques on the cage: of one size, of the oil between cage and land, of rollers that plough through oil; pockets."""
+
+import math
+from typing import ClassVar
+
+import attrs
+
+from rollslip.fields import in_range, non_negative, one_of, parameter, positive
+from rollslip.hookspecs import hookimpl
+from rollslip.models import Drag, DragModel, PocketFriction, from_scene
+from rollslip_kernels import drag as compiled
+
+HARRIS = "Harris T.A., Kotzalas M.N. Advanced Concepts of Bearing Technology. 5th ed., CRC Press, 2007."
+
+
+@attrs.frozen(kw_only=True)
+class ConstantTorque(DragModel):
+    """Torque of one size against the motion of the cage: T = -T0 w_c/sqrt(w_c^2 + w_s^2).
+
+    T torque on the cage [N m], w_c its speed, w_s the speed below which the torque fades towards rest [rad/s]. It
+    stands for all that brakes the cage when the sum is known, by a measurement say. The size of 0.1 N m is an
+    estimate for a bearing of 180 mm pitch diameter (D).
+
+    Range: a cage that turns; at 10 w_s the torque is 0.5 % below T0.
+    """
+
+    name: ClassVar[str] = "constant-torque"
+    equation: ClassVar[str] = "T = -T0 w_c/sqrt(w_c^2 + w_s^2)"
+    references: ClassVar[tuple[str, ...]] = ("No law: a number that is given, made smooth where the cage stands.",)
+
+    size: float = parameter(default=0.1, unit="N m", validator=non_negative, doc="size T0 of the torque")
+    transition: float = parameter(
+        default=1.0, unit="rad/s", validator=positive, doc="speed w_s below which the torque fades towards rest"
+    )
+
+    def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
+        """Return the torque on the cage [N m]; speeds in rad/s."""
+        return -self.size * cage_speed / math.sqrt(cage_speed * cage_speed + self.transition * self.transition)
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.constant_torque(self.size, self.transition)
+
+
+@attrs.frozen(kw_only=True)
+class PetroffLand(DragModel):
+    """Torque of the oil between the cage and the land that guides it, after Petroff.
+
+    T = 2 pi eta W R^3 (w_ring - w_c)/c
+
+    T torque on the cage [N m], eta viscosity of the oil [Pa s], R radius, W width of all rails together and c radial
+    clearance of the land [m], w_ring and w_c speeds of the guiding ring and of the cage [rad/s]. The inner ring drives
+    the cage, the outer one brakes it. Derived: shear stress eta R (w_ring - w_c)/c on the area 2 pi R W at the lever R.
+
+    Range: laminar flow in a full, concentric gap, c << R; an oil at the temperature of the scene, while the gap of a
+    fast bearing is hotter, and the torque less. A starved land has a smaller width.
+
+    Raises
+    ------
+    DomainError
+        If a value is left to a scene and there is none.
+    """
+
+    name: ClassVar[str] = "petroff-land"
+    equation: ClassVar[str] = "T = 2 pi eta W R^3 (w_ring - w_c)/c"
+    references: ClassVar[tuple[str, ...]] = (
+        "Petroff N.P. Friction in machines and the effect of the lubricant. Inzh. Zh., St. Petersburg, 1883.",
+        HARRIS,
+    )
+
+    ring: str = from_scene("guiding_ring", validator=one_of("inner", "outer"), doc="ring whose land guides the cage")
+    viscosity: float = from_scene("viscosity", validator=positive, doc="viscosity eta of the oil on the land")
+    radius: float = from_scene("land_radius", validator=positive, doc="radius R of the land")
+    width: float = from_scene("land_width", validator=positive, doc="width W of the land, all rails together")
+    clearance: float = from_scene("land_clearance", validator=positive, doc="radial clearance c of cage and land")
+
+    @property
+    def damping(self) -> float:
+        """Torque for each rad/s between ring and cage [N m s]."""
+        self.check_given()
+        return 2 * math.pi * self.viscosity * self.width / self.clearance * (self.radius * self.radius * self.radius)
+
+    def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
+        """Return the torque on the cage [N m]; speeds in rad/s."""
+        return self.damping * ((inner_speed if self.ring == "inner" else outer_speed) - cage_speed)
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.petroff_land(self.damping, self.ring == "inner")
+
+
+@attrs.frozen(kw_only=True)
+class Churning(DragModel):
+    """Torque of rollers that plough through a mist of oil: each meets F = C_D rho_eff l D (w_c R_m)^2/2 at R_m.
+
+    T = -Z R_m F sign(w_c), rho_eff = phi rho
+
+    T torque on the cage [N m], Z rollers of length l and diameter D on an orbit of radius R_m [m], w_c speed of the
+    cage [rad/s], rho density of the oil [kg/m3], phi its share of the free volume and C_D the drag coefficient [1].
+    The rollers' mass of air is left out. C_D is about 1 for a long cylinder alone (Re from 1e3 to 1e5) and less in the
+    wake of the next; the default of 0.5 is an estimate (D). phi is 0.01 to 0.05 under a jet of oil (C), far more in a
+    bath; the default of 0.02 is an estimate (D). The torque is in proportion to both: it is known to a factor of two.
+
+    Range: turbulent wakes; the mist itself stands still.
+
+    Raises
+    ------
+    DomainError
+        If a value is left to a scene and there is none.
+    """
+
+    name: ClassVar[str] = "churning"
+    equation: ClassVar[str] = "T = -Z R_m C_D phi rho l D |w_c R_m| w_c R_m/2"
+    references: ClassVar[tuple[str, ...]] = (
+        HARRIS,
+        "Parker R.J. Comparison of predicted and experimental thermal performance of angular-contact ball bearings. "
+        "NASA TP-2275, 1984.",
+    )
+
+    coefficient: float = parameter(
+        default=0.5, unit="1", validator=non_negative, doc="drag coefficient C_D of a roller"
+    )
+    oil_fraction: float = parameter(
+        default=0.02, unit="1", validator=in_range(0, 1), doc="share phi of oil in the volume between the rings"
+    )
+    density: float = from_scene("density", validator=positive, doc="density rho of the oil")
+    rollers: float = from_scene("rollers", validator=positive, doc="number Z of rollers")
+    roller_diameter: float = from_scene("roller_diameter", validator=positive, doc="diameter D of a roller")
+    roller_length: float = from_scene("roller_length", validator=positive, doc="length l of a roller")
+    orbit_radius: float = from_scene("orbit_radius", validator=positive, doc="radius R_m of the rollers' orbit")
+
+    @property
+    def factor(self) -> float:
+        """Torque for the square of the cage's speed [N m s2]."""
+        self.check_given()
+        area = self.rollers * self.roller_length * self.roller_diameter
+        mist = self.coefficient * self.oil_fraction * self.density
+        return mist * area * (self.orbit_radius * self.orbit_radius * self.orbit_radius) / 2
+
+    def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
+        """Return the torque on the cage [N m]; speeds in rad/s."""
+        return -self.factor * abs(cage_speed) * cage_speed
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.churning(self.factor)
+
+
+@attrs.frozen(kw_only=True)
+class CoulombPocket(PocketFriction):
+    """Friction of a roller in its pocket in proportion to the force there: M = mu_p |P| r against the spin.
+
+    M moment on the roller [N m], P normal force between roller and cage [N], r radius of the roller [m]. The default of
+    mu_p = 0.1 is that of oiled metal without a film (D).
+
+    Range: a pocket without a film of oil, which would lower mu_p by far.
+    """
+
+    name: ClassVar[str] = "pocket-friction"
+    equation: ClassVar[str] = "M = mu_p |P| r"
+    references: ClassVar[tuple[str, ...]] = (HARRIS,)
+
+    coefficient: float = parameter(default=0.1, unit="1", validator=in_range(0, 1), doc="friction coefficient mu_p")
+
+
+@hookimpl
+def drag_models() -> list[type[Drag]]:
+    """Offer the drags of this module."""
+    return [ConstantTorque, PetroffLand, Churning, CoulombPocket]
