@@ -33,6 +33,21 @@ def kernel(name: str) -> Extension:
     )
 
 
-KERNELS = ("blend", "chain", "contact", "film", "rheology", "stress", "traction", "viscosity")
+KERNELS = (
+    "blend",
+    "carried",
+    "chain",
+    "contact",
+    "drag",
+    "film",
+    "planar",
+    "raceway",
+    "rheology",
+    "rosenbrock",
+    "stress",
+    "system",
+    "traction",
+    "viscosity",
+)
 
 setup(ext_modules=[kernel(name) for name in KERNELS])

@@ -1,0 +1,97 @@
+# An initial value problem of arrow shape, y' = f(t, y), as C sees it; capsule "rollslip.system.v1".
+#
+# - y = [head (H) | roller 0 (B) | ... | roller Z-1 (B) | ledger (L)]: nothing but the head and its own block influences
+#   a roller, and the ledger influences nothing.  So the Jacobian is an arrow, found by differences in H + B evaluations
+#   of all rollers at once, whatever Z is, and solved with in work proportional to Z.
+# - Ours alone, unlike rollslip.h: both sides of it are always built together.
+# - The context of the capsule is a reference to the owner, which keeps ``state`` and ``scale`` alive and answers
+#   ``refusal()`` after a status k > 0.
+from cpython.pycapsule cimport PyCapsule_New, PyCapsule_SetContext
+from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
+from libc.math cimport fabs
+from libc.stdlib cimport free, malloc
+
+cdef extern from "Python.h":
+    # without the look for a Python error that Cython's own declarations have: see rollslip_stage.pxd
+    void *rs_system_context "PyCapsule_GetContext"(object) noexcept
+    void *rs_system_pointer "PyCapsule_GetPointer"(object, const char *) noexcept
+
+cdef extern from *:
+    """
+    #ifndef ROLLSLIP_SYSTEM
+    #define ROLLSLIP_SYSTEM "rollslip.system.v1"
+    #include <stddef.h>
+
+    /* The derivatives that are not zero by the shape, each row by row (C order). */
+    typedef struct {
+        double *head_head;      /* [(H+L) x H]      head and ledger rates by head, what the rollers add included */
+        double *head_roller;    /* [Z x (H+L) x B]  what a roller adds, by its own unknowns */
+        double *roller_head;    /* [Z x B x H] */
+        double *roller_roller;  /* [Z x B x B] */
+    } rs_arrow;
+
+    /* Every function returns 0; -1: a Python error is set; k > 0: refused, the owner's refusal() tells what. All that
+       comes in is finite; all of what goes out is written. Called without the GIL. */
+    typedef struct {
+        size_t head, rollers, block, ledger;   /* n = head + rollers*block + ledger */
+        /* rates of the rollers' unknowns [Z x B], and what each adds to the rates of head and ledger [Z x (H+L)];
+           NULL, and never called, without rollers */
+        int (*roller_rates)(double t, const double *head, const double *rollers, double *rates, double *added,
+                            void *state);
+        /* the head's and ledger's own rates [H+L], to which those are added */
+        int (*head_rates)(double t, const double *head, double *rates, void *state);
+        /* values whose change of sign is an event [watched]; NULL if none */
+        size_t watched;
+        int (*watch)(double t, const double *y, double *values, void *state);
+        /* the derivatives; NULL: by differences */
+        int (*jacobian)(double t, const double *y, const rs_arrow *arrow, void *state);
+        const double *scale;   /* [n] typical magnitudes > 0 of the unknowns, for differences */
+        int autonomous;        /* 1: no time in the rates */
+        void *state;
+    } rs_system;
+    #endif
+    """
+    const char *ROLLSLIP_SYSTEM
+
+    ctypedef struct rs_arrow:
+        double *head_head
+        double *head_roller
+        double *roller_head
+        double *roller_roller
+
+    ctypedef int (*rs_roller_rates)(double, const double *, const double *, double *, double *, void *) noexcept nogil
+    ctypedef int (*rs_head_rates)(double, const double *, double *, void *) noexcept nogil
+    ctypedef int (*rs_watch)(double, const double *, double *, void *) noexcept nogil
+    ctypedef int (*rs_jacobian)(double, const double *, const rs_arrow *, void *) noexcept nogil
+
+    ctypedef struct rs_system:
+        size_t head
+        size_t rollers
+        size_t block
+        size_t ledger
+        rs_roller_rates roller_rates
+        rs_head_rates head_rates
+        size_t watched
+        rs_watch watch
+        rs_jacobian jacobian
+        const double *scale
+        int autonomous
+        void *state
+
+
+cdef inline object rs_new_system(const rs_system *system, object owner):
+    """Capsule with its own copy of the struct, that keeps ``owner`` alive."""
+    cdef rs_system *made = <rs_system *>malloc(sizeof(rs_system))
+    if made == NULL:
+        raise MemoryError
+    made[0] = system[0]
+    capsule = PyCapsule_New(made, ROLLSLIP_SYSTEM, rs_free_system)
+    Py_INCREF(owner)
+    PyCapsule_SetContext(capsule, <void *>owner)
+    return capsule
+
+
+cdef inline void rs_free_system(object capsule) noexcept:
+    cdef PyObject *owner = <PyObject *>rs_system_context(capsule)
+    free(rs_system_pointer(capsule, ROLLSLIP_SYSTEM))
+    Py_XDECREF(owner)

@@ -1,0 +1,338 @@
+"""Initial value problems y' = f(t, y) of arrow shape, seen from Python: rates, Jacobian, watched values.
+
+- A system is a capsule of ``include/rollslip_system.pxd``, made by whoever owns the numbers; here it is only asked.
+- `System` is callable as SciPy's solvers want it, and its dense ``jacobian`` is what their implicit ones take.
+- `python_system` makes such a capsule of Python functions: of f alone, or of the head's and the rollers' parts.
+"""
+
+import numpy as np
+
+from cpython.exc cimport PyErr_SetObject
+from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid
+from libc.stddef cimport size_t
+from libc.string cimport memcpy
+
+from rollslip_arrow cimport (
+    RS_NOT_FINITE, RS_RAISED, rs_arrow_size, rs_differences, rs_factorise, rs_factors, rs_factors_size,
+    rs_place_arrow, rs_place_factors, rs_raw, rs_raw_size, rs_solve, rs_sum, rs_unknowns,
+)
+from rollslip_system cimport (
+    ROLLSLIP_SYSTEM, rs_arrow, rs_new_system, rs_system, rs_system_context,
+)
+
+cdef extern from *:
+    """
+    static int rs_raise_pending(void) { return -1; }   /* the error is already set */
+    """
+    int _raise_pending "rs_raise_pending"() except -1
+
+
+class RefusedError(ArithmeticError):
+    """The rates are not defined there; ``reason`` is what ``refusal()`` of the system's owner says.
+
+    A function of a `python_system` may raise it: an integrator then tries a smaller step, as after a refusal of a
+    compiled one. Any other exception ends the integration.
+    """
+
+    def __init__(self, message, reason=None):
+        super().__init__(message)
+        self.reason = reason
+
+
+cdef class System:
+    """A system as a function: ``system(t, y)`` gives f(t, y).
+
+    Parameters
+    ----------
+    capsule
+        Capsule "rollslip.system.v1".
+
+    Attributes
+    ----------
+    n, head, rollers, block, ledger, watched : int
+        Numbers of unknowns, n = head + rollers * block + ledger, and of watched values.
+    scale : ndarray
+        Typical magnitudes of the unknowns.
+    evaluations : int
+        Evaluations of the rates so far, those for differences included.
+    """
+
+    cdef const rs_system *c
+    cdef readonly object capsule, owner
+    cdef readonly size_t n, head, rollers, block, ledger, watched, evaluations
+
+    def __init__(self, capsule):
+        if not PyCapsule_IsValid(capsule, ROLLSLIP_SYSTEM):
+            raise TypeError(f"a system is a capsule named {ROLLSLIP_SYSTEM.decode()!r}, got {capsule!r}")
+        self.c = <const rs_system *>PyCapsule_GetPointer(capsule, ROLLSLIP_SYSTEM)
+        self.capsule, self.owner = capsule, <object>rs_system_context(capsule)  # which rs_new_system has set
+        self.n, self.head, self.rollers = rs_unknowns(self.c), self.c.head, self.c.rollers
+        self.block, self.ledger, self.watched = self.c.block, self.c.ledger, self.c.watched
+
+    @property
+    def scale(self):
+        return np.array(<double[:self.n]><double *>self.c.scale) if self.n else np.empty(0)
+
+    def rates(self, double t, y):
+        """Return f(t, y)."""
+        cdef double[::1] given = self._unknowns(y), rates = np.empty(self.n), raw = np.empty(1 + rs_raw_size(self.c))
+        self._raw(t, given, raw)
+        if self.n:
+            rs_sum(self.c, &raw[0], &rates[0])
+        return np.asarray(rates)
+
+    def __call__(self, t, y):
+        return self.rates(t, y)
+
+    def jacobian(self, double t, y, bint central=True):
+        """Return df/dy as a dense array; by differences, central or one-sided, where the system does not give it."""
+        cdef double[::1] given = self._unknowns(y), arrow = np.empty(1 + rs_arrow_size(self.c))
+        cdef rs_arrow a
+        self._arrow(t, given, arrow, central, &a)
+        H, Z, B, L = self.head, self.rollers, self.block, self.ledger
+        ends = np.cumsum([(H + L) * H, Z * (H + L) * B, Z * B * H, Z * B * B])
+        parts = np.split(np.asarray(arrow), ends)[:4]
+        head_head, head_roller, roller_head, roller_roller = (
+            part.reshape(shape)
+            for part, shape in zip(parts, [(H + L, H), (Z, H + L, B), (Z, B, H), (Z, B, B)], strict=True)
+        )
+        dense = np.zeros((self.n, self.n))
+        receiving = np.r_[0:H, H + Z * B:self.n]
+        dense[receiving, :H] = head_head
+        for j in range(Z):
+            own = slice(H + j * B, H + (j + 1) * B)
+            dense[receiving, own] = head_roller[j]
+            dense[own, :H] = roller_head[j]
+            dense[own, own] = roller_roller[j]
+        return dense
+
+    def solve(self, double t, y, double shift, right, bint central=True):
+        """Return x of (shift I - df/dy) x = right, in work proportional to the number of rollers.
+
+        Returns x and the number of multiplications. Raises `ArithmeticError` if a block or the head is singular.
+        """
+        cdef double[::1] given = self._unknowns(y), x = np.array(right, dtype=float)
+        cdef double[::1] arrow = np.empty(1 + rs_arrow_size(self.c)), memory = np.empty(1 + rs_factors_size(self.c))
+        cdef size_t[::1] order = np.empty(1 + self.n, dtype=np.uintp)
+        cdef rs_arrow a
+        cdef rs_factors factors
+        if x.shape[0] != <Py_ssize_t>self.n:
+            raise ValueError(f"the right-hand side must be {self.n} numbers, got {x.shape[0]}")
+        self._arrow(t, given, arrow, central, &a)
+        rs_place_factors(self.c, &memory[0], &order[0], &factors)
+        if rs_factorise(self.c, &a, shift, &factors):
+            raise ArithmeticError(f"{shift:g} - df/dy has a singular block at t = {t:g}")
+        if self.n:
+            rs_solve(self.c, &a, &factors, &x[0])
+        return np.asarray(x), factors.operations
+
+    def watch(self, double t, y):
+        """Return the values whose change of sign is an event."""
+        cdef double[::1] given = self._unknowns(y), values = np.empty(self.watched)
+        cdef int status = 0
+        if self.watched:
+            with nogil:
+                status = self.c.watch(t, &given[0] if given.shape[0] else NULL, &values[0], self.c.state)
+            self._check(status, t)
+        return np.asarray(values)
+
+    def refusal(self):
+        """Return what the owner refused last, or None."""
+        return self.owner.refusal()
+
+    cdef double[::1] _unknowns(self, y):
+        given = np.array(y, dtype=float)  # SciPy's differences pass arrays that are not contiguous
+        if given.shape != (self.n,):
+            raise ValueError(f"the system has {self.n} unknowns, got an array of shape {given.shape}")
+        if not np.all(np.isfinite(given)):
+            raise ValueError(f"unknown {int(np.argmin(np.isfinite(given)))} is not finite")
+        return given
+
+    cdef int _raw(self, double t, double[::1] y, double[::1] raw) except -1:
+        cdef int status
+        self.evaluations += 1
+        with nogil:
+            status = rs_raw(self.c, t, &y[0] if y.shape[0] else NULL, &raw[0])
+        return 0 if status == RS_NOT_FINITE else self._check(status, t)  # SciPy looks at the rates itself
+
+    cdef int _arrow(self, double t, double[::1] y, double[::1] memory, bint central, rs_arrow *a) except -1:
+        cdef double[::1] base = np.empty(1 + rs_raw_size(self.c))
+        cdef double[::1] minus = np.empty_like(base), plus = np.empty_like(base), u = np.empty(1 + self.n)
+        cdef int status
+        cdef double *at = &y[0] if y.shape[0] else NULL
+        rs_place_arrow(self.c, &memory[0], a)
+        if self.c.jacobian != NULL:
+            with nogil:
+                status = self.c.jacobian(t, at, a, self.c.state)
+            return self._check(status, t)
+        self._raw(t, y, base)
+        with nogil:
+            status = rs_differences(
+                self.c, t, at, &base[0], central, a, &u[0], &minus[0], &plus[0], &self.evaluations
+            )
+        return self._check(status, t)
+
+    cdef int _check(self, int status, double t) except -1:
+        if status == RS_RAISED:
+            _raise_pending()
+        if status == RS_NOT_FINITE:
+            raise ArithmeticError(f"the rates are not finite near t = {t:g}")
+        if status != 0:
+            raise RefusedError(f"the rates are not defined at t = {t:g}", self.refusal())
+        return 0
+
+
+# Systems in Python ---------------------------------------------------------------------------------------------------
+
+
+cdef class _PythonSystem:
+    """Owner of a system whose functions are Python's."""
+
+    cdef rs_system c
+    cdef double[::1] scale
+    cdef object head_rates, roller_rates, watch, jacobian, refused
+
+    def refusal(self):
+        return self.refused
+
+
+def python_system(
+    head_rates, size_t head, *, roller_rates=None, size_t rollers=0, size_t block=0, size_t ledger=0,
+    scale=1.0, watch=None, size_t watched=0, jacobian=None, bint autonomous=False,
+):
+    """Return a system of Python functions, which are given copies of their arrays.
+
+    Parameters
+    ----------
+    head_rates
+        ``f(t, head)`` returns the rates of head and ledger, (head + ledger,); without rollers simply f(t, y).
+    head, rollers, block, ledger
+        Numbers of unknowns; there are ``rollers`` times ``block``.
+    roller_rates
+        ``f(t, head, rollers)``, rollers of shape (rollers, block), returns their rates, of the same shape, and what
+        each adds to those of head and ledger, of shape (rollers, head + ledger).
+    scale
+        Typical magnitudes of the unknowns, > 0, one or for each.
+    watch
+        ``g(t, y)`` returns ``watched`` values whose change of sign is an event.
+    jacobian
+        ``jac(t, y)`` returns df/dy of a system without rollers and ledger.
+    autonomous
+        The rates do not depend on t.
+    """
+    cdef _PythonSystem made = _PythonSystem()
+    cdef size_t n = head + rollers * block + ledger
+    if (roller_rates is None) != (rollers == 0) or (rollers == 0) != (block == 0):
+        raise ValueError("roller_rates, rollers and block come together, or none of them")
+    if (watch is None) != (watched == 0):
+        raise ValueError("watch and watched come together, or none of them")
+    if jacobian is not None and rollers + ledger:
+        raise ValueError("a Jacobian can be given for a system without rollers and ledger only")
+    made.scale = np.array(np.broadcast_to(np.asarray(scale, dtype=float), (n,)))
+    if not np.all((np.asarray(made.scale) > 0) & np.isfinite(made.scale)):
+        raise ValueError(f"scale must be finite and above 0, got {np.asarray(made.scale)}")
+    made.head_rates, made.roller_rates, made.watch, made.jacobian = head_rates, roller_rates, watch, jacobian
+    made.c.head, made.c.rollers, made.c.block, made.c.ledger = head, rollers, block, ledger
+    made.c.watched = watched
+    made.c.head_rates = _call_head
+    if roller_rates is not None:
+        made.c.roller_rates = _call_rollers
+    if watch is not None:
+        made.c.watch = _call_watch
+    if jacobian is not None:
+        made.c.jacobian = _call_jacobian
+    made.c.scale = &made.scale[0] if n else NULL
+    made.c.autonomous = autonomous
+    made.c.state = <void *>made  # no reference: the capsule holds the one that counts
+    return rs_new_system(&made.c, made)
+
+
+cdef object _copied(const double *x, size_t n):
+    """An array of the caller's own: what it keeps must not change under it."""
+    array = np.empty(n)
+    cdef double[::1] view = array
+    if n:
+        memcpy(&view[0], x, n * sizeof(double))
+    return array
+
+
+cdef int _take(result, shape, what, double *into) except -1:
+    cdef double[::1] flat
+    if np.iscomplexobj(result):
+        raise TypeError(f"{what} must be real, got {np.asarray(result).dtype}")
+    array = np.asarray(result, dtype=float)
+    if array.shape != shape:
+        raise ValueError(f"{what} must have the shape {shape}, got {array.shape}")
+    flat = np.ascontiguousarray(array).reshape(-1)
+    if flat.shape[0]:
+        memcpy(into, &flat[0], flat.shape[0] * sizeof(double))
+    return 0
+
+
+cdef int _call_head(double t, const double *head, double *rates, void *state) noexcept nogil:
+    with gil:
+        try:
+            _head(<_PythonSystem>state, t, head, rates)
+        except BaseException as error:
+            return _status_of(<_PythonSystem>state, error)
+    return 0
+
+
+cdef int _call_rollers(
+    double t, const double *head, const double *rollers, double *rates, double *added, void *state
+) noexcept nogil:
+    with gil:
+        try:
+            _rollers(<_PythonSystem>state, t, head, rollers, rates, added)
+        except BaseException as error:
+            return _status_of(<_PythonSystem>state, error)
+    return 0
+
+
+cdef int _call_watch(double t, const double *y, double *values, void *state) noexcept nogil:
+    with gil:
+        try:
+            _watched(<_PythonSystem>state, t, y, values)
+        except BaseException as error:
+            return _status_of(<_PythonSystem>state, error)
+    return 0
+
+
+cdef int _call_jacobian(double t, const double *y, const rs_arrow *arrow, void *state) noexcept nogil:
+    with gil:
+        try:
+            _given_jacobian(<_PythonSystem>state, t, y, arrow)
+        except BaseException as error:
+            return _status_of(<_PythonSystem>state, error)
+    return 0
+
+
+cdef int _status_of(_PythonSystem s, error) noexcept:
+    if isinstance(error, RefusedError):
+        s.refused = error.reason
+        return 1
+    PyErr_SetObject(type(error), error)
+    return RS_RAISED
+
+
+cdef int _head(_PythonSystem s, double t, const double *head, double *rates) except -1:
+    return _take(s.head_rates(t, _copied(head, s.c.head)), (s.c.head + s.c.ledger,), "the rates", rates)
+
+
+cdef int _rollers(
+    _PythonSystem s, double t, const double *head, const double *rollers, double *rates, double *added
+) except -1:
+    shape = (s.c.rollers, s.c.block)
+    own, others = s.roller_rates(
+        t, _copied(head, s.c.head), _copied(rollers, s.c.rollers * s.c.block).reshape(shape)
+    )
+    _take(own, shape, "the rollers' rates", rates)
+    return _take(others, (s.c.rollers, s.c.head + s.c.ledger), "what the rollers add", added)
+
+
+cdef int _watched(_PythonSystem s, double t, const double *y, double *values) except -1:
+    return _take(s.watch(t, _copied(y, rs_unknowns(&s.c))), (s.c.watched,), "the watched values", values)
+
+
+cdef int _given_jacobian(_PythonSystem s, double t, const double *y, const rs_arrow *arrow) except -1:
+    return _take(s.jacobian(t, _copied(y, s.c.head)), (s.c.head, s.c.head), "the Jacobian", arrow.head_head)

@@ -1,0 +1,52 @@
+"""Our own integrator for stiff problems, compiled: see rollslip_kernels.rosenbrock."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+import attrs
+
+from rollslip.hookspecs import hookimpl
+from rollslip.models import IntegratorModel
+
+
+@attrs.frozen
+class Rodas5p(IntegratorModel):
+    """Rosenbrock-Wanner method of order 5(4) by Steinebach, for stiff problems, with linear algebra of arrow shape.
+
+    A step solves eight linear systems with one matrix and iterates nothing, so that a stiff problem costs what its
+    accuracy asks for. L-stable and stiffly accurate; continuous output of order 4.
+    """
+
+    name: ClassVar[str] = "rodas5p"
+    order: ClassVar[int] = 5
+    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "check_converges_with_its_order": "the check's problem is linear with constant coefficients, on which this "
+            "method has order 6"
+        }
+    )
+    equation: ClassVar[str] = "dy/dt = f(t, y); linearly implicit, L-stable, order 5, error estimate of order 4"
+    references: ClassVar[tuple[str, ...]] = (
+        "Steinebach G. Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia "
+        "Differential Equations package. BIT Numer. Math. 63, 2023, 27.",
+        "Hairer E., Wanner G. Solving Ordinary Differential Equations II, 2nd ed. Springer, 1996.",
+    )
+
+    def solver(self) -> type[Any]:
+        """Return the OdeSolver class."""
+        from rollslip_plugins.solvers import Rodas5pSolver
+
+        return Rodas5pSolver
+
+    def compiled(self) -> type[Any]:
+        """Return the kernel."""
+        from rollslip_kernels.rosenbrock import Rosenbrock
+
+        return Rosenbrock
+
+
+@hookimpl
+def integrator_models() -> list[type[IntegratorModel]]:
+    """Offer Rodas5P."""
+    return [Rodas5p]

@@ -1,0 +1,171 @@
+"""Solvers of SciPy's kind, for ``solve_ivp``: our Rosenbrock method and CVODE.
+
+- They stand apart from the models that offer them since a base class of SciPy's has to be imported to be one.
+- Given a `rollslip_kernels.system.System` ours solves with the arrow shape, in work proportional to the number of
+  rollers; given any other function, with a dense Jacobian, yours (``jac``) or one by differences.
+- Stepped through here every step is a call from Python; a study lets the kernel itself take many.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import DenseOutput, OdeSolver
+
+from rollslip_kernels.rosenbrock import Rosenbrock
+from rollslip_kernels.system import System, python_system
+
+Array = NDArray[np.float64]
+
+#: Places in a step at which CVODE's own polynomial, of degree 5 at most, is read off: nothing is lost.
+_PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(6) / 5)
+
+
+class Rodas5pSolver(OdeSolver):
+    """Rosenbrock method Rodas5P, for ``scipy.integrate.solve_ivp``.
+
+    Parameters
+    ----------
+    fun, t0, y0, t_bound
+        As for SciPy's solvers; ``fun`` may be a `rollslip_kernels.system.System`.
+    max_step, rtol, atol, first_step
+        As for SciPy's solvers; rtol >= 2.3e-14, and both tolerances one or for each unknown. Differences take atol/rtol
+        for the typical magnitude of an unknown, unless a system gives its own.
+    jac
+        df/dy of a function: an array, or a function of t and y; None for differences.
+    vectorized
+        Not used.
+    """
+
+    def __init__(
+        self,
+        fun: Callable[[float, Array], Array],
+        t0: float,
+        y0: Array,
+        t_bound: float,
+        max_step: float = np.inf,
+        rtol: float | Array = 1e-3,
+        atol: float | Array = 1e-6,
+        jac: Any = None,
+        first_step: float | None = None,
+        vectorized: bool = False,
+    ) -> None:
+        super().__init__(fun, t0, y0, t_bound, vectorized)
+        if isinstance(fun, System):
+            if jac is not None:
+                raise ValueError("a System has its own Jacobian; leave jac out")
+            capsule = fun.capsule
+        else:
+            capsule = python_system(self.fun_single, self.n, scale=self._scale(rtol, atol), jacobian=_function(jac))
+        self._inner = Rosenbrock(capsule, t0, self.y, t_bound, rtol, atol, max_step, first_step)
+
+    def _scale(self, rtol: float | Array, atol: float | Array) -> Array:
+        magnitude = np.broadcast_to(np.divide(atol, rtol), (self.n,))
+        return np.where(magnitude > 0, magnitude, np.max(np.abs(self.y), initial=0.0) or 1.0)
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        inner = self._inner
+        reason = inner.step()
+        self.t, self.y = inner.t, inner.y
+        self.nfev, self.njev, self.nlu = inner.evaluations, inner.jacobians, inner.factorisations
+        return reason != "failed", inner.message or None
+
+    def _dense_output_impl(self) -> "_Polynomial":
+        return _Polynomial(self.t_old, self.t, *self._inner.continuous)
+
+
+class CvodeSolver(OdeSolver):
+    """CVODE with backward differentiation formulas and a dense Jacobian, for ``scipy.integrate.solve_ivp``.
+
+    Parameters
+    ----------
+    fun, t0, y0, t_bound, max_step, rtol, atol, first_step
+        As for SciPy's solvers; rtol is one number.
+    jac
+        df/dy: an array, or a function of t and y; None for differences.
+    vectorized
+        Not used.
+    """
+
+    def __init__(
+        self,
+        fun: Callable[[float, Array], Array],
+        t0: float,
+        y0: Array,
+        t_bound: float,
+        max_step: float = np.inf,
+        rtol: float = 1e-3,
+        atol: float | Array = 1e-6,
+        jac: Any = None,
+        first_step: float | None = None,
+        vectorized: bool = False,
+    ) -> None:
+        from sksundae.cvode import CVODE
+
+        super().__init__(fun, t0, y0, t_bound, vectorized)
+
+        def rates(t: float, y: Array, into: Array) -> None:
+            into[:] = self.fun(t, y.copy())
+
+        self._inner = CVODE(
+            rates,
+            jacfn=_filling(jac),
+            rtol=float(rtol),
+            atol=atol if np.ndim(atol) == 0 else np.asarray(atol, dtype=float),
+            first_step=first_step or 0.0,
+            max_step=max_step if np.isfinite(max_step) else 0.0,
+        )
+        self._inner.init_step(t0, self.y)
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        done = self._inner.step(self.t_bound, method="onestep", tstop=self.t_bound)
+        self.njev = self.nlu = done.njev
+        if not done.success:
+            return False, f"CVODE at t = {self.t:.9g}: {done.message}"
+        self.t, self.y = done.t, done.y
+        return True, None
+
+    def _dense_output_impl(self) -> "_Polynomial":
+        # the last place is where CVODE stands: read in this order it goes on from there
+        times = self.t_old + _PLACES * (self.t - self.t_old)
+        times[-1] = self.t
+        values = [self._inner.step(t).y for t in times]
+        places = (times - self.t_old) / (self.t - self.t_old)
+        coefficients = np.linalg.solve(np.vander(places, increasing=True), np.array(values))
+        return _Polynomial(self.t_old, self.t, self.t_old, self.t - self.t_old, coefficients)
+
+
+class _Polynomial(DenseOutput):
+    """Coefficients of the powers of (t - start)/size."""
+
+    def __init__(self, t_old: float, t: float, start: float, size: float, coefficients: Array) -> None:
+        super().__init__(t_old, t)
+        self.start, self.size, self.coefficients = start, size, coefficients
+
+    def _call_impl(self, t: Array) -> Array:
+        return np.asarray(np.polynomial.polynomial.polyval((t - self.start) / self.size, self.coefficients))
+
+
+def _function(jac: Any) -> Callable[[float, Array], Any] | None:
+    """Return a given Jacobian, None excepted, as a function that gives a dense array."""
+    if jac is None:
+        return None
+
+    def dense(t: float, y: Array) -> Any:
+        matrix = jac(t, y) if callable(jac) else jac
+        return matrix.toarray() if hasattr(matrix, "toarray") else matrix
+
+    return dense
+
+
+def _filling(jac: Any) -> Callable[[float, Array, Array, Array], None] | None:
+    """Return the same as a function that fills an array, as CVODE asks for it."""
+    given = _function(jac)
+    if given is None:
+        return None
+
+    def fill(t: float, y: Array, rates: Array, into: Array) -> None:
+        into[:] = given(t, y.copy())
+
+    return fill

@@ -1,0 +1,50 @@
+"""CVODE of SUNDIALS through scikit-sundae: an extra, imported when its solver is asked for."""
+
+from typing import Any, ClassVar
+
+import attrs
+
+from rollslip.errors import PluginError
+from rollslip.hookspecs import hookimpl
+from rollslip.models import IntegratorModel
+
+
+@attrs.frozen
+class Cvode(IntegratorModel):
+    """Backward differentiation formulas of variable order 1 to 5 (SUNDIALS), for stiff problems.
+
+    Needs scikit-sundae: ``pip install 'rollslip[sundials]'``.
+    """
+
+    name: ClassVar[str] = "cvode"
+    equation: ClassVar[str] = "dy/dt = f(t, y); implicit, order 1 to 5, variable coefficients"
+    references: ClassVar[tuple[str, ...]] = (
+        "Cohen S.D., Hindmarsh A.C. CVODE, a stiff/nonstiff ODE solver in C. Comput. Phys. 10, 1996, 138-143.",
+        "Hindmarsh A.C. et al. SUNDIALS: suite of nonlinear and differential/algebraic equation solvers. ACM Trans. "
+        "Math. Softw. 31, 2005, 363-396.",
+    )
+
+    def solver(self) -> type[Any]:
+        """Return the OdeSolver class.
+
+        Raises
+        ------
+        PluginError
+            If scikit-sundae is not installed.
+        """
+        try:
+            import sksundae.cvode  # noqa: F401
+        except ImportError as error:
+            raise PluginError(
+                f"integrator 'cvode' needs scikit-sundae, which cannot be imported ({error}); install it with "
+                "pip install 'rollslip[sundials]', or take 'rodas5p', 'bdf' or 'radau'"
+            ) from error
+        from rollslip_plugins.solvers import CvodeSolver
+
+        return CvodeSolver
+
+
+@hookimpl
+def integrator_models() -> list[type[IntegratorModel]]:
+    """Offer CVODE."""
+    return [Cvode]
