@@ -1,0 +1,28 @@
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+LEDGER: dict[str, str]
+
+class Carried:
+    def __init__(
+        self,
+        pocket: bool,
+        bearing: Mapping[str, float],
+        loads: tuple[ArrayLike, ArrayLike, float],
+        inner: object,
+        outer: object,
+        drags: Sequence[object],
+        cage: Mapping[str, float],
+        scale: ArrayLike,
+        critical_slip: float = ...,
+        film_limit: float = ...,
+    ) -> None: ...
+    def system(self) -> object: ...
+    @property
+    def contacts_evaluated(self) -> int: ...
+    def refusal(self) -> tuple[str, Any] | None: ...
+    def outputs(self, t: ArrayLike, y: ArrayLike) -> dict[str, NDArray[np.float64]] | None: ...
+    def stored_energy(self, x: ArrayLike) -> NDArray[np.float64]: ...

@@ -1,0 +1,48 @@
+# The force between a roller and its pocket in the cage, shared by the levels of the dynamics.
+#
+# - A bar pushes with K d g(c d'), d the penetration, g(z) = 1 + z or, parting, 1/(1 - z): Hunt and Crossley's law, made
+#   never to pull without a kink.  Over RS_POCKET_TOUCH of force its first touch is rounded.
+# - Before contact a film may add 13.33 eta l (r/h)^1.5 d' (cylinder against a flat wall, 3 sqrt(2) pi), where surfaces
+#   approach; parting, it cavitates.
+from libc.math cimport sqrt
+
+cdef extern from *:
+    """
+    #ifndef RS_POCKET_TOUCH
+    #define RS_POCKET_TOUCH 0.02     /* N */
+    #define RS_POCKET_SLIDING 1e-2   /* m/s over which pocket friction changes its sign */
+    #define RS_SQUEEZE 1e-4          /* m/s over which the squeeze film sets in */
+    #endif
+    """
+    const double RS_POCKET_TOUCH
+    const double RS_POCKET_SLIDING
+    const double RS_SQUEEZE
+
+ctypedef struct rs_pocket:
+    double half_clearance, stiffness, damping, friction
+    double film         # 13.33 eta l r^1.5; 0 without a film
+    double roughness
+
+
+cdef inline double rs_damping(double z) noexcept nogil:
+    """g(z) - 1, z = c d'."""
+    return z if z >= 0.0 else z / (1.0 - z)
+
+
+cdef inline double rs_rise(double d, double soft) noexcept nogil:
+    """max(d, 0), rounded over +-soft."""
+    if d <= -soft:
+        return 0.0
+    if d >= soft:
+        return d
+    return (d + soft) * (d + soft) / (4.0 * soft)
+
+
+cdef inline double rs_pocket_side(const rs_pocket *p, double d, double rate, double *spring) noexcept nogil:
+    """Force of one bar at a penetration and its rate; the elastic part of it."""
+    cdef double h, film = 0.0
+    spring[0] = p.stiffness * rs_rise(d, RS_POCKET_TOUCH / p.stiffness)
+    if p.film > 0.0 and rate > 0.0:
+        h = p.roughness + rs_rise(-d - p.roughness, p.roughness)
+        film = p.film / (h * sqrt(h)) * rate * rate / (rate + RS_SQUEEZE)
+    return spring[0] * (1.0 + rs_damping(p.damping * rate)) + film

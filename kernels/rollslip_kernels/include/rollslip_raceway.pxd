@@ -1,0 +1,171 @@
+# The friction of all rollers on one raceway, shared by the levels of the dynamics.  raceway.pyx makes its capsules.
+#
+# - Three kinds behind one call: `constant`, `effective` (a curve over the sliding speed, or a map over sliding and
+#   rolling speed) and `conventional` (the whole chain of models on every loaded slice).  Where the loads come from, a
+#   map or the motion itself, is not its business: loads per length [Z x n] and forces [Z] are given.
+# - Conventional friction gathers the loaded slices of all rollers into one table, so that the chain runs in full blocks
+#   and never sees an unloaded slice.
+# - A film needs surfaces that draw oil in.  Started from rest, or backwards, the entrainment speed passes zero: all
+#   laws get sqrt(u^2 + u_0^2), and rolling resistance the sign u/sqrt(u^2 + u_0^2), u_0 = 1 mm/s.
+# - A table's cell is found such that a NaN ends in a cell and comes out as NaN.
+# - What is written here belongs to one thread: a raceway is part of one system.
+from libc.math cimport NAN, fabs, sqrt
+
+from rollslip_abi cimport rs_model, rs_slices
+
+cdef enum:
+    RS_CONSTANT
+    RS_EFFECTIVE
+    RS_CONVENTIONAL
+
+cdef extern from *:
+    """
+    #define RS_RACEWAY "rollslip.raceway"   /* name of a capsule of rs_raceway */
+    #define RS_REST_SPEED 1e-3              /* u_0 [m/s] */
+    """
+    const char *RS_RACEWAY
+    const double RS_REST_SPEED
+
+
+# Cubic Hermite table on equal cells of v = V/(|V| + V_s + S u) and, if it has rows, of e = u/(u + u_s); a node holds
+# mu, dmu/dv, dmu/de, d2mu/dv de, the derivatives times the widths of a cell.  Beyond its ends it is held.
+ctypedef struct rs_friction_table:
+    const double *nodes    # [(rows + 1) x (cells + 1) x 4]; without rows [(cells + 1) x 2]
+    size_t cells, rows
+    double sliding_scale, sliding_ratio   # V_s [m/s], S
+    double rolling_scale   # u_s [m/s]
+    double low, per_cell   # cell (v - low) per_cell
+    double low_row, per_row
+
+
+ctypedef struct rs_raceway:
+    int friction
+    size_t rollers, slices         # Z; n, 1 unless friction is conventional
+    double width                     # of a slice [m]
+    double coefficient, transition   # constant: mu_0; V_s [m/s]
+    rs_friction_table table          # effective
+    rs_slices gathered               # conventional: room for Z n slices
+    rs_model chain
+    size_t *first                    # [Z + 1]: the slices of roller j are first[j] to first[j + 1]
+    int resists                      # the chain fills the rolling resistance
+    size_t evaluated                 # slices so far; contacts, where friction is not conventional
+
+
+cdef inline size_t rs_cell(double place, size_t cells, double *share) noexcept nogil:
+    """Cell of 0 .. cells - 1 and the place in it, 0 to 1."""
+    cdef size_t i
+    if place >= <double>cells:
+        share[0] = 1.0
+        return cells - 1
+    if place <= 0.0:
+        share[0] = 0.0
+        return 0
+    i = <size_t>place if place == place else 0
+    share[0] = place - <double>i
+    return i
+
+
+cdef inline double rs_film_speed(double u) noexcept nogil:
+    return sqrt(u * u + RS_REST_SPEED * RS_REST_SPEED)
+
+
+cdef inline double rs_table_friction(const rs_friction_table *t, double V, double u) noexcept nogil:
+    """mu at a sliding speed and a film speed."""
+    cdef double x, y = 0.0, h1, d0, d1, k1, e0, e1
+    cdef double v = V / (fabs(V) + t.sliding_scale + t.sliding_ratio * u)
+    cdef size_t i = rs_cell((v - t.low) * t.per_cell, t.cells, &x), j
+    cdef const double *a
+    cdef const double *b
+    h1 = x * x * (3.0 - 2.0 * x)
+    d0 = x * (1.0 - x) * (1.0 - x)
+    d1 = x * x * (x - 1.0)
+    if t.rows == 0:
+        a = t.nodes + 2 * i
+        return a[0] + h1 * (a[2] - a[0]) + d0 * a[1] + d1 * a[3]
+    j = rs_cell((u / (u + t.rolling_scale) - t.low_row) * t.per_row, t.rows, &y)
+    k1 = y * y * (3.0 - 2.0 * y)
+    e0 = y * (1.0 - y) * (1.0 - y)
+    e1 = y * y * (y - 1.0)
+    a = t.nodes + 4 * (j * (t.cells + 1) + i)
+    b = a + 4 * (t.cells + 1)
+    return ((1.0 - k1) * (a[0] + h1 * (a[4] - a[0]) + d0 * a[1] + d1 * a[5])
+            + k1 * (b[0] + h1 * (b[4] - b[0]) + d0 * b[1] + d1 * b[5])
+            + e0 * (a[2] + h1 * (a[6] - a[2]) + d0 * a[3] + d1 * a[7])
+            + e1 * (b[2] + h1 * (b[6] - b[2]) + d0 * b[3] + d1 * b[7]))
+
+
+cdef inline int rs_chain_friction(
+    rs_raceway *w, const double *load, const double *sliding, const double *rolling, double *traction,
+    double *resistance
+) noexcept nogil:
+    cdef rs_slices *s = &w.gathered
+    cdef size_t n = 0, i, j
+    cdef double u, sum_of_traction, sum_of_resistance
+    cdef int status
+    for j in range(w.rollers):
+        w.first[j] = n
+        u = rs_film_speed(rolling[j])
+        for i in range(j * w.slices, (j + 1) * w.slices):
+            if load[i] > 0.0:
+                s.load[n] = load[i]
+                s.rolling_speed[n] = u
+                s.sliding_speed[n] = sliding[j]
+                n += 1
+    w.first[w.rollers] = n
+    s.n = n
+    w.evaluated += n
+    status = w.chain.evaluate(s, w.chain.params) if n else 0
+    if status != 0:
+        return status
+    for j in range(w.rollers):
+        sum_of_traction = sum_of_resistance = 0.0
+        for i in range(w.first[j], w.first[j + 1]):
+            sum_of_traction += s.friction[i] * s.load[i]
+        if w.resists:
+            for i in range(w.first[j], w.first[j + 1]):
+                sum_of_resistance += s.resistance[i]
+        traction[j] = sum_of_traction * w.width
+        resistance[j] = sum_of_resistance * w.width
+    return 0
+
+
+cdef inline int rs_raceway_friction(
+    rs_raceway *w, const double *load, const double *force, const double *sliding, const double *rolling,
+    double *traction, double *resistance
+) noexcept nogil:
+    """Traction force [N], with the sign of V, and rolling resistance [N], with that of u, of every roller.
+
+    ``load`` [Z x n, N/m] is read by conventional friction only, ``force`` [Z, N] by the others only.  ``resistance``
+    comes in, unless friction is conventional, as its magnitude.  Returns 0, -1 or k > 0 as the stages of a chain do.
+    """
+    cdef size_t j
+    cdef int status
+    if w.friction == RS_CONVENTIONAL:
+        status = rs_chain_friction(w, load, sliding, rolling, traction, resistance)
+        if status != 0:
+            return status
+    else:
+        w.evaluated += w.rollers
+        if w.friction == RS_CONSTANT:
+            for j in range(w.rollers):
+                traction[j] = w.coefficient * force[j] * sliding[j] / sqrt(
+                    sliding[j] * sliding[j] + w.transition * w.transition)
+        else:
+            for j in range(w.rollers):
+                traction[j] = force[j] * rs_table_friction(&w.table, sliding[j], rs_film_speed(rolling[j]))
+    for j in range(w.rollers):
+        resistance[j] *= rolling[j] / rs_film_speed(rolling[j])
+    return 0
+
+
+cdef inline void rs_film_parameter(const rs_raceway *w, double *smallest) noexcept nogil:
+    """Smallest film parameter h/sigma of every roller as last evaluated, NaN without load or without a film."""
+    cdef size_t i, j
+    cdef double least
+    for j in range(w.rollers):
+        smallest[j] = NAN
+        if w.friction == RS_CONVENTIONAL and w.first[j] < w.first[j + 1]:
+            least = w.gathered.film_thickness[w.first[j]]
+            for i in range(w.first[j] + 1, w.first[j + 1]):
+                least = min(least, w.gathered.film_thickness[i])
+            smallest[j] = least / w.gathered.roughness

@@ -1,0 +1,25 @@
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rollslip_kernels.chain import Chain, Refusal
+from rollslip_kernels.slices import Slices
+
+REST_SPEED: float
+
+def constant(rollers: int, coefficient: float, transition: float) -> object: ...
+def effective(
+    rollers: int,
+    nodes: ArrayLike,
+    limits: Sequence[float],
+    sliding_scale: float = ...,
+    sliding_ratio: float = ...,
+    row_limits: Sequence[float] = ...,
+    rolling_scale: float = ...,
+) -> object: ...
+def conventional(chain: Chain, slices: Slices, rollers: int, width: float, resists: bool) -> object: ...
+def refusal(raceway: object) -> Refusal | None: ...
+def friction(
+    raceway: object, load: ArrayLike, force: ArrayLike, sliding: ArrayLike, rolling: ArrayLike, resistance: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], int]: ...

@@ -1,0 +1,132 @@
+"""Makes the raceways of rollslip_raceway.pxd: friction of all rollers by a constant, a table or the whole chain."""
+
+import numpy as np
+
+from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_New, PyCapsule_SetContext
+from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
+from libc.math cimport INFINITY
+from libc.stdlib cimport free, malloc
+from libc.string cimport memset
+
+from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
+from rollslip_raceway cimport (
+    RS_CONSTANT, RS_CONVENTIONAL, RS_EFFECTIVE, RS_RACEWAY, RS_REST_SPEED, rs_film_parameter, rs_raceway,
+    rs_raceway_friction,
+)
+from rollslip_stage cimport rs_capsule_context, rs_capsule_pointer
+
+from rollslip_kernels.chain import bound
+
+#: Speed u_0 of the regularisation sqrt(u^2 + u_0^2) [m/s].
+REST_SPEED = RS_REST_SPEED
+
+
+def constant(Py_ssize_t rollers, double coefficient, double transition):
+    """Return a raceway with F = mu_0 Q V/sqrt(V^2 + V_s^2); ``transition`` is V_s [m/s]."""
+    if not (0.0 <= coefficient < INFINITY and 0.0 < transition < INFINITY):
+        raise ValueError(f"friction {coefficient:g} over {transition:g} m/s: at least 0, and above 0")
+    cdef rs_raceway w = _raceway(RS_CONSTANT, rollers, 1)
+    w.coefficient, w.transition = coefficient, transition
+    return _new(&w, ())
+
+
+def effective(Py_ssize_t rollers, nodes, limits, double sliding_scale=0.0, double sliding_ratio=0.0,
+              row_limits=(0.0, 1.0), double rolling_scale=1.0):
+    """Return a raceway with F = mu_e Q from a Hermite table.
+
+    ``nodes`` holds, at equal steps of V/(|V| + V_s) between ``limits``, mu_e and its derivative times the step, (N, 2);
+    or, with rows at equal steps of u/(u + u_s) between ``row_limits``, also the two derivatives along the rows,
+    (M, N, 4). V_s is ``sliding_scale`` + ``sliding_ratio`` u, u_s ``rolling_scale`` [m/s].
+    """
+    table = np.array(nodes, dtype=float, order="C")
+    *rows, count, values = table.shape
+    if (len(rows), values) not in ((0, 2), (1, 4)) or any(size < 2 for size in (*rows, count)):
+        raise ValueError(f"a table is of shape (N, 2) or (M, N, 4) with at least two nodes, got {table.shape}")
+    cdef double[::1] flat = table.ravel()
+    cdef rs_raceway w = _raceway(RS_EFFECTIVE, rollers, 1)
+    (low, high), (low_row, high_row) = limits, row_limits
+    w.table.nodes, w.table.cells, w.table.rows = &flat[0], count - 1, rows[0] - 1 if rows else 0
+    w.table.sliding_scale, w.table.sliding_ratio, w.table.rolling_scale = sliding_scale, sliding_ratio, rolling_scale
+    w.table.low, w.table.per_cell = low, w.table.cells / (high - low)
+    w.table.low_row, w.table.per_row = low_row, w.table.rows / (high_row - low_row)
+    return _new(&w, (flat,))
+
+
+def conventional(chain, slices, Py_ssize_t rollers, double width, bint resists):
+    """Return a raceway that runs a compiled chain on every loaded slice; ``resists`` if it fills the resistance.
+
+    ``slices`` is the table to work in, with room for those of all rollers.
+    """
+    if rollers < 1 or len(slices) % rollers:
+        raise ValueError(f"a table of {len(slices)} slices is not one of {rollers} rollers")
+    cdef rs_raceway w = _raceway(RS_CONVENTIONAL, rollers, len(slices) // rollers)
+    stage, gathered = chain.as_stage(), bound(slices)
+    cdef size_t[::1] begins = np.zeros(rollers + 1, dtype=np.uintp)
+    w.width, w.resists, w.first = width, resists, &begins[0]
+    w.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
+    w.gathered = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
+    return _new(&w, (chain, stage, gathered, begins))
+
+
+def refusal(raceway):
+    """Return what the chain of a raceway refused last, as ``Chain.run`` does, or None."""
+    PyCapsule_GetPointer(raceway, RS_RACEWAY)
+    kept = <object>rs_capsule_context(raceway)
+    return kept[0].refusal(kept[1]) if len(kept) > 1 else None
+
+
+def friction(raceway, load, force, sliding, rolling, resistance):
+    """Return traction force, rolling resistance [N] and smallest film parameter of every roller, and the status.
+
+    See ``rs_raceway_friction``; a pending Python error is raised.
+    """
+    cdef rs_raceway *w = <rs_raceway *>PyCapsule_GetPointer(raceway, RS_RACEWAY)
+    cdef size_t Z = w.rollers
+    out = np.full((3, Z), np.nan)
+    out[1] = resistance
+    cdef double[:, ::1] results = out
+    given_each = [np.broadcast_to(values, Z) for values in (force, sliding, rolling)]
+    cdef double[:, ::1] given = np.array(given_each, dtype=float)
+    cdef double[:, ::1] loads = np.array(np.broadcast_to(load, (Z, w.slices)), dtype=float)
+    cdef int status
+    with nogil:
+        status = rs_raceway_friction(
+            w, &loads[0, 0], &given[0, 0], &given[1, 0], &given[2, 0], &results[0, 0], &results[1, 0])
+    if status == -1:
+        _raise_pending()
+    rs_film_parameter(w, &results[2, 0])
+    return *out, status
+
+
+cdef extern from *:
+    """
+    static int rs_raceway_pending(void) { return -1; }   /* the error is already set */
+    """
+    int _raise_pending "rs_raceway_pending"() except -1
+
+
+cdef rs_raceway _raceway(int friction, Py_ssize_t rollers, Py_ssize_t slices) except *:
+    cdef rs_raceway w
+    if min(rollers, slices) < 1:
+        raise ValueError(f"{rollers} rollers of {slices} slices: there must be at least one of each")
+    memset(&w, 0, sizeof(w))
+    w.friction, w.rollers, w.slices = friction, rollers, slices
+    return w
+
+
+cdef object _new(const rs_raceway *w, tuple keep):
+    """Capsule with its own copy of the struct, that keeps what it points at."""
+    cdef rs_raceway *made = <rs_raceway *>malloc(sizeof(rs_raceway))
+    if made == NULL:
+        raise MemoryError
+    made[0] = w[0]
+    capsule = PyCapsule_New(made, RS_RACEWAY, _free)
+    Py_INCREF(keep)
+    PyCapsule_SetContext(capsule, <void *>keep)
+    return capsule
+
+
+cdef void _free(object capsule) noexcept:
+    cdef PyObject *keep = <PyObject *>rs_capsule_context(capsule)
+    free(rs_capsule_pointer(capsule, RS_RACEWAY))
+    Py_XDECREF(keep)
