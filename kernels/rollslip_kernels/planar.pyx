@@ -1,0 +1,708 @@
+"""Motion of bearing, rollers and cage in the plane: a system of arrow shape.
+
+Outer ring fixed, line of load psi = 0, gravity in any direction.  e = (cos psi, sin psi), t = (-sin psi, cos psi)::
+
+    head     inner ring x_i, v_i (2 each) · cage x_c, v_c (2 each), speed w_c, angle phi_c
+    roller   x from the centred cage's pocket, orbital speed w, absolute spin s, radial position rho (0 where a straight
+             roller touches the outer ring), its speed v;  psi_j = phi_c + 2 pi j/Z + x_j/R_m, x' = R_m (w - w_c)
+    energy   sum m/2 [v^2 + (R_m + rho)^2 w^2] + J/2 s^2  +  m_i/2 v_i^2  +  m_c/2 v_c^2 + U w_c (t_c.v_c) + I_c/2 w_c^2
+             (U unbalance of the cage, t_c = t at phi_c, I_c about the axis of the cage)
+
+Every force acts through the speed that it does work on, so each line below gives by virtual work, -f dV/dq', all
+generalised forces; momentum, energy and angular momentum then close to rounding, centrifugal, Coriolis and unbalance
+forces come from the energy, and no force is written down twice::
+
+    inner contact   approach d = x_i.e - G_r/2 - rho - P;  d' = v_i.e + (x_i.t) w - v
+    outer contact   approach d = rho - P;                  d' = v
+                    load per length w_e(d) g(c d'), g(z) = 1 + z or, parting, 1/(1 - z)   [after Hunt, Crossley 1975]
+    inner traction  a1 = R_i (w_i - w) + v_i.t - (x_i.e) w;  a2 = r (s + w);  V = a1 - a2;  F V + F_R (a1 + a2)
+    outer traction  a1 = R_o (w - w_o);                      a2 = r (s + w);  V = a2 - a1;  F V + F_R (a1 + a2)
+    pocket          z = x - x_c.t;  z' = R_m (w - w_c) - v_c.t + (x_c.e) w;  force P(z, z')
+    pocket friction V = v - v_c.e - (x_c.t) w + sign(P) r (s + w_c);  mu_p |P| V/sqrt(V^2 + V_p^2)
+    land            D = journal's centre - bush's;  V_s = D' - (w_j + w_b)/2 k x D;  film force against V_s, shear
+                    torque against w_j - w_b; metal beyond the clearance, with Coulomb friction
+
+- Small displacements: x_i, x_c and rho are small against R_m; terms of first order are exact, which is what makes
+  angular momentum close.  The radial motion enters the sliding speeds through x_i and v_i only; approaches, smaller
+  than clearances, are left out of the rolling radii.
+- Elastic work is recorded, not taken from a potential: a contact law need not have one in closed form.
+- The land's film is that of a short bearing (Ocvirk), ruptured where its surfaces recede: exact for any V_s, squeeze
+  included, by Sommerfeld's substitution cos b = (eps + cos x)/(1 + eps cos x).  Its gap is floored at the roughness.
+- Cage accelerations are coupled by the unbalance: M^-1 is applied to what each roller adds, so that sums stay sums.
+"""
+
+import numpy as np
+
+from cpython.exc cimport PyErr_Occurred
+from cpython.pycapsule cimport PyCapsule_GetPointer
+from libc.math cimport M_PI, NAN, atan2, cos, exp, sin, sqrt
+
+from rollslip_abi cimport ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
+from rollslip_pocket cimport RS_POCKET_SLIDING, rs_damping, rs_pocket, rs_pocket_side
+from rollslip_raceway cimport RS_RACEWAY, rs_film_parameter, rs_raceway, rs_raceway_friction
+from rollslip_system cimport rs_new_system, rs_system
+
+from rollslip_kernels.chain import bound
+from rollslip_kernels.raceway import refusal as raceway_refusal
+
+cdef enum:
+    INNER
+    OUTER
+
+cdef enum:   # head
+    RING_X
+    RING_Y
+    RING_VX
+    RING_VY
+    CAGE_X
+    CAGE_Y
+    CAGE_VX
+    CAGE_VY
+    CAGE_SPEED
+    CAGE_ANGLE
+    HEAD
+
+cdef enum:   # block of a roller
+    POSITION
+    ORBIT
+    SPIN
+    RADIAL
+    RISE
+    BLOCK
+
+cdef enum:   # ledger, behind the head in what is added
+    WORK_RINGS = HEAD
+    WORK_LOAD
+    WORK_GRAVITY
+    WORK_DRAG
+    WORK_RACEWAYS
+    WORK_CAGE
+    LOST_INNER
+    LOST_OUTER
+    LOST_ROLLING
+    LOST_DAMPING
+    LOST_POCKETS
+    LOST_LAND
+    IMPULSE_RINGS
+    IMPULSE_LOAD
+    IMPULSE_GRAVITY
+    IMPULSE_DRAG
+    ROW
+    LEDGER = ROW - HEAD
+
+cdef enum:   # where the cage is guided
+    ROLLERS
+    INNER_LAND
+    OUTER_LAND
+
+cdef enum:
+    MOST_DRAGS = 16
+
+cdef enum:   # who refused an evaluation
+    NOBODY
+    FRICTION_REFUSED              # + ring
+    DEFLECTION_REFUSED = 3        # + ring
+    DRAG_REFUSED = 5
+
+#: Recorded unknowns, in order, with their unit; the work that elastic forces did is what is stored, negative.
+LEDGER_UNITS = {
+    "work_rings": "J", "work_load": "J", "work_gravity": "J", "work_drag": "J",
+    "work_raceway_elastic": "J", "work_cage_elastic": "J",
+    "lost_inner": "J", "lost_outer": "J", "lost_rolling": "J", "lost_damping": "J", "lost_pockets": "J",
+    "lost_land": "J",
+    "impulse_rings": "N m s", "impulse_load": "N m s", "impulse_gravity": "N m s", "impulse_drag": "N m s",
+}
+
+#: What `Planar` takes as plain numbers: lengths [m], speeds [rad/s], masses [kg], inertias [kg m2], unbalance [kg m],
+#: damping [s/m], load [N], stiffnesses [N/m]; films as they are used, see `planar_t`.
+NUMBERS = (
+    "inner_radius", "outer_radius", "roller_radius", "orbit_radius", "half_clearance", "width", "inner_speed",
+    "outer_speed", "roller_mass", "roller_inertia", "ring_mass", "cage_mass", "cage_inertia", "unbalance", "gravity_x",
+    "gravity_y", "damping", "load", "direction", "epicyclic_speed", "pocket_half_clearance", "pocket_stiffness",
+    "pocket_damping", "pocket_friction", "pocket_film", "pocket_roughness",
+    "land_radius", "land_clearance", "land_film", "land_shear", "land_floor", "land_stiffness",
+    "land_damping", "land_friction",
+)
+
+ctypedef struct land_t:
+    int guidance
+    double radius, clearance
+    double film          # R eta L^3/c^3 [N s/m]
+    double shear         # 2 pi eta L R^3/c [N m s]
+    double floor         # least gap of the film over the clearance
+    double stiffness, damping, friction
+
+ctypedef struct planar_t:
+    size_t rollers, slices
+    double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance, width
+    double inner_speed, outer_speed
+    double roller_mass, roller_inertia, ring_mass, cage_mass, cage_inertia, unbalance
+    double gravity_x, gravity_y
+    double damping
+    # load: factors at times, linear between them
+    double load
+    size_t points
+    const double *times
+    const double *factors
+    rs_pocket pocket
+    land_t land
+    const double *drop
+    double lowest_drop
+    rs_model deflection[2]
+    rs_slices contact[2]   # room for Z n slices each
+    rs_raceway raceway[2]
+    rs_drag drags[MOST_DRAGS]
+    size_t n_drags
+    double direction       # -1 where the speeds are those of the mirror image
+    size_t evaluated       # slices of the deflection law
+    # rolling resistance at equal steps of sqrt(Q), where friction is not conventional
+    size_t resistance_cells[2]
+    double resistance_step[2]
+    const double *resistance_nodes[2]
+    double epicyclic_speed, critical_slip, film_limit
+    int refused
+    # by roller, of the evaluation under way
+    double *cosine
+    double *sine
+    double *gap[2]         # approach of a straight roller
+    double *rate[2]        # d'
+    double *elastic[2]     # force without damping
+    double *force[2]
+    double *load_of[2]     # per length, by roller and slice
+    size_t *first[2]       # where the slices of a roller begin among those in contact
+    double *sliding[2]
+    double *rolling[2]
+    double *traction[2]
+    double *resistance[2]
+
+cdef extern from *:
+    """
+    static int rs_planar_pending(void) { return -1; }   /* the error is already set */
+    """
+    int _raise_pending "rs_planar_pending"() except -1
+
+cdef double SLOW = 1e-3   # speed below which Coulomb friction fades [m/s]
+
+
+cdef inline double floored(double gap, double floor) noexcept nogil:
+    """What a gap below twice the floor is taken for: with one slope there, down to the floor."""
+    return floor * (1.0 + exp(gap / floor - 2.0))
+
+
+cdef inline double load_factor(const planar_t *p, double t) noexcept nogil:
+    cdef size_t k = 0
+    if p.points == 0:
+        return 1.0
+    while k + 1 < p.points and t >= p.times[k + 1]:
+        k += 1
+    if k + 1 == p.points or t <= p.times[0]:
+        return p.factors[k]
+    return p.factors[k] + (p.factors[k + 1] - p.factors[k]) * ((t - p.times[k]) / (p.times[k + 1] - p.times[k]))
+
+
+cdef inline double tabulated_resistance(const planar_t *p, size_t ring, double force) noexcept nogil:
+    """Rolling resistance of a contact that carries a force; beyond the table along its last cell."""
+    cdef double place = sqrt(force) / p.resistance_step[ring]
+    cdef size_t k = min(<size_t>min(place, 1e9), p.resistance_cells[ring] - 1)
+    cdef const double *node = p.resistance_nodes[ring] + k
+    return node[0] + (node[1] - node[0]) * (place - <double>k)
+
+
+cdef inline void cage_acceleration(
+    const planar_t *p, double c, double s, double fx, double fy, double torque, double *rates
+) noexcept nogil:
+    """M^-1 of the cage whose unbalance stands at (c, s): adds to the rates of its speeds, row of a head."""
+    cdef double along = (c * fx + s * fy) / p.cage_mass, across = c * fy - s * fx
+    cdef double det = p.cage_mass * p.cage_inertia - p.unbalance * p.unbalance
+    cdef double swing = (p.cage_inertia * across - p.unbalance * torque) / det
+    rates[CAGE_VX] += c * along - s * swing
+    rates[CAGE_VY] += s * along + c * swing
+    rates[CAGE_SPEED] += (p.cage_mass * torque - p.unbalance * across) / det
+
+
+cdef int contacts(const double *head, const double *rollers, planar_t *p) noexcept nogil:
+    """Loads, speeds and friction of both contacts of every roller; 0, -1 or k > 0 as a stage of a chain."""
+    cdef size_t j, k, n, ring
+    cdef const double *y
+    cdef double c, s, across, along, psi, drive, a1, a2, factor, total
+    cdef rs_slices *slices
+    cdef int status
+    for j in range(p.rollers):
+        y = rollers + j * BLOCK
+        psi = head[CAGE_ANGLE] + 2.0 * M_PI * j / p.rollers + y[POSITION] / p.orbit_radius
+        c = cos(psi)
+        s = sin(psi)
+        p.cosine[j] = c
+        p.sine[j] = s
+        along = head[RING_X] * c + head[RING_Y] * s
+        across = head[RING_Y] * c - head[RING_X] * s
+        p.gap[INNER][j] = along - p.half_clearance - y[RADIAL]
+        p.gap[OUTER][j] = y[RADIAL]
+        p.rate[INNER][j] = head[RING_VX] * c + head[RING_VY] * s + across * y[ORBIT] - y[RISE]
+        p.rate[OUTER][j] = y[RISE]
+        drive = head[RING_VY] * c - head[RING_VX] * s - along * y[ORBIT]
+        a1 = p.inner_radius * (p.inner_speed - y[ORBIT]) + drive
+        a2 = p.roller_radius * (y[SPIN] + y[ORBIT])
+        p.sliding[INNER][j] = a1 - a2
+        p.rolling[INNER][j] = 0.5 * (a1 + a2)
+        a1 = p.outer_radius * (y[ORBIT] - p.outer_speed)
+        p.sliding[OUTER][j] = a2 - a1
+        p.rolling[OUTER][j] = 0.5 * (a1 + a2)
+    for ring in range(2):
+        slices = &p.contact[ring]
+        n = 0
+        for j in range(p.rollers):
+            p.first[ring][j] = n
+            if p.gap[ring][j] > p.lowest_drop:
+                for k in range(p.slices):
+                    slices.approach[n] = p.gap[ring][j] - p.drop[k]
+                    n += slices.approach[n] > 0.0   # the next one overwrites a slice out of contact
+        p.first[ring][p.rollers] = n
+        slices.n = n
+        p.evaluated += n
+        status = p.deflection[ring].evaluate(slices, p.deflection[ring].params) if n else 0
+        if status != 0:
+            p.refused = DEFLECTION_REFUSED + <int>ring
+            return status
+        for j in range(p.rollers):
+            factor = 1.0 + rs_damping(p.damping * p.rate[ring][j])
+            total = 0.0
+            n = p.first[ring][j]
+            for k in range(p.slices):
+                if n < p.first[ring][j + 1] and p.gap[ring][j] - p.drop[k] > 0.0:
+                    total += slices.load[n]
+                    p.load_of[ring][j * p.slices + k] = slices.load[n] * factor
+                    n += 1
+                else:
+                    p.load_of[ring][j * p.slices + k] = 0.0
+            p.elastic[ring][j] = total * p.width
+            p.force[ring][j] = total * p.width * factor
+            p.resistance[ring][j] = (
+                tabulated_resistance(p, ring, p.force[ring][j]) if p.resistance_cells[ring] else 0.0)
+        status = rs_raceway_friction(
+            &p.raceway[ring], p.load_of[ring], p.force[ring], p.sliding[ring], p.rolling[ring], p.traction[ring],
+            p.resistance[ring])
+        if status != 0:
+            p.refused = FRICTION_REFUSED + <int>ring
+            return status
+    return 0
+
+
+cdef struct land_force_t:
+    double x, y          # on the journal; the opposite on the bush
+    double journal, bush   # torques
+    double stored, lost    # power of the elastic force, with its sign; power dissipated
+
+
+cdef land_force_t land_force(
+    const land_t *l, double x, double y, double vx, double vy, double journal_speed, double bush_speed
+) noexcept nogil:
+    """What the land does to journal and bush, by place and speed of the journal in the bush and both angular speeds."""
+    cdef double mean = 0.5 * (journal_speed + bush_speed), shearing = journal_speed - bush_speed
+    cdef double distance = sqrt(x * x + y * y)
+    cdef double dx = x / distance if distance > 0.0 else 1.0, dy = y / distance if distance > 0.0 else 0.0
+    cdef double eps = distance / l.clearance
+    if eps > 1.0 - 2.0 * l.floor:
+        eps = 1.0 - floored(1.0 - eps, l.floor)
+    cdef double root = sqrt((1.0 - eps) * (1.0 + eps))
+    # speed of squeeze, along d and across it
+    cdef double along = (vx + mean * y) * dx + (vy - mean * x) * dy
+    cdef double across = (vy - mean * x) * dx - (vx + mean * y) * dy
+    cdef double speed = sqrt(along * along + across * across)
+    cdef double fd = 0.0, ft = 0.0, half, q, c1, s1, c2, s2, arc, product, cc, cs, ss
+    cdef double depth = distance - l.clearance, closing, elastic, normal, rub, rubbed
+    cdef land_force_t f
+    if speed > 0.0:
+        # the film's half-circle about the direction of squeeze, in x of cos b = (eps + cos x)/(1 + eps cos x)
+        q = speed - eps * across
+        c1, s1 = (across - eps * speed) / q, -root * along / q
+        q = speed + eps * across
+        c2, s2 = -(across + eps * speed) / q, root * along / q
+        arc = atan2(s2, c2) - atan2(s1, c1)
+        if arc < 0.0:
+            arc += 2.0 * M_PI
+        product = 0.5 * (s2 * c2 - s1 * c1)
+        q = root * root * root
+        cc = ((eps * eps + 0.5) * arc + 2.0 * eps * (s2 - s1) + product) / (q * root * root)
+        cs = (0.5 * (s2 - s1) * (s2 + s1) - eps * (c2 - c1)) / (q * root)
+        ss = (0.5 * arc - product) / q
+        fd = -l.film * (along * cc + across * cs)
+        ft = -l.film * (along * cs + across * ss)
+    q = l.shear / root * shearing
+    half = 0.5 * distance * ft   # what the pressure's flow adds to both torques
+    f.journal, f.bush = -q - half, q - half
+    f.lost = q * shearing - fd * along - ft * across
+    f.stored = 0.0
+    if depth > 0.0:
+        closing = vx * dx + vy * dy
+        elastic = l.stiffness * depth
+        normal = elastic * (1.0 + rs_damping(l.damping * closing))
+        rubbed = vy * dx - vx * dy + l.radius * journal_speed - (l.radius + distance) * bush_speed
+        rub = l.friction * normal * rubbed / sqrt(rubbed * rubbed + SLOW * SLOW)
+        fd -= normal
+        ft -= rub
+        f.journal -= rub * l.radius
+        f.bush += rub * (l.radius + distance)
+        f.stored = -elastic * closing
+        f.lost += (normal - elastic) * closing + rub * rubbed
+    f.x, f.y = fd * dx - ft * dy, fd * dy + ft * dx
+    return f
+
+
+cdef inline double pocket_place(
+    const planar_t *p, const double *head, const double *y, size_t j, double *closing
+) noexcept nogil:
+    """Displacement of a roller from the middle of its pocket along the orbit, and its rate."""
+    cdef double c = p.cosine[j], s = p.sine[j]
+    closing[0] = (p.orbit_radius * (y[ORBIT] - head[CAGE_SPEED]) + (head[CAGE_X] * c + head[CAGE_Y] * s) * y[ORBIT]
+                  - (head[CAGE_VY] * c - head[CAGE_VX] * s))
+    return y[POSITION] - (head[CAGE_Y] * c - head[CAGE_X] * s)
+
+
+cdef inline double pocket_force(const planar_t *p, const double *head, const double *y, size_t j) noexcept nogil:
+    """Tangential force of a roller on the cage."""
+    cdef double closing, spring, z = pocket_place(p, head, y, j, &closing)
+    return (rs_pocket_side(&p.pocket, z - p.pocket.half_clearance, closing, &spring)
+            - rs_pocket_side(&p.pocket, -z - p.pocket.half_clearance, -closing, &spring))
+
+
+cdef int roller_rates(
+    double t, const double *head, const double *rollers, double *rates, double *added, void *state
+) noexcept nogil:
+    cdef planar_t *p = <planar_t *>state
+    cdef size_t j, k
+    cdef const double *y
+    cdef double *rate
+    cdef double *add
+    cdef double c, s, along, across, radius, ni, no, fi, fo, ri, ro, z, closing
+    cdef double ahead, behind, push, spring, recoil, rise, spin, fore, aft, rub, moment
+    cdef double fx, fy, weight, torque, uc = cos(head[CAGE_ANGLE]), us = sin(head[CAGE_ANGLE])
+    cdef double cage_along, cage_across, r = p.roller_radius
+    cdef int status = contacts(head, rollers, p)
+    if status != 0:
+        return status
+    for j in range(p.rollers):
+        y, rate, add = rollers + j * BLOCK, rates + j * BLOCK, added + j * ROW
+        for k in range(ROW):
+            add[k] = 0.0
+        c, s = p.cosine[j], p.sine[j]
+        along, across = head[RING_X] * c + head[RING_Y] * s, head[RING_Y] * c - head[RING_X] * s
+        cage_along, cage_across = head[CAGE_X] * c + head[CAGE_Y] * s, head[CAGE_Y] * c - head[CAGE_X] * s
+        radius = p.orbit_radius + y[RADIAL]
+        ni, no = p.force[INNER][j], p.force[OUTER][j]
+        fi, fo = p.traction[INNER][j], p.traction[OUTER][j]
+        ri, ro = p.resistance[INNER][j], p.resistance[OUTER][j]
+
+        z = pocket_place(p, head, y, j, &closing)
+        ahead = rs_pocket_side(&p.pocket, z - p.pocket.half_clearance, closing, &spring)
+        behind = rs_pocket_side(&p.pocket, -z - p.pocket.half_clearance, -closing, &recoil)
+        push, spring = ahead - behind, spring - recoil
+        # either bar rubs on its own side of the roller, in opposite directions by the spin
+        rise = y[RISE] - head[CAGE_VX] * c - head[CAGE_VY] * s - cage_across * y[ORBIT]
+        spin = r * (y[SPIN] + head[CAGE_SPEED])
+        fore = p.pocket.friction * ahead * (rise + spin) / sqrt(
+            (rise + spin) * (rise + spin) + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
+        aft = p.pocket.friction * behind * (rise - spin) / sqrt(
+            (rise - spin) * (rise - spin) + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
+        rub, moment = fore + aft, r * (fore - aft)
+
+        weight = p.roller_mass * (p.gravity_y * c - p.gravity_x * s) * radius
+        torque = (
+            fi * (p.inner_radius + along + r) + ri * (p.inner_radius + along - r) - ni * across
+            + fo * (p.outer_radius - r) - ro * (p.outer_radius + r)
+            - push * (p.orbit_radius + cage_along) + rub * cage_across + weight
+        )
+        rate[POSITION] = p.orbit_radius * (y[ORBIT] - head[CAGE_SPEED])
+        rate[ORBIT] = (torque / (p.roller_mass * radius) - 2.0 * y[RISE] * y[ORBIT]) / radius
+        rate[SPIN] = (r * (fi - ri - fo - ro) - moment) / p.roller_inertia
+        rate[RADIAL] = y[RISE]
+        rate[RISE] = (radius * y[ORBIT] * y[ORBIT] + (ni - no - rub) / p.roller_mass
+                      + p.gravity_x * c + p.gravity_y * s)
+
+        add[RING_VX] = (-ni * c + (fi + ri) * s) / p.ring_mass
+        add[RING_VY] = (-ni * s - (fi + ri) * c) / p.ring_mass
+        fx, fy = rub * c - push * s, rub * s + push * c
+        cage_acceleration(p, uc, us, fx, fy, push * p.orbit_radius - moment, add)
+
+        add[WORK_RINGS] = (p.inner_radius * p.inner_speed * (fi + ri) + p.outer_radius * p.outer_speed * (fo - ro))
+        add[WORK_GRAVITY] = weight * y[ORBIT] + p.roller_mass * (p.gravity_x * c + p.gravity_y * s) * y[RISE]
+        add[WORK_RACEWAYS] = -p.elastic[INNER][j] * p.rate[INNER][j] - p.elastic[OUTER][j] * p.rate[OUTER][j]
+        add[WORK_CAGE] = -spring * closing
+        add[LOST_INNER], add[LOST_OUTER] = fi * p.sliding[INNER][j], fo * p.sliding[OUTER][j]
+        add[LOST_ROLLING] = 2.0 * (ri * p.rolling[INNER][j] + ro * p.rolling[OUTER][j])
+        add[LOST_DAMPING] = ((ni - p.elastic[INNER][j]) * p.rate[INNER][j]
+                             + (no - p.elastic[OUTER][j]) * p.rate[OUTER][j])
+        add[LOST_POCKETS] = (push - spring) * closing + fore * (rise + spin) + aft * (rise - spin)
+        add[IMPULSE_RINGS] = p.inner_radius * (fi + ri) + p.outer_radius * (fo - ro)
+        add[IMPULSE_GRAVITY] = weight
+    return 0
+
+
+cdef int head_rates(double t, const double *head, double *rates, void *state) noexcept nogil:
+    cdef planar_t *p = <planar_t *>state
+    cdef size_t k
+    cdef double c = cos(head[CAGE_ANGLE]), s = sin(head[CAGE_ANGLE]), w = head[CAGE_SPEED]
+    cdef double load = p.load * load_factor(p, t), drag = 0.0
+    # the cage's weight acts at its centre of mass
+    cdef double fx = p.cage_mass * p.gravity_x, fy = p.cage_mass * p.gravity_y
+    cdef double weight = p.unbalance * (p.gravity_y * c - p.gravity_x * s), torque = weight
+    cdef land_force_t f
+    for k in range(ROW):
+        rates[k] = 0.0
+    rates[RING_X], rates[RING_Y] = head[RING_VX], head[RING_VY]
+    rates[CAGE_X], rates[CAGE_Y], rates[CAGE_ANGLE] = head[CAGE_VX], head[CAGE_VY], w
+    rates[RING_VX], rates[RING_VY] = load / p.ring_mass + p.gravity_x, p.gravity_y
+    rates[WORK_LOAD] = load * head[RING_VX]
+    rates[IMPULSE_LOAD] = -load * head[RING_Y]
+    rates[WORK_GRAVITY] = (p.ring_mass * (p.gravity_x * head[RING_VX] + p.gravity_y * head[RING_VY])
+                           + fx * head[CAGE_VX] + fy * head[CAGE_VY] + weight * w)
+    rates[IMPULSE_GRAVITY] = (p.ring_mass * (p.gravity_y * head[RING_X] - p.gravity_x * head[RING_Y])
+                              + fy * head[CAGE_X] - fx * head[CAGE_Y] + weight)
+    for k in range(p.n_drags):
+        drag += p.direction * p.drags[k].torque(
+            p.direction * w, p.direction * p.inner_speed, p.direction * p.outer_speed, p.drags[k].params)
+    if drag != drag:
+        with gil:
+            if PyErr_Occurred() != NULL:
+                return -1
+        p.refused = DRAG_REFUSED
+        return 1
+    torque += drag
+    rates[WORK_DRAG] = drag * w
+    rates[IMPULSE_DRAG] = drag
+    if p.land.guidance == INNER_LAND:   # the ring is the journal
+        f = land_force(
+            &p.land, head[RING_X] - head[CAGE_X], head[RING_Y] - head[CAGE_Y], head[RING_VX] - head[CAGE_VX],
+            head[RING_VY] - head[CAGE_VY], p.inner_speed, w)
+        rates[RING_VX] += f.x / p.ring_mass
+        rates[RING_VY] += f.y / p.ring_mass
+        fx -= f.x
+        fy -= f.y
+        torque += f.bush
+        rates[WORK_RINGS] = -f.journal * p.inner_speed
+        rates[IMPULSE_RINGS] = -f.journal
+    elif p.land.guidance == OUTER_LAND:   # the cage is
+        f = land_force(&p.land, head[CAGE_X], head[CAGE_Y], head[CAGE_VX], head[CAGE_VY], w, p.outer_speed)
+        fx += f.x
+        fy += f.y
+        torque += f.journal
+        rates[WORK_RINGS] = -f.bush * p.outer_speed
+        rates[IMPULSE_RINGS] = -f.bush
+    if p.land.guidance != ROLLERS:
+        rates[WORK_CAGE] = f.stored
+        rates[LOST_LAND] = f.lost
+    fx += p.unbalance * w * w * c
+    fy += p.unbalance * w * w * s
+    cage_acceleration(p, c, s, fx, fy, torque, rates)
+    return 0
+
+
+cdef int watch(double t, const double *y, double *values, void *state) noexcept nogil:
+    """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, if watched."""
+    cdef planar_t *p = <planar_t *>state
+    cdef size_t j, ring
+    cdef int status
+    values[0] = -1.0
+    if p.critical_slip == p.critical_slip:
+        values[0] = 1.0 - y[CAGE_SPEED] / p.epicyclic_speed - p.critical_slip
+    if p.film_limit == p.film_limit:
+        status = contacts(y, y + HEAD, p)
+        if status != 0:
+            return status
+        values[1] = 1e308
+        for ring in range(2):
+            rs_film_parameter(&p.raceway[ring], p.sliding[ring])
+            for j in range(p.rollers):
+                if p.sliding[ring][j] < values[1]:
+                    values[1] = p.sliding[ring][j]
+        values[1] -= p.film_limit
+    return 0
+
+
+cdef class Planar:
+    """The numbers of a bearing in plane motion, and its system; SI units, speeds of the mirror image.
+
+    Parameters
+    ----------
+    raceways : sequence of two capsules
+        Friction on inner and outer raceway, "rollslip.raceway.v1", for these rollers.
+    deflections : sequence of two compiled chains
+        Contact law of each raceway, approach -> load per length.
+    contacts : sequence of two Slices
+        Tables to work in, with room for the slices of all rollers.
+    drop : array_like
+        Profile at the slices [m].
+    drags : sequence of capsules
+        Torques on the cage, "rollslip.drag.v1".
+    resistances : sequence of two (step, values), optional
+        Rolling resistance [N] at equal steps of sqrt(Q) [N^0.5], where friction is not conventional.
+    times, factors : array_like
+        Factors of the radial load at times [s], and on lines between them.
+    critical_slip, film_limit : float
+        Cage slip and smallest film parameter whose passing is an event; NaN for none.
+    scale : array_like
+        Typical magnitudes of the unknowns.
+    **numbers
+        The rest, by the names of `NUMBERS`.
+    """
+
+    cdef planar_t p
+    cdef readonly size_t n
+    cdef double[::1] scale, drop, times, factors, memory
+    cdef size_t[::1] begins
+    cdef tuple kept, deflections, resistances
+
+    def __init__(
+        self, raceways, deflections, contacts, drop, drags, Py_ssize_t rollers, int guidance, scale,
+        times=(), factors=(), resistances=None, double critical_slip=NAN, double film_limit=NAN, **numbers,
+    ):
+        cdef planar_t *p = &self.p
+        cdef size_t Z = rollers, n = len(drop), ring, k
+        cdef double *room
+        cdef double[::1] nodes
+        if numbers.keys() != set(NUMBERS):
+            raise TypeError(f"planar motion needs the numbers {', '.join(NUMBERS)}; given {', '.join(numbers)}")
+        if any(len(slices) != Z * n for slices in contacts):
+            raise ValueError(f"tables must have room for {n} slices of {Z} rollers")
+        if len(times) != len(factors):
+            raise ValueError(f"{len(times)} times and {len(factors)} factors of the load")
+        p.rollers, p.slices, p.land.guidance = Z, n, guidance
+        p.critical_slip, p.film_limit = critical_slip, film_limit
+        (p.inner_radius, p.outer_radius, p.roller_radius, p.orbit_radius, p.half_clearance, p.width,
+         p.inner_speed, p.outer_speed, p.roller_mass, p.roller_inertia, p.ring_mass, p.cage_mass, p.cage_inertia,
+         p.unbalance, p.gravity_x, p.gravity_y, p.damping, p.load, p.direction, p.epicyclic_speed,
+         p.pocket.half_clearance, p.pocket.stiffness, p.pocket.damping, p.pocket.friction, p.pocket.film,
+         p.pocket.roughness, p.land.radius, p.land.clearance, p.land.film,
+         p.land.shear, p.land.floor, p.land.stiffness, p.land.damping, p.land.friction) = (
+            float(numbers[name]) for name in NUMBERS)
+        self.drop = np.array(drop, dtype=float)
+        p.drop, p.lowest_drop = &self.drop[0], np.min(drop)
+        self.times, self.factors = np.array(times, dtype=float), np.array(factors, dtype=float)
+        p.points = len(times)
+        if p.points:
+            p.times, p.factors = &self.times[0], &self.factors[0]
+        if len(drags) > MOST_DRAGS:
+            raise ValueError(f"at most {MOST_DRAGS} drags act on a cage, got {len(drags)}")
+        p.n_drags = len(drags)
+        for k in range(p.n_drags):
+            p.drags[k] = (<const rs_drag *>PyCapsule_GetPointer(drags[k], ROLLSLIP_DRAG))[0]
+        self.deflections = tuple(deflections)
+        self.resistances = tuple(np.array(values, dtype=float) for _, values in resistances or ())
+        for ring in range(<size_t>len(self.resistances)):
+            nodes = self.resistances[ring]
+            p.resistance_nodes[ring], p.resistance_cells[ring] = &nodes[0], nodes.shape[0] - 1
+            p.resistance_step[ring] = resistances[ring][0]
+        stages = [chain.as_stage() for chain in self.deflections]
+        tables = [bound(slices) for slices in contacts]
+        self.kept = tuple(raceways), tuple(stages), tuple(tables), tuple(drags)
+        self.memory = np.zeros(2 * Z + 2 * Z * (8 + n))
+        self.begins = np.zeros(2 * (Z + 1), dtype=np.uintp)
+        room = &self.memory[0]
+        p.cosine, p.sine = room, room + Z
+        room += 2 * Z
+        for ring in range(2):
+            p.raceway[ring] = (<rs_raceway *>PyCapsule_GetPointer(raceways[ring], RS_RACEWAY))[0]
+            if p.raceway[ring].rollers != Z or p.raceway[ring].slices not in (1, n):
+                raise ValueError("friction is made for another number of rollers or slices")
+            p.deflection[ring] = (<const rs_model *>PyCapsule_GetPointer(stages[ring], ROLLSLIP_MODEL))[0]
+            p.contact[ring] = (<const rs_slices *>PyCapsule_GetPointer(tables[ring], "rollslip.slices"))[0]
+            p.first[ring] = &self.begins[ring * (Z + 1)]
+            (p.gap[ring], p.rate[ring], p.elastic[ring], p.force[ring], p.sliding[ring], p.rolling[ring],
+             p.traction[ring], p.resistance[ring]) = (room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z,
+                                                      room + 5 * Z, room + 6 * Z, room + 7 * Z)
+            p.load_of[ring] = room + 8 * Z
+            room += (8 + n) * Z
+        self.n = HEAD + Z * BLOCK + LEDGER
+        self.scale = np.array(scale, dtype=float)
+        if self.scale.shape[0] != <Py_ssize_t>self.n:
+            raise ValueError(f"{self.scale.shape[0]} magnitudes for {self.n} unknowns")
+
+    def system(self):
+        """Return the capsule "rollslip.system.v1"."""
+        cdef rs_system s
+        s.head, s.rollers, s.block, s.ledger = HEAD, self.p.rollers, BLOCK, LEDGER
+        s.roller_rates, s.head_rates, s.jacobian = roller_rates, head_rates, NULL
+        s.watched, s.watch = 1 if self.p.film_limit != self.p.film_limit else 2, watch
+        s.scale, s.autonomous, s.state = &self.scale[0], self.p.points == 0, &self.p
+        return rs_new_system(&s, self)
+
+    def load_factor(self, double t):
+        """Return the factor of the radial load at a time."""
+        return load_factor(&self.p, t)
+
+    def refusal(self):
+        """Return who refused an evaluation last, and why; None if nobody.
+
+        Who is "inner", "outer", "inner deflection", "outer deflection" or "drag"; why is what ``Chain.run`` returns,
+        None for a drag.
+        """
+        cdef int who = self.p.refused
+        if who == NOBODY:
+            return None
+        if who == DRAG_REFUSED:
+            return "drag", None
+        if who >= DEFLECTION_REFUSED:
+            ring = who - DEFLECTION_REFUSED
+            return ("inner deflection", "outer deflection")[ring], self.deflections[ring].refusal(self.kept[1][ring])
+        ring = who - FRICTION_REFUSED
+        return ("inner", "outer")[ring], raceway_refusal(self.kept[0][ring])
+
+    def outputs(self, t, y):
+        """Return what goes with stored states: arrays (m, 2, Z) by ring and roller, and (m, Z) of the pockets.
+
+        ``normal_force``, ``traction_force`` [N], ``sliding_speed``, ``rolling_speed`` [m/s], ``film_parameter``
+        (smallest; NaN without load or where friction knows no film), ``rolling_resistance`` [N], and ``pocket_force``
+        [N], the tangential one of a roller on the cage. None, if an evaluation was refused.
+        """
+        cdef double[:, ::1] states = np.array(y, dtype=float, ndmin=2, order="C")
+        cdef size_t Z = self.p.rollers, ring, m, j
+        cdef planar_t *p = &self.p
+        cdef int status
+        if <size_t>states.shape[1] != self.n:
+            raise ValueError(f"states are of shape (m, {self.n}), got {np.shape(y)}")
+        names = ("normal_force", "traction_force", "sliding_speed", "rolling_speed", "film_parameter",
+                 "rolling_resistance")
+        found = np.empty((len(names), states.shape[0], 2, Z))
+        pockets = np.empty((states.shape[0], Z))
+        cdef double[:, :, :, ::1] to = found
+        cdef double[:, ::1] push = pockets
+        for m in range(<size_t>states.shape[0]):
+            status = contacts(&states[m, 0], &states[m, HEAD], p)
+            if status == -1:
+                _raise_pending()
+            if status != 0:
+                return None
+            for ring in range(2):
+                for j in range(Z):
+                    to[0, m, ring, j], to[1, m, ring, j] = p.force[ring][j], p.traction[ring][j]
+                    to[2, m, ring, j], to[3, m, ring, j] = p.sliding[ring][j], p.rolling[ring][j]
+                    to[5, m, ring, j] = p.resistance[ring][j]
+                rs_film_parameter(&p.raceway[ring], &to[4, m, ring, 0])
+            for j in range(Z):
+                push[m, j] = pocket_force(p, &states[m, 0], &states[m, HEAD + j * BLOCK], j)
+        return dict(zip(names, found, strict=True)) | {"pocket_force": pockets}
+
+    @property
+    def contacts_evaluated(self):
+        """Slices, or contacts where friction is not conventional, whose friction was evaluated."""
+        return self.p.raceway[INNER].evaluated + self.p.raceway[OUTER].evaluated
+
+    @property
+    def deflections_evaluated(self):
+        """Slices whose deflection was evaluated."""
+        return self.p.evaluated
+
+
+def land(double x, double y, double vx, double vy, double journal_speed, double bush_speed, **numbers):
+    """Return force on the journal (x, y), torques on journal and bush, power stored and power lost of a land.
+
+    ``numbers`` are those of `NUMBERS` that begin with land, without it.
+    """
+    cdef land_t l
+    l.guidance = INNER_LAND
+    l.radius, l.clearance, l.film, l.shear = (
+        numbers["radius"], numbers["clearance"], numbers["film"], numbers["shear"])
+    l.floor, l.stiffness, l.damping, l.friction = (
+        numbers["floor"], numbers["stiffness"], numbers["damping"], numbers["friction"])
+    cdef land_force_t f = land_force(&l, x, y, vx, vy, journal_speed, bush_speed)
+    return f.x, f.y, f.journal, f.bush, -f.stored, f.lost
