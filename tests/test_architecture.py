@@ -60,8 +60,8 @@ def test_imports_flow_one_way(package, path):
 
 def test_every_compiled_kernel_was_looked_at():
     assert {path.name for _, path in SOURCES if path.suffix == ".pyx"} == {
-        "blend.pyx", "chain.pyx", "contact.pyx", "film.pyx",
-        "rheology.pyx", "stress.pyx", "traction.pyx", "viscosity.pyx",
+        "blend.pyx", "carried.pyx", "chain.pyx", "contact.pyx", "drag.pyx", "film.pyx", "planar.pyx", "raceway.pyx",
+        "rheology.pyx", "rosenbrock.pyx", "stress.pyx", "system.pyx", "traction.pyx", "viscosity.pyx",
     }  # fmt: skip
     assert "rollslip_kernels.slices" in imported(FOLDERS["rollslip_kernels"] / "chain.pyx")
 

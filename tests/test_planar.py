@@ -16,7 +16,8 @@ from rollslip.assembly import assemble
 from rollslip.equilibrium import LoadCase, solve_equilibrium
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
-from rollslip.planar import HEAD, LEDGER, ROLLER, PlanarSettings, _raceways, planar_motion
+from rollslip.named_friction import named_friction
+from rollslip.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
 from rollslip_kernels import planar as kernels
 from rollslip_kernels import raceway as friction_kernels
 from rollslip_plugins.drag import PetroffLand
@@ -59,7 +60,9 @@ class Lagrange:
         g, at = self.set.gravity, self.set.gravity_direction
         self.g = g * np.array([np.cos(at), sign * np.sin(at)])
         if kind == "effective":
-            self.table = _raceways(a, kind, "sliding-speed", 0.0, 0.0, 1e-2)[1]
+            self.table = named_friction(
+                a, kind, effective_over="sliding-speed", coefficient=0.0, transition=0.0, tolerance=1e-2
+            ).capsules
         self.e = self.cage.unbalance / self.cage.mass
         self.pitch = 2 * np.pi * np.arange(self.Z) / self.Z
 

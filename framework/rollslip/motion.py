@@ -7,21 +7,19 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import attrs
 import numpy as np
 
 from rollslip.assembly import RINGS, Array, Assembly
-from rollslip.effective_table import EffectiveTable, effective_table
+from rollslip.effective_table import EffectiveTable
 from rollslip.errors import DomainError, RollslipError
 from rollslip.load_map import LoadMap, build_load_map, resistances
-from rollslip_kernels import raceway as compiled
+from rollslip.named_friction import named_friction
 from rollslip_kernels.carried import LEDGER, Carried
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.system import System
-
-Friction = Literal["constant", "effective", "conventional"]
 
 #: Squeeze film of a cylinder and a flat wall, 3 sqrt(2) pi eta (r/h)^1.5 dh/dt per length.
 _SQUEEZE: Final = 3.0 * math.sqrt(2.0) * math.pi
@@ -226,25 +224,16 @@ def carried_motion(
     tolerance = assembly.scene.accuracy.tolerance if tolerance is None else tolerance
     loads = build_load_map(assembly, tolerance) if loads is None else loads
     k, cage, Z = assembly.kinematics, assembly.cage, assembly.scene.bearing.rollers
-    tables: tuple[EffectiveTable, ...] = ()
-    slices: tuple[Slices, ...] = ()
-    if friction == "conventional":
-        slices = tuple(Slices(Z * loads.slices, raceway.conditions) for raceway in assembly.raceways)
-        raceways = [
-            compiled.conventional(r.chain.kernel, table, Z, loads.width, r.chain.resists)
-            for r, table in zip(assembly.raceways, slices, strict=True)
-        ]
-    else:
-        if friction == "effective":
-            at = int(np.argmin(np.abs(loads.centrifugal - assembly.centrifugal_force)))
-            slips = effective_over == "slips"
-            tables = tuple(
-                effective_table(assembly, raceway, load, tolerance, slips)
-                for raceway, load in zip(assembly.raceways, loads.loads[at], strict=True)
-            )
-            raceways = [table.raceway(Z) for table in tables]
-        else:
-            raceways = [compiled.constant(Z, coefficient, transition)] * len(RINGS)
+    made = named_friction(
+        assembly,
+        friction,
+        effective_over=effective_over,
+        coefficient=coefficient,
+        transition=transition,
+        tolerance=tolerance,
+        loads=loads,
+    )
+    if friction != "conventional":
         loads = loads.forces(_resistance(assembly))
     film = cage.pocket_contact == "film"
     viscosity = assembly.lubricant.at(assembly.scene.operation.temperature).viscosity if film else 0.0
@@ -274,8 +263,7 @@ def carried_motion(
         level == "pocket",
         bearing,
         (loads.centrifugal, loads.table, loads.width),
-        raceways[0],
-        raceways[1],
+        *made.capsules,
         cage.drags.capsules() if torques is None else torques,
         pockets,
         _scale(assembly, level),
@@ -283,7 +271,7 @@ def carried_motion(
         film_limit if friction == "conventional" else math.nan,
     )
     system = System(carried.system())
-    return CarriedMotion(assembly, level, friction, loads, tables, slices, carried, system)
+    return CarriedMotion(assembly, level, friction, loads, made.tables, made.slices, carried, system)
 
 
 def _resistance(assembly: Assembly) -> Any:

@@ -16,13 +16,13 @@ import numpy as np
 
 from rollslip.assembly import RINGS, Array, Assembly, Raceway
 from rollslip.cage import Cage
-from rollslip.effective_table import effective_table
+from rollslip.effective_table import EffectiveTable
 from rollslip.equilibrium import LoadCase, angular_positions, solve_equilibrium
 from rollslip.errors import DomainError, RollslipError
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
-from rollslip.load_map import build_load_map, resistances
+from rollslip.load_map import resistances
 from rollslip.models import DragModel
-from rollslip_kernels import raceway as friction_kernels
+from rollslip.named_friction import named_friction
 from rollslip_kernels.planar import LEDGER_UNITS, Planar
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.system import System
@@ -133,18 +133,22 @@ class PlanarMotion:
         "constant", "effective" or "conventional".
     slices : tuple of Slices
         Tables of inner and outer raceway that conventional friction works in.
+    tables : tuple of EffectiveTable
+        Of inner and outer raceway, if friction is effective.
     contacts : tuple of Slices
         Those that the deflection law works in.
     planar : Planar
         The compiled system; ``contacts_evaluated`` and ``deflections_evaluated`` count.
     system : System
-        Its rates, Jacobian and watched values: cage slip less the critical one, and film parameter less its limit.
+        Its rates, Jacobian and watched values: cage slip less the critical one, film parameter less its limit, and the
+        largest approach at the inner ring, below zero where no roller carries it.
     """
 
     assembly: Assembly
     settings: PlanarSettings
     friction: str
     slices: tuple[Slices, ...]
+    tables: tuple[EffectiveTable, ...]
     contacts: tuple[Slices, ...]
     planar: Planar
     system: System
@@ -347,15 +351,15 @@ def planar_motion(
             "plane motion knows no tilt, and a roller whose profile differs to its two ends tilts; "
             "make bearing.profile the same to both, or choose level 'pocket'"
         )
-    slices, raceways = _raceways(
+    made = named_friction(
         a,
         friction,
-        effective_over,
-        coefficient,
-        transition,
-        a.scene.accuracy.tolerance if tolerance is None else tolerance,
+        effective_over=effective_over,
+        coefficient=coefficient,
+        transition=transition,
+        tolerance=a.scene.accuracy.tolerance if tolerance is None else tolerance,
     )
-    contacts = _tables(a)
+    contacts = tuple(Slices(b.rollers * a.slices, raceway.conditions) for raceway in a.raceways)
     direction = k.direction
     film = cage.pocket_contact == "film"
     oil = a.lubricant.at(o.temperature).viscosity
@@ -365,7 +369,7 @@ def planar_motion(
     torques = zip(cage.drags.torques, cage.drags.capsules(), strict=True)
     times, factors = settings.history
     planar = Planar(
-        raceways,
+        made.capsules,
         [raceway.deflection.kernel for raceway in a.raceways],
         contacts,
         a.drop,
@@ -410,38 +414,12 @@ def planar_motion(
         assembly=a,
         settings=settings,
         friction=friction,
-        slices=slices,
+        slices=made.slices,
+        tables=made.tables,
         contacts=contacts,
         planar=planar,
         system=System(planar.system()),
     )
-
-
-def _tables(a: Assembly) -> tuple[Slices, ...]:
-    """A table for each raceway, with room for the slices of all rollers."""
-    return tuple(Slices(a.scene.bearing.rollers * a.slices, raceway.conditions) for raceway in a.raceways)
-
-
-def _raceways(
-    a: Assembly, friction: str, effective_over: str, coefficient: float, transition: float, tolerance: float
-) -> tuple[tuple[Slices, ...], list[object]]:
-    """The tables that conventional friction works in, and the compiled raceways."""
-    Z = a.scene.bearing.rollers
-    if friction == "conventional":
-        slices = _tables(a)
-        return slices, [
-            friction_kernels.conventional(r.chain.kernel, table, Z, a.slice_width, r.chain.resists)
-            for r, table in zip(a.raceways, slices, strict=True)
-        ]
-    if friction == "constant":
-        return (), [friction_kernels.constant(Z, coefficient, transition)] * len(RINGS)
-    # the same tables as at the other levels: of the quasi-static loads at the epicyclic speed
-    loads = build_load_map(a, tolerance)
-    at = int(np.argmin(np.abs(loads.centrifugal - a.centrifugal_force)))
-    return (), [
-        effective_table(a, raceway, load, tolerance, effective_over == "slips").raceway(Z)
-        for raceway, load in zip(a.raceways, loads.loads[at], strict=True)
-    ]
 
 
 def _of_land(model: DragModel) -> bool:

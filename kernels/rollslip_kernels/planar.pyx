@@ -497,12 +497,26 @@ cdef int head_rates(double t, const double *head, double *rates, void *state) no
     return 0
 
 
+cdef double deepest(const double *head, const double *rollers, planar_t *p) noexcept nogil:
+    """Largest approach of a roller and the inner ring; below zero none carries it."""
+    cdef double most = -1e308, psi, approach
+    cdef size_t j
+    for j in range(p.rollers):
+        psi = head[CAGE_ANGLE] + 2.0 * M_PI * j / p.rollers + rollers[j * BLOCK + POSITION] / p.orbit_radius
+        approach = (head[RING_X] * cos(psi) + head[RING_Y] * sin(psi) - p.half_clearance
+                    - rollers[j * BLOCK + RADIAL] - p.lowest_drop)
+        if approach > most:
+            most = approach
+    return most
+
+
 cdef int watch(double t, const double *y, double *values, void *state) noexcept nogil:
-    """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, if watched."""
+    """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, NaN where it is
+    not watched; largest approach at the inner ring."""
     cdef planar_t *p = <planar_t *>state
     cdef size_t j, ring
     cdef int status
-    values[0] = -1.0
+    values[0], values[1], values[2] = -1.0, NAN, deepest(y, y + HEAD, p)
     if p.critical_slip == p.critical_slip:
         values[0] = 1.0 - y[CAGE_SPEED] / p.epicyclic_speed - p.critical_slip
     if p.film_limit == p.film_limit:
@@ -622,7 +636,7 @@ cdef class Planar:
         cdef rs_system s
         s.head, s.rollers, s.block, s.ledger = HEAD, self.p.rollers, BLOCK, LEDGER
         s.roller_rates, s.head_rates, s.jacobian = roller_rates, head_rates, NULL
-        s.watched, s.watch = 1 if self.p.film_limit != self.p.film_limit else 2, watch
+        s.watched, s.watch = 3, watch
         s.scale, s.autonomous, s.state = &self.scale[0], self.p.points == 0, &self.p
         return rs_new_system(&s, self)
 
