@@ -4,9 +4,12 @@ Nothing heavy is imported before a command needs it, so that ``--help`` answers 
 """
 
 import json
+import shlex
+import shutil
 import signal
 import sys
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -40,6 +43,7 @@ def cli() -> None:
 @_set
 @click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for the results, new or empty.")
 @click.option("--overwrite", is_flag=True, help="Replace what is in the folder.")
+@click.option("--resume", is_flag=True, help="Go on with the interrupted run that --out was to take the results of.")
 @click.option("--report", is_flag=True, help="Write a report in HTML too.")
 @click.option("--no-plots", is_flag=True, help="Write data only.")
 @_json
@@ -49,6 +53,7 @@ def run(
     changes: Sequence[str],
     out: Path | None,
     overwrite: bool,
+    resume: bool,
     report: bool,
     no_plots: bool,
     as_json: bool,
@@ -57,18 +62,24 @@ def run(
     from rollslip import console
     from rollslip.execution import execute
     from rollslip.planning import plan
-    from rollslip.result import save, whole
+    from rollslip.result import save
+    from rollslip.writing import whole
 
     made = plan(_scene(scene, changes), study)
     if not as_json:
         click.echo(console.headline(made))
     target = out if out is not None else _free_folder(f"{Path(scene).stem}-results")
+    kept = _kept(target, resume, given=out is not None)
+    again = ["rollslip", "run", scene, *(["--study", study] if study else []), *(f"--set={c}" for c in changes)]
+    go_on = f"interrupted; go on with: {shlex.join([*again, '--out', str(target), '--resume'])}"
     datasets = {}
-    with whole(target, overwrite=overwrite) as folder:
+    with _interruptible(kept, go_on), whole(target, overwrite=overwrite or resume) as folder:
         for name in made.studies:
-            with _progress(name):
-                datasets[name] = execute(made, name)
+            with _progress(name) as progress:
+                datasets[name] = execute(made, name, kept=kept, progress=progress)
             save(datasets[name], folder / f"{name}.nc")
+            if datasets[name].attrs.get("outcome") == "interrupted":
+                break
         figures: dict[str, list[Path]] = {name: [] for name in datasets}
         if report or not no_plots:
             from rollslip.plots import plot
@@ -80,14 +91,24 @@ def run(
 
             write_report(datasets, figures, folder / "report.html")
         files = sorted(path.name for path in folder.iterdir())
+    outcomes = {dataset.attrs.get("outcome"): dataset for dataset in datasets.values()}
+    if "interrupted" not in outcomes:
+        shutil.rmtree(kept, ignore_errors=True)
     if as_json:
         _print_json(console.run_as_dict(made, datasets, target, files))
-        return
-    for dataset in datasets.values():
-        click.echo(console.findings(dataset))
-    for warning in dict.fromkeys(w for dataset in datasets.values() for w in json.loads(dataset.attrs["warnings"])):
-        click.echo(f"warning: {warning}", err=True)
-    click.echo(f"written to {target}: {', '.join(files)}")
+    else:
+        for dataset in datasets.values():
+            click.echo(console.findings(dataset))
+        for warning in dict.fromkeys(w for dataset in datasets.values() for w in json.loads(dataset.attrs["warnings"])):
+            click.echo(f"warning: {warning}", err=True)
+        click.echo(f"written to {target}: {', '.join(files)}")
+    if "interrupted" in outcomes:
+        click.echo(go_on, err=True)
+        sys.exit(INTERRUPTED)
+    if "failed" in outcomes:
+        failed = outcomes["failed"].attrs
+        click.echo(f"failed: {failed['outcome_message']}; what was computed is kept", err=True)
+        sys.exit({"model": BAD_PLUGIN, "domain": BAD_SCENE}.get(failed["failed_by"], NOT_CONVERGED))
 
 
 @cli.command()
@@ -134,7 +155,8 @@ def fit(
     """Fit parameters of oil and traction model to DATA of a traction rig, and write results, plots and an oil."""
     from rollslip import console, fit_result
     from rollslip.fitting import fit
-    from rollslip.result import save, whole
+    from rollslip.result import save
+    from rollslip.writing import whole
 
     target = out if out is not None else _free_folder(f"{data.stem}-fit")
     with whole(target, overwrite=overwrite) as folder:
@@ -201,7 +223,8 @@ def compare(
     """
     from rollslip import console
     from rollslip.comparison import plan_comparison, run_comparison
-    from rollslip.result import save, whole
+    from rollslip.result import save
+    from rollslip.writing import whole
 
     made = plan_comparison(
         _scene(scene, changes),
@@ -281,7 +304,7 @@ def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
 @_json
 def cite(target: str, changes: Sequence[str], as_json: bool) -> None:
     """Print what to cite for the models and the oil of a SCENE or a RESULT."""
-    from rollslip.assembly import assemble
+    from rollslip.planning import plan
     from rollslip.result import citations, open_result
 
     if target.endswith(".nc"):
@@ -289,7 +312,7 @@ def cite(target: str, changes: Sequence[str], as_json: bool) -> None:
             raise click.UsageError("--set changes a scene; a result cannot be changed")
         texts = json.loads(open_result(target).attrs["citations"])
     else:
-        texts = citations(assemble(_scene(target, changes)))
+        texts = citations(plan(_scene(target, changes)))
     if as_json:
         _print_json(texts)
     else:
@@ -380,7 +403,8 @@ def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
     from rollslip.errors import OutputError
     from rollslip.plots import plot
     from rollslip.report import write_report
-    from rollslip.result import open_result, whole_file
+    from rollslip.result import open_result
+    from rollslip.writing import whole_file
 
     if out.exists() and not overwrite:
         raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
@@ -408,22 +432,55 @@ def _scene(name: str, changes: Sequence[str]) -> "Scene":
 def _free_folder(name: str) -> Path:
     """First of NAME, NAME-2, NAME-3 ... that does not exist, so that no run touches another's results."""
     path, count = Path(name), 1
-    while path.exists():
+    while path.exists() or path.with_name(f"{path.name}.unfinished").exists():
         count += 1
         path = Path(f"{name}-{count}")
     return path
 
 
+def _kept(target: Path, resume: bool, *, given: bool) -> Path:
+    """Folder in which runs in time leave what they have computed, until they end."""
+    target = target.resolve()
+    kept = target.parent / f"{target.name}.unfinished"
+    if resume and not (given and kept.is_dir()):
+        raise click.UsageError(
+            f"there is no interrupted run to go on with in {kept}" if given else "--resume needs the --out of the run"
+        )
+    if kept.exists() and not resume:
+        raise click.UsageError(f"{kept} holds an interrupted run: go on with it by --resume, or remove it")
+    return kept
+
+
 @contextmanager
-def _progress(what: str) -> Iterator[None]:
-    """Show on a terminal what is going on."""
-    if not sys.stderr.isatty():
+def _interruptible(kept: Path, go_on: str) -> Iterator[None]:
+    """Say how to go on with a long run, where it was interrupted while something else was done with it."""
+    try:
         yield
+    except KeyboardInterrupt:
+        if not kept.is_dir():
+            raise
+        click.echo(go_on, err=True)
+        sys.exit(INTERRUPTED)
+
+
+@contextmanager
+def _progress(what: str) -> Iterator[Callable[[str], None]]:
+    """Show what is going on: on a terminal all the time, else a line every half a minute."""
+    if not sys.stderr.isatty():
+        said = time.monotonic()
+
+        def line(text: str) -> None:
+            nonlocal said
+            if time.monotonic() - said >= 30.0:
+                said = time.monotonic()
+                click.echo(f"{what}: {text}", err=True)
+
+        yield line
         return
     from rich.console import Console
 
-    with Console(stderr=True).status(what):
-        yield
+    with Console(stderr=True).status(what) as status:
+        yield lambda text: status.update(f"{what}: {text}")
 
 
 def _print_json(value: object) -> None:
@@ -458,7 +515,7 @@ def main(arguments: Sequence[str] | None = None) -> Any:
         sys.stderr.close()  # the reader of our output has left; there is nobody to tell
         sys.exit(OK)
     except Exception as error:
-        notes = [note for note in getattr(error, "__notes__", ()) if note.startswith("raised by evaluate()")]
+        notes = [note for note in getattr(error, "__notes__", ()) if note.startswith("raised by ")]
         if not notes:
             raise
         click.echo(f"{type(error).__name__}: {error}; {notes[0]}", err=True)  # somebody's model, not a fault of ours

@@ -68,6 +68,10 @@ class EffectiveFriction:
         surface = 2 * _FIRST_INSTANTS * self.map_points * max(2 * self.map_points - 1, 0)
         return int(loaded) * (curves + surface)
 
+    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
+        """Return nothing: contacts are all there is."""
+        return ()
+
     def run(self, assembly: Assembly) -> "xr.Dataset":
         """Return the effective friction curves, the critical cage slip and the map.
 

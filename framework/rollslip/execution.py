@@ -1,17 +1,21 @@
 """Run a plan: its studies one after the other, each result with its warnings and its origin."""
 
 import time
+from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rollslip.assembly import assemble
+from rollslip.dynamics import Dynamics
 from rollslip.friction_curve import about
 from rollslip.planning import Plan, plan
 from rollslip.reading import load_scene
 from rollslip.regimes import LIGHT, LONG_NAMES, NAMES
 from rollslip.result import provenance
-from rollslip.scene import Scene
+from rollslip.run_store import RunStore
+from rollslip.scene import Scene, scene_hash
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +29,7 @@ def run(scene: Scene | str, study: str | None = None) -> "xr.Dataset":
     scene : Scene, str or path
         A scene, the name of a shipped one, or a file.
     study : str, optional
-        "effective-friction" or "friction-curve"; by default the first one of the scene.
+        "effective-friction", "friction-curve", "dynamics" or "steady-slip"; by default the first one of the scene.
 
     Returns
     -------
@@ -49,11 +53,30 @@ def run(scene: Scene | str, study: str | None = None) -> "xr.Dataset":
     return execute(made, next(iter(made.studies)))
 
 
-def execute(plan: Plan, study: str) -> "xr.Dataset":
-    """Return the result of one study of a plan."""
+def execute(
+    plan: Plan, study: str, *, kept: Path | None = None, progress: Callable[[str], None] | None = None
+) -> "xr.Dataset":
+    """Return the result of one study of a plan.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be run.
+    study : str
+        The study.
+    kept : Path, optional
+        Folder in which a long study in time leaves what it has computed, and from which it goes on; to be removed by
+        who has stored the result.
+    progress : callable, optional
+        Told how far a study in time has come.
+    """
     begin, chain = time.perf_counter(), plan.assembly.inner.chain
-    before = chain.evaluated
-    dataset = plan.studies[study].run(plan.assembly)
+    before, running = chain.evaluated, plan.studies[study]
+    if isinstance(running, Dynamics):
+        store = None if kept is None else RunStore(kept, scene_hash(plan.scene), study)
+        dataset = running.kept_in(plan.assembly, store, progress)
+    else:
+        dataset = running.run(plan.assembly)
     dataset.attrs |= provenance(plan, warnings(plan, dataset), chain.evaluated - before, time.perf_counter() - begin)
     return dataset
 

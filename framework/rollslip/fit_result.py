@@ -26,9 +26,10 @@ from rollslip.models import SliceModel
 from rollslip.references import KLEBANOV
 from rollslip.regimes import LONG_NAMES, NAMES, film_by_regime, groups
 from rollslip.registry import find
-from rollslip.result import references_of, whole_file
+from rollslip.result import references_of
 from rollslip.scene import resolved
 from rollslip.units import format_quantity
+from rollslip.writing import whole_file
 from rollslip_kernels.slices import Slices
 
 if TYPE_CHECKING:

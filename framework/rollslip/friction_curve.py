@@ -38,6 +38,10 @@ class FrictionCurve:
         """Return about how many slices the study will evaluate."""
         return len(self.normal_force) * self.points * assembly.slices
 
+    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
+        """Return nothing: contacts are all there is."""
+        return ()
+
     def run(self, assembly: Assembly) -> "xr.Dataset":
         """Return the curves.
 

@@ -4,12 +4,14 @@ It is made before anything runs and executed as printed: a run takes its studies
 """
 
 import time
+from collections.abc import Mapping
 from typing import Any
 
 import attrs
 import numpy as np
 
 from rollslip.assembly import Assembly, assemble
+from rollslip.dynamics import LEVELS, Dynamics
 from rollslip.equilibrium import LoadDistribution
 from rollslip.errors import DomainError
 from rollslip.inventory import check_required
@@ -42,6 +44,12 @@ class Plan:
     degrees_of_freedom: int
     evaluations: int
     seconds: float
+
+    @property
+    def models(self) -> tuple[tuple[str, Any], ...]:
+        """Kind and model of all that is used, each once: those of a contact first."""
+        studies = (pair for study in self.studies.values() for pair in study.models(self.assembly))
+        return tuple(dict.fromkeys((*self.assembly.models.items(), *studies)))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the plan as plain values, for JSON."""
@@ -78,8 +86,8 @@ def plan(scene: Scene | str, study: str | None = None) -> Plan:
     studies = settings(scene, study)
     assembly = assemble(scene)
     bearing, tilted = scene.bearing, scene.operation.misalignment != 0.0
-    effective = "effective-friction" in studies
-    loads = assembly.load_distribution(1) if effective else None
+    averaged = bool({"effective-friction", "steady-slip", "dynamics"} & studies.keys())
+    loads = assembly.load_distribution(1) if averaged else None
     evaluations = sum(one.evaluations(assembly) for one in studies.values())
     named = dict(scene.raw or {}).get("models", {})
     parts = [_stage(kind, model, named) for kind, model in assembly.models.items()]
@@ -135,25 +143,64 @@ def plan(scene: Scene | str, study: str | None = None) -> Plan:
     if assembly.traction.full_film_from is not None:
         slip = max(study.largest_cage_slip for study in studies.values())
         parts.append(_boundary(assembly, assembly.traction.full_film_from, loads, slip))
-    parts += [
-        _inlet(assembly.film),
-        Part(
-            part="cage, drag and integrators",
-            included=False,
-            choice="not loaded",
-            resolution="",
-            reason="the scene has no study in time",
-        ),
-    ]
+    parts += [_inlet(assembly.film), *_motion(assembly, studies)]
     return Plan(
         scene=scene,
         assembly=assembly,
         studies=studies,
         parts=tuple(parts),
-        degrees_of_freedom=2 + (2 if assembly.slices > 1 else 1) * bearing.rollers if effective else 0,
+        degrees_of_freedom=_degrees_of_freedom(assembly, studies),
         evaluations=evaluations,
         seconds=evaluations * _seconds_per_slice(assembly),
     )
+
+
+def _degrees_of_freedom(assembly: Assembly, studies: Mapping[str, Study]) -> int:
+    """Of the largest system that is solved: the bearing in motion, or at rest."""
+    dynamics = studies.get("dynamics")
+    if isinstance(dynamics, Dynamics):
+        return dynamics.degrees_of_freedom(assembly)
+    if studies.keys() & {"effective-friction", "steady-slip"}:
+        return 2 + (2 if assembly.slices > 1 else 1) * assembly.scene.bearing.rollers
+    return 0
+
+
+def _motion(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
+    """Cage, drags and integrator, where a study asks for them."""
+    dynamics = studies.get("dynamics")
+    if dynamics is None and "steady-slip" not in studies:
+        reason = "the scene has no study of cage and rollers in motion"
+        return [
+            Part(part="cage, drag and integrators", included=False, choice="not loaded", resolution="", reason=reason)
+        ]
+    parts = []
+    if isinstance(dynamics, Dynamics):
+        offer = find("integrator", dynamics.method(assembly).name)
+        parts += [
+            Part(
+                part="motion",
+                included=True,
+                choice=f"level {dynamics.level}, friction {dynamics.friction}",
+                resolution=f"{dynamics.degrees_of_freedom(assembly)} unknowns for {dynamics.duration:g} s",
+                reason=LEVELS[dynamics.level],
+            ),
+            Part(
+                part="integrator",
+                included=True,
+                choice=f"{offer.name} ({offer.package} {offer.version})",
+                resolution=f"relative tolerance {dynamics.relative_tolerance:g}",
+                reason="study.dynamics",
+            ),
+        ]
+    drags = list(assembly.cage.drags)
+    parts += [
+        Part(part="drag", included=True, choice=model.name, resolution=model.equation, reason="cage.drag names it")
+        for model in drags
+    ]
+    if not drags:
+        reason = "cage.drag names none: nothing holds the cage back, and without drag there is no slip"
+        parts.append(Part(part="drag", included=False, choice="none", resolution="", reason=reason))
+    return parts
 
 
 def _stage(kind: str, model: SliceModel, named: Any) -> Part:

@@ -3,7 +3,7 @@
 - A result is an xarray Dataset; its attributes make it reproducible: the scene verbatim and resolved, its hash, the
   packages and models used, numbers of evaluations, wall time, warnings and citations.
 - Attributes that are structures are JSON text, because netCDF has no other form that every reader keeps.
-- A file appears whole or not at all: it is written beside its place and moved there.
+- A file appears whole or not at all (`rollslip.writing`).
 """
 
 import datetime
@@ -11,15 +11,12 @@ import importlib.metadata
 import json
 import os
 import sys
-import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.assembly import Assembly
 from rollslip.discovery import DATA
 from rollslip.errors import OutputError
 from rollslip.models import SliceModel
@@ -27,6 +24,7 @@ from rollslip.planning import Plan
 from rollslip.references import KLEBANOV
 from rollslip.registry import find
 from rollslip.scene import resolved, scene_hash
+from rollslip.writing import whole_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,12 +47,13 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
     wall_time : float
         [s].
     """
-    scene, models = plan.scene, plan.assembly.models
-    offers = {kind: find(kind, model.name) for kind, model in models.items()}
+    scene = plan.scene
+    models = [(kind, model, find(kind, model.name)) for kind, model in plan.models]
     lubricant = plan.assembly.lubricant
     named = dict(scene.raw or {})
     data = [(kind, table["name"]) for kind in DATA if isinstance(table := named.get(kind), Mapping) and "name" in table]
-    used = {offer.package: offer.version for offer in (*offers.values(), *(find(*pair) for pair in data))}
+    offers = [offer for *_, offer in models]
+    used = {offer.package: offer.version for offer in (*offers, *(find(*pair) for pair in data))}
     used |= {name: importlib.metadata.version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
     return {
         "title": scene.title,
@@ -69,13 +68,13 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
                 {
                     "kind": kind,
                     "name": model.name,
-                    "package": offers[kind].package,
-                    "version": offers[kind].version,
+                    "package": offer.package,
+                    "version": offer.version,
                     "equation": model.equation,
                     "references": references_of(model),
                     "parameters": repr(model),
                 }
-                for kind, model in models.items()
+                for kind, model, offer in models
             ]
         ),
         "lubricant": json.dumps(
@@ -88,17 +87,17 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
         "conditions": json.dumps({r.ring: attrs.asdict(r.conditions) for r in plan.assembly.raceways}),
         "plan": json.dumps([attrs.asdict(part) for part in plan.parts]),
         "warnings": json.dumps(warnings),
-        "citations": json.dumps(citations(plan.assembly)),
+        "citations": json.dumps(citations(plan)),
         "evaluations": evaluations,
         "wall_time": wall_time,
         "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
     }
 
 
-def citations(assembly: Assembly) -> list[str]:
-    """Return what to cite for a bearing's models and oil, the paper that rollslip follows first."""
-    oil = assembly.lubricant
-    used = [text for model in assembly.models.values() for text in references_of(model)]
+def citations(plan: Plan) -> list[str]:
+    """Return what to cite for the models and the oil of a plan, the paper that rollslip follows first."""
+    oil = plan.assembly.lubricant
+    used = [text for _, model in plan.models for text in references_of(model)]
     return list(dict.fromkeys([KLEBANOV, *used, *oil.references, *oil.pressure_viscosity_law.references]))
 
 
@@ -106,67 +105,6 @@ def references_of(model: SliceModel) -> list[str]:
     """Citations of a model and of the models it is composed of."""
     children = [getattr(model, a.name) for a in getattr(model, "__attrs_attrs__", ()) if "kind" in a.metadata]
     return list(dict.fromkeys([*model.references, *(text for child in children for text in references_of(child))]))
-
-
-@contextmanager
-def whole(target: Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Give a new empty folder that becomes ``target`` when the block ends well, and vanishes when it does not.
-
-    Raises
-    ------
-    OutputError
-        If the target exists and holds something, or cannot be written.
-    """
-    import shutil
-
-    try:
-        if target.exists() and not (target.is_dir() and (overwrite or not any(target.iterdir()))):
-            what = "is not a folder" if not target.is_dir() else "exists and holds files"
-            remedy = "name another --out" + (", or --overwrite it" if target.is_dir() else "")
-            raise OutputError(f"{target}: {what}; {remedy}")
-        target.parent.mkdir(parents=True, exist_ok=True)
-        partial = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror}); name another --out") from error
-    try:
-        yield partial
-        partial.chmod(0o777 & ~_umask())
-        if target.exists():
-            old = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
-            os.replace(target, old)  # an empty folder may be replaced by a folder
-            os.replace(partial, target)
-            shutil.rmtree(old)
-        else:
-            os.replace(partial, target)
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror or error}); nothing was left there") from error
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
-
-
-@contextmanager
-def whole_file(target: Path) -> Iterator[Path]:
-    """Give the place of a new file that becomes ``target`` when the block ends well, and vanishes when it does not.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
-    """
-    partial = target.with_name(f".{target.name}.partial")
-    try:
-        yield partial
-        os.replace(partial, target)
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror or error})") from error
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def save(dataset: "xr.Dataset", path: Path) -> None:

@@ -2,15 +2,17 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import attrs
 
+from rollslip.dynamics import Dynamics
 from rollslip.effective_friction import EffectiveFriction
 from rollslip.errors import SceneError
 from rollslip.friction_curve import FrictionCurve
 from rollslip.reading import Where, nearest, structure
 from rollslip.scene import Scene
+from rollslip.steady_slip import SteadySlip
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,9 +36,18 @@ class Study(attrs.AttrsInstance, Protocol):
         """Return about how many slices the study will evaluate."""
         ...
 
+    def models(self, assembly: "Assembly") -> "tuple[tuple[str, Any], ...]":
+        """Return kind and model of what it uses beyond the models of a contact."""
+        ...
+
 
 STUDIES: Final[Mapping[str, type[Study]]] = MappingProxyType(
-    {"effective-friction": EffectiveFriction, "friction-curve": FrictionCurve}
+    {
+        "effective-friction": EffectiveFriction,
+        "friction-curve": FrictionCurve,
+        "dynamics": Dynamics,
+        "steady-slip": SteadySlip,
+    }
 )
 
 

@@ -1,0 +1,470 @@
+"""Study dynamics: cage and rollers in time, with constant, effective or conventional friction.
+
+- The scene chooses the level of detail (`LEVELS`) and the friction by name; each level is one compiled right-hand side
+  (`rollslip.motion`, `rollslip.planar`), which an integrator of the scene's choice steps through.
+- Beside the motion a ledger is integrated: what the rings give, what each group of contacts takes. What it leaves of
+  the energy is stored, as the plainest measure of how far a result can be trusted.
+- Slip past the critical value means that friction falls as slip rises. It is an event, located in time, and ends the
+  run if the scene says so; a cage that runs away is a result, not a failure.
+- What was computed is kept, however the run ends: the outcome is an attribute in words.
+"""
+
+import contextlib
+import json
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.assembly import RINGS, Array, Assembly
+from rollslip.critical import Critical
+from rollslip.effective_friction import EffectiveFriction, LoadedRaceways
+from rollslip.errors import DomainError, PluginError, SceneError
+from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
+from rollslip.friction_curve import about, slip_grid
+from rollslip.models import IntegratorModel
+from rollslip.motion import CarriedMotion, carried_motion
+from rollslip.planar import PlanarMotion, PlanarSettings, planar_motion
+from rollslip.reading import Where, structure
+from rollslip.regimes import LIGHT, NAMES
+from rollslip.registry import structure_model
+from rollslip.run_store import RunStore
+from rollslip.scene import resolved
+from rollslip.time_integration import InitialValueProblem, Trajectory, integrate
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Motion = CarriedMotion | PlanarMotion
+
+#: Levels of detail -> what moves.
+LEVELS: Final = {
+    "cage-set": "cage and rollers' spin; the rollers keep the cage's spacing",
+    "pocket": "also every roller within its pocket",
+    "planar": "also inner ring and cage in the plane, rollers along the radius",
+}
+#: Level -> number of unknowns of the head and of each roller.
+UNKNOWNS: Final = {"cage-set": (2, 1), "pocket": (2, 3), "planar": (10, 5)}
+#: Watched values, in the order of the systems -> what their rising through zero means, and their falling.
+WATCHED: Final = (
+    ("cage slip passes the critical value", "cage slip falls below the critical value"),
+    ("the smallest film parameter rises above its limit", "the smallest film parameter falls below its limit"),
+    ("a contact of the inner ring closes: rollers carry it again", "the last contact of the inner ring opens"),
+)
+#: What an integrator says in its message where a model has refused.
+_REFUSED: Final = "the rates are not defined"
+#: Instants of a pitch for the critical slip; more move it by less than an event is worth.
+_INSTANTS: Final = 4
+#: Relative tolerance at which rounding begins to govern the steps, 100 times that of numbers.
+_LEAST_TOLERANCE: Final = 2.3e-14
+
+
+@attrs.frozen(kw_only=True)
+class Dynamics:
+    """Settings of the study."""
+
+    level: str = parameter(default="cage-set", doc="what moves", validator=one_of(*LEVELS))
+    friction: str = parameter(
+        default="effective",
+        doc="of every slice at every step (conventional), effective friction of the raceways, or a constant",
+        validator=one_of("effective", "conventional", "constant"),
+    )
+    effective_over: str = parameter(
+        default="sliding-speed",
+        doc="effective friction over the sliding speed at each raceway, or over cage slip and roller slip",
+        validator=one_of("sliding-speed", "slips"),
+    )
+    friction_coefficient: float = parameter(
+        default=0.05, unit="1", doc="coefficient of constant friction", validator=non_negative
+    )
+    friction_speed: float = parameter(
+        default=0.05, unit="m/s", doc="sliding speed over which constant friction sets in", validator=positive
+    )
+    duration: float = parameter(default=1.0, unit="s", doc="time to go through", validator=positive)
+    points: int = parameter(default=1001, doc="instants stored, evenly spread with both ends", validator=at_least(2))
+    cage_slip: float = parameter(default=0.0, unit="1", doc="slip of the cage at the start: 1 at rest, 2 backwards")
+    roller_slip: float = parameter(default=0.0, unit="1", doc="slip of the rollers at the start: 1 at rest")
+    integrator: Any = parameter(default="rodas5p", doc="integrator, by name or as a table with its parameters")
+    relative_tolerance: float = parameter(
+        default=1e-5,
+        unit="1",
+        doc="error of a step, relative to the magnitude of an unknown",
+        validator=in_range(_LEAST_TOLERANCE, 0.1),
+    )
+    stop_at: str = parameter(default="end", doc="where the run ends", validator=one_of("end", "critical"))
+    film_limit: float = parameter(
+        default=0.0, unit="1", doc="film parameter whose passing is an event; 0 for none", validator=non_negative
+    )
+    planar: PlanarSettings | None = attrs.field(
+        default=None, metadata={"doc": "masses, damping, gravity and load of level planar", "unit": None}
+    )
+
+    def __attrs_post_init__(self) -> None:
+        if self.film_limit > 0.0 and self.friction != "conventional":
+            raise FieldError("film_limit", f"only known to friction = 'conventional', not to {self.friction!r}")
+
+    @property
+    def largest_cage_slip(self) -> float:
+        """Cage slip up to which the study is expected to go."""
+        return max(self.cage_slip, 0.4)
+
+    def evaluations(self, assembly: Assembly) -> int:
+        """Return about how many slices the study will evaluate: nine evaluations of the rates a step of half a ms."""
+        if self.friction != "conventional":
+            return 0
+        loads = assembly.load_distribution(1)
+        loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
+        return int(loaded) * int(11 * self.duration / 5e-4 + self.points)
+
+    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
+        """Return the drags and the integrator.
+
+        Raises
+        ------
+        SceneError, PluginError
+            If the scene has no cage, or they are not there.
+        """
+        drags = (("drag", model) for model in assembly.cage.drags)
+        return *drags, ("integrator", self.method(assembly))
+
+    def run(self, assembly: Assembly) -> "xr.Dataset":
+        """Return the motion.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions (time,): cage_speed, cage_slip, energy, energy_residual, angular_momentum, momentum_residual;
+            (time, roller): roller_speed, roller_slip, orbit_angle; (ring, time, roller): normal_force, traction_force,
+            sliding_speed, film_parameter, NaN without load; (work, time): work_done; (event,): event_time, event_what,
+            event_rising; at levels pocket and planar (time, roller): pocket_force, pocket_displacement; at level planar
+            (direction, time): ring_displacement, cage_displacement, and (time,): land_eccentricity.
+
+        Raises
+        ------
+        SceneError
+            If the scene has no cage, or level planar lacks its settings.
+        DomainError, ConvergenceError
+            If loads or friction cannot be tabulated.
+        """
+        return self.kept_in(assembly, None)
+
+    def kept_in(
+        self,
+        assembly: Assembly,
+        store: RunStore | None,
+        progress: Callable[[str], None] | None = None,
+    ) -> "xr.Dataset":
+        """Return what `run` does, going on from what a store has, and writing to it what is computed."""
+        where = Where(assembly.scene.origins, ("study", "dynamics"))
+        integrator = self.method(assembly)
+        if self.level == "planar" and self.planar is None:
+            raise SceneError(
+                [
+                    where.at("planar").says(
+                        "missing, but required for level = 'planar'; give [study.dynamics.planar] with the mass that "
+                        "moves with the inner ring, such as inner_ring_mass = '5 kg'"
+                    )
+                ]
+            )
+        settings, raceways = _averaged(assembly)
+        critical = _critical(settings, raceways)
+        moving = self._motion(assembly, critical.slip)
+        system = moving.system
+        times = np.linspace(0.0, self.duration, self.points)
+        start, first_step, before = moving.initial(self.cage_slip, self.roller_slip), 0.0, None
+        if store is not None and (before := store.load(times, start.size)) is not None:
+            start, first_step = before.last_y, before.last_step
+        done, parts = (0, 0) if before is None or store is None else (before.t.size, len(store.parts()))
+
+        def keep(number: int, trajectory: Trajectory) -> None:
+            if store is not None:
+                store.write(parts + number, trajectory)
+            if progress is not None:
+                progress(f"{trajectory.last_t:.4g} of {self.duration:.4g} s")
+
+        found = integrate(
+            InitialValueProblem(
+                rates=system,
+                y=start,
+                t=0.0 if before is None else before.last_t,
+                atol=self.relative_tolerance * system.scale,
+                jacobian=system.jacobian,
+                watch=system.watch if system.watched else None,
+                breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
+            ),
+            integrator,
+            times[done:],
+            rtol=self.relative_tolerance,
+            stop=frozenset({0} if self.stop_at == "critical" and not math.isnan(critical.slip) else ()),
+            first_step=first_step,
+            keep=keep,
+        )
+        found = _explained(found, moving)
+        if before is not None:
+            found = before.then(found)
+        dataset = self._dataset(assembly, moving, found, critical, integrator)
+        reached = np.clip(dataset["cage_slip"].to_numpy()[[0, -1]], 0.0, settings.max_cage_slip)
+        return dataset.assign(_regimes(raceways, reached, found.outcome == "failed")).assign_coords(
+            regime=("regime", np.array(NAMES), about("1", "film regime"))
+        )
+
+    def _motion(self, assembly: Assembly, critical_slip: float) -> Motion:
+        options: dict[str, Any] = {
+            "friction": self.friction,
+            "effective_over": self.effective_over,
+            "coefficient": self.friction_coefficient,
+            "transition": self.friction_speed,
+            "critical_slip": critical_slip,
+            "film_limit": self.film_limit or math.nan,
+        }
+        if self.planar is not None and self.level == "planar":
+            return planar_motion(assembly, self.planar, **options)
+        return carried_motion(assembly, level=self.level, **options)
+
+    def method(self, assembly: Assembly) -> IntegratorModel:
+        """Return the integrator.
+
+        Raises
+        ------
+        SceneError, PluginError
+            If its parameters are wrong, or it is not there.
+        """
+        problems: list[str] = []
+        where = Where(assembly.scene.origins, ("study", "dynamics", "integrator"))
+        made = structure_model("integrator", self.integrator, where, problems)
+        if problems or not isinstance(made, IntegratorModel):
+            raise SceneError(problems)
+        return made
+
+    def degrees_of_freedom(self, assembly: Assembly) -> int:
+        """Number of unknowns, without those of the ledger."""
+        head, roller = UNKNOWNS[self.level]
+        return head + roller * assembly.scene.bearing.rollers
+
+    def _dataset(
+        self, assembly: Assembly, moving: Motion, found: Trajectory, critical: Critical, integrator: IntegratorModel
+    ) -> "xr.Dataset":
+        import xarray as xr
+
+        k, sign = assembly.kinematics, assembly.kinematics.direction
+        t, y = found.t, found.y
+        of = moving.split(y)
+        cage, spin = of["cage_speed"], of["roller_spin"]
+        rollers_at = of["cage_angle"][:, None] + 2.0 * np.pi / spin.shape[1] * np.arange(spin.shape[1])
+        orbit, place = of.get("orbital_speed", cage[:, None]), of.get("pocket_position")
+        if place is not None:
+            rollers_at = rollers_at + place / k.orbit_radius
+        relative = spin + orbit
+        cage_slip = 1.0 - cage / k.epicyclic_cage_speed
+        outputs = _outputs(moving, found)
+        works = {name: of[name] * sense for name in moving.units if (sense := _sense(name))}
+        contact, rollers = ("ring", "time", "roller"), ("time", "roller")
+
+        def by_ring(name: str) -> Array:
+            return np.moveaxis(outputs[name], 1, 0)
+
+        variables: dict[str, Any] = {
+            "cage_speed": ("time", sign * cage, about("rad/s", "speed of the cage")),
+            "cage_slip": ("time", cage_slip, about("1", "cage slip")),
+            "roller_speed": (rollers, sign * relative, about("rad/s", "spin of a roller relative to its orbit")),
+            "roller_slip": (rollers, 1.0 - relative / k.epicyclic_roller_speed, about("1", "roller slip")),
+            "orbit_angle": (
+                rollers,
+                np.mod(rollers_at, 2.0 * np.pi),
+                about("rad", "position from the line of load, in the sense of the orbit"),
+            ),
+            "normal_force": (contact, by_ring("normal_force"), about("N", "normal force")),
+            "traction_force": (contact, by_ring("traction_force"), about("N", "traction, along the orbit")),
+            "sliding_speed": (contact, by_ring("sliding_speed"), about("m/s", "sliding speed")),
+            "film_parameter": (
+                contact,
+                by_ring("film_parameter"),
+                about("1", "smallest film parameter Lambda of a roller") | {"film_status": self._film_status()},
+            ),
+            "energy": ("time", moving.energy(y), about("J", "kinetic energy, and elastic energy of the pockets")),
+            "work_done": (("work", "time"), np.array(list(works.values())), about("J", "work done since the start")),
+            "energy_residual": (
+                "time",
+                moving.energy_residual(y),
+                about("J", "energy that the ledger does not explain"),
+            ),
+            "angular_momentum": ("time", moving.angular_momentum(y), about("N m s", "angular momentum about the axis")),
+            "momentum_residual": (
+                "time",
+                moving.momentum_residual(y),
+                about("N m s", "angular momentum that the ledger does not explain"),
+            ),
+            "event_time": ("event", np.array([e.time for e in found.events]), about("s", "time of the event")),
+            "event_what": (
+                "event",
+                np.array(
+                    [WATCHED[e.watched][not e.rising] for e in found.events], dtype=np.dtypes.StringDType()
+                ).astype(object),
+                about("1", "what happened"),
+            ),
+            "event_rising": (
+                "event",
+                np.array([int(e.rising) for e in found.events], dtype=int),
+                about("1", "1 where the watched value rose through its limit, 0 where it fell"),
+            ),
+        }
+        if place is not None:
+            variables["pocket_force"] = (
+                rollers,
+                outputs["pocket_force"],
+                about("N", "force of a roller on its pocket"),
+            )
+            variables["pocket_displacement"] = (
+                rollers,
+                place,
+                about("m", "place of a roller from its pocket's middle"),
+            )
+        for what in ("inner_ring", "cage"):
+            if f"{what}_x" in of:
+                variables[f"{what.removeprefix('inner_')}_displacement"] = (
+                    ("direction", "time"),
+                    np.array([of[f"{what}_x"], of[f"{what}_y"]]),
+                    about("m", f"displacement of the {what.replace('_', ' ')}"),
+                )
+        steady, steady_status = _steady(t, cage_slip, cage, assembly.scene.accuracy.tolerance)
+        return xr.Dataset(
+            variables,
+            {
+                "time": ("time", t, about("s", "time")),
+                "roller": ("roller", np.arange(spin.shape[1]), about("1", "roller")),
+                "ring": ("ring", np.array(RINGS), about("1", "ring")),
+                "work": ("work", np.array(list(works)), about("1", "what the work was done by")),
+                "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
+            },
+            attrs={
+                "study": "dynamics",
+                "level": self.level,
+                "friction": self.friction,
+                "integrator": integrator.name,
+                "relative_tolerance": self.relative_tolerance,
+                "outcome": found.outcome,
+                "outcome_message": found.message,
+                "failed_by": _failed_by(found),
+                "steps": found.steps,
+                "rejected": found.rejected,
+                "rate_evaluations": found.evaluations,
+                "jacobians": found.jacobians,
+                "contacts_evaluated": int(moving.system.owner.contacts_evaluated),
+                "integration_time": found.wall_time,
+                "real_time_factor": float(t[-1] - t[0]) / found.wall_time if found.wall_time > 0.0 else math.inf,
+                "critical_cage_slip": critical.slip,
+                "critical_status": critical.status,
+                "steady_cage_slip": steady,
+                "steady_status": steady_status,
+                "drag": json.dumps([{"name": drag.name, "equation": drag.equation} for drag in assembly.cage.drags]),
+                "cage": json.dumps(resolved(assembly.cage), default=str),
+            },
+        )
+
+    def _film_status(self) -> str:
+        if self.friction == "conventional":
+            return "of the loaded slices"
+        return f"friction is {self.friction}, which knows no film; run with friction = 'conventional' to know it"
+
+
+def _failed_by(found: Trajectory) -> str:
+    """Return what failed: a "model" that raised, the "domain" one was asked outside of, the "solver", or nothing."""
+    if found.outcome != "failed":
+        return ""
+    if isinstance(found.error, DomainError):
+        return "domain"
+    raised = any(note.startswith("raised by") for note in _notes(found.error))
+    return "model" if raised or isinstance(found.error, PluginError) else "solver"
+
+
+def _sense(name: str) -> int:
+    """1 for work done on the motion, -1 for what it loses, 0 for what is no work."""
+    return name.startswith("work_") - name.startswith("lost_")
+
+
+def _explained(found: Trajectory, moving: Motion) -> Trajectory:
+    """Return a trajectory that says what stopped it, and in a model's words what that model refused."""
+    if found.outcome == "stopped":
+        last = found.events[-1]
+        return attrs.evolve(found, message=f"{found.message}: {WATCHED[last.watched][not last.rising]}")
+    if found.outcome == "failed" and _REFUSED in found.message:
+        error = moving.error(moving.system.refusal())
+        return attrs.evolve(found, error=error, message="; ".join((f"{found.message}: {error}", *_notes(error))))
+    return attrs.evolve(found, message="; ".join((found.message, *_notes(found.error))))
+
+
+def _notes(error: BaseException | None) -> tuple[str, ...]:
+    return tuple(getattr(error, "__notes__", ()))
+
+
+def _outputs(moving: Motion, found: Trajectory) -> dict[str, Array]:
+    """Forces and speeds at the stored states; NaN where a model that failed fails again."""
+    if found.outcome != "failed":
+        return moving.outputs(found.t, found.y)
+    instants, rollers = found.t.size, moving.assembly.scene.bearing.rollers
+    names = ("normal_force", "traction_force", "sliding_speed", "film_parameter")
+    outputs = {name: np.full((instants, len(RINGS), rollers), np.nan) for name in names}
+    outputs["pocket_force"] = np.full((instants, rollers), np.nan)
+    for k in range(instants):
+        with contextlib.suppress(Exception):  # what it raised in the run has been told
+            row = moving.outputs(found.t[k : k + 1], found.y[k : k + 1])
+            for name, values in outputs.items():
+                values[k] = row[name][0]
+    return outputs
+
+
+def _averaged(assembly: Assembly) -> tuple[EffectiveFriction, LoadedRaceways]:
+    """The raceways' contacts as study effective-friction sees them, by the scene's own settings of that study."""
+    scene, problems = assembly.scene, list[str]()
+    where = Where(scene.origins, ("study", "effective-friction"))
+    study = structure(EffectiveFriction, scene.study.get("effective-friction", {}), where, problems)
+    if study is None:
+        raise SceneError(problems)
+    return study, study.loaded(assembly, _INSTANTS)
+
+
+def _critical(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
+    """Cage slip of the largest effective friction on the inner ring."""
+    slip = slip_grid(study.max_cage_slip, study.points)
+    return raceways.critical(slip, raceways.curve(slip))[0]
+
+
+def _regimes(raceways: LoadedRaceways, slip: Array, failed: bool) -> dict[str, Any]:
+    """Film regimes and load parameters of the contacts at the first and the last cage slip; NaN if models fail."""
+    try:
+        details = raceways.details(slip)
+    except Exception:
+        if not failed:
+            raise
+        details = {
+            "regime_share": np.full((len(RINGS), len(NAMES)), np.nan),
+            "load_parameter": np.full(len(RINGS), np.nan),
+            "light_share": np.full(len(RINGS), np.nan),
+        }
+    return {
+        "regime_share": (
+            ("ring", "regime"),
+            details["regime_share"],
+            about("1", "share of the contact forces in a film regime"),
+        ),
+        "load_parameter": ("ring", details["load_parameter"], about("1", "largest Moes load parameter M")),
+        "light_share": (
+            "ring",
+            details["light_share"],
+            about("1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's"),
+        ),
+    }
+
+
+def _steady(t: Array, slip: Array, speed: Array, tolerance: float) -> tuple[float, str]:
+    """Mean slip over the last orbit, and whether the one before had the same."""
+    orbit = 2.0 * math.pi / abs(float(speed[-1])) if speed[-1] != 0.0 else math.inf
+    last, before = t > t[-1] - orbit, (t > t[-1] - 2.0 * orbit) & (t <= t[-1] - orbit)
+    if t[-1] - t[0] < 2.0 * orbit or not np.any(last) or not np.any(before):
+        return math.nan, "the run is shorter than two orbits of the rollers"
+    mean, moved = float(slip[last].mean()), abs(float(slip[last].mean() - slip[before].mean()))
+    if moved <= tolerance * max(abs(mean), 1e-2):
+        return mean, "steady"
+    return math.nan, f"not steady: from one orbit to the next cage slip moves by {moved:.2g}, at last to {mean:.4g}"
