@@ -1,5 +1,6 @@
 """How plans, results, scenes and models read on a terminal and in JSON."""
 
+import importlib
 import importlib.metadata
 import json
 import math
@@ -15,7 +16,7 @@ import click
 
 from rollslip.discovery import DATA, KINDS, Offer, available, catalogue, find, get_class
 from rollslip.errors import PluginError
-from rollslip.models import interval
+from rollslip.models import SliceModel, interval
 from rollslip.scene import Scene, resolved, scene_hash
 from rollslip.units import format_quantity
 
@@ -30,7 +31,7 @@ Sections = dict[str, list[tuple[str, str]]]
 
 def headline(plan: "Plan") -> str:
     """Return the first line of every run: version, scene and hash, models with their packages."""
-    return _headline(plan.scene, ((kind, model.name, model.name) for kind, model in plan.assembly.models.items()))
+    return _headline(plan.scene, ((kind, model.name, model.name) for kind, model in plan.models))
 
 
 def _headline(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
@@ -43,7 +44,10 @@ def _headline(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
 
 def findings(dataset: "xr.Dataset") -> str:
     """Return what a study found, in a few lines."""
-    lines = [f"{dataset.attrs['study']}:"]
+    study = dataset.attrs["study"]
+    if said := _spoken(study):
+        return "\n  ".join((f"{study}:", *said.sentences(dataset)))
+    lines = [f"{study}:"]
     for name, row in _critical_rows(dataset):
         found = (
             f"critical slip {row['critical_slip']:.2%}, largest friction {row['critical_friction']:.4g}"
@@ -66,10 +70,10 @@ def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]", target: Path
         "rollslip": importlib.metadata.version("rollslip"),
         "scene": plan.scene.source,
         "scene_hash": scene_hash(plan.scene),
-        "models": {kind: model.name for kind, model in plan.assembly.models.items()},
+        "models": _by_kind(plan.models),
         "studies": {
             name: {
-                "results": dict(_critical_rows(dataset)),
+                "results": _results(dataset),
                 "warnings": json.loads(dataset.attrs["warnings"]),
                 "evaluations": int(dataset.attrs["evaluations"]),
                 "wall_time": float(dataset.attrs["wall_time"]),
@@ -79,6 +83,28 @@ def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]", target: Path
         "folder": str(target),
         "files": files,
     }
+
+
+def _results(dataset: "xr.Dataset") -> dict[str, Any]:
+    """What a study found, as plain values."""
+    if said := _spoken(dataset.attrs["study"]):
+        found: dict[str, Any] = said.record(dataset)
+        return found
+    return dict(_critical_rows(dataset))
+
+
+def _spoken(study: str) -> Any:
+    """Return the module that has the words of a study in which there is more than friction curves, or None."""
+    names = {"dynamics": "motion_findings", "steady-slip": "steady_findings"}
+    return importlib.import_module(f"rollslip.{names[study]}") if study in names else None
+
+
+def _by_kind(models: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """Names of models by kind; a list where a kind has several."""
+    names: dict[str, list[str]] = {}
+    for kind, model in models:
+        names.setdefault(kind, []).append(model.name)
+    return {kind: of[0] if len(of) == 1 and kind != "drag" else of for kind, of in names.items()}
 
 
 def _critical_rows(dataset: "xr.Dataset") -> Iterable[tuple[str, dict[str, Any]]]:
@@ -300,7 +326,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         "parameters": parameters,
         "references": list(thing.references),
     }
-    if kind not in ("contact", "film", "traction"):
+    if not issubclass(thing, SliceModel):
         return about
     model = thing() if all(a.default is not attrs.NOTHING for a in attrs.fields(thing)) else thing
     if kind == "film":
@@ -319,6 +345,8 @@ def _default(attribute: "attrs.Attribute[Any]") -> str:
     default: Any = attribute.default
     if default is attrs.NOTHING:
         return "required"
+    if "from_scene" in attribute.metadata:
+        return "the scene's"
     if "kind" in attribute.metadata:
         return str(default.factory().name)
     unit = attribute.metadata.get("unit")
@@ -398,7 +426,9 @@ def result_info(path: Path) -> Sections:
 
 
 def _found(dataset: "xr.Dataset") -> Iterable[tuple[str, str]]:
-    """Name and what was found, of each parameter of a fit, or of the critical slip of each curve."""
+    """Name and what was found, of each parameter of a fit, of a motion, or of the critical slip of each curve."""
+    if said := _spoken(dataset.attrs["study"]):
+        return [(about, "; ".join(texts)) for about, texts in said.topics(dataset).items()]
     if dataset.attrs["study"] == "fit":
         from rollslip.fit_result import parameter_rows
 

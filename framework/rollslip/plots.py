@@ -1,10 +1,7 @@
 """Figures of the studies for publication: friction of a contact, effective friction, single rollers, the map.
 
-- A figure is an SVG with outlined letters: it looks the same on every machine, needs no fonts, and prints well. Its
-  metadata hold caption and findings, which the report uses as caption and alternative text.
-- The same dataset gives the same bytes: fixed salt for ids, no date, matplotlib's own defaults and its own font, so
-  that nobody's matplotlibrc has a say. Figures are made without pyplot, so that no state outlives them.
-- Widths are those of one and of two columns of a journal page; letters have 7 pt in print.
+- Style, sizes and files are those of `rollslip.figure_style`; the figures of motion in time are in
+  `rollslip.motion_figures` and `rollslip.steady_figures`.
 - Everything reads in grey: curves differ in lightness, and dashed is only ever the thermal branch, but where models are
   compared: there dashes tell them apart.
 - What is said in words stands above the curves, in room that is kept free for it, never on them.
@@ -21,9 +18,26 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip import motion_findings, steady_findings
 from rollslip.comparison_findings import CURVES, curve_names, findings, members
+from rollslip.figure_style import (
+    DASHES,
+    MARKER,
+    MM,
+    MODEL_COLOURS,
+    ONE_COLUMN,
+    RING_COLOURS,
+    ROW,
+    SEQUENTIAL,
+    TWO_COLUMNS,
+    axis_label,
+    light_to_dark,
+    save_figures,
+)
 from rollslip.fit_result import parameter_rows
+from rollslip.motion_figures import motion_figures
 from rollslip.regimes import LONG_NAMES, NAMES
+from rollslip.steady_figures import steady_figures
 from rollslip.units import format_quantity, quantity
 
 if TYPE_CHECKING:
@@ -38,43 +52,9 @@ __all__ = ["Curve", "curves", "percent", "plot"]
 
 Array = NDArray[np.float64]
 
-#: Okabe & Ito (2008), "Color universal design": the blue and the orange are told apart with every kind of colour
-#: vision, and in grey.
-RING_COLOURS: Final = {"inner": "#0072B2", "outer": "#E69F00"}
-#: The same palette for models that are compared, and dashes that tell them apart in grey.
-MODEL_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-DASHES: Final = ("solid", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (5, 1.5, 1, 1.5, 1, 1.5)))
-#: Nunez, Anderton & Renslow (2018): lightness rises evenly, for grey print and every kind of colour vision.
-SEQUENTIAL: Final = "cividis"
 #: Background where the thinnest film is no longer full.
 FILM_TINTS: Final = {"mixed": "0.93", "boundary": "0.84"}
 
-STYLE: Final[Mapping[str, Any]] = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib
-    "font.size": 7.0,
-    "axes.labelsize": 7.5,
-    "axes.titlesize": 7.5,
-    "axes.titlelocation": "left",
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.formatter.limits": (-3, 5),
-    "axes.formatter.use_mathtext": True,
-    "axes.formatter.useoffset": False,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "lines.linewidth": 1.4,
-    "lines.dashed_pattern": (3.2, 1.6),
-    "legend.frameon": False,
-    "legend.fontsize": 7.0,
-    "legend.handlelength": 2.4,
-    "legend.labelspacing": 0.3,
-    "legend.borderaxespad": 0.0,
-    "svg.fonttype": "path",
-    "svg.hashsalt": "rollslip",
-}
-
-_MARKER: Final[Mapping[str, Any]] = {"marker": "o", "markersize": 4, "markeredgecolor": "white"}
 _OPEN: Final[Mapping[str, Any]] = {"marker": "o", "markersize": 3, "markerfacecolor": "white", "markeredgewidth": 0.8}
 #: Where a label may stand, the best first: offset in points from what it belongs to, alignment.
 _PLACES: Final = tuple(
@@ -82,12 +62,8 @@ _PLACES: Final = tuple(
     for y in (5, -5, 13, -13)
     for x, aligned in ((0, "center"), (4, "left"), (-4, "right"), (13, "left"), (-13, "right"))
 )
-_MM = 1 / 25.4
-_ONE_COLUMN, _TWO_COLUMNS = (90 * _MM, 62 * _MM), (190 * _MM, 80 * _MM)
 #: Relative difference beyond which small ones would not be seen on a linear axis.
 _SPREAD = 0.1
-#: Height of a row of the legend, by which a figure grows so that its axes do not shrink.
-_ROW = 4 * _MM
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -222,21 +198,7 @@ def plot(dataset: "xr.Dataset", folder: Path) -> list[Path]:
         The files, named after the study: the curves and, if the dataset has them, the single rollers ("-rollers") and
         the map ("-map"). Empty for a study without figures.
     """
-    from matplotlib import style
-
-    files = []
-    # the figures are drawn inside the context, one by one: artists take their style when they are made
-    with style.context(["default", dict(STYLE)]):
-        for name, caption, figure in _figures(dataset):
-            folder.mkdir(parents=True, exist_ok=True)
-            files.append(folder / f"{name}.svg")
-            findings = _findings(dataset)
-            figure.savefig(
-                files[-1],
-                format="svg",
-                metadata={"Title": caption, "Description": findings, "Creator": "rollslip", "Date": None},
-            )
-    return files
+    return save_figures(_figures(dataset), _findings(dataset), folder)
 
 
 def _figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
@@ -265,6 +227,10 @@ def _figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
                 caption,
                 _comparison(dataset, position),
             )
+    elif study == "dynamics":
+        yield from motion_figures(dataset)
+    elif study == "steady-slip":
+        yield from steady_figures(dataset)
     elif study == "fit":
         name = Path(attributes["source"]).name
         held = _held(dataset)[0]
@@ -283,6 +249,10 @@ def _findings(dataset: "xr.Dataset") -> str:
     """Say in sentences what a dataset has found."""
     if dataset.attrs.get("study") == "comparison":
         return ". ".join(findings(dataset)) + "."
+    if dataset.attrs.get("study") == "dynamics":
+        return motion_findings.paragraph(dataset)
+    if dataset.attrs.get("study") == "steady-slip":
+        return steady_findings.paragraph(dataset)
     if dataset.attrs.get("study") == "fit":
         rows = parameter_rows(dataset)
         return " ".join(f"{name}: {value}, 95 %: {limits}; {status}." for name, value, _, _, limits, status in rows)
@@ -298,10 +268,10 @@ def _friction_curve(dataset: "xr.Dataset") -> "Figure":
     tints = _shade_film(axes, shown, limits)
     lines: list[Artist] = [
         _draw(axes, curve, colour, f"{curve.name}: {_film(curve, limits)}, {curve.regime}")
-        for curve, colour in zip(shown, _colours()(np.linspace(1.0, 0.0, len(shown))[::-1]), strict=True)
+        for curve, colour in zip(shown, light_to_dark()(np.linspace(1.0, 0.0, len(shown))[::-1]), strict=True)
     ]
-    axes.set_xlabel(_label(dataset["slip"], r"$V/u$", "%", name="slide–roll ratio"))
-    axes.set_ylabel(_label(dataset["friction"], r"$\mu$", "–"))
+    axes.set_xlabel(axis_label(dataset["slip"], r"$V/u$", "%", name="slide–roll ratio"))
+    axes.set_ylabel(axis_label(dataset["friction"], r"$\mu$", "–"))
     _finish(figure, axes, shown, lines + tints)
     return figure
 
@@ -314,8 +284,8 @@ def _effective_friction(dataset: "xr.Dataset") -> "Figure":
         _draw(axes, curve, RING_COLOURS[ring], f"{curve.name}: smallest {_film(curve, limits)}", tinted=True)
         for ring, curve in zip(dataset["ring"].values, shown, strict=True)
     ]
-    axes.set_xlabel(_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
-    axes.set_ylabel(_label(dataset["effective_friction"], r"$\mu_\mathrm{e}$", "–"))
+    axes.set_xlabel(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
+    axes.set_ylabel(axis_label(dataset["effective_friction"], r"$\mu_\mathrm{e}$", "–"))
     _finish(figure, axes, shown, lines + tints)
     return figure
 
@@ -329,7 +299,7 @@ def _rollers(dataset: "xr.Dataset") -> "Figure":
     inner = dataset.sel(ring="inner")
     forces, friction = inner["normal_force"].to_numpy(), inner["roller_friction"].to_numpy()
     loaded = np.flatnonzero(forces > 0.0)
-    scale = ScalarMappable(Normalize(0.0, forces.max()), _colours())
+    scale = ScalarMappable(Normalize(0.0, forces.max()), light_to_dark())
     slip = 100 * inner["cage_slip"].to_numpy()
     for roller in loaded[np.argsort(forces[loaded], kind="stable")]:
         axes.plot(slip, friction[roller], color=scale.to_rgba(forces[roller]), linewidth=0.8)
@@ -337,13 +307,13 @@ def _rollers(dataset: "xr.Dataset") -> "Figure":
     lines: list[Artist] = [
         _draw(axes, curve, "black", r"inner ring, effective: $\mu_\mathrm{e}$", width=2.0) for curve in effective
     ]
-    lines.append(Line2D([], [], color=_colours()(1.0), linewidth=0.8, label="its single rollers"))
+    lines.append(Line2D([], [], color=light_to_dark()(1.0), linewidth=0.8, label="its single rollers"))
     bar = figure.colorbar(scale, ax=axes, aspect=30, pad=0.03)
-    bar.set_label(_label(dataset["normal_force"], "$Q$", "N", name="normal force"))
+    bar.set_label(axis_label(dataset["normal_force"], "$Q$", "N", name="normal force"))
     bar.outline.set_visible(False)
     bar.solids.set_edgecolor("face")  # type: ignore[union-attr]  # no seams, as in the map
-    axes.set_xlabel(_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
-    axes.set_ylabel(_label(dataset["roller_friction"], r"$\mu$", "–", name="friction coefficient"))
+    axes.set_xlabel(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
+    axes.set_ylabel(axis_label(dataset["roller_friction"], r"$\mu$", "–", name="friction coefficient"))
     _finish(figure, axes, effective, lines, others=friction[loaded])
     return figure
 
@@ -354,7 +324,7 @@ def _map(dataset: "xr.Dataset") -> "Figure":
     from matplotlib.patheffects import withStroke
     from matplotlib.ticker import MaxNLocator
 
-    figure = Figure(figsize=_TWO_COLUMNS, layout="constrained")
+    figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
     surface = np.ma.masked_invalid(dataset["friction_map"].to_numpy())
     cage, roller = 100 * dataset["map_cage_slip"].to_numpy(), 100 * dataset["map_roller_slip"].to_numpy()
     levels = MaxNLocator(20).tick_values(surface.min(), surface.max())
@@ -372,12 +342,12 @@ def _map(dataset: "xr.Dataset") -> "Figure":
             axes.plot(*place, marker="o", markersize=5, color="white", markeredgecolor="black")
             _write(axes, percent(curve.critical_slip), place)
         axes.set_title(curve.name)
-        axes.set_xlabel(_label(dataset["map_cage_slip"], r"$S_\mathrm{c}$", "%"))
+        axes.set_xlabel(axis_label(dataset["map_cage_slip"], r"$S_\mathrm{c}$", "%"))
         axes.set_xlim(cage[0], cage[-1])
         axes.set_ylim(roller[0], roller[-1])
-    panels[0].set_ylabel(_label(dataset["map_roller_slip"], r"$S_\mathrm{r}$", "%"))
+    panels[0].set_ylabel(axis_label(dataset["map_roller_slip"], r"$S_\mathrm{r}$", "%"))
     bar = figure.colorbar(filled, ax=list(panels), aspect=30, pad=0.02)
-    bar.set_label(_label(dataset["friction_map"], r"$\mu_\mathrm{e}$", "–"))
+    bar.set_label(axis_label(dataset["friction_map"], r"$\mu_\mathrm{e}$", "–"))
     handles = [
         Line2D([], [], label=f"closure {dataset.attrs['closure']}", **outlined),
         Line2D([], [], color="black", linewidth=1.25, label="pure rolling, no friction"),
@@ -412,7 +382,7 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
         x, y, begin, _ = curve.branches()
         handles += panels["curves"].plot(100 * x, y, label=name + ": reference" * (label == reference), **style)
         if curve.has_critical:
-            panels["curves"].plot(100 * x[begin], y[begin], color=style["color"], zorder=4, **_MARKER)
+            panels["curves"].plot(100 * x[begin], y[begin], color=style["color"], zorder=4, **MARKER)
         panels["differences"].plot(100 * curve.slip, 100 * difference[k], **style)
         if label == reference:
             panels["costs"].axvline(cost[k], color="black", linewidth=1.0, zorder=0)
@@ -423,7 +393,7 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
                 f"{k + 1}", place, (5, (0, 6, -6)[k % 3]), textcoords="offset points", va="center_baseline", zorder=5
             )
     cage = dimension == "ring"
-    panels["curves"].set_ylabel(_label(dataset[variable], r"$\mu_\mathrm{e}$" if cage else r"$\mu$", "–"))
+    panels["curves"].set_ylabel(axis_label(dataset[variable], r"$\mu_\mathrm{e}$" if cage else r"$\mu$", "–"))
     panels["curves"].set_ylim(min(0.0, np.nanmin(one[variable])))
     panels["curves"].tick_params(labelbottom=False)
     if np.nanmax(abs(difference), initial=0.0) > _SPREAD:
@@ -431,7 +401,7 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
         panels["differences"].yaxis.set_major_formatter("{x:g}")
     panels["differences"].set_ylabel("Relative difference [%]")
     against = {"symbol": r"$S_\mathrm{c}$"} if cage else {"symbol": "$V/u$", "name": "slide–roll ratio"}
-    panels["differences"].set_xlabel(_label(dataset[slip], unit="%", **against))
+    panels["differences"].set_xlabel(axis_label(dataset[slip], unit="%", **against))
     for name in ("curves", "differences"):
         panels[name].set_xlim(0.0, 100 * float(one[slip][-1]))
     shown = np.log10(100 * error[error > 0.0])
@@ -447,7 +417,7 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
     panels["costs"].set_ylabel("Relative difference, root mean square [%]")
     columns = max(1, min(4, int(140 / (6 + max(len(str(handle.get_label())) for handle in handles)))))
     figure.legend(handles=handles, loc="outside upper left", ncols=columns)
-    figure.set_size_inches(_TWO_COLUMNS[0], 100 * _MM + _ROW * -(-len(handles) // columns))
+    figure.set_size_inches(TWO_COLUMNS[0], 100 * MM + ROW * -(-len(handles) // columns))
     return figure
 
 
@@ -503,10 +473,10 @@ def _fit(dataset: "xr.Dataset") -> "Figure":
     words = ", ".join(filter(None, ("measured", many, _held(dataset)[0])))
     handles.append(Line2D([], [], color="0.3", linestyle="none", label=words, **_OPEN))
     axes.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
-    axes.set_xlabel(_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio"))
-    axes.set_ylabel(_label(dataset["friction"], r"$\mu$", "–"))
+    axes.set_xlabel(axis_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio"))
+    axes.set_ylabel(axis_label(dataset["friction"], r"$\mu$", "–"))
     figure.legend(handles=handles, loc="outside upper left")
-    figure.set_figheight(_ONE_COLUMN[1] + _ROW * len(handles))
+    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
     return figure
 
 
@@ -523,18 +493,18 @@ def _residuals(dataset: "xr.Dataset") -> "Figure":
         if label:
             handles.append(line)
     axes.set_ylim(*(np.array([-1.1, 1.1]) * max(3.0, np.abs(residual).max())))
-    axes.set_xlabel(_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio"))
+    axes.set_xlabel(axis_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio"))
     axes.set_ylabel("Residual / standard deviation [–]")
     if handles:
         figure.legend(handles=handles, loc="outside upper left")
-    figure.set_figheight(_ONE_COLUMN[1] + _ROW * len(handles))
+    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
     return figure
 
 
 def _points(dataset: "xr.Dataset") -> Iterator[tuple[int, Any, str]]:
     """Number, colour and label of each operating point; no labels where they would fill the page."""
     count, labels = dataset.sizes["point"], _held(dataset)[1]
-    for point, colour in enumerate(_colours()(np.linspace(1.0, 0.0, count)[::-1])):
+    for point, colour in enumerate(light_to_dark()(np.linspace(1.0, 0.0, count)[::-1])):
         yield point, colour, labels[point] if 1 < count <= 12 else ""
 
 
@@ -545,8 +515,8 @@ def _profiles(dataset: "xr.Dataset") -> "Figure":
     names = dataset["fitted_parameter"].values
     columns = min(names.size, 3)
     rows = -(-names.size // columns)
-    size = _ONE_COLUMN if columns == 1 else _TWO_COLUMNS
-    figure = Figure(figsize=(size[0], 58 * _MM * rows + 2 * _ROW), layout="constrained")
+    size = ONE_COLUMN if columns == 1 else TWO_COLUMNS
+    figure = Figure(figsize=(size[0], 58 * MM * rows + 2 * ROW), layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
     limits = dataset["rise_limit"].to_numpy()
     for axes, name in zip(panels, names, strict=False):
@@ -564,7 +534,7 @@ def _profiles(dataset: "xr.Dataset") -> "Figure":
             change = np.log(held / best) if held.min() > 0.0 < best else held - best
             axes.plot(held, (change / error) ** 2, color=RING_COLOURS["outer"], linewidth=1.0)
         axes.plot(held, one["profile_rise"], color=RING_COLOURS["inner"])
-        axes.plot(best, 0.0, color=RING_COLOURS["inner"], clip_on=False, **_MARKER)
+        axes.plot(best, 0.0, color=RING_COLOURS["inner"], clip_on=False, **MARKER)
         if held.min() > 0.0 and held.max() > 5.0 * held.min():
             axes.set_xscale("log")
         axes.set_ylim(0.0, 1.6 * limits[-1])
@@ -586,24 +556,8 @@ def _profiles(dataset: "xr.Dataset") -> "Figure":
 def _new() -> "tuple[Figure, Axes]":
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=_ONE_COLUMN, layout="constrained")
+    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
     return figure, figure.subplots()
-
-
-def _label(variable: "xr.DataArray", symbol: str, unit: str, name: str = "") -> str:
-    name = name or variable.attrs["long_name"]
-    return f"{name[0].upper()}{name[1:]} {symbol} [{unit}]"
-
-
-def _colours() -> Any:
-    """Colours from light to dark for what grows; the palest ones would not be seen on white.
-
-    They are so few that a colour bar is drawn and not embedded as a bitmap.
-    """
-    import matplotlib
-    from matplotlib.colors import ListedColormap
-
-    return ListedColormap(matplotlib.colormaps[SEQUENTIAL](np.linspace(0.8, 0.0, 40)))
 
 
 def _film_limits(dataset: "xr.Dataset") -> dict[str, float]:
@@ -666,7 +620,7 @@ def _draw(axes: "Axes", curve: Curve, colour: Any, label: str, *, width: float =
         axes.plot(x[thermal], y[thermal], color=colour, linewidth=width, linestyle="dashed")
         axes.plot(x[end:], y[end:], color=colour, linewidth=width)
         axes.vlines(x[begin], 0.0, y[begin], color=colour, linewidth=0.7, linestyle="dotted")
-        axes.plot(x[begin], y[begin], color=colour, **_MARKER)
+        axes.plot(x[begin], y[begin], color=colour, **MARKER)
     return line
 
 
@@ -706,9 +660,9 @@ def _finish(
     written.set_in_layout(False)
     if critical:
         words = "critical slip; beyond it the thermal branch"
-        handles = [*handles, Line2D([], [], color="0.35", linestyle="dashed", label=words, **_MARKER)]
+        handles = [*handles, Line2D([], [], color="0.35", linestyle="dashed", label=words, **MARKER)]
     figure.legend(handles=handles, loc="outside upper left")
-    figure.set_figheight(_ONE_COLUMN[1] + _ROW * len(handles))
+    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
     figure.draw_without_rendering()  # places the axes, on which it depends what a label covers
     _write_critical(axes, critical, rows, written)
 

@@ -21,8 +21,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 
+from rollslip import steady_findings
 from rollslip.comparison_findings import bin_tables, findings, tables
 from rollslip.lubricant import OilTable
+from rollslip.motion_findings import events_table, ledger_table, sentences, smallest_film
 from rollslip.plots import curves, percent
 from rollslip.reading import schema
 from rollslip.regimes import LIGHT, LONG_NAMES
@@ -45,9 +47,20 @@ _NUMBERS: Final = {
     "instants": ("instants within a roller pitch", ""),
     "instants_error": ("relative error left by the instants, estimated", "1"),
     "slices": ("slices of a roller", ""),
+    "inertia_effect": ("relative effect of the inertia of the rollers' spin", "1"),
+    "curve_error": ("relative error left by the points of the slip-drag curve, estimated", "1"),
     "slices_error": ("relative error left by the slices, estimated", "1"),
     "force_residual": ("relative residual of the forces", "1"),
     "moment_residual": ("relative residual of the moments", "1"),
+    "level": ("level of the motion", ""),
+    "friction": ("friction of the motion", ""),
+    "integrator": ("integrator", ""),
+    "steps": ("steps", ""),
+    "rejected": ("steps rejected", ""),
+    "rate_evaluations": ("evaluations of the rates", ""),
+    "jacobians": ("Jacobians", ""),
+    "contacts_evaluated": ("contacts evaluated in the motion", ""),
+    "real_time_factor": ("time of the motion over that of its integration", "1"),
     "evaluations": ("slices evaluated", ""),
     "wall_time": ("wall time", "s"),
 }
@@ -113,9 +126,19 @@ def _findings(datasets: "Datasets") -> str:
     for name, dataset in datasets.items():
         if dataset.attrs.get("study") == "comparison":
             body += _tag("h3", name) + _comparison(dataset)
+        elif dataset.attrs.get("study") == "dynamics":
+            body += _tag("h3", name) + _motion(dataset)
+        elif dataset.attrs.get("study") == "steady-slip":
+            body += _tag("h3", name) + _list(_capital(text) + "." for text in steady_findings.sentences(dataset))
         elif found := curves(dataset):
             body += _tag("h3", name) + _list(_capital(curve.finding()) for curve in found)
     return body
+
+
+def _motion(dataset: "xr.Dataset") -> str:
+    """What is said of a motion in time, its energy ledger and its events."""
+    body = _list(_capital(text) + "." for text in sentences(dataset))
+    return body + _table(*ledger_table(dataset), "Energy ledger") + _table(*events_table(dataset), "Events")
 
 
 def _comparison(dataset: "xr.Dataset") -> str:
@@ -237,20 +260,19 @@ def _regimes(datasets: "Datasets") -> str:
     for name, dataset in datasets.items():
         if "load_parameter" not in dataset or "combination" in dataset.dims:
             continue
-        for position, curve in enumerate(curves(dataset)):
+        for position, (contact, regime, film) in enumerate(_contacts(dataset)):
             largest, light = float(dataset["load_parameter"][position]), ""
             if "light_share" in dataset:
                 share = float(dataset["light_share"][position])
                 light = f"{percent(share)} of the force" if share > 0.0 else "none"
             else:
                 light = "the contact" if largest < LIGHT else "no"
-            regime = curve.regime or ", ".join(
+            regime = regime or ", ".join(
                 f"{LONG_NAMES[str(kind)]} {percent(share)}"
                 for kind, share in zip(dataset["regime"].values, dataset["regime_share"].values[position], strict=True)
                 if share > 0.0
             )
-            film = f"{curve.film_parameter[curve.film_parameter > 0.0].min(initial=math.inf):.3g}"
-            rows.append([f"{name}, {curve.name}", regime, film, f"{largest:.3g}", light])
+            rows.append([f"{name}, {contact}", regime, _value(film, "1", digits=3), f"{largest:.3g}", light])
     if not rows:
         return ""
     head = ("contact", "film regime", "smallest film parameter Λ", "largest M", f"at M < {LIGHT:g}")
@@ -259,6 +281,16 @@ def _regimes(datasets: "Datasets") -> str:
         "based: friction there is uncertain."
     )
     return _table(head, rows) + _tag("p", note)
+
+
+def _contacts(dataset: "xr.Dataset") -> list[tuple[str, str, float]]:
+    """Name of each contact that a study speaks of, its regime if it is one, and its smallest film parameter."""
+    if dataset.attrs.get("study") == "dynamics":
+        return [(f"{ring} ring", "", film) for ring, film in smallest_film(dataset).items()]
+    return [
+        (curve.name, curve.regime, float(curve.film_parameter[curve.film_parameter > 0.0].min(initial=math.inf)))
+        for curve in curves(dataset)
+    ]
 
 
 def _numbers(datasets: "Datasets") -> str:

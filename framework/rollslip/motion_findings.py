@@ -1,0 +1,353 @@
+"""What a motion in time says: its single values as a record, tables and sentences, from the dataset alone."""
+
+import json
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.units import format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+#: An event is the passing of the critical cage slip if this stands in what it is called.
+CRITICAL: Final = "critical"
+#: Entries of the ledger, as the kernels call them, in words.
+_ENTRIES: Final = {
+    "work_rings": "rings",
+    "work_load": "load",
+    "work_gravity": "weight",
+    "work_drag": "drag",
+    "work_raceway_elastic": "elasticity of the raceways",
+    "work_cage_elastic": "elasticity of the cage's contacts",
+    "lost_inner": "sliding at the inner ring",
+    "lost_outer": "sliding at the outer ring",
+    "lost_rolling": "rolling resistance",
+    "lost_damping": "damping of the raceways",
+    "lost_pockets": "pockets",
+    "lost_land": "lands of the cage",
+}
+#: Kinds of events that are spoken of one by one; the others are counted.
+_KINDS = 5
+
+
+def unslipped_cage_speed(dataset: "xr.Dataset") -> float:
+    """Cage speed of pure rolling [rad/s], NaN if the cage stood still all the time."""
+    return _unslipped(dataset["cage_speed"].to_numpy(), dataset["cage_slip"].to_numpy())
+
+
+def unslipped_roller_speed(dataset: "xr.Dataset") -> float:
+    """Spin of a roller of pure rolling, relative to the cage [rad/s]; NaN if none ever turned."""
+    return _unslipped(dataset["roller_speed"].to_numpy().ravel(), dataset["roller_slip"].to_numpy().ravel())
+
+
+def _unslipped(speed: Array, slip: Array) -> float:
+    turning = np.abs(1.0 - slip) > 1e-3  # else the quotient is rounding
+    return float(np.median(speed[turning] / (1.0 - slip[turning]))) if np.any(turning) else math.nan
+
+
+def ledger(dataset: "xr.Dataset") -> dict[str, Array]:
+    """Return the work since the start [J] of each entry of the ledger, by its name in words; none that did nothing."""
+    return {
+        _ENTRIES.get(str(name), str(name)): work
+        for name, work in zip(dataset["work"].to_numpy(), dataset["work_done"].to_numpy(), strict=True)
+        if np.any(work != 0.0)
+    }
+
+
+def turnover(dataset: "xr.Dataset") -> float:
+    """Energy that was turned over since the start [J]: what came in, which is also what went out or was stored."""
+    works = np.abs(dataset["work_done"].isel(time=-1).to_numpy()).sum()
+    energy = dataset["energy"].to_numpy()
+    return 0.5 * float(works + abs(energy[-1] - energy[0]))
+
+
+def energy_closure(dataset: "xr.Dataset") -> float:
+    """Largest residual of the energy ledger over the energy turned over; NaN if none was."""
+    return _over(dataset["energy_residual"], turnover(dataset))
+
+
+def momentum_closure(dataset: "xr.Dataset") -> float:
+    """Largest residual of the angular momentum over its largest value; NaN if there was none."""
+    return _over(dataset["momentum_residual"], float(np.abs(dataset["angular_momentum"]).max()))
+
+
+def _over(residual: "xr.DataArray", size: float) -> float:
+    return float(np.abs(residual).max()) / size if size > 0.0 else math.nan
+
+
+def smallest_film(dataset: "xr.Dataset") -> dict[str, float]:
+    """Smallest film parameter at each ring, NaN where it is not known or no roller was loaded."""
+    films = {str(ring): dataset["film_parameter"].sel(ring=ring).to_numpy() for ring in dataset["ring"].to_numpy()}
+    return {ring: float(np.nanmin(film)) if np.any(np.isfinite(film)) else math.nan for ring, film in films.items()}
+
+
+def record(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return the single values of a motion; what has no value is None."""
+    a, slip = dataset.attrs, dataset["cage_slip"].to_numpy()
+    values: dict[str, Any] = {
+        "outcome": str(a["outcome"]),
+        "outcome_message": str(a["outcome_message"]),
+        "level": str(a["level"]),
+        "friction": str(a["friction"]),
+        "integrator": str(a["integrator"]),
+        "end_time": float(dataset["time"][-1]),
+        "steady_cage_slip": float(a["steady_cage_slip"]),
+        "steady_status": str(a["steady_status"]),
+        "largest_cage_slip": float(slip.max()),
+        "final_cage_slip": float(slip[-1]),
+        "critical_cage_slip": float(a["critical_cage_slip"]),
+        "critical_status": str(a["critical_status"]),
+        **{f"smallest_film_parameter_{ring}": film for ring, film in smallest_film(dataset).items()},
+        "energy_turned_over": turnover(dataset),
+        "energy_closure": energy_closure(dataset),
+        "momentum_closure": momentum_closure(dataset),
+        **{name: int(a[name]) for name in ("steps", "rejected", "rate_evaluations", "jacobians", "contacts_evaluated")},
+        "real_time_factor": float(a["real_time_factor"]),
+    }
+    events: list[dict[str, Any]] = [
+        {"time": time, "what": what, "rising": rising}
+        for what, passages in _passages(dataset).items()
+        for time, rising in passages
+    ]
+    known = {key: None if isinstance(v, float) and not math.isfinite(v) else v for key, v in values.items()}
+    return known | {"events": sorted(events, key=lambda event: float(event["time"]))}
+
+
+def _passages(dataset: "xr.Dataset") -> dict[str, list[tuple[float, bool]]]:
+    """Events by what they are called: times, and whether they were passed while rising."""
+    found: dict[str, list[tuple[float, bool]]] = {}
+    columns = (dataset[name].to_numpy() for name in ("event_what", "event_time", "event_rising"))
+    for what, time, rising in zip(*columns, strict=True):
+        found.setdefault(str(what), []).append((float(time), bool(rising)))
+    return found
+
+
+def critical_passages(dataset: "xr.Dataset") -> list[tuple[float, bool]]:
+    """Times at which cage slip passed its critical value, in order, and whether it was rising."""
+    return sorted(p for what, passages in _passages(dataset).items() if CRITICAL in what for p in passages)
+
+
+def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+    """Say what a motion found, by what it is about, the most important first; no sentence has its full stop."""
+    said = {
+        "motion": [_outcome(dataset)],
+        "steady slip": [_steady(dataset)],
+        "critical slip": _critical(dataset),
+        "largest slip": [_largest(dataset)],
+        "events": _events(dataset),
+        "film": [_films(dataset)],
+        "cage": _cage(dataset),
+        "ledger": [_ledger(dataset)],
+        "cost": [_cost(dataset)],
+    }
+    return {about: texts for about, texts in said.items() if texts}
+
+
+def sentences(dataset: "xr.Dataset") -> list[str]:
+    """Return all that is said of a motion."""
+    return [text for texts in topics(dataset).values() for text in texts]
+
+
+def paragraph(dataset: "xr.Dataset") -> str:
+    """Return the sentences as one text."""
+    return " ".join(f"{text[:1].upper()}{text[1:]}." for text in sentences(dataset))
+
+
+def ledger_table(dataset: "xr.Dataset") -> tuple[tuple[str, ...], list[list[str]]]:
+    """Return head and rows of the energy ledger at the end."""
+    size, energy = turnover(dataset), dataset["energy"].to_numpy()
+    entries = {name: float(work[-1]) for name, work in ledger(dataset).items()}
+    entries |= {"kept in the motion": float(energy[-1] - energy[0]), "residual": float(dataset["energy_residual"][-1])}
+    return ("energy since the start", "", "of what was turned over"), [
+        [name, _energy(value), f"{100 * value / size:+.3g} %" if size > 0.0 else "–"] for name, value in entries.items()
+    ]
+
+
+def events_table(dataset: "xr.Dataset") -> tuple[tuple[str, ...], list[list[str]]]:
+    """Return head and rows of the events by kind: how often, when first and last."""
+    return ("event", "times", "first", "last"), [
+        [what, str(len(p)), *(f"{time:.4g} s" for time in (min(p)[0], max(p)[0]))]
+        for what, p in _passages(dataset).items()
+    ]
+
+
+def compared(datasets: "Mapping[str, xr.Dataset]") -> list[str]:
+    """Say how motions of one bearing differ from the first of them: steady slip, speed on the way, time they took."""
+    (first, reference), *others = datasets.items()
+    said = [f"{name}: {_steady(dataset)}" for name, dataset in datasets.items()]
+    for name, dataset in others:
+        gap = np.abs(difference(reference, dataset, "cage_speed")).max(initial=0.0)
+        said.append(f"the cage speed of {name} is never further than {_share(gap)} of its largest from that of {first}")
+        steady = [1.0 - float(one.attrs["steady_cage_slip"]) for one in (dataset, reference)]
+        if _is_steady(reference) and _is_steady(dataset) and steady[1] != 0.0:
+            said.append(f"the steady cage speed of {name} differs by {100 * (steady[0] / steady[1] - 1.0):+.2g} %")
+        speeds = [float(one.attrs["real_time_factor"]) for one in (dataset, reference)]
+        if min(speeds) > 0.0 and max(speeds) < math.inf:
+            said.append(f"{name} is {speeds[0] / speeds[1]:.3g} times as fast as {first}")
+    return said
+
+
+def difference(reference: "xr.Dataset", dataset: "xr.Dataset", name: str) -> Array:
+    """Difference of a speed from that of a reference over the reference's largest, at the instants that both cover.
+
+    A speed of many rollers is that of their mean. The result has a value for each instant of the reference up to the
+    last of the shorter motion.
+    """
+    times = common_times(reference, dataset)
+    one, other = (
+        np.interp(times, run["time"].to_numpy(), run[name].to_numpy().reshape(run.sizes["time"], -1).mean(axis=1))
+        for run in (reference, dataset)
+    )
+    largest = float(np.abs(reference[name]).max())
+    return np.asarray((other - one) / largest if largest > 0.0 else other - one)
+
+
+def common_times(reference: "xr.Dataset", dataset: "xr.Dataset") -> Array:
+    """Instants of a reference that another motion covers too."""
+    times, others = reference["time"].to_numpy(), dataset["time"].to_numpy()
+    return np.asarray(times[(times >= others[0]) & (times <= others[-1])])
+
+
+# Sentences ----------------------------------------------------------------------------------------------------------
+
+
+def _share(value: float) -> str:
+    return f"{100 * value:.3g} %"
+
+
+def _time(seconds: float) -> str:
+    return f"t = {seconds:.3g} s"
+
+
+def _energy(joules: float) -> str:
+    return f"{joules:.4g} J" if abs(joules) < 1e3 else f"{1e-3 * joules:.4g} kJ"
+
+
+def _outcome(dataset: "xr.Dataset") -> str:
+    a = dataset.attrs
+    said = f"{a['level']}, {a['friction']} friction, {a['integrator']}: {a['outcome']}"
+    end = f"{said} at {_time(float(dataset['time'][-1]))}"
+    return end if a["outcome"] == "finished" else f"{end}, what was computed is kept: {_why(a)}"
+
+
+def _why(attributes: Mapping[str, Any]) -> str:
+    return str(attributes["outcome_message"]).strip().rstrip(".") or "no reason is known"
+
+
+def _is_steady(dataset: "xr.Dataset") -> bool:
+    return bool(dataset.attrs["steady_status"] == "steady")
+
+
+def _steady(dataset: "xr.Dataset") -> str:
+    a = dataset.attrs
+    if _is_steady(dataset):
+        return f"steady cage slip {_share(float(a['steady_cage_slip']))}, the mean of the last orbit"
+    why = str(a["steady_status"]).removeprefix("not steady: ")
+    return f"no steady cage slip: {why}; at the end it is {_share(float(dataset['cage_slip'][-1]))}"
+
+
+def _critical(dataset: "xr.Dataset") -> list[str]:
+    a, slip = dataset.attrs, dataset["cage_slip"].to_numpy()
+    critical = float(a["critical_cage_slip"])
+    if math.isnan(critical):
+        return [f"critical cage slip unknown: {a['critical_status']}"]
+    value, passages = f"the critical value of {_share(critical)}", critical_passages(dataset)
+    if not passages:
+        return [f"cage slip stays {'below' if slip.max() <= critical else 'beyond'} {value}"]
+    said = [f"cage slip begins at {_share(float(slip[0]))}, beyond {value}"] if slip[0] > critical else []
+    for k, (time, rising) in enumerate(passages):
+        if not rising:
+            said.append(f"cage slip fell below {value} at {_time(time)}")
+            continue
+        sentence = f"cage slip passed {value} at {_time(time)} while rising: friction falls with slip from there on, "
+        if k + 1 < len(passages):
+            sentence += "but the cage came back"
+        elif _is_steady(dataset):
+            sentence += "but the cage settled beyond it"
+        elif a["outcome"] == "stopped":
+            sentence += "so that the cage would run away from its rollers' drive"
+        else:
+            sentence += "the cage runs away from its rollers' drive"
+        said.append(sentence)
+    if len(said) > _KINDS:
+        between = f"it passed {value} {len(said) - 2} more times in between"
+        said = [said[0], between, said[-1]]
+    return said
+
+
+def _largest(dataset: "xr.Dataset") -> str:
+    times, cage, rollers = (dataset[name].to_numpy() for name in ("time", "cage_slip", "roller_slip"))
+    k = int(np.argmax(cage))
+    i, j = np.unravel_index(np.argmax(rollers), rollers.shape)
+    return (
+        f"largest cage slip {_share(float(cage[k]))} at {_time(times[k])}; largest slip of a roller "
+        f"{_share(float(rollers[i, j]))}, roller {dataset['roller'].to_numpy()[j]} at {_time(times[i])}"
+    )
+
+
+def _events(dataset: "xr.Dataset") -> list[str]:
+    said, others = [], [(what, sorted(p)) for what, p in _passages(dataset).items() if CRITICAL not in what]
+    for what, passages in others[:_KINDS]:
+        times = [time for time, _ in passages]
+        many = f"{len(times)} times, first at {_time(times[0])}, last at {_time(times[-1])}"
+        said.append(f"{what}: {many if len(times) > 1 else f'at {_time(times[0])}'}")
+    if len(others) > _KINDS:
+        rest = sum(len(passages) for _, passages in others[_KINDS:])
+        said.append(f"{rest} more events of {len(others) - _KINDS} other kinds")
+    return said
+
+
+def _films(dataset: "xr.Dataset") -> str:
+    known = {ring: film for ring, film in smallest_film(dataset).items() if not math.isnan(film)}
+    if not known:
+        loaded = bool(np.any(dataset["normal_force"].to_numpy() > 0.0))
+        return f"film parameter unknown: {_film_status(dataset) if loaded else 'no roller was loaded'}"
+    return "smallest film parameter " + ", ".join(f"{film:.3g} at the {ring} ring" for ring, film in known.items())
+
+
+def _film_status(dataset: "xr.Dataset") -> str:
+    return str(dataset["film_parameter"].attrs["film_status"])
+
+
+def _cage(dataset: "xr.Dataset") -> list[str]:
+    drags = json.loads(dataset.attrs["drag"])
+    named = "; ".join(f"{one['name']}, {one['equation']}" for one in drags)
+    said = [f"drag on the cage: {named}" if drags else "no drag on the cage: nothing makes it slip"]
+    if "pocket_force" in dataset:
+        largest = format_quantity(float(np.abs(dataset["pocket_force"]).max()), "N", 3)
+        said.append(f"largest force between a roller and the cage {largest}")
+    if "land_eccentricity" in dataset:
+        said.append(f"largest eccentricity of the cage on its lands {float(dataset['land_eccentricity'].max()):.3g}")
+    return said
+
+
+def _ledger(dataset: "xr.Dataset") -> str:
+    size, momentum = turnover(dataset), momentum_closure(dataset)
+    if size > 0.0:
+        said = f"the energy ledger closes to {energy_closure(dataset):.1e} of the {_energy(size)} turned over"
+    else:
+        said = "no energy was turned over"
+    return said if math.isnan(momentum) else f"{said}, angular momentum to {momentum:.1e} of its largest"
+
+
+def _cost(dataset: "xr.Dataset") -> str:
+    a = dataset.attrs
+    rejected = f"{a['rejected']:,} rejected" if a["rejected"] >= 0 else "rejected ones not counted"
+    factor = float(a["real_time_factor"])
+    speed = (
+        f"{factor:.3g} times as fast as real time"
+        if 1.0 <= factor < math.inf
+        else f"{1.0 / factor:.3g} times slower than real time"
+        if 0.0 < factor < 1.0
+        else "its time was not taken"
+    )
+    return (
+        f"{a['steps']:,} steps ({rejected}), {a['rate_evaluations']:,} evaluations of the rates, {a['jacobians']:,} "
+        f"Jacobians, {a['contacts_evaluated']:,} contacts evaluated; {speed}"
+    )

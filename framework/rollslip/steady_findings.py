@@ -1,0 +1,106 @@
+"""What a study of steady slip says: its single values as a record, and sentences, from the dataset alone."""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollslip.units import format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_RPM = 30.0 / math.pi
+
+
+def varied(dataset: "xr.Dataset") -> list[str]:
+    """Return the names of the quantities against which steady slips were followed."""
+    return [str(name).removesuffix("_limit_status") for name in dataset if str(name).endswith("_limit_status")]
+
+
+def record(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return the single values; what has no value is None."""
+    numbers = ["largest_drag", "largest_drag_slip"]
+    numbers += [f"{name}_limit{of}" for name in varied(dataset) for of in ("", "_slip")]
+    texts = ["status", "largest_drag_status", *(f"{name}_limit_status" for name in varied(dataset))]
+    states = [
+        {
+            "cage_slip": float(dataset["steady_slip"][k]),
+            "cage_speed": float(dataset["cage_speed"][k]),
+            "torque": float(dataset["torque"][k]),
+            "stable": bool(dataset["stable"][k]),
+            "stability": str(dataset["stability"][k].item()),
+        }
+        for k in range(dataset.sizes.get("steady", 0))
+    ]
+    values = {name: float(dataset[name]) for name in numbers}
+    values |= {name: float(dataset.attrs[name]) for name in ("inertia_effect", "instants_error", "slices_error")}
+    return (
+        {"steady": states}
+        | {name: None if math.isnan(value) else value for name, value in values.items()}
+        | {name: str(dataset[name].item()) for name in texts}
+    )
+
+
+def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+    """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
+    return {
+        "steady slip": _steady(dataset),
+        "largest drag": [_largest(dataset)],
+        **{f"limit of the {_what(dataset, name)}": [_limit(dataset, name)] for name in varied(dataset)},
+        "inertia of the rollers": [
+            "without inertia of their spin the rollers would drive the cage with a torque that differs by up to "
+            f"{_percent(dataset.attrs['inertia_effect'])}"
+        ],
+    }
+
+
+def sentences(dataset: "xr.Dataset") -> list[str]:
+    """Return all that is said."""
+    return [text for texts in topics(dataset).values() for text in texts]
+
+
+def paragraph(dataset: "xr.Dataset") -> str:
+    """Return the sentences as one text."""
+    return " ".join(f"{text[:1].upper()}{text[1:]}." for text in sentences(dataset))
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.3g} %"
+
+
+def _what(dataset: "xr.Dataset", name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _steady(dataset: "xr.Dataset") -> list[str]:
+    if "steady" not in dataset.sizes or str(dataset["status"].item()) != "found":
+        return [str(dataset["status"].item())]
+    return [
+        f"steady cage slip {_percent(float(one['steady_slip']))} ({one['stability'].item()}): the cage runs at "
+        f"{_RPM * float(one['cage_speed']):.5g} rpm against a drag of {format_quantity(float(one['torque']), 'N m', 3)}"
+        for one in (dataset.isel(steady=k) for k in range(dataset.sizes["steady"]))
+    ]
+
+
+def _largest(dataset: "xr.Dataset") -> str:
+    largest, slip = float(dataset["largest_drag"]), float(dataset["largest_drag_slip"])
+    if math.isnan(largest):
+        reached = format_quantity(float(dataset["driving_torque"].max()), "N m", 3)
+        reached = f"in this range the rollers drive the cage with up to {reached}"
+        return f"{dataset['largest_drag_status'].item()}; {reached}"
+    most = format_quantity(largest, "N m", 3)
+    return f"the largest drag that the cage can carry is {most}, at a cage slip of {_percent(slip)}"
+
+
+def _limit(dataset: "xr.Dataset", name: str) -> str:
+    limit = float(dataset[f"{name}_limit"])
+    if math.isnan(limit):
+        return str(dataset[f"{name}_limit_status"].item())
+    values = dataset[name].to_numpy()
+    which = "least" if np.abs(values - limit).max() == values.max() - limit else "largest"
+    value = format_quantity(limit, dataset[name].attrs["units"], 4)
+    return (
+        f"the {which} {_what(dataset, name)} at which a stable steady slip goes on is {value}, where the slip is "
+        f"{_percent(float(dataset[f'{name}_limit_slip']))}"
+    )
