@@ -14,12 +14,14 @@ from scipy.special import gamma
 from rollslip import evolve, load_scene
 from rollslip.assembly import assemble
 from rollslip.equilibrium import LoadCase, solve_equilibrium
-from rollslip.errors import DomainError
+from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.named_friction import named_friction
 from rollslip.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
 from rollslip_kernels import planar as kernels
 from rollslip_kernels import raceway as friction_kernels
+from rollslip_kernels.rosenbrock import Rosenbrock
+from rollslip_kernels.system import RefusedError
 from rollslip_plugins.drag import PetroffLand
 
 CAGE = {"mass": 0.4, "inertia": 3.3e-3}
@@ -92,20 +94,19 @@ class Lagrange:
 
     def mass_matrix(self, q):
         unit = np.eye(q.size)
-        one = np.array([self.energy(q, a) for a in unit])
-        both = np.array([[self.energy(q, a + b) for b in unit] for a in unit])
-        return both - one[:, None] - one  # the energy is quadratic in the speeds
+        # the energy is quadratic in the speeds; where two have nothing to do with each other this is exactly zero
+        return np.array([[self.energy(q, a + b) - self.energy(q, a - b) for b in unit] for a in unit]) / 2
 
     def places(self, q):
-        """Inner and outer approach, place in the pocket: what elastic forces work on (3, Z)."""
+        """Inner and outer approach, place in the pocket along orbit and radius: what elastic forces work on (4, Z)."""
         ring, cage, _, psi, _, rho = self.parts(q, self.pitch)
         c, s = np.cos(psi), np.sin(psi)
         inner = ring[0] * c + ring[1] * s - self.b.radial_clearance / 2 - rho
         pocket = self.k.orbit_radius * q[5 : 5 + self.Z]
-        return np.array([inner, rho, pocket - (cage[1] * c - cage[0] * s)])
+        return np.array([inner, rho, pocket - (cage[1] * c - cage[0] * s), rho - (cage[0] * c + cage[1] * s)])
 
     def slips(self, q, dq):
-        """Sliding and twice the rolling speed on both rings, sliding on both bars of the pocket (6, Z).
+        """Sliding and twice the rolling speed on both rings, sliding on the bars ahead, behind, outside, inside (8, Z).
 
         From the velocities of the bodies' points where they touch; that point itself goes round with the roller.
         """
@@ -120,6 +121,9 @@ class Lagrange:
         # radial velocity of the roller's front (and back), and of the cage there
         centre = rise - (vc[0] * c + vc[1] * s) - (cage[1] * c - cage[0] * s) * w
         turning = r * (spin + wc)
+        # the same along the orbit, of its outermost (and innermost) point; the cage turns with it by w_c r
+        along = self.k.orbit_radius * (w - wc) + (cage[0] * c + cage[1] * s) * w - (vc[1] * c - vc[0] * s)
+        outermost, innermost = along - r * spin - r * wc, along + r * spin + r * wc
         return np.array(
             [
                 on_ring - on_roller,
@@ -128,6 +132,8 @@ class Lagrange:
                 -(outer_ring + outer_roller),
                 centre + turning,
                 centre - turning,
+                outermost,
+                innermost,
             ]
         )
 
@@ -159,17 +165,17 @@ class Lagrange:
             found.append((elastic.sum(axis=1) * width, Q, traction, resistance))
         return found
 
-    def pocket(self, z, rate):
+    def pocket(self, z, rate, play, contact="metal"):
         """Elastic and whole force of the bars ahead and behind (2, Z) each."""
         c = self.cage
-        d = np.array([z, -z]) - c.pocket_clearance / 2
+        d = np.array([z, -z]) - play / 2
         rate = np.array([rate, -rate])
         soft = 0.02 / c.pocket_stiffness
         rounded = np.where(d > soft, d, np.where(d > -soft, (d + soft) ** 2 / (4 * soft), 0.0))
         spring = c.pocket_stiffness * rounded
         zeta = c.pocket_damping * rate
         force = spring * np.where(zeta > 0, 1 + zeta, 1 / (1 - np.minimum(zeta, 0)))
-        if c.pocket_contact == "film":
+        if contact == "film":
             rough = self.assembly.inner.conditions.roughness
             over = -d - rough
             over = np.where(over > rough, over, np.where(over > -rough, (over + rough) ** 2 / (4 * rough), 0.0))
@@ -199,17 +205,23 @@ class Lagrange:
         """Rates of all unknowns in the order of the system, by Lagrange's equations."""
         q, dq = self.coordinates(y)
         n, Z = q.size, self.Z
-        unit = 1j * TINY * np.eye(n)
+        unit, held = 1j * TINY * np.eye(n), self.cage
         places, speeds = self.places(q), self.slips(q, dq)
-        d_places = np.array([self.places(q + u).imag / TINY for u in unit])  # (n, 3, Z)
-        d_slips = np.array([self.slips(q, u).imag / TINY for u in unit])  # (n, 6, Z): linear in the speeds
+        d_places = np.array([self.places(q + u).imag / TINY for u in unit])  # (n, 4, Z)
+        d_slips = np.array([self.slips(q, u).imag / TINY for u in unit])  # (n, 8, Z): linear in the speeds
         rate = np.tensordot(dq, d_places, axes=1)
         inner, outer = self.contact_forces(places[:2], rate[:2], speeds[[0, 2]], speeds[[1, 3]])
-        spring, bars = self.pocket(places[2], rate[2])
-        mu = 0.0 if self.cage.drags.pocket_friction is None else self.cage.drags.pocket_friction.coefficient
+        spring, bars = self.pocket(places[2], rate[2], held.pocket_clearance, held.pocket_contact)
+        if held.guidance == "roller":
+            radial_spring, radial = self.pocket(places[3], rate[3], held.pocket_radial_clearance)
+        else:
+            radial_spring = radial = np.zeros((2, Z))
+        spring, bars = np.concatenate((spring, radial_spring)), np.concatenate((bars, radial))
+        mu = 0.0 if held.drags.pocket_friction is None else held.drags.pocket_friction.coefficient
         rub = mu * bars * speeds[4:] / np.sqrt(speeds[4:] ** 2 + 1e-2**2)
         slip_forces = np.array([inner[2], inner[3], outer[2], outer[3], *rub])
-        place_forces = np.array([inner[1], outer[1], bars[0] - bars[1]])
+        stored, borne = spring[::2] - spring[1::2], bars[::2] - bars[1::2]
+        place_forces = np.array([inner[1], outer[1], *borne])
         Q = -np.tensordot(d_slips, slip_forces, axes=2) - np.tensordot(d_places, place_forces, axes=2)
 
         # gravity through the height of every centre of mass; load and drag
@@ -249,12 +261,12 @@ class Lagrange:
             "work_gravity": height @ dq,
             "work_drag": drag * dq[4],
             "work_raceway_elastic": -np.sum(inner[0] * rate[0] + outer[0] * rate[1]),
-            "work_cage_elastic": -np.sum((spring[0] - spring[1]) * rate[2]) + land_stored,
+            "work_cage_elastic": -np.sum(stored * rate[2:]) + land_stored,
             "lost_inner": np.sum(inner[2] * speeds[0]),
             "lost_outer": np.sum(outer[2] * speeds[2]),
             "lost_rolling": np.sum(inner[3] * speeds[1] + outer[3] * speeds[3]),
             "lost_damping": np.sum((inner[1] - inner[0]) * rate[0] + (outer[1] - outer[0]) * rate[1]),
-            "lost_pockets": np.sum((bars[0] - bars[1] - spring[0] + spring[1]) * rate[2] + (rub * speeds[4:]).sum(0)),
+            "lost_pockets": np.sum((borne - stored) * rate[2:]) + np.sum(rub * speeds[4:]),
             "lost_land": land_lost,
             "impulse_rings": np.sum(self.k.inner_radius * (inner[2] + inner[3]))
             + np.sum(self.k.outer_radius * (outer[2] - outer[3])) - ring_torque,
@@ -334,7 +346,7 @@ def random_state(planar, seed):
     half = planar.assembly.scene.bearing.radial_clearance / 2
     head[:2] += rng.normal(0.0, 4e-6, 2) + np.array([half, 0.0])
     head[2:4] = rng.normal(0.0, 0.02, 2)
-    play = planar.assembly.cage.land_clearance or planar.assembly.cage.pocket_clearance
+    play = planar.assembly.cage.land_clearance or 1.5 * planar.assembly.cage.pocket_radial_clearance
     head[4:6] = rng.uniform(-0.6, 0.6, 2) * play
     head[6:8] = rng.normal(0.0, 0.3, 2)
     head[8:10] += rng.normal(0.0, 5.0), rng.uniform(-0.3, 0.3)
@@ -350,6 +362,14 @@ def random_state(planar, seed):
 
 CASES = {
     "constant": (scene_of(5), {}),
+    "constant, guided by a film's play": (
+        scene_of(
+            6,
+            drag=("pocket-friction",),
+            cage=(("pocket_contact", "film"), ("pocket_radial_clearance", 1e-4), ("unbalance", 2e-4)),
+        ),
+        {"gravity_direction": 2.0},
+    ),
     "effective, inner land": (scene_of(5, "inner", cage=(("unbalance", 2e-4),)), {"gravity_direction": 0.7}),
     "effective, outer land": (
         scene_of(5, "outer", ("petroff-land", "constant-torque"), cage=(("pocket_contact", "film"),)),
@@ -387,7 +407,8 @@ def yardstick(planar, y, rates):
     """What the error of every rate is measured by: its kind's largest, or what the largest force at work would do."""
     head, rollers, ledger = planar.parts(np.abs(rates))
     done = planar.planar.outputs([0.0], y[None])
-    contact, pocket = done["normal_force"].max(), np.abs(done["pocket_force"]).max()
+    contact = done["normal_force"].max()
+    pocket = max(np.abs(done["pocket_force"]).max(), np.abs(done["pocket_radial_force"]).max())
     of_head = np.empty(len(HEAD))
     of_head[[0, 1]], of_head[[4, 5]], of_head[9] = head[:2].max(), head[4:6].max(), head[9]
     of_head[[2, 3]] = max(head[2:4].max(), contact / planar.settings.inner_ring_mass)
@@ -408,6 +429,16 @@ def test_rates_are_those_of_lagranges_equations(name, seed):
     expected, _ = lagrange.rates(0.3, y)
     found = system.rates(0.3, y)
     assert np.all(np.abs(found - expected) <= 1e-12 * yardstick(planar, y, expected))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_random_states_touch_every_bar(name):
+    planar, _, _ = case(name)
+    states = np.array([random_state(planar, seed) for seed in range(4)])
+    done = planar.planar.outputs(np.zeros(4), states)
+    assert set(np.sign(done["pocket_force"]).flat) >= {-1.0, 1.0}
+    guided = planar.assembly.cage.guidance == "roller"
+    assert set(np.sign(done["pocket_radial_force"]).flat) == ({-1.0, 0.0, 1.0} if guided else {0.0})
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -776,6 +807,55 @@ def test_the_ledger_closes_over_a_run(name):
     assert np.all(np.diff(lost, axis=0) >= -1e-12 * turned)
 
 
+def stepped(planar, end, rtol=1e-5, scale=None, count=401):
+    """Instants, states and steps of a run with the integrator that studies use."""
+    scale = planar.system.scale if scale is None else scale
+    t = np.linspace(0.0, end, count)
+    y = np.empty((count, planar.system.n))
+    solver = Rosenbrock(planar.system.capsule, 0.0, planar.initial(), end, rtol, rtol * scale)
+    assert solver.advance(t_out=t, y_out=y) == ("finished", count), solver.message
+    return t, y, solver.steps
+
+
+def test_rollers_hold_their_cage():
+    # Three orbits from the middle of the play: it falls upon the rollers and goes round with them. A roller's place
+    # along the radius is rho - x_c.e, so that one of two neighbours bounds |x_c| cos(pi/Z) by half the play, its own
+    # deflection and the depth of the bar, which holds a weight of 4 N with 0.1 um, and its impacts with a few.
+    play, rollers = 1e-4, 10
+    scene = scene_of(
+        rollers,
+        drag=("constant-torque", "pocket-friction"),
+        cage=(("pocket_radial_clearance", play),),
+        more=(("accuracy.slices", 3),),
+    )
+    planar = motion(scene)
+    t, y, _ = stepped(planar, 0.062, count=4001)
+    u, done = planar.split(y), planar.outputs(t, y)
+    assert u["cage_angle"][-1] > 2 * np.pi * 2.9
+    away = np.hypot(u["cage_x"], u["cage_y"])
+    assert away[0] == 0.0
+    reach = play / 2 + np.abs(u["radial_position"]).max() + 4e-6
+    assert 0.9 * play / 2 < away.max() < reach / np.cos(np.pi / rollers)
+    assert 4.0 < np.abs(done["pocket_radial_force"]).max() < 500.0
+    turned = np.abs(planar.parts(y)[2]).max()
+    assert np.abs(planar.energy_residual(y)).max() <= 1e-5 * turned
+
+
+def test_motion_along_the_radius_is_as_exact_as_it_need_be():
+    # the scale of it, 30 deflections: against a run held to 1e-9, and with the steps that one deflection would take
+    planar = motion(scene_of(drag=("constant-torque",), more=(("accuracy.slices", 5),)))
+    fine, tight = planar.system.scale, planar.system.scale
+    planar.parts(tight)[1][:, 3:] /= 30
+    t, exact, _ = stepped(planar, 6e-3, 1e-9)
+    runs = [stepped(planar, 6e-3, 1e-5, scale)[1:] for scale in (fine, tight)]
+    assert runs[0][1] < 0.6 * runs[1][1]
+    force = planar.outputs(t, exact)["normal_force"]
+    assert np.abs(planar.outputs(t, runs[0][0])["normal_force"] - force).max() <= 1e-3 * force.max()
+    for name in ("cage_speed", "cage_x", "pocket_position", "roller_spin"):
+        expected = planar.split(exact)[name]
+        assert np.abs(planar.split(runs[0][0])[name] - expected).max() <= 2e-3 * np.ptp(expected), name
+
+
 def test_a_mirrored_bearing_moves_as_its_image():
     """Both rings the other way, gravity mirrored: in the mirror's coordinates the same motion."""
     ways = [(("operation.inner_speed", speed),) for speed in ("6371 rpm", "-6371 rpm")]
@@ -841,6 +921,58 @@ def test_a_contact_that_its_law_refuses_says_which():
     assert caught.value.__notes__ == ["in a contact with the outer ring"]
     with pytest.raises(DomainError, match="lundberg-deflection"):
         raise planar.error(planar.system.refusal())
+
+
+@pytest.mark.parametrize(("body", "at"), [("inner ring", 0), ("cage", 4)])
+def test_what_is_no_small_displacement_is_refused(body, at):
+    scene = scene_of(5, cage=(("pocket_clearance", 1.0),), more=(("bearing.radial_clearance", "2 mm"),))
+    planar = motion(scene, gravity=0.0)
+    limit = planar.assembly.kinematics.roller_radius / 10
+    y = np.zeros(planar.system.n)
+    y[at : at + 2] = -0.5 * limit, 0.8 * limit
+    planar.system.watch(0.0, y)
+    y[at + 3] = 10.0  # upwards and out
+    solver = Rosenbrock(planar.system.capsule, 0.0, y, 1.0, 1e-6, 1e-6 * planar.system.scale)
+    assert solver.advance()[0] == "failed"
+    assert "not defined" in solver.message
+    assert np.hypot(*solver.y[at : at + 2]) > limit
+    words = f"the {body} is displaced by 0.00[0-9]+ m, beyond what small displacements describe .*0.00075 m"
+    with pytest.raises(DomainError, match=words):
+        raise planar.error(planar.system.refusal())
+    with pytest.raises(RefusedError):
+        planar.system.watch(solver.t, solver.y)
+
+
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        ({}, 0.225e-3),
+        ({"pocket_clearance": "0.3 mm"}, 3e-4),
+        ({"pocket_clearance": "0.3 mm", "pocket_radial_clearance": "0 mm"}, 0.0),
+        ({"guidance": "inner"}, None),
+    ],
+)
+def test_the_play_along_the_radius_is_that_along_the_orbit_unless_given(table, expected):
+    cage = assemble(evolve(load_scene("1032930-50C"), {"cage": {**CAGE, **table}})).cage
+    assert cage.pocket_radial_clearance == (expected and pytest.approx(expected, rel=1e-12))
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        (
+            {"guidance": "outer", "pocket_radial_clearance": "0.1 mm"},
+            "cage.pocket_radial_clearance: only read for guidance = 'roller', not for 'outer'",
+        ),
+        ({"pocket_radial_clearance": "-0.1 mm"}, "cage.pocket_radial_clearance: must be at least 0, not -100 um"),
+        ({"pocket_radial_clearance": "0.1"}, "cage.pocket_radial_clearance: '0.1' has no unit"),
+    ],
+)
+def test_a_play_that_cannot_be_is_refused(table, message):
+    with pytest.raises(SceneError) as caught:
+        _ = assemble(evolve(load_scene("1032930-50C"), {"cage": {**CAGE, **table}})).cage
+    (found,) = caught.value.problems
+    assert message in found
 
 
 def test_friction_that_is_refused_says_where():

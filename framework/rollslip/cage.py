@@ -186,6 +186,15 @@ class Cage:
         doc="what holds the cage in its place: the rollers, or the land of a ring",
         validator=one_of("roller", "inner", "outer"),
     )
+    pocket_radial_clearance: float | None = field(
+        default=attrs.Factory(
+            lambda cage: cage.pocket_clearance if cage.guidance == "roller" else None, takes_self=True
+        ),
+        unit="m",
+        doc="clearance of a roller in its pocket along the radius, by which rollers guide the cage, full play; by "
+        "default that along the orbit (D)",
+        validator=attrs.validators.optional(non_negative),
+    )
     land_radius: float | None = field(
         default=None,
         unit="m",
@@ -215,6 +224,8 @@ class Cage:
             for name in ("land_radius", "land_width", "land_clearance"):
                 if getattr(self, name) is not None:
                     raise FieldError(name, "only read for guidance = 'inner' or 'outer', not for 'roller'")
+        elif self.pocket_radial_clearance is not None:
+            raise FieldError("pocket_radial_clearance", f"only read for guidance = 'roller', not for {self.guidance!r}")
 
 
 def estimated_inertia(bearing: Bearing) -> tuple[float, float]:

@@ -18,13 +18,18 @@ forces come from the energy, and no force is written down twice::
     inner traction  a1 = R_i (w_i - w) + v_i.t - (x_i.e) w;  a2 = r (s + w);  V = a1 - a2;  F V + F_R (a1 + a2)
     outer traction  a1 = R_o (w - w_o);                      a2 = r (s + w);  V = a2 - a1;  F V + F_R (a1 + a2)
     pocket          z = x - x_c.t;  z' = R_m (w - w_c) - v_c.t + (x_c.e) w;  force P(z, z')
-    pocket friction V = v - v_c.e - (x_c.t) w + sign(P) r (s + w_c);  mu_p |P| V/sqrt(V^2 + V_p^2)
+    pocket friction V = z_r' + sign(P) r (s + w_c);  mu_p |P| V/sqrt(V^2 + V_p^2), z_r as below
+    guiding rollers z_r = rho - x_c.e;  z_r' = v - v_c.e - (x_c.t) w;  force N(z_r, z_r') on the bars along the radius,
+                    which rub by V = z' - sign(N) r (s + w_c)
     land            D = journal's centre - bush's;  V_s = D' - (w_j + w_b)/2 k x D;  film force against V_s, shear
                     torque against w_j - w_b; metal beyond the clearance, with Coulomb friction
 
 - Small displacements: x_i, x_c and rho are small against R_m; terms of first order are exact, which is what makes
   angular momentum close.  The radial motion enters the sliding speeds through x_i and v_i only; approaches, smaller
-  than clearances, are left out of the rolling radii.
+  than clearances, are left out of the rolling radii.  Beyond FAR of the roller's radius x_i and x_c are refused where
+  they are watched: after a step, since the trials of an explicit method may lie anywhere.
+- A cage that no land holds is held by the rollers: their pockets have a play along the radius too, with the same
+  stiffness, damping and friction of the bars, and no film.  A land leaves the radius to itself.
 - Elastic work is recorded, not taken from a potential: a contact law need not have one in closed form.
 - The land's film is that of a short bearing (Ocvirk), ruptured where its surfaces recede: exact for any V_s, squeeze
   included, by Sommerfeld's substitution cos b = (eps + cos x)/(1 + eps cos x).  Its gap is floored at the roughness.
@@ -103,6 +108,7 @@ cdef enum:   # who refused an evaluation
     FRICTION_REFUSED              # + ring
     DEFLECTION_REFUSED = 3        # + ring
     DRAG_REFUSED = 5
+    DISPLACED                     # + 1 for the cage
 
 #: Recorded unknowns, in order, with their unit; the work that elastic forces did is what is stored, negative.
 LEDGER_UNITS = {
@@ -118,8 +124,9 @@ LEDGER_UNITS = {
 NUMBERS = (
     "inner_radius", "outer_radius", "roller_radius", "orbit_radius", "half_clearance", "width", "inner_speed",
     "outer_speed", "roller_mass", "roller_inertia", "ring_mass", "cage_mass", "cage_inertia", "unbalance", "gravity_x",
-    "gravity_y", "damping", "load", "direction", "epicyclic_speed", "pocket_half_clearance", "pocket_stiffness",
-    "pocket_damping", "pocket_friction", "pocket_film", "pocket_roughness",
+    "gravity_y", "damping", "load", "direction", "epicyclic_speed", "pocket_half_clearance",
+    "pocket_radial_half_clearance", "pocket_stiffness", "pocket_damping", "pocket_friction", "pocket_film",
+    "pocket_roughness",
     "land_radius", "land_clearance", "land_film", "land_shear", "land_floor", "land_stiffness",
     "land_damping", "land_friction",
 )
@@ -145,6 +152,7 @@ ctypedef struct planar_t:
     const double *times
     const double *factors
     rs_pocket pocket
+    rs_pocket guide        # along the radius; its play is infinite where a land holds the cage
     land_t land
     const double *drop
     double lowest_drop
@@ -161,6 +169,7 @@ ctypedef struct planar_t:
     const double *resistance_nodes[2]
     double epicyclic_speed, critical_slip, film_limit
     int refused
+    double displaced       # by how much, where that was refused
     # by roller, of the evaluation under way
     double *cosine
     double *sine
@@ -182,6 +191,7 @@ cdef extern from *:
     int _raise_pending "rs_planar_pending"() except -1
 
 cdef double SLOW = 1e-3   # speed below which Coulomb friction fades [m/s]
+cdef double FAR = 0.1     # displacement over the roller's radius, beyond which it is not small
 
 
 cdef inline double floored(double gap, double floor) noexcept nogil:
@@ -218,6 +228,18 @@ cdef inline void cage_acceleration(
     rates[CAGE_VX] += c * along - s * swing
     rates[CAGE_VY] += s * along + c * swing
     rates[CAGE_SPEED] += (p.cage_mass * torque - p.unbalance * across) / det
+
+
+cdef inline int displacement(const double *head, planar_t *p) noexcept nogil:
+    """Refuse a ring or a cage that is too far out."""
+    cdef size_t body
+    cdef const double *x
+    for body in range(2):
+        x = head + (CAGE_X if body else RING_X)
+        if x[0] * x[0] + x[1] * x[1] > FAR * FAR * p.roller_radius * p.roller_radius:
+            p.refused, p.displaced = DISPLACED + <int>body, sqrt(x[0] * x[0] + x[1] * x[1])
+            return 1
+    return 0
 
 
 cdef int contacts(const double *head, const double *rollers, planar_t *p) noexcept nogil:
@@ -359,11 +381,32 @@ cdef inline double pocket_place(
     return y[POSITION] - (head[CAGE_Y] * c - head[CAGE_X] * s)
 
 
-cdef inline double pocket_force(const planar_t *p, const double *head, const double *y, size_t j) noexcept nogil:
-    """Tangential force of a roller on the cage."""
-    cdef double closing, spring, z = pocket_place(p, head, y, j, &closing)
-    return (rs_pocket_side(&p.pocket, z - p.pocket.half_clearance, closing, &spring)
-            - rs_pocket_side(&p.pocket, -z - p.pocket.half_clearance, -closing, &spring))
+cdef inline double radial_place(
+    const planar_t *p, const double *head, const double *y, size_t j, double *rising
+) noexcept nogil:
+    """The same along the radius."""
+    cdef double c = p.cosine[j], s = p.sine[j]
+    rising[0] = (y[RISE] - (head[CAGE_VX] * c + head[CAGE_VY] * s)
+                 - (head[CAGE_Y] * c - head[CAGE_X] * s) * y[ORBIT])
+    return y[RADIAL] - (head[CAGE_X] * c + head[CAGE_Y] * s)
+
+
+cdef struct bars_t:
+    double ahead, behind   # forces of the two bars
+    double spring          # elastic part of their difference
+
+
+cdef inline bars_t bars(const rs_pocket *p, double z, double rate) noexcept nogil:
+    cdef bars_t f
+    cdef double recoil
+    f.ahead = rs_pocket_side(p, z - p.half_clearance, rate, &f.spring)
+    f.behind = rs_pocket_side(p, -z - p.half_clearance, -rate, &recoil)
+    f.spring -= recoil
+    return f
+
+
+cdef inline double rubbing(const planar_t *p, double force, double speed) noexcept nogil:
+    return p.pocket.friction * force * speed / sqrt(speed * speed + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
 
 
 cdef int roller_rates(
@@ -374,8 +417,9 @@ cdef int roller_rates(
     cdef const double *y
     cdef double *rate
     cdef double *add
-    cdef double c, s, along, across, radius, ni, no, fi, fo, ri, ro, z, closing
-    cdef double ahead, behind, push, spring, recoil, rise, spin, fore, aft, rub, moment
+    cdef double c, s, along, across, radius, ni, no, fi, fo, ri, ro, z, closing, rising, spin
+    cdef double push, lift, fore, aft, top, bottom, moment
+    cdef bars_t pocket, guide
     cdef double fx, fy, weight, torque, uc = cos(head[CAGE_ANGLE]), us = sin(head[CAGE_ANGLE])
     cdef double cage_along, cage_across, r = p.roller_radius
     cdef int status = contacts(head, rollers, p)
@@ -394,45 +438,48 @@ cdef int roller_rates(
         ri, ro = p.resistance[INNER][j], p.resistance[OUTER][j]
 
         z = pocket_place(p, head, y, j, &closing)
-        ahead = rs_pocket_side(&p.pocket, z - p.pocket.half_clearance, closing, &spring)
-        behind = rs_pocket_side(&p.pocket, -z - p.pocket.half_clearance, -closing, &recoil)
-        push, spring = ahead - behind, spring - recoil
-        # either bar rubs on its own side of the roller, in opposite directions by the spin
-        rise = y[RISE] - head[CAGE_VX] * c - head[CAGE_VY] * s - cage_across * y[ORBIT]
+        pocket = bars(&p.pocket, z, closing)
+        z = radial_place(p, head, y, j, &rising)
+        guide = bars(&p.guide, z, rising)
+        # every bar rubs on its own side of the roller, those opposite in opposite directions by the spin
         spin = r * (y[SPIN] + head[CAGE_SPEED])
-        fore = p.pocket.friction * ahead * (rise + spin) / sqrt(
-            (rise + spin) * (rise + spin) + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
-        aft = p.pocket.friction * behind * (rise - spin) / sqrt(
-            (rise - spin) * (rise - spin) + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
-        rub, moment = fore + aft, r * (fore - aft)
+        fore, aft = rubbing(p, pocket.ahead, rising + spin), rubbing(p, pocket.behind, rising - spin)
+        top, bottom = rubbing(p, guide.ahead, closing - spin), rubbing(p, guide.behind, closing + spin)
+        push = pocket.ahead - pocket.behind + top + bottom
+        lift = guide.ahead - guide.behind + fore + aft
+        moment = r * (fore - aft - top + bottom)
 
         weight = p.roller_mass * (p.gravity_y * c - p.gravity_x * s) * radius
         torque = (
             fi * (p.inner_radius + along + r) + ri * (p.inner_radius + along - r) - ni * across
             + fo * (p.outer_radius - r) - ro * (p.outer_radius + r)
-            - push * (p.orbit_radius + cage_along) + rub * cage_across + weight
+            - push * (p.orbit_radius + cage_along) + lift * cage_across + weight
         )
         rate[POSITION] = p.orbit_radius * (y[ORBIT] - head[CAGE_SPEED])
         rate[ORBIT] = (torque / (p.roller_mass * radius) - 2.0 * y[RISE] * y[ORBIT]) / radius
         rate[SPIN] = (r * (fi - ri - fo - ro) - moment) / p.roller_inertia
         rate[RADIAL] = y[RISE]
-        rate[RISE] = (radius * y[ORBIT] * y[ORBIT] + (ni - no - rub) / p.roller_mass
+        rate[RISE] = (radius * y[ORBIT] * y[ORBIT] + (ni - no - lift) / p.roller_mass
                       + p.gravity_x * c + p.gravity_y * s)
 
         add[RING_VX] = (-ni * c + (fi + ri) * s) / p.ring_mass
         add[RING_VY] = (-ni * s - (fi + ri) * c) / p.ring_mass
-        fx, fy = rub * c - push * s, rub * s + push * c
+        fx, fy = lift * c - push * s, lift * s + push * c
         cage_acceleration(p, uc, us, fx, fy, push * p.orbit_radius - moment, add)
 
         add[WORK_RINGS] = (p.inner_radius * p.inner_speed * (fi + ri) + p.outer_radius * p.outer_speed * (fo - ro))
         add[WORK_GRAVITY] = weight * y[ORBIT] + p.roller_mass * (p.gravity_x * c + p.gravity_y * s) * y[RISE]
         add[WORK_RACEWAYS] = -p.elastic[INNER][j] * p.rate[INNER][j] - p.elastic[OUTER][j] * p.rate[OUTER][j]
-        add[WORK_CAGE] = -spring * closing
+        add[WORK_CAGE] = -pocket.spring * closing - guide.spring * rising
         add[LOST_INNER], add[LOST_OUTER] = fi * p.sliding[INNER][j], fo * p.sliding[OUTER][j]
         add[LOST_ROLLING] = 2.0 * (ri * p.rolling[INNER][j] + ro * p.rolling[OUTER][j])
         add[LOST_DAMPING] = ((ni - p.elastic[INNER][j]) * p.rate[INNER][j]
                              + (no - p.elastic[OUTER][j]) * p.rate[OUTER][j])
-        add[LOST_POCKETS] = (push - spring) * closing + fore * (rise + spin) + aft * (rise - spin)
+        add[LOST_POCKETS] = (
+            (pocket.ahead - pocket.behind - pocket.spring) * closing
+            + (guide.ahead - guide.behind - guide.spring) * rising
+            + fore * (rising + spin) + aft * (rising - spin) + top * (closing - spin) + bottom * (closing + spin)
+        )
         add[IMPULSE_RINGS] = p.inner_radius * (fi + ri) + p.outer_radius * (fo - ro)
         add[IMPULSE_GRAVITY] = weight
     return 0
@@ -515,7 +562,9 @@ cdef int watch(double t, const double *y, double *values, void *state) noexcept 
     not watched; largest approach at the inner ring."""
     cdef planar_t *p = <planar_t *>state
     cdef size_t j, ring
-    cdef int status
+    cdef int status = displacement(y, p)
+    if status != 0:
+        return status
     values[0], values[1], values[2] = -1.0, NAN, deepest(y, y + HEAD, p)
     if p.critical_slip == p.critical_slip:
         values[0] = 1.0 - y[CAGE_SPEED] / p.epicyclic_speed - p.critical_slip
@@ -585,10 +634,11 @@ cdef class Planar:
         (p.inner_radius, p.outer_radius, p.roller_radius, p.orbit_radius, p.half_clearance, p.width,
          p.inner_speed, p.outer_speed, p.roller_mass, p.roller_inertia, p.ring_mass, p.cage_mass, p.cage_inertia,
          p.unbalance, p.gravity_x, p.gravity_y, p.damping, p.load, p.direction, p.epicyclic_speed,
-         p.pocket.half_clearance, p.pocket.stiffness, p.pocket.damping, p.pocket.friction, p.pocket.film,
-         p.pocket.roughness, p.land.radius, p.land.clearance, p.land.film,
+         p.pocket.half_clearance, p.guide.half_clearance, p.pocket.stiffness, p.pocket.damping, p.pocket.friction,
+         p.pocket.film, p.pocket.roughness, p.land.radius, p.land.clearance, p.land.film,
          p.land.shear, p.land.floor, p.land.stiffness, p.land.damping, p.land.friction) = (
             float(numbers[name]) for name in NUMBERS)
+        p.guide.stiffness, p.guide.damping = p.pocket.stiffness, p.pocket.damping
         self.drop = np.array(drop, dtype=float)
         p.drop, p.lowest_drop = &self.drop[0], np.min(drop)
         self.times, self.factors = np.array(times, dtype=float), np.array(factors, dtype=float)
@@ -647,12 +697,15 @@ cdef class Planar:
     def refusal(self):
         """Return who refused an evaluation last, and why; None if nobody.
 
-        Who is "inner", "outer", "inner deflection", "outer deflection" or "drag"; why is what ``Chain.run`` returns,
-        None for a drag.
+        Who is "inner", "outer", "inner deflection", "outer deflection", "drag", "inner ring" or "cage"; why is what
+        ``Chain.run`` returns, None for a drag, and of a ring or cage that is too far out its displacement and
+        the limit [m].
         """
         cdef int who = self.p.refused
         if who == NOBODY:
             return None
+        if who >= DISPLACED:
+            return ("inner ring", "cage")[who - DISPLACED], (self.p.displaced, FAR * self.p.roller_radius)
         if who == DRAG_REFUSED:
             return "drag", None
         if who >= DEFLECTION_REFUSED:
@@ -665,8 +718,9 @@ cdef class Planar:
         """Return what goes with stored states: arrays (m, 2, Z) by ring and roller, and (m, Z) of the pockets.
 
         ``normal_force``, ``traction_force`` [N], ``sliding_speed``, ``rolling_speed`` [m/s], ``film_parameter``
-        (smallest; NaN without load or where friction knows no film), ``rolling_resistance`` [N], and ``pocket_force``
-        [N], the tangential one of a roller on the cage. None, if an evaluation was refused.
+        (smallest; NaN without load or where friction knows no film), ``rolling_resistance`` [N], and what the bars of
+        the cage bear, without friction: ``pocket_force`` along the orbit and ``pocket_radial_force`` [N]. None, if an
+        evaluation was refused.
         """
         cdef double[:, ::1] states = np.array(y, dtype=float, ndmin=2, order="C")
         cdef size_t Z = self.p.rollers, ring, m, j
@@ -677,9 +731,11 @@ cdef class Planar:
         names = ("normal_force", "traction_force", "sliding_speed", "rolling_speed", "film_parameter",
                  "rolling_resistance")
         found = np.empty((len(names), states.shape[0], 2, Z))
-        pockets = np.empty((states.shape[0], Z))
+        pockets = np.empty((2, states.shape[0], Z))
         cdef double[:, :, :, ::1] to = found
-        cdef double[:, ::1] push = pockets
+        cdef double[:, :, ::1] push = pockets
+        cdef double z, rate
+        cdef bars_t f
         for m in range(<size_t>states.shape[0]):
             status = contacts(&states[m, 0], &states[m, HEAD], p)
             if status == -1:
@@ -693,8 +749,14 @@ cdef class Planar:
                     to[5, m, ring, j] = p.resistance[ring][j]
                 rs_film_parameter(&p.raceway[ring], &to[4, m, ring, 0])
             for j in range(Z):
-                push[m, j] = pocket_force(p, &states[m, 0], &states[m, HEAD + j * BLOCK], j)
-        return dict(zip(names, found, strict=True)) | {"pocket_force": pockets}
+                z = pocket_place(p, &states[m, 0], &states[m, HEAD + j * BLOCK], j, &rate)
+                f = bars(&p.pocket, z, rate)
+                push[0, m, j] = f.ahead - f.behind
+                z = radial_place(p, &states[m, 0], &states[m, HEAD + j * BLOCK], j, &rate)
+                f = bars(&p.guide, z, rate)
+                push[1, m, j] = f.ahead - f.behind
+        return dict(zip(names, found, strict=True)) | {
+            "pocket_force": pockets[0], "pocket_radial_force": pockets[1]}
 
     @property
     def contacts_evaluated(self):
