@@ -138,8 +138,9 @@ class Dynamics:
             Dimensions (time,): cage_speed, cage_slip, energy, energy_residual, angular_momentum, momentum_residual;
             (time, roller): roller_speed, roller_slip, orbit_angle; (ring, time, roller): normal_force, traction_force,
             sliding_speed, film_parameter, NaN without load; (work, time): work_done; (event,): event_time, event_what,
-            event_rising; at levels pocket and planar (time, roller): pocket_force, pocket_displacement; at level planar
-            (direction, time): ring_displacement, cage_displacement, and (time,): land_eccentricity.
+            event_rising; with effective friction its curves (inner_node,): inner_sliding, inner_friction, and so outer;
+            at levels pocket and planar (time, roller): pocket_force, pocket_displacement; at level planar (direction,
+            time): ring_displacement, cage_displacement, and (time,): land_eccentricity.
 
         Raises
         ------
@@ -204,11 +205,11 @@ class Dynamics:
         found = _explained(found, moving)
         if before is not None:
             found = before.then(found)
-        dataset = self._dataset(assembly, moving, found, critical, integrator)
-        reached = np.clip(dataset["cage_slip"].to_numpy()[[0, -1]], 0.0, settings.max_cage_slip)
-        return dataset.assign(_regimes(raceways, reached, found.outcome == "failed")).assign_coords(
-            regime=("regime", np.array(NAMES), about("1", "film regime"))
-        )
+        # by now models may fail as in the run, or anew
+        outputs, found = _outputs(moving, found)
+        slip = 1.0 - moving.split(found.y)["cage_speed"][[0, -1]] / assembly.kinematics.epicyclic_cage_speed
+        regimes, found = _regimes(raceways, np.clip(slip, 0.0, settings.max_cage_slip), found)
+        return self._dataset(assembly, moving, found, outputs, critical, integrator).assign(regimes)
 
     def _motion(self, assembly: Assembly, critical_slip: float) -> Motion:
         options: dict[str, Any] = {
@@ -244,7 +245,13 @@ class Dynamics:
         return head + roller * assembly.scene.bearing.rollers
 
     def _dataset(
-        self, assembly: Assembly, moving: Motion, found: Trajectory, critical: Critical, integrator: IntegratorModel
+        self,
+        assembly: Assembly,
+        moving: Motion,
+        found: Trajectory,
+        outputs: dict[str, Array],
+        critical: Critical,
+        integrator: IntegratorModel,
     ) -> "xr.Dataset":
         import xarray as xr
 
@@ -258,7 +265,6 @@ class Dynamics:
             rollers_at = rollers_at + place / k.orbit_radius
         relative = spin + orbit
         cage_slip = 1.0 - cage / k.epicyclic_cage_speed
-        outputs = _outputs(moving, found)
         works = {name: of[name] * sense for name in moving.units if (sense := _sense(name))}
         contact, rollers = ("ring", "time", "roller"), ("time", "roller")
 
@@ -321,6 +327,12 @@ class Dynamics:
                 place,
                 about("m", "place of a roller from its pocket's middle"),
             )
+        for ring, table in zip(RINGS, moving.tables, strict=False):
+            if (curve := table.curve) is not None:
+                node = f"{ring}_node"
+                at = f"nodes of the effective friction of the {ring} raceway"
+                variables[f"{ring}_sliding"] = (node, curve[0], about("m/s", f"sliding speed, {at}"))
+                variables[f"{ring}_friction"] = (node, curve[1], about("1", f"friction coefficient, {at}"))
         for what in ("inner_ring", "cage"):
             if f"{what}_x" in of:
                 variables[f"{what.removeprefix('inner_')}_displacement"] = (
@@ -328,6 +340,15 @@ class Dynamics:
                     np.array([of[f"{what}_x"], of[f"{what}_y"]]),
                     about("m", f"displacement of the {what.replace('_', ' ')}"),
                 )
+        if isinstance(moving, PlanarMotion) and (clearance := assembly.cage.land_clearance) is not None:
+            x, y = of["cage_x"], of["cage_y"]
+            if assembly.cage.guidance == "inner":
+                x, y = x - of["inner_ring_x"], y - of["inner_ring_y"]
+            variables["land_eccentricity"] = (
+                "time",
+                np.hypot(x, y) / clearance,
+                about("1", "eccentricity of the cage on the land that guides it, in clearances"),
+            )
         steady, steady_status = _steady(t, cage_slip, cage, assembly.scene.accuracy.tolerance)
         return xr.Dataset(
             variables,
@@ -337,6 +358,7 @@ class Dynamics:
                 "ring": ("ring", np.array(RINGS), about("1", "ring")),
                 "work": ("work", np.array(list(works)), about("1", "what the work was done by")),
                 "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
+                "regime": ("regime", np.array(NAMES), about("1", "film regime")),
             },
             attrs={
                 "study": "dynamics",
@@ -399,20 +421,30 @@ def _notes(error: BaseException | None) -> tuple[str, ...]:
     return tuple(getattr(error, "__notes__", ()))
 
 
-def _outputs(moving: Motion, found: Trajectory) -> dict[str, Array]:
-    """Forces and speeds at the stored states; NaN where a model that failed fails again."""
-    if found.outcome != "failed":
-        return moving.outputs(found.t, found.y)
+def _failing(found: Trajectory, error: Exception, what: str) -> Trajectory:
+    """Return a trajectory to which this happened when it was evaluated; what it ended early by stays."""
+    if found.outcome in ("failed", "interrupted"):
+        return found
+    message = f"{type(error).__name__} when {what} of the stored instants were computed: {error}"
+    return attrs.evolve(found, outcome="failed", error=error, message="; ".join((message, *_notes(error))))
+
+
+def _outputs(moving: Motion, found: Trajectory) -> tuple[dict[str, Array], Trajectory]:
+    """Forces and speeds at the stored states, NaN where a model fails; and the trajectory, which says so."""
+    try:
+        return moving.outputs(found.t, found.y), found
+    except Exception as error:
+        found = _failing(found, error, "forces")
     instants, rollers = found.t.size, moving.assembly.scene.bearing.rollers
     names = ("normal_force", "traction_force", "sliding_speed", "film_parameter")
     outputs = {name: np.full((instants, len(RINGS), rollers), np.nan) for name in names}
     outputs["pocket_force"] = np.full((instants, rollers), np.nan)
     for k in range(instants):
-        with contextlib.suppress(Exception):  # what it raised in the run has been told
+        with contextlib.suppress(Exception):  # it has been told
             row = moving.outputs(found.t[k : k + 1], found.y[k : k + 1])
             for name, values in outputs.items():
                 values[k] = row[name][0]
-    return outputs
+    return outputs, found
 
 
 def _averaged(assembly: Assembly) -> tuple[EffectiveFriction, LoadedRaceways]:
@@ -431,19 +463,18 @@ def _critical(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
     return raceways.critical(slip, raceways.curve(slip))[0]
 
 
-def _regimes(raceways: LoadedRaceways, slip: Array, failed: bool) -> dict[str, Any]:
-    """Film regimes and load parameters of the contacts at the first and the last cage slip; NaN if models fail."""
+def _regimes(raceways: LoadedRaceways, slip: Array, found: Trajectory) -> tuple[dict[str, Any], Trajectory]:
+    """Film regimes and load parameters of the contacts at some cage slips, NaN if a model fails; as `_outputs`."""
     try:
         details = raceways.details(slip)
-    except Exception:
-        if not failed:
-            raise
+    except Exception as error:
+        found = _failing(found, error, "film regimes")
         details = {
             "regime_share": np.full((len(RINGS), len(NAMES)), np.nan),
             "load_parameter": np.full(len(RINGS), np.nan),
             "light_share": np.full(len(RINGS), np.nan),
         }
-    return {
+    variables = {
         "regime_share": (
             ("ring", "regime"),
             details["regime_share"],
@@ -456,6 +487,7 @@ def _regimes(raceways: LoadedRaceways, slip: Array, failed: bool) -> dict[str, A
             about("1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's"),
         ),
     }
+    return variables, found
 
 
 def _steady(t: Array, slip: Array, speed: Array, tolerance: float) -> tuple[float, str]:

@@ -61,6 +61,13 @@ class EffectiveTable:
     rolling_scale: float = 1.0
     error: float = 0.0
 
+    @property
+    def curve(self) -> tuple[Array, Array] | None:
+        """Sliding speeds [m/s] and friction at the nodes; None for a table over two speeds."""
+        if self.nodes.ndim != 2:
+            return None
+        return _speed(np.linspace(*self.limits, self.nodes.shape[0]), self.sliding_scale), self.nodes[:, 0]
+
     def raceway(self, rollers: int) -> object:
         """Return the compiled raceway of so many rollers."""
         return compiled.effective(
