@@ -94,7 +94,7 @@ def test_a_result_comes_back_as_it_was_and_can_be_run_again(tmp_path):
     from rollslip.reading import parse_scene
 
     again = rollslip.run(parse_scene(stored.attrs["scene"], stored.attrs["source"]), "friction-curve")
-    for volatile in VOLATILE:
+    for volatile in set(VOLATILE) & stored.attrs.keys():
         again.attrs[volatile] = stored.attrs[volatile]
     assert again.identical(stored)
     assert all("units" in v.attrs and "long_name" in v.attrs for v in stored.variables.values())

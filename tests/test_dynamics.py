@@ -8,7 +8,7 @@ import pytest
 import rollslip
 from rollslip import evolve, load_scene
 from rollslip.assembly import assemble
-from rollslip.dynamics import Dynamics
+from rollslip.dynamics import Dynamics, _steady
 from rollslip.errors import PluginError, SceneError
 from rollslip.execution import execute
 from rollslip.fields import FieldError
@@ -97,10 +97,30 @@ def test_without_drag_the_cage_keeps_epicyclic_speed(level, friction):
     assert float(np.abs(found.cage_slip).max()) < 1e-9
     # noise of rounding grows in steps over which a roller becomes loaded, as far as the tolerance of 1e-5 lets it
     assert float(np.abs(found.roller_slip).max()) < 1e-6
-    assert found.attrs["steady_status"] == "steady"
-    assert abs(found.attrs["steady_cage_slip"]) < 1e-9
     assert found.attrs["drag"] == "[]"
     assert found.sizes["event"] == 0
+
+
+@pytest.mark.parametrize(("duration", "steady"), [(0.5, False), (2.0, False), (4.0, True), (20.0, True)])
+def test_steady_is_said_where_the_slip_is_within_the_tolerance_of_its_end(duration, steady):
+    """Slip that goes to 5 % with a time constant of 0.4 s, swinging a little with every orbit of 20 ms."""
+    t = np.linspace(0.0, duration, 2001)
+    slip = 0.05 * (1.0 - np.exp(-t / 0.4)) + 1e-5 * np.sin(2 * np.pi * t / 0.02)
+    mean, status = _steady(t, slip, np.full(t.size, 2 * np.pi / 0.02), 1e-3)
+    if steady:
+        assert status == "steady"
+        assert mean == pytest.approx(0.05, rel=1e-3)
+    else:
+        assert np.isnan(mean)
+        assert float(status.split()[-1]) == pytest.approx(0.05, rel=0.05)
+
+
+def test_steady_is_not_said_of_short_sparse_or_growing_slip():
+    t, turning = np.linspace(0.0, 1.0, 501), np.full(501, 2 * np.pi / 0.02)
+    assert "shorter than three orbits" in _steady(0.05 * t, 0.0 * t, turning, 1e-3)[1]
+    assert "too few instants" in _steady(t[::100], 0.0 * t[::100], turning[::100], 1e-3)[1]
+    assert _steady(t, 0.01 * np.exp(t), turning, 1e-3)[1].startswith("not steady: slip moves from")
+    assert _steady(t, 0.0 * t, turning, 1e-3) == (0.0, "steady")
 
 
 @pytest.mark.parametrize(("level", "friction"), EVERY)
@@ -171,28 +191,27 @@ def test_every_integrator_finds_the_same_motion(name):
     assert theirs.attrs["rejected"] == -1
 
 
-def steady():
-    """All 28 rollers of 15 slices, with a drag under which they slip by 5 %, until that is steady."""
+def braked(duration):
+    """All 28 rollers of 15 slices, with a drag under which they come to slip by 5 %."""
     assembly = bearing(brake(0.3), **{"bearing.rollers": 28, "accuracy.slices": 15, "accuracy.tolerance": 1e-3})
-    found = [run(assembly, friction=friction, duration=3.0, points=601) for friction in ("conventional", "effective")]
-    assert [one.attrs["steady_status"] for one in found] == ["steady", "steady"]
-    return assembly, *found
+    settings = {"duration": duration, "points": 1001}
+    return assembly, *(run(assembly, friction=friction, **settings) for friction in ("conventional", "effective"))
 
 
 def test_effective_friction_moves_the_bearing_as_conventional_friction_does():
     """The paper's claim: within 1 % of the cage's speed, from the same start to the end."""
-    _, one, other = steady()
+    _, one, other = braked(2.0)
     assert distance(one, other) < 0.01
-    assert one.attrs["steady_cage_slip"] == pytest.approx(0.05, abs=0.01)
-    assert other.attrs["steady_cage_slip"] == pytest.approx(one.attrs["steady_cage_slip"], rel=0.03)
+    assert float(one.cage_slip[-1]) == pytest.approx(0.05, abs=0.01)
+    assert float(other.cage_slip[-1]) == pytest.approx(float(one.cage_slip[-1]), rel=0.03)
 
 
 @pytest.mark.slow
 def test_the_steady_slip_is_that_of_study_steady_slip():
-    assembly, one, other = steady()
+    assembly, one, other = braked(6.0)
     for found, friction in ((one, "conventional"), (other, "effective")):
         slip = float(SteadySlip(friction=friction).run(assembly).steady_slip[0])
-        assert found.attrs["steady_cage_slip"] == pytest.approx(slip, rel=0.02)
+        assert found.attrs["steady_cage_slip"] == pytest.approx(slip, rel=2e-3)
 
 
 def test_effective_friction_over_slips_is_that_over_sliding_speed():

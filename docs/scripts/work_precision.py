@@ -23,7 +23,7 @@ from rollslip.errors import PluginError
 from rollslip.motion import carried_motion
 from rollslip.time_integration import InitialValueProblem, integrate
 from rollslip_kernels.rosenbrock import Rosenbrock
-from rollslip_kernels.system import RefusedError, python_system
+from rollslip_kernels.system import python_system
 
 SCENE = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15})
 DURATION = {"cage-set": 0.05, "pocket": 0.01}
@@ -127,23 +127,11 @@ def distance(moving, y, known):
     return float((np.abs(y - known) / system.scale)[moved].max())
 
 
-def tried(system):
-    """Rates that are NaN where they are not defined: SciPy's solvers then try a shorter step."""
-
-    def rates(t, y):
-        try:
-            return system(t, y) if np.all(np.isfinite(y)) else np.full(system.n, np.nan)
-        except RefusedError:
-            return np.full(system.n, np.nan)
-
-    return rates
-
-
 def solve(moving, name, tolerance, end):
     """Return a trajectory and the evaluations of the rates."""
     system = moving.system
     problem = InitialValueProblem(
-        rates=system if name == "rodas5p" else tried(system),
+        rates=system,
         y=moving.initial(),
         atol=tolerance * system.scale,
         jacobian=system.jacobian,

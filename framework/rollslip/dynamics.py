@@ -47,6 +47,8 @@ LEVELS: Final = {
 }
 #: Level -> number of unknowns of the head and of each roller.
 UNKNOWNS: Final = {"cage-set": (2, 1), "pocket": (2, 3), "planar": (10, 5)}
+#: Level -> typical step [s] at a tolerance of 1e-5 and evaluations of the rates in it, for estimates of cost.
+_STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
 #: Watched values, in the order of the systems -> what their rising through zero means, and their falling.
 WATCHED: Final = (
     ("cage slip passes the critical value", "cage slip falls below the critical value"),
@@ -111,12 +113,14 @@ class Dynamics:
         return max(self.cage_slip, 0.4)
 
     def evaluations(self, assembly: Assembly) -> int:
-        """Return about how many slices the study will evaluate: nine evaluations of the rates a step of half a ms."""
+        """Return about how many slices the study will evaluate, from steps such as bearings of this size took."""
         if self.friction != "conventional":
             return 0
         loads = assembly.load_distribution(1)
         loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
-        return int(loaded) * int(11 * self.duration / 5e-4 + self.points)
+        step, evaluations = _STEPS[self.level]
+        steps = self.duration / step * (1e-5 / self.relative_tolerance) ** 0.2
+        return int(loaded) * int(evaluations * steps + self.points)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the integrator.
@@ -491,12 +495,26 @@ def _regimes(raceways: LoadedRaceways, slip: Array, found: Trajectory) -> tuple[
 
 
 def _steady(t: Array, slip: Array, speed: Array, tolerance: float) -> tuple[float, str]:
-    """Mean slip over the last orbit, and whether the one before had the same."""
+    """Mean slip over the last orbit, and whether it would stay.
+
+    Means over three equal spans of whole orbits, the last three eighths of the run or so, give by Aitken's rule where
+    the slip is going.
+    """
     orbit = 2.0 * math.pi / abs(float(speed[-1])) if speed[-1] != 0.0 else math.inf
-    last, before = t > t[-1] - orbit, (t > t[-1] - 2.0 * orbit) & (t <= t[-1] - orbit)
-    if t[-1] - t[0] < 2.0 * orbit or not np.any(last) or not np.any(before):
-        return math.nan, "the run is shorter than two orbits of the rollers"
-    mean, moved = float(slip[last].mean()), abs(float(slip[last].mean() - slip[before].mean()))
-    if moved <= tolerance * max(abs(mean), 1e-2):
+    if t[-1] - t[0] < 3.0 * orbit:
+        return math.nan, "the run is shorter than three orbits of the rollers"
+    span = orbit * max(1.0, (t[-1] - t[0]) // (8.0 * orbit))
+    spans = [(t > t[-1] - k * span) & (t <= t[-1] - (k - 1) * span) for k in (3, 2, 1)]
+    if not all(map(np.any, (*spans, last := t > t[-1] - orbit))):
+        return math.nan, "too few instants are stored to tell; raise study.dynamics.points"
+    mean, (first, second, third) = float(slip[last].mean()), (float(slip[one].mean()) for one in spans)
+    allowed = tolerance * max(abs(mean), 1e-2)
+    before, moved = second - first, third - second
+    if max(abs(before), abs(moved), abs(mean - third)) <= allowed:
         return mean, "steady"
-    return math.nan, f"not steady: from one orbit to the next cage slip moves by {moved:.2g}, at last to {mean:.4g}"
+    if not 0.0 <= moved < 0.95 * before and not before * 0.95 < moved <= 0.0:
+        return math.nan, f"not steady: slip moves from {first:.4g} over {second:.4g} to {third:.4g}"
+    end = third + moved**2 / (before - moved)
+    if abs(end - mean) <= allowed:
+        return mean, "steady"
+    return math.nan, f"not steady: cage slip is {mean:.4g} and goes to about {end:.3g}"

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Attributes that may differ between two runs of the same scene.
-VOLATILE = ("created", "wall_time")
+VOLATILE = ("created", "wall_time", "integration_time", "real_time_factor")
 
 
 def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:

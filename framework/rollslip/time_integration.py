@@ -11,6 +11,7 @@
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, Final, Literal
 
 import attrs
@@ -18,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.models import IntegratorModel
-from rollslip_kernels.system import System
+from rollslip_kernels.system import RefusedError, System
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int_]
@@ -382,7 +383,10 @@ class _Run:
 
 
 class _Rates:
-    """Rates as a solver is given them: what they raise comes out, whatever it does with it, and no numbers end."""
+    """Rates as a solver is given them: what they raise comes out, whatever it does with it, and no numbers end.
+
+    Where a trial step leaves what the rates are defined on they are NaN, at which solvers try a shorter step.
+    """
 
     def __init__(self, rates: Callable[[float, Floats], Floats]) -> None:
         self.rates, self.without = rates, 0
@@ -390,7 +394,7 @@ class _Rates:
 
     def __call__(self, t: float, y: Floats) -> Floats:
         try:
-            found = self.rates(t, y)
+            found = self._defined(t, y)
             self.without = 0 if np.all(np.isfinite(found)) else self.without + 1
             if self.without > _NO_NUMBERS:
                 raise ArithmeticError("the rates are not finite there, or a little after it")
@@ -398,6 +402,12 @@ class _Rates:
             self.raised = error
             raise
         return found
+
+    def _defined(self, t: float, y: Floats) -> Floats:
+        if np.all(np.isfinite(y)):
+            with suppress(RefusedError):
+                return self.rates(t, y)
+        return np.full(np.shape(y), np.nan)
 
 
 def _takes_jacobian(solver: type[Any]) -> bool:
