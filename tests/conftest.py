@@ -1,4 +1,13 @@
-"""Profiles of hypothesis: the default run is short, ``--hypothesis-profile=thorough`` searches long."""
+"""Profiles of hypothesis: the default run is short, ``--hypothesis-profile=thorough`` searches long.
+
+Each worker gets one thread for linear algebra: two workers with as many threads each as there are cores only wait for
+each other.
+"""
+
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from hypothesis import settings
 

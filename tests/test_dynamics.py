@@ -200,7 +200,7 @@ def braked(duration):
 
 def test_effective_friction_moves_the_bearing_as_conventional_friction_does():
     """The paper's claim: within 1 % of the cage's speed, from the same start to the end."""
-    _, one, other = braked(2.0)
+    _, one, other = braked(1.5)
     assert distance(one, other) < 0.01
     assert float(one.cage_slip[-1]) == pytest.approx(0.05, abs=0.01)
     assert float(other.cage_slip[-1]) == pytest.approx(float(one.cage_slip[-1]), rel=0.03)

@@ -498,6 +498,7 @@ def followed():
     return run(NEAR_THE_FOLD, points=10, radial_load=(900.0, 1100.0))
 
 
+@pytest.mark.slow
 def test_the_smallest_load_is_that_at_which_the_largest_drag_is_the_drag(followed):
     """Two ways to the same fold: along the branch against the load, and along the torque over slip at that load."""
     found, scene = followed, NEAR_THE_FOLD
@@ -549,6 +550,7 @@ def test_rings_that_turn_against_each_other_have_no_slip():
         SteadySlip().run(assembly)
 
 
+@pytest.mark.slow
 def test_findings_and_figures_tell_the_same(tmp_path, followed):
     """Sentences, record and figures come from the dataset alone, also once it was stored; files are always the same."""
     found = followed.assign_attrs(scene_hash="")

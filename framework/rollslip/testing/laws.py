@@ -234,7 +234,7 @@ def check_takes_power_out_of_sliding(model: TractionModel) -> None:
 def check_friction_is_below_one_in_a_bearing(model: TractionModel) -> None:
     """In a loaded, lubricated bearing the traction coefficient is some hundredths; above one a unit is wrong."""
     for form, shaped in forms_of(model):
-        filled = evaluate(shaped, table(shaped, 256, BEARING))
+        filled = evaluate(shaped, table(shaped, 4096, BEARING))
         if len(filled):
             i = int(np.argmax(np.abs(filled.friction)))
             refuse_unless(
