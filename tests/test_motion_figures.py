@@ -298,7 +298,7 @@ def test_the_cage_runs_away():
     assert of("steady slip", away) == "no steady cage slip: slip still grows at the end; at the end it is 56.1 %"
     stopped = away.assign_attrs(outcome="stopped", outcome_message="stop_at = critical.")
     assert of("critical slip", stopped).endswith("so that the cage would run away from its rollers' drive")
-    assert of("motion", stopped).endswith("stopped at t = 0.5 s, what was computed is kept: stop_at = critical")
+    assert of("motion", stopped).endswith("stopped at t = 0.5 s: stop_at = critical; what was computed is kept")
 
 
 def test_slip_beyond_the_critical_value_is_not_called_a_runaway_if_it_is_none():

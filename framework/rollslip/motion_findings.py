@@ -231,9 +231,11 @@ def _energy(joules: float) -> str:
 
 def _outcome(dataset: "xr.Dataset") -> str:
     a = dataset.attrs
-    said = f"{a['level']}, {a['friction']} friction, {a['integrator']}: {a['outcome']}"
-    end = f"{said} at {_time(float(dataset['time'][-1]))}"
-    return end if a["outcome"] == "finished" else f"{end}, what was computed is kept: {_why(a)}"
+    who = f"{a['level']}, {a['friction']} friction, {a['integrator']}"
+    end, why = f"{a['outcome']} at {_time(float(dataset['time'][-1]))}", _why(a)
+    if a["outcome"] == "finished":
+        return f"{who}: {end}"
+    return f"{who}: {why if why.startswith(a['outcome']) else f'{end}: {why}'}; what was computed is kept"
 
 
 def _why(attributes: Mapping[str, Any]) -> str:
