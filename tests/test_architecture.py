@@ -54,6 +54,11 @@ def imported(path: Path) -> set[str]:
 
 @pytest.mark.parametrize(("package", "path"), SOURCES, ids=lambda value: value.name if isinstance(value, Path) else "")
 def test_imports_flow_one_way(package, path):
+    if path.suffix == ".h":  # a header of the standard library, or one of ours from here
+        here = FOLDERS[package]
+        for name in imported(path) - {"math.h", "stddef.h", "stdint.h", "string.h"}:
+            assert any((folder / name).is_file() for folder in (here, here / "include"))
+        return
     ours = {name.split(".")[0] for name in imported(path)} & set(FOLDERS)
     assert ours <= ALLOWED[package]
 
@@ -61,13 +66,21 @@ def test_imports_flow_one_way(package, path):
 def test_every_compiled_kernel_was_looked_at():
     assert {path.name for _, path in SOURCES if path.suffix == ".pyx"} == {
         "blend.pyx", "carried.pyx", "chain.pyx", "contact.pyx", "drag.pyx", "film.pyx", "planar.pyx", "raceway.pyx",
-        "rheology.pyx", "rosenbrock.pyx", "stress.pyx", "system.pyx", "traction.pyx", "viscosity.pyx",
+        "rheology.pyx", "rosenbrock.pyx", "simd.pyx", "stress.pyx", "system.pyx", "traction.pyx", "vector_math.pyx",
+        "viscosity.pyx",
     }  # fmt: skip
     assert "rollslip_kernels.slices" in imported(FOLDERS["rollslip_kernels"] / "chain.pyx")
 
 
 def test_the_header_includes_no_python():
     assert imported(FOLDERS["rollslip_kernels"] / "include" / "rollslip.h") == {"stddef.h", "stdint.h"}
+
+
+def test_vector_mathematics_calls_no_mathematical_library():
+    text = (FOLDERS["rollslip_kernels"] / "include" / "rollslip_math.h").read_text()
+    called = set(re.findall(r"(?<![\w.])([a-z]\w*)\(", re.sub(r"/\*.*?\*/", "", text, flags=re.S)))
+    known = {"sqrt", "fabs", "copysign", "memcpy", "sizeof", "defined", "if"}  # instructions, and no functions
+    assert {name for name in called if not name.startswith("rs_")} <= known | {"always_inline"}
 
 
 def test_the_framework_has_no_import_circles():

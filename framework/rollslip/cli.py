@@ -511,6 +511,11 @@ def main(arguments: Sequence[str] | None = None) -> Any:
             if isinstance(error, ConvergenceError)
             else BAD_SCENE
         )
+    except ImportError as error:
+        if error.name != "ROLLSLIP_SIMD":
+            raise
+        click.echo(str(error), err=True)
+        sys.exit(BAD_SCENE)
     except BrokenPipeError:
         sys.stderr.close()  # the reader of our output has left; there is nobody to tell
         sys.exit(OK)

@@ -386,13 +386,16 @@ def _print_model(kind: str, name: str) -> None:
 
 
 def installation() -> Sections:
-    """Return versions and places."""
+    """Return versions and places, and which instruction set of the machine the kernels use."""
+    from rollslip_kernels import simd
+
     packages = ("rollslip", "numpy", "scipy", "xarray", "h5netcdf", "matplotlib")
     return {
         "installation": [
             *((name, importlib.metadata.version(name)) for name in packages),
             ("python", sys.version.split()[0]),
             ("machine", f"{platform.system()} {platform.machine()}"),
+            ("instructions", f"{simd.active()}, of {', '.join(simd.available())}"),
             ("models", ", ".join(f"{len(available(kind))} {kind}" for kind in KINDS)),
         ]
     }

@@ -15,6 +15,7 @@ from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
 from libc.stdlib cimport free, malloc
 
 from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, rs_model, rs_slices
+from rollslip_blocks cimport rs_active_blocks, rs_blocks
 from rollslip_stage cimport rs_capsule_context, rs_capsule_pointer, rs_cut, rs_new_model
 
 from rollslip_kernels.slices import COLUMNS, Conditions, Slices
@@ -26,6 +27,7 @@ cdef enum:
     PYTHON_RAISED = -1   # the Python error is set in this thread
     N_COLUMNS = 13
 
+cdef const rs_blocks *BLOCKS = rs_active_blocks()
 cdef double LARGEST = 1.7976931348623157e308
 
 cdef struct check_t:
@@ -169,8 +171,8 @@ cdef int _outside(const chain_t *c, const rs_slices *part, int stage, int output
     cdef int k
     for k in range(c.n_columns):
         if c.columns[k].stage == stage and c.columns[k].output == output:
-            at[0] = _first_outside((<double **>(<char *>part + c.columns[k].offset))[0], part.n,
-                                   c.columns[k].low, c.columns[k].high)
+            at[0] = BLOCKS.first_outside(part.n, (<double **>(<char *>part + c.columns[k].offset))[0],
+                                         c.columns[k].low, c.columns[k].high)
             if at[0] >= 0:
                 return k
     return -1
@@ -187,19 +189,6 @@ cdef int _call_chain(const rs_slices *s, const void *params) noexcept nogil:
     if status == 0:
         return 0
     return <int>(chain.last.slice if chain.last.slice >= 0 else s.n) + 1
-
-
-cdef Py_ssize_t _first_outside(const double *x, size_t n, double low, double high) noexcept nogil:
-    """First index at which x is not in [low, high] (a NaN never is), or -1."""
-    cdef int outside = 0
-    cdef size_t i
-    for i in range(n):   # no early exit: this form vectorises
-        outside |= not ((x[i] >= low) & (x[i] <= high))
-    if outside:
-        for i in range(n):
-            if not (low <= x[i] <= high):
-                return i
-    return -1
 
 
 def problem(capsule):

@@ -8,6 +8,7 @@
 from libc.math cimport M_PI, asinh, exp, expm1, fabs, log, log1p, pow, sqrt
 
 from rollslip_abi cimport rs_slices
+from rollslip_blocks cimport gupta_params, rs_active_blocks
 from rollslip_stage cimport rs_new_model
 
 cdef enum:
@@ -258,23 +259,6 @@ cdef int _eyring_thermal(const rs_slices *s, const void *params) noexcept nogil:
     return _film(s, params, _eyring_law)
 
 
-cdef struct gupta_t:
-    double a, b, c, d, transition
-
-
-# mu = (A + B s) exp(-C s) + D - (A + D) max(0, 1 - s/s0), with expm1 so that small s loses no digits
-cdef int _gupta(const rs_slices *s, const void *params) noexcept nogil:
-    cdef const gupta_t *q = <const gupta_t *>params
-    cdef double v, x, mu
-    cdef size_t i
-    for i in range(s.n):
-        v = s.sliding_speed[i]
-        x = fabs(v) / s.rolling_speed[i]
-        mu = q.b * x * exp(-q.c * x) + q.a * expm1(-q.c * x) + (q.a + q.d) * min(x / q.transition, 1.0)
-        s.friction[i] = mu if v > 0.0 else -mu
-    return 0
-
-
 def carreau(double flash, double critical_stress, double exponent):
     """Return the stage of Carreau's fluid; ``flash`` is the factor 0.97 of the flash temperature."""
     cdef double[3] q = [flash, critical_stress, exponent]
@@ -299,5 +283,5 @@ def eyring_thermal(double flash):
 
 def gupta(double a, double b, double c, double d, double transition):
     """Return the stage of Gupta's curve with its ramp."""
-    cdef gupta_t q = gupta_t(a, b, c, d, transition)
-    return rs_new_model(_gupta, &q, sizeof(q), None)
+    cdef gupta_params q = gupta_params(a, b, c, d, transition)
+    return rs_new_model(rs_active_blocks().gupta, &q, sizeof(q), None)

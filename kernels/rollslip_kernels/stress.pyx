@@ -1,13 +1,12 @@
 """The compiled dimensionless stress laws, elementwise over arrays with NumPy broadcasting.
 
-- The laws are inline functions of rollslip_stress.pxd, so that traction kernels and this module run the same code.
-- One loop over a function pointer serves all laws: the call costs a nanosecond or two beside logarithms.
+The laws are the functions of blocks/stress.h, so that traction kernels and this module run the same code.
 """
 import numpy as np
 
-from rollslip_stress cimport rs_eyring, rs_maxwell_eyring, rs_muraki
+from rollslip_blocks cimport rs_active_blocks
 
-ctypedef double (*law_t)(double, double, double) noexcept nogil
+ctypedef void (*law_t)(size_t, const double *, const double *, const double *, double *) noexcept nogil
 
 
 cdef object _map(law_t law, object strain_rate, object deborah, object heating):
@@ -16,23 +15,22 @@ cdef object _map(law_t law, object strain_rate, object deborah, object heating):
     cdef const double[::1] sigma, d, phi
     sigma, d, phi = [np.ascontiguousarray(array).reshape(-1) for array in arrays]
     cdef double[::1] out = result.reshape(-1)
-    cdef Py_ssize_t i
-    with nogil:
-        for i in range(out.shape[0]):
-            out[i] = law(sigma[i], d[i], phi[i])
+    if out.shape[0]:
+        with nogil:
+            law(out.shape[0], &sigma[0], &d[0], &phi[0], &out[0])
     return result
 
 
 def muraki(strain_rate, deborah, heating):
     """Muraki's closed form with asinh; the same law as rollslip_plugins.stress.muraki_stress."""
-    return _map(rs_muraki, strain_rate, deborah, heating)
+    return _map(rs_active_blocks().muraki_stress, strain_rate, deborah, heating)
 
 
 def maxwell_eyring(strain_rate, deborah, heating):
     """Exact Maxwell-Eyring mean stress; the same law as rollslip_plugins.stress.maxwell_eyring_stress."""
-    return _map(rs_maxwell_eyring, strain_rate, deborah, heating)
+    return _map(rs_active_blocks().maxwell_stress, strain_rate, deborah, heating)
 
 
 def eyring(strain_rate, deborah, heating):
     """Heated Eyring stress without elasticity; the same law as rollslip_plugins.stress.eyring_stress."""
-    return _map(rs_eyring, strain_rate, deborah, heating)
+    return _map(rs_active_blocks().eyring_stress, strain_rate, deborah, heating)

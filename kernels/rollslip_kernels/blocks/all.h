@@ -1,0 +1,59 @@
+/* Everything of one instruction set, and its table */
+#include "blocks/contact.h"
+#include "blocks/film.h"
+#include "blocks/viscosity.h"
+#include "blocks/stress.h"
+#include "blocks/traction.h"
+#include "blocks/blend.h"
+
+#define ELEMENTWISE(name) \
+    static void PATH(each_##name)(size_t n, const double *x, double *y) { EACH(i, n) y[i] = rs_##name(x[i]); }
+FUNCTIONS(ELEMENTWISE)
+#undef ELEMENTWISE
+
+static void PATH(each_pow)(size_t n, const double *x, const double *y, double *z) {
+    EACH(i, n) z[i] = rs_pow(x[i], y[i]);
+}
+
+/* A stress law of any number of values, odd in sigma */
+#define STRESS(name, ...) \
+    static void PATH(name##_of)( \
+        size_t n, const double *sigma, const double *deborah, const double *heating, double *out \
+    ) { \
+        double s[BLOCK], d[BLOCK], w[BLOCK], stress[BLOCK]; \
+        for (size_t start = 0; start < n; start += BLOCK) { \
+            size_t part = n - start < BLOCK ? n - start : BLOCK, whole = WHOLE(part + LANES - 1); \
+            for (size_t i = 0; i < whole; i++) { \
+                size_t from = start + (i < part ? i : part - 1); \
+                s[i] = fabs(sigma[from]); \
+                d[i] = deborah[from]; \
+                w[i] = heating[from] * s[i]; \
+            } \
+            __VA_ARGS__; \
+            for (size_t i = 0; i < part; i++) out[start + i] = copysign(stress[i], sigma[start + i]); \
+        } \
+    }
+STRESS(muraki_stress, EACH(i, whole) stress[i] = PATH(muraki_of)(s[i], rs_asinh(s[i]), w[i], s[i] / d[i], 1.0, 1.0))
+STRESS(maxwell_stress, PATH(maxwell_stress)(whole, s, d, w, stress))
+STRESS(eyring_stress, (void)d; PATH(eyring_stress)(whole, s, w, stress))
+#undef STRESS
+
+/* First index at which x is not in [low, high] (a NaN never is), or -1 */
+static ptrdiff_t PATH(first_outside)(size_t n, const double *x, double low, double high) {
+    uint64_t outside = 0;   /* as wide as what it counts, and no early exit: this form vectorises */
+    for (size_t i = 0; i < n; i++) outside |= (uint64_t)!(x[i] >= low) | (uint64_t)!(x[i] <= high);
+    if (outside)
+        for (size_t i = 0; i < n; i++)
+            if (!(low <= x[i] && x[i] <= high)) return (ptrdiff_t)i;
+    return -1;
+}
+
+static const rs_blocks PATH(table) = {
+#define MEMBER(name) PATH(name),
+    STAGES(MEMBER)
+#undef MEMBER
+#define MEMBER(name) PATH(each_##name),
+    FUNCTIONS(MEMBER)
+#undef MEMBER
+    PATH(each_pow), PATH(muraki_stress_of), PATH(maxwell_stress_of), PATH(eyring_stress_of), PATH(first_outside)
+};

@@ -1,0 +1,146 @@
+/* The compiled stages over blocks of slices, and one table of them for each instruction set.
+ *
+ * - A stage's body gets 8 k <= 256 slices: its loops are short and of whole vectors, its scratch stays in the L1 cache.
+ *   `in_blocks` cuts, and copies an odd end into padded scratch, its last slice repeated.
+ * - The files of bodies are compiled once for each instruction set, here, in one translation unit: PATH(name) is the
+ *   name in the set that is being compiled.
+ * - The same operations in the same order everywhere, without contraction to fused multiply-adds (setup.py): the same
+ *   bits on every set. */
+#ifndef ROLLSLIP_BLOCKS_H
+#define ROLLSLIP_BLOCKS_H
+#include "blocks/table.h"
+#include "rollslip_math.h"
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"   /* taken for possible: a block without slices */
+#endif
+
+#define BLOCK 256
+#define LANES 8   /* of the widest set */
+#define COLUMNS 13
+
+/* Columns as bits, in the order of rs_slices */
+enum {
+    APPROACH = 1 << 0, ROLLING_SPEED = 1 << 1, SLIDING_SPEED = 1 << 2, LOAD = 1 << 3, STIFFNESS = 1 << 4,
+    HALF_WIDTH = 1 << 5, PRESSURE = 1 << 6, FILM_THICKNESS = 1 << 7, REGIME = 1 << 8, FRICTION = 1 << 9,
+    FILM_VISCOSITY = 1 << 10, FILM_THERMOVISCOSITY = 1 << 11, RESISTANCE = 1 << 12
+};
+
+/* Loop over the slices of a block: no value is used by the next. */
+#if defined(__clang__)
+#define INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__)
+#define INDEPENDENT _Pragma("GCC ivdep")
+#else
+#define INDEPENDENT
+#endif
+#define EACH(i, n) INDEPENDENT for (size_t i = 0; i < (n); i++)
+
+static rs_slices cut(const rs_slices *whole, size_t start, size_t n) {
+    rs_slices part = *whole;
+    double **column = &part.approach;
+    part.n = n;
+    for (int c = 0; c < COLUMNS; c++) column[c] += start;
+    return part;
+}
+
+/* A block whose slices are no multiple of LANES, through padded scratch */
+static int with_padding(const rs_slices *part, const void *params, rs_evaluate body, unsigned reads, unsigned writes) {
+    double scratch[COLUMNS][BLOCK];
+    rs_slices padded = *part;
+    double *const *from = (double *const *)&part->approach, **to = &padded.approach;
+    size_t n = part->n;
+    int status;
+    padded.n = (n + LANES - 1) / LANES * LANES;
+    for (int c = 0; c < COLUMNS; c++) {
+        if (!((reads | writes) >> c & 1)) continue;
+        to[c] = scratch[c];
+        if (!(reads >> c & 1)) continue;
+        memcpy(to[c], from[c], n * sizeof(double));
+        for (size_t i = n; i < padded.n; i++) to[c][i] = from[c][n - 1];
+    }
+    status = body(&padded, params);
+    if (status == 0)
+        for (int c = 0; c < COLUMNS; c++)
+            if (writes >> c & 1) memcpy(from[c], scratch[c], n * sizeof(double));
+    return status;
+}
+
+static int in_blocks(const rs_slices *s, const void *params, rs_evaluate body, unsigned reads, unsigned writes) {
+    if (s->n <= BLOCK && s->n % LANES == 0) return s->n ? body(s, params) : 0;   /* as a chain calls, mostly */
+    for (size_t start = 0; start < s->n; start += BLOCK) {
+        rs_slices part = cut(s, start, s->n - start < BLOCK ? s->n - start : BLOCK);
+        int status = part.n % LANES ? with_padding(&part, params, body, reads, writes) : body(&part, params);
+        if (status) return status < 0 ? status : status + (int)start;
+    }
+    return 0;
+}
+
+/* Begins the body of a stage: columns it reads, columns it writes.  Then follows what is done for slices *s. */
+#define STAGE(name, reads, writes) \
+    static int PATH(name##_body)(const rs_slices *s, const void *params); \
+    static int PATH(name)(const rs_slices *s, const void *params) { \
+        return in_blocks(s, params, PATH(name##_body), reads, writes); \
+    } \
+    static int PATH(name##_body)(const rs_slices *s, const void *params)
+/* Number of slices in a body, such that the compiler knows that no vector is left over */
+#define WHOLE(n) ((n) & ~(size_t)(LANES - 1))
+
+#define JOIN(name, path) name##_##path
+#define JOINED(name, path) JOIN(name, path)
+#define PATH(name) JOINED(name, SET)
+
+#define SET baseline
+#include "blocks/all.h"
+#undef SET
+
+/* GCC and clang set the instruction set of a part of a file each in its own way; by features, since older compilers do
+ * not take the names x86-64-v3 and -v4 here. */
+#if defined(__x86_64__) && defined(__GNUC__)
+#define HAS_X86_SETS 1
+#if defined(__clang__)
+#define X86_V3 "avx,avx2,bmi,bmi2,f16c,fma,lzcnt,movbe"
+#define X86_V4 ",avx512f,avx512bw,avx512cd,avx512dq,avx512vl"
+#pragma clang attribute push(__attribute__((target(X86_V3))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx,avx2,bmi,bmi2,f16c,fma,lzcnt,movbe")
+#endif
+#define SET v3
+#include "blocks/all.h"
+#undef SET
+#if defined(__clang__)
+#pragma clang attribute pop
+#pragma clang attribute push(__attribute__((target(X86_V3 X86_V4), min_vector_width(512))), apply_to = function)
+#else
+#pragma GCC pop_options
+#pragma GCC push_options
+#pragma GCC target("avx,avx2,bmi,bmi2,f16c,fma,lzcnt,movbe")
+#pragma GCC target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,prefer-vector-width=512")
+#endif
+#define SET v4
+#include "blocks/all.h"
+#undef SET
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+#endif
+
+/* Tables in rising order, as far as this build and this machine have them; NULL ends. */
+static const rs_blocks *blocks_of(int set) {
+    if (set == 0) return &table_baseline;
+#ifdef HAS_X86_SETS
+    __builtin_cpu_init();
+    int v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi")
+        && __builtin_cpu_supports("bmi2");
+    int v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw")
+        && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq")
+        && __builtin_cpu_supports("avx512vl");
+    if (set == 1 && v3) return &table_v3;
+    if (set == 2 && v4) return &table_v4;
+#endif
+    return NULL;
+}
+#endif

@@ -1,0 +1,71 @@
+/* Line contact: Hertz half width and pressure, and the deflection laws. */
+
+/* b = sqrt(8 w R/(pi E')), p = w/(2 b) = b pi E'/(16 R)      [Hertz 1881; Johnson 1985, eq. 4.43] */
+STAGE(hertz_line, LOAD, HALF_WIDTH | PRESSURE) {
+    const double *load = s->load;
+    double *half_width = s->half_width, *pressure = s->pressure;
+    double per_load = 8.0 * s->radius / (RS_PI * s->modulus), per_width = 0.5 / per_load;
+    size_t n = WHOLE(s->n);
+    (void)params;
+    EACH(i, n) {
+        double b = sqrt(per_load * load[i]);
+        half_width[i] = b;
+        pressure[i] = b * per_width;
+    }
+    return 0;
+}
+
+/* Q = k l^(8/9) delta^(10/9)      [Palmgren 1959; ISO/TS 16281] */
+STAGE(power_deflection, APPROACH, LOAD | STIFFNESS) {
+    const double *approach = s->approach;
+    double *load = s->load, *stiffness = s->stiffness;
+    double per_metre = *(const double *)params * rs_pow(s->length, 8.0 / 9.0) / s->length;
+    double ninth = 1.0 / 9.0, high = rs_high(ninth);
+    size_t n = WHOLE(s->n);
+    EACH(i, n) {
+        double d = approach[i], k, rest = rs_log2_parts(d > 0.0 ? d : 1.0, &k);
+        double root = rs_exp2_normal(high * k, (ninth - high) * k + ninth * rest);
+        root = d > 0.0 ? per_metre * root : 0.0;
+        stiffness[i] = (10.0 / 9.0) * root;
+        load[i] = d > 0.0 ? root * d : 0.0;
+    }
+    return 0;
+}
+
+/* delta = 4 w/(pi E') (1/2 + ln(2 l/b)), both bodies      [Lundberg 1939] */
+STAGE(lundberg_deflection, APPROACH, LOAD | STIFFNESS) {
+    /* With g the bracket, g = k - ln(w)/2 and c w g = delta, hence g - k + (L - ln g)/2 = 0, L = ln(delta/c):
+     * convex in g, so Newton from above the root falls monotonically; below g = 1/2 the contact is wider than long. */
+    const double *approach = s->approach;
+    double *load = s->load, *stiffness = s->stiffness;
+    double c = 4.0 / (RS_PI * s->modulus);
+    double k = 0.5 + rs_log(2.0 * s->length) - 0.5 * rs_log(8.0 * s->radius / (RS_PI * s->modulus));
+    double least = 0.5 + 0.5 * RS_LN2, a[BLOCK], g[BLOCK], left[BLOCK];
+    uint64_t wide = 0, moving = 1;
+    size_t n = WHOLE(s->n);
+    (void)params;
+    EACH(i, n) {
+        a[i] = approach[i] > 0.0 ? k - 0.5 * rs_log(approach[i] / c) : 1.0;
+        g[i] = 1.25 * a[i] > 1.0 ? 1.25 * a[i] : 1.0;
+        left[i] = 1.0;
+    }
+    for (size_t i = 0; i < n; i++) wide |= (uint64_t)(a[i] < least);
+    if (wide)
+        for (size_t i = 0; i < n; i++)
+            if (a[i] < least) return (int)i + 1;
+    for (int step = 0; step < 60 && moving; step++) {
+        EACH(i, n) {
+            double change = (g[i] - a[i] - 0.5 * rs_log(g[i])) / (1.0 - 0.5 / g[i]);
+            change = left[i] > 0.0 ? change : 0.0;   /* its neighbours change no bit of a slice */
+            g[i] -= change;
+            left[i] = fabs(change) > 1e-15 * g[i] ? 1.0 : 0.0;
+        }
+        moving = 0;
+        for (size_t i = 0; i < n; i++) moving |= (uint64_t)(left[i] > 0.0);
+    }
+    EACH(i, n) {
+        load[i] = approach[i] > 0.0 ? approach[i] / (c * g[i]) : 0.0;
+        stiffness[i] = approach[i] > 0.0 ? 1.0 / (c * (g[i] - 0.5)) : 0.0;
+    }
+    return 0;
+}

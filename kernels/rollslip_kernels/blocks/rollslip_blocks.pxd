@@ -1,0 +1,63 @@
+# The table of compiled stages that runs, and what they take; see table.h.
+from cpython.pycapsule cimport PyCapsule_GetPointer
+
+from rollslip_abi cimport rs_evaluate, rs_model
+
+cdef extern from "blocks/table.h" nogil:
+    enum:
+        TERMS
+
+    ctypedef struct power_law:
+        double c, u, g, w
+
+    ctypedef struct regime_laws:
+        power_law ri, rp, ei, ep
+
+    ctypedef struct inlet_params:
+        rs_model film
+        int thermal
+        double starvation
+
+    ctypedef struct roelands_params:
+        double pole_viscosity, pole_pressure
+
+    ctypedef struct yasutomi_params:
+        double glass_temperature, a1, a2, b1, b2, c1, c2
+
+    ctypedef struct kragelsky_params:
+        double limit, rise, decay
+
+    ctypedef struct gupta_params:
+        double a, b, c, d, transition
+
+    ctypedef struct constant_params:
+        double coefficient, transition
+
+    ctypedef struct blend_params:
+        rs_model boundary, hydrodynamic
+        rs_evaluate share
+        double law[28]
+
+    ctypedef struct rs_blocks:
+        rs_evaluate hertz_line, power_deflection, lundberg_deflection
+        rs_evaluate power_film, moes_film, regime_film, inlet_film
+        rs_evaluate barus, roelands, yasutomi
+        rs_evaluate muraki, maxwell_eyring, eyring, kragelsky, constant, gupta
+        rs_evaluate power_share, exponential_share, greenwood_tripp_share, blend
+        void (*exp)(size_t, const double *, double *) noexcept nogil
+        void (*exp2)(size_t, const double *, double *) noexcept nogil
+        void (*log)(size_t, const double *, double *) noexcept nogil
+        void (*log2)(size_t, const double *, double *) noexcept nogil
+        void (*log1p)(size_t, const double *, double *) noexcept nogil
+        void (*expm1)(size_t, const double *, double *) noexcept nogil
+        void (*asinh)(size_t, const double *, double *) noexcept nogil
+        void (*pow)(size_t, const double *, const double *, double *) noexcept nogil
+        void (*muraki_stress)(size_t, const double *, const double *, const double *, double *) noexcept nogil
+        void (*maxwell_stress)(size_t, const double *, const double *, const double *, double *) noexcept nogil
+        void (*eyring_stress)(size_t, const double *, const double *, const double *, double *) noexcept nogil
+        ptrdiff_t (*first_outside)(size_t, const double *, double, double) noexcept nogil
+
+
+cdef inline const rs_blocks *rs_active_blocks() except NULL:
+    from rollslip_kernels.simd import table
+    return <const rs_blocks *>PyCapsule_GetPointer(table(), "rollslip.blocks")

@@ -1,0 +1,42 @@
+/* The table of compiled stages of one instruction set, and what they take. */
+#ifndef ROLLSLIP_TABLE_H
+#define ROLLSLIP_TABLE_H
+#include "rollslip.h"
+
+/* What the modules that make stages pass to them */
+typedef struct { double c, u, g, w; } power_law;
+typedef struct { power_law ri, rp, ei, ep; } regime_laws;
+enum { NO_FACTOR, MURCH_WILSON, GUPTA };
+typedef struct { rs_model film; int thermal; double starvation; } inlet_params;
+typedef struct { double pole_viscosity, pole_pressure; } roelands_params;
+typedef struct { double glass_temperature, a1, a2, b1, b2, c1, c2; } yasutomi_params;
+typedef struct { double limit, rise, decay; } kragelsky_params;
+typedef struct { double a, b, c, d, transition; } gupta_params;
+typedef struct { double coefficient, transition; } constant_params;
+enum { TERMS = 26, NO_SUCH_STATUS = -2 };   /* of Greenwood and Tripp's integral; more than its number of slices */
+typedef struct { rs_model boundary, hydrodynamic; rs_evaluate share; double law[TERMS + 2]; } blend_params;
+
+#define STAGES(X) \
+    X(hertz_line) X(power_deflection) X(lundberg_deflection) \
+    X(power_film) X(moes_film) X(regime_film) X(inlet_film) \
+    X(barus) X(roelands) X(yasutomi) \
+    X(muraki) X(maxwell_eyring) X(eyring) X(kragelsky) X(constant) X(gupta) \
+    X(power_share) X(exponential_share) X(greenwood_tripp_share) X(blend)
+#define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh)
+
+/* Of n values of sigma, D and Phi */
+typedef void (*rs_stress_law)(size_t, const double *, const double *, const double *, double *);
+
+typedef struct {
+#define MEMBER(name) rs_evaluate name;
+    STAGES(MEMBER)
+#undef MEMBER
+#define MEMBER(name) void (*name)(size_t, const double *, double *);
+    FUNCTIONS(MEMBER)
+#undef MEMBER
+    void (*pow)(size_t, const double *, const double *, double *);
+    rs_stress_law muraki_stress, maxwell_stress, eyring_stress;
+    /* first index at which a value is not in [low, high], or -1 */
+    ptrdiff_t (*first_outside)(size_t, const double *, double, double);
+} rs_blocks;
+#endif

@@ -1,0 +1,94 @@
+/* Traction coefficient of a slice: hydrodynamic laws and boundary laws.
+ *
+ * sigma = eta V/(tau0 h), D = eta u/(Gamma b), w = Phi sigma = beta zeta tau0 V, mu = tau0 S/p, and the temperature per
+ * heat flux of surfaces and film zeta = flash sqrt(b/u)/(e sqrt(pi)) + h/(12 K_f) */
+#ifndef HYDRODYNAMIC
+#define HYDRODYNAMIC \
+    (ROLLING_SPEED | SLIDING_SPEED | HALF_WIDTH | PRESSURE | FILM_THICKNESS | FILM_VISCOSITY | FILM_THERMOVISCOSITY)
+#endif
+
+/* The groups sigma, w and V Gamma b/(u tau0 h) = sigma/D for |V| and positive speeds */
+static void PATH(groups)(const rs_slices *s, double factor, filled sigma, filled w, filled ramp) {
+    const double *u = s->rolling_speed, *sliding = s->sliding_speed, *half_width = s->half_width;
+    const double *film = s->film_thickness, *viscosity = s->film_viscosity, *fall = s->film_thermoviscosity;
+    double flash = factor / (s->effusivity * sqrt(RS_PI)), across = 1.0 / (12.0 * s->conductivity);
+    double tau0 = s->eyring_stress, elastic = s->shear_modulus / tau0, fluid = 1.0 / tau0;
+    size_t n = WHOLE(s->n);
+    EACH(i, n) {
+        double h = film[i], V = fabs(sliding[i]), per = 1.0 / (u[i] * h);   /* one division for b/u and V/h */
+        double transit = half_width[i] * (h * per);
+        sigma[i] = fluid * viscosity[i] * (V * (u[i] * per));
+        w[i] = fall[i] * (flash * sqrt(transit) + across * h) * (tau0 * V);
+        ramp[i] = elastic * (half_width[i] * V) * per;
+    }
+}
+
+STAGE(muraki, HYDRODYNAMIC, FRICTION) {
+    const double *sliding = s->sliding_speed, *pressure = s->pressure;
+    double *friction = s->friction, tau0 = s->eyring_stress, sigma[BLOCK], w[BLOCK], ramp[BLOCK], L[BLOCK];
+    size_t n = WHOLE(s->n);
+    PATH(groups)(s, *(const double *)params, sigma, w, ramp);
+    EACH(i, n) L[i] = rs_asinh(sigma[i]);
+    EACH(i, n)
+        friction[i] = copysign(PATH(muraki_of)(sigma[i], L[i], w[i], ramp[i], tau0, pressure[i]), sliding[i]);
+    return 0;
+}
+
+STAGE(maxwell_eyring, HYDRODYNAMIC, FRICTION) {
+    const double *sliding = s->sliding_speed, *pressure = s->pressure, *viscosity = s->film_viscosity;
+    const double *u = s->rolling_speed, *half_width = s->half_width;
+    double *friction = s->friction, tau0 = s->eyring_stress, gamma = s->shear_modulus;
+    double sigma[BLOCK], w[BLOCK], deborah[BLOCK], stress[BLOCK];
+    size_t n = WHOLE(s->n);
+    PATH(groups)(s, *(const double *)params, sigma, w, deborah);
+    EACH(i, n) deborah[i] = viscosity[i] * u[i] / (gamma * half_width[i]);
+    PATH(maxwell_stress)(n, sigma, deborah, w, stress);
+    EACH(i, n) friction[i] = copysign(tau0 / pressure[i] * stress[i], sliding[i]);
+    return 0;
+}
+
+STAGE(eyring, HYDRODYNAMIC, FRICTION) {
+    const double *sliding = s->sliding_speed, *pressure = s->pressure;
+    double *friction = s->friction, tau0 = s->eyring_stress, sigma[BLOCK], w[BLOCK], stress[BLOCK];
+    size_t n = WHOLE(s->n);
+    PATH(groups)(s, *(const double *)params, sigma, w, stress);
+    PATH(eyring_stress)(n, sigma, w, stress);
+    EACH(i, n) friction[i] = copysign(tau0 / pressure[i] * stress[i], sliding[i]);
+    return 0;
+}
+
+/* mu = (-A + B s) exp(-C s) + A, written with expm1 so that small s loses no digits */
+STAGE(kragelsky, ROLLING_SPEED | SLIDING_SPEED, FRICTION) {
+    const kragelsky_params *q = (const kragelsky_params *)params;
+    const double *u = s->rolling_speed, *sliding = s->sliding_speed;
+    double *friction = s->friction, limit = q->limit, rise = q->rise, decay = q->decay;
+    size_t n = WHOLE(s->n);
+    EACH(i, n) {
+        double x = fabs(sliding[i]) / u[i], left, gone = rs_expm1_exp(-decay * x, &left);
+        friction[i] = copysign(rise * x * left - limit * gone, sliding[i]);
+    }
+    return 0;
+}
+
+/* mu = (A + B s) exp(-C s) + D - (A + D) max(0, 1 - s/s0), with expm1 so that small s loses no digits */
+STAGE(gupta, ROLLING_SPEED | SLIDING_SPEED, FRICTION) {
+    const gupta_params *q = (const gupta_params *)params;
+    const double *u = s->rolling_speed, *sliding = s->sliding_speed;
+    double *friction = s->friction, a = q->a, b = q->b, c = q->c, ramp = q->a + q->d, transition = q->transition;
+    size_t n = WHOLE(s->n);
+    EACH(i, n) {
+        double x = fabs(sliding[i]) / u[i], left, gone = rs_expm1_exp(-c * x, &left);
+        double reached = x < transition ? x / transition : 1.0, mu = b * x * left + a * gone + ramp * reached;
+        friction[i] = sliding[i] > 0.0 ? mu : -mu;
+    }
+    return 0;
+}
+
+STAGE(constant, ROLLING_SPEED | SLIDING_SPEED, FRICTION) {
+    const constant_params *q = (const constant_params *)params;
+    const double *u = s->rolling_speed, *sliding = s->sliding_speed;
+    double *friction = s->friction, coefficient = q->coefficient, transition = q->transition;
+    size_t n = WHOLE(s->n);
+    EACH(i, n) friction[i] = coefficient * rs_clamped(sliding[i] / (transition * u[i]), -1.0, 1.0);
+    return 0;
+}

@@ -1,0 +1,75 @@
+"""The elementary functions of rollslip_math.h, elementwise over arrays, as each instruction set computes them."""
+
+import numpy as np
+
+from cpython.pycapsule cimport PyCapsule_GetPointer
+
+from rollslip_blocks cimport rs_blocks
+
+from rollslip_kernels.simd import table
+
+ctypedef void (*function_t)(size_t, const double *, double *) noexcept nogil
+
+
+cdef const rs_blocks *_blocks(name) except NULL:
+    return <const rs_blocks *>PyCapsule_GetPointer(table(name), "rollslip.blocks")
+
+
+cdef object _map(function_t function, x):
+    cdef const double[::1] values = np.ascontiguousarray(x, dtype=np.float64).reshape(-1)
+    result = np.empty(np.shape(x))
+    cdef double[::1] out = result.reshape(-1)
+    if values.shape[0]:
+        with nogil:
+            function(values.shape[0], &values[0], &out[0])
+    return result
+
+
+def exp(x, simd=None):
+    """e^x."""
+    return _map(_blocks(simd).exp, x)
+
+
+def exp2(x, simd=None):
+    """2^x."""
+    return _map(_blocks(simd).exp2, x)
+
+
+def expm1(x, simd=None):
+    """e^x - 1."""
+    return _map(_blocks(simd).expm1, x)
+
+
+def log(x, simd=None):
+    """Natural logarithm."""
+    return _map(_blocks(simd).log, x)
+
+
+def log2(x, simd=None):
+    """Logarithm to base 2."""
+    return _map(_blocks(simd).log2, x)
+
+
+def log1p(x, simd=None):
+    """Natural logarithm of 1 + x."""
+    return _map(_blocks(simd).log1p, x)
+
+
+def asinh(x, simd=None):
+    """Inverse hyperbolic sine."""
+    return _map(_blocks(simd).asinh, x)
+
+
+def pow(x, y, simd=None):
+    """x^y for x >= 0, elementwise over two arrays of one shape."""
+    cdef const double[::1] base = np.ascontiguousarray(x, dtype=np.float64).reshape(-1)
+    cdef const double[::1] exponent = np.ascontiguousarray(y, dtype=np.float64).reshape(-1)
+    if np.shape(x) != np.shape(y):
+        raise ValueError(f"the arrays must have one shape, got {np.shape(x)} and {np.shape(y)}")
+    result = np.empty(np.shape(x))
+    cdef double[::1] out = result.reshape(-1)
+    cdef const rs_blocks *blocks = _blocks(simd)
+    if base.shape[0]:
+        with nogil:
+            blocks.pow(base.shape[0], &base[0], &exponent[0], &out[0])
+    return result
