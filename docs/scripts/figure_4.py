@@ -73,8 +73,9 @@ def frictions():
 
 
 def slip_of(data):
-    """Steady cage slip of a motion."""
-    return data.attrs["steady_cage_slip"]
+    """Mean cage slip over the last orbit."""
+    t, speed = data.time.to_numpy(), float(data.cage_speed[-1])
+    return float(data.cage_slip.to_numpy()[t > t[-1] - 2 * np.pi / abs(speed)].mean())
 
 
 def draw(found, steady):
