@@ -26,6 +26,7 @@ from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of
 from rollslip.friction_curve import about, slip_grid
 from rollslip.models import IntegratorModel
 from rollslip.motion import CarriedMotion, carried_motion
+from rollslip.named_friction import FRICTION
 from rollslip.planar import PlanarMotion, PlanarSettings, planar_motion
 from rollslip.reading import Where, structure
 from rollslip.regimes import LIGHT, NAMES
@@ -71,7 +72,7 @@ class Dynamics:
     friction: str = parameter(
         default="effective",
         doc="of every slice at every step (conventional), effective friction of the raceways, or a constant",
-        validator=one_of("effective", "conventional", "constant"),
+        validator=one_of(*FRICTION),
     )
     effective_over: str = parameter(
         default="sliding-speed",
