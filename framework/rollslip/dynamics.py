@@ -25,7 +25,8 @@ from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
 from rollslip.friction_curve import about, slip_grid
 from rollslip.models import IntegratorModel
-from rollslip.motion import CarriedMotion, carried_motion
+from rollslip.motion import carried_motion
+from rollslip.moving_bearing import MovingBearing
 from rollslip.named_friction import FRICTION
 from rollslip.planar import PlanarMotion, PlanarSettings, planar_motion
 from rollslip.reading import Where, structure
@@ -37,8 +38,6 @@ from rollslip.time_integration import InitialValueProblem, Trajectory, integrate
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Motion = CarriedMotion | PlanarMotion
 
 #: Levels of detail -> what moves.
 LEVELS: Final = {
@@ -216,7 +215,7 @@ class Dynamics:
         regimes, found = _regimes(raceways, np.clip(slip, 0.0, settings.max_cage_slip), found)
         return self._dataset(assembly, moving, found, outputs, critical, integrator).assign(regimes)
 
-    def _motion(self, assembly: Assembly, critical_slip: float) -> Motion:
+    def _motion(self, assembly: Assembly, critical_slip: float) -> MovingBearing:
         options: dict[str, Any] = {
             "friction": self.friction,
             "effective_over": self.effective_over,
@@ -252,7 +251,7 @@ class Dynamics:
     def _dataset(
         self,
         assembly: Assembly,
-        moving: Motion,
+        moving: MovingBearing,
         found: Trajectory,
         outputs: dict[str, Array],
         critical: Critical,
@@ -270,7 +269,7 @@ class Dynamics:
             rollers_at = rollers_at + place / k.orbit_radius
         relative = spin + orbit
         cage_slip = 1.0 - cage / k.epicyclic_cage_speed
-        works = {name: of[name] * sense for name in moving.units if (sense := _sense(name))}
+        works = moving.works(y)
         contact, rollers = ("ring", "time", "roller"), ("time", "roller")
 
         def by_ring(name: str) -> Array:
@@ -406,12 +405,7 @@ def _failed_by(found: Trajectory) -> str:
     return "model" if raised or isinstance(found.error, PluginError) else "solver"
 
 
-def _sense(name: str) -> int:
-    """1 for work done on the motion, -1 for what it loses, 0 for what is no work."""
-    return name.startswith("work_") - name.startswith("lost_")
-
-
-def _explained(found: Trajectory, moving: Motion) -> Trajectory:
+def _explained(found: Trajectory, moving: MovingBearing) -> Trajectory:
     """Return a trajectory that says what stopped it, and in a model's words what that model refused."""
     if found.outcome == "stopped":
         last = found.events[-1]
@@ -434,7 +428,7 @@ def _failing(found: Trajectory, error: Exception, what: str) -> Trajectory:
     return attrs.evolve(found, outcome="failed", error=error, message="; ".join((message, *_notes(error))))
 
 
-def _outputs(moving: Motion, found: Trajectory) -> tuple[dict[str, Array], Trajectory]:
+def _outputs(moving: MovingBearing, found: Trajectory) -> tuple[dict[str, Array], Trajectory]:
     """Forces and speeds at the stored states, NaN where a model fails; and the trajectory, which says so."""
     try:
         return moving.outputs(found.t, found.y), found

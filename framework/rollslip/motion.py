@@ -6,19 +6,18 @@
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import attrs
 import numpy as np
 
-from rollslip.assembly import RINGS, Array, Assembly
-from rollslip.effective_table import EffectiveTable
+from rollslip.assembly import Array, Assembly
 from rollslip.errors import DomainError, RollslipError
 from rollslip.load_map import LoadMap, build_load_map, resistances
+from rollslip.moving_bearing import MovingBearing
 from rollslip.named_friction import named_friction
 from rollslip_kernels.carried import LEDGER, Carried
-from rollslip_kernels.slices import Slices
 from rollslip_kernels.system import System
 
 #: Squeeze film of a cylinder and a flat wall, 3 sqrt(2) pi eta (r/h)^1.5 dh/dt per length.
@@ -30,48 +29,28 @@ _BLOCKS: Final = {
 _HEAD: Final = {"cage_angle": "rad", "cage_speed": "rad/s"}
 
 
-@attrs.frozen(eq=False)
-class CarriedMotion:
-    """The motion of one bearing; it belongs to one thread.
+@attrs.frozen(eq=False, kw_only=True)
+class CarriedMotion(MovingBearing):
+    """The motion of a bearing whose rollers the cage carries round.
 
     Attributes
     ----------
-    assembly : Assembly
-        The bearing, with its resistance to rolling.
     level : str
         "cage-set" or "pocket".
-    friction : str
-        "constant", "effective" or "conventional".
     loads : LoadMap
         Loads per slice, or forces, over the orbit.
-    tables : tuple of EffectiveTable
-        Of inner and outer raceway, if friction is effective.
-    slices : tuple of Slices
-        Tables of inner and outer raceway that conventional friction works in.
     carried : Carried
-        The compiled system; ``contacts_evaluated`` counts.
-    system : System
-        Its rates, Jacobian and watched values: cage slip less the critical one, and film parameter less its limit.
+        The compiled system.
     """
 
-    assembly: Assembly
     level: str
-    friction: str
     loads: LoadMap
-    tables: tuple[EffectiveTable, ...]
-    slices: tuple[Slices, ...]
     carried: Carried
-    system: System
 
     @property
-    def direction(self) -> int:
-        """1 or -1: times it, speeds are the real ones."""
-        return self.assembly.kinematics.direction
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Names of the unknowns and their units, in the order of y; those of a roller stand for one each."""
-        return {**_HEAD, **_BLOCKS[self.level], **LEDGER}
+    def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:
+        """Unknowns of the head, of each roller and of the ledger, in order -> their unit."""
+        return _HEAD, _BLOCKS[self.level], LEDGER
 
     def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
         """Return the state with these slips, rollers in the middle of their pockets; 0 epicyclic, 1 at rest.
@@ -85,16 +64,6 @@ class CarriedMotion:
         cage, rollers = float(speeds.cage_speed), self.assembly.scene.bearing.rollers
         block = [float(speeds.roller_speed) - cage, cage, 0.0][: len(_BLOCKS[self.level])]
         return np.array([0.0, cage, *block * rollers, *[0.0] * len(LEDGER)])
-
-    def split(self, y: Array) -> dict[str, Array]:
-        """Return the unknowns of states (..., n) by name, (...) or, those of the rollers, (..., Z)."""
-        y = np.asarray(y)
-        block = len(_BLOCKS[self.level])
-        end = len(_HEAD) + block * self.assembly.scene.bearing.rollers
-        rollers = y[..., len(_HEAD) : end].reshape(*y.shape[:-1], -1, block)
-        found = {name: y[..., k] for k, name in enumerate(_HEAD)}
-        found |= {name: rollers[..., k] for k, name in enumerate(_BLOCKS[self.level])}
-        return found | {name: y[..., end + k] for k, name in enumerate(LEDGER)}
 
     def energy(self, y: Array) -> Array:
         """Return the kinetic energy of cage and rollers, and the elastic energy of the pockets [J], (...)."""
@@ -114,42 +83,10 @@ class CarriedMotion:
         found = self.assembly.cage.inertia * u["cage_speed"] + self.orbital_inertia * orbital.sum(axis=-1)
         return np.asarray(found - self.spin_inertia * u["roller_spin"].sum(axis=-1))
 
-    def energy_residual(self, y: Array) -> Array:
-        """Return what of the energy the ledger does not explain [J], for states (m, n) from the first on."""
-        u = self.split(y)
-        given = u["work_rings"] + u["work_drag"]
-        lost = u["lost_inner"] + u["lost_outer"] + u["lost_rolling"] + u["lost_pockets"]
-        residual = self.energy(y) - (given - lost)
-        return np.asarray(residual - residual[0])
-
-    def momentum_residual(self, y: Array) -> Array:
-        """Return what of the angular momentum the ledger does not explain [N m s], for states (m, n)."""
-        u = self.split(y)
-        residual = self.angular_momentum(y) - (u["impulse_inner"] + u["impulse_outer"] + u["impulse_drag"])
-        return np.asarray(residual - residual[0])
-
     @property
     def orbital_inertia(self) -> float:
         """Moment of inertia m R_m^2 of a roller about the axis of the bearing [kg m2]."""
         return self.assembly.roller_mass * self.assembly.kinematics.orbit_radius**2
-
-    @property
-    def spin_inertia(self) -> float:
-        """Moment of inertia J = m r^2/2 of a roller about its own axis [kg m2]."""
-        return 0.5 * self.assembly.roller_mass * self.assembly.kinematics.roller_radius**2
-
-    def outputs(self, t: Array, y: Array) -> dict[str, Array]:
-        """Return forces, speeds and film parameter of all contacts at stored states, see `Carried.outputs`.
-
-        Raises
-        ------
-        DomainError
-            If a model refuses a state.
-        """
-        found = self.carried.outputs(t, y)
-        if found is None:
-            raise self.error(self.carried.refusal())
-        return found
 
     def error(self, refusal: Any) -> RollslipError:
         """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
@@ -161,12 +98,7 @@ class CarriedMotion:
                 f"roller {what} is carried round faster than {top:.4g} rad/s, up to which its loads were worked out; "
                 "check what drives the cage"
             )
-        if who == "drag":
-            return DomainError("the drags give a torque that is not finite; check what drives the cage")
-        ring = RINGS.index(who)
-        error = self.assembly.raceways[ring].chain.error(what, self.slices[ring])
-        error.add_note(f"in a contact with the {who} ring")
-        return error
+        return super().error(refusal)
 
 
 def carried_motion(
@@ -271,7 +203,16 @@ def carried_motion(
         film_limit if friction == "conventional" else math.nan,
     )
     system = System(carried.system())
-    return CarriedMotion(assembly, level, friction, loads, made.tables, made.slices, carried, system)
+    return CarriedMotion(
+        assembly=assembly,
+        level=level,
+        friction=friction,
+        loads=loads,
+        tables=made.tables,
+        slices=made.slices,
+        carried=carried,
+        system=system,
+    )
 
 
 def _resistance(assembly: Assembly) -> Any:

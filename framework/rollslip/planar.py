@@ -9,6 +9,7 @@
 """
 
 import math
+from collections.abc import Mapping
 from typing import Any, Final
 
 import attrs
@@ -16,12 +17,12 @@ import numpy as np
 
 from rollslip.assembly import RINGS, Array, Assembly, Raceway
 from rollslip.cage import Cage
-from rollslip.effective_table import EffectiveTable
 from rollslip.equilibrium import LoadCase, angular_positions, solve_equilibrium
 from rollslip.errors import DomainError, RollslipError
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
 from rollslip.load_map import resistances
 from rollslip.models import DragModel
+from rollslip.moving_bearing import MovingBearing
 from rollslip.named_friction import named_friction
 from rollslip_kernels.planar import LEDGER_UNITS, Planar
 from rollslip_kernels.slices import Slices
@@ -122,61 +123,27 @@ class PlanarSettings:
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class PlanarMotion:
-    """The plane motion of one bearing; it belongs to one thread.
+class PlanarMotion(MovingBearing):
+    """The plane motion of a bearing.
 
     Attributes
     ----------
-    assembly : Assembly
-        The bearing, with its resistance to rolling.
     settings : PlanarSettings
-    friction : str
-        "constant", "effective" or "conventional".
-    slices : tuple of Slices
-        Tables of inner and outer raceway that conventional friction works in.
-    tables : tuple of EffectiveTable
-        Of inner and outer raceway, if friction is effective.
+        Masses, damping, gravity and load.
     contacts : tuple of Slices
-        Those that the deflection law works in.
+        Tables of inner and outer raceway that the deflection law works in.
     planar : Planar
-        The compiled system; ``contacts_evaluated`` and ``deflections_evaluated`` count.
-    system : System
-        Its rates, Jacobian and watched values: cage slip less the critical one, film parameter less its limit, and the
-        largest approach at the inner ring, below zero where no roller carries it.
+        The compiled system; ``deflections_evaluated`` counts.
     """
 
-    assembly: Assembly
     settings: PlanarSettings
-    friction: str
-    slices: tuple[Slices, ...]
-    tables: tuple[EffectiveTable, ...]
     contacts: tuple[Slices, ...]
     planar: Planar
-    system: System
 
     @property
-    def direction(self) -> int:
-        """1 or -1: times it, speeds are the real ones."""
-        return self.assembly.kinematics.direction
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Names of the unknowns and their units, in the order of y; those of a roller stand for one each."""
-        return {**HEAD, **ROLLER, **LEDGER}
-
-    def parts(self, y: Array) -> tuple[Array, Array, Array]:
-        """Return head (..., 10), rollers (..., Z, 5) and ledger (..., 16) of states y (..., n), as views."""
-        y = np.asarray(y)
-        behind = len(HEAD) + self.assembly.scene.bearing.rollers * len(ROLLER)
-        rollers = y[..., len(HEAD) : behind].reshape(*y.shape[:-1], -1, len(ROLLER))
-        return y[..., : len(HEAD)], rollers, y[..., behind:]
-
-    def split(self, y: Array) -> dict[str, Array]:
-        """Return the unknowns of states (..., n) by name, (...) or, those of the rollers, (..., Z)."""
-        found: dict[str, Array] = {}
-        for names, part in zip((HEAD, ROLLER, LEDGER), self.parts(y), strict=True):
-            found |= dict(zip(names, np.moveaxis(part, -1, 0), strict=True))
-        return found
+    def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:
+        """Unknowns of the head, of each roller and of the ledger, in order -> their unit."""
+        return HEAD, ROLLER, LEDGER
 
     def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
         """Return the state at t = 0: the quasi-static equilibrium at these slips, cage centred, rollers in mid-pocket.
@@ -227,7 +194,7 @@ class PlanarMotion:
     def energy(self, y: Array) -> Array:
         """Return the kinetic energy [J], (...); what contacts store is the elastic work of the ledger, negative."""
         u = self.split(y)
-        m, inertia, cage = self.assembly.roller_mass, self._spin_inertia, self.assembly.cage
+        m, inertia, cage = self.assembly.roller_mass, self.spin_inertia, self.assembly.cage
         radius = self.assembly.kinematics.orbit_radius + u["radial_position"]
         moving = m * (u["radial_speed"] ** 2 + (radius * u["orbital_speed"]) ** 2) + inertia * u["roller_spin"] ** 2
         ring = self.settings.inner_ring_mass * (u["inner_ring_vx"] ** 2 + u["inner_ring_vy"] ** 2)
@@ -240,45 +207,12 @@ class PlanarMotion:
         u = self.split(y)
         cage, w = self.assembly.cage, u["cage_speed"]
         radius = self.assembly.kinematics.orbit_radius + u["radial_position"]
-        moving = self.assembly.roller_mass * radius**2 * u["orbital_speed"] - self._spin_inertia * u["roller_spin"]
+        moving = self.assembly.roller_mass * radius**2 * u["orbital_speed"] - self.spin_inertia * u["roller_spin"]
         ring = u["inner_ring_x"] * u["inner_ring_vy"] - u["inner_ring_y"] * u["inner_ring_vx"]
         held = cage.mass * (u["cage_x"] * u["cage_vy"] - u["cage_y"] * u["cage_vx"]) + cage.inertia * w
         c, s = np.cos(u["cage_angle"]), np.sin(u["cage_angle"])
         swing = c * u["cage_vy"] - s * u["cage_vx"] + w * (u["cage_x"] * c + u["cage_y"] * s)
         return np.asarray(moving.sum(axis=-1) + self.settings.inner_ring_mass * ring + held + cage.unbalance * swing)
-
-    def work(self, y: Array) -> Array:
-        """Return the work of all forces that the ledger recorded [J]: the kinetic energy gained, if it closes."""
-        return np.asarray(
-            self.parts(y)[2] @ [name.startswith("work") - float(name.startswith("lost")) for name in LEDGER]
-        )
-
-    def impulse(self, y: Array) -> Array:
-        """Return the angular momentum put in that the ledger recorded [N m s]."""
-        return np.asarray(self.parts(y)[2] @ [float(name.startswith("impulse")) for name in LEDGER])
-
-    def energy_residual(self, y: Array) -> Array:
-        """Return what of the energy the ledger does not explain [J], for states (m, n) from the first on."""
-        residual = self.energy(y) - self.work(y)
-        return np.asarray(residual - residual[0])
-
-    def momentum_residual(self, y: Array) -> Array:
-        """Return what of the angular momentum the ledger does not explain [N m s], for states (m, n)."""
-        residual = self.angular_momentum(y) - self.impulse(y)
-        return np.asarray(residual - residual[0])
-
-    def outputs(self, t: Array, y: Array) -> dict[str, Array]:
-        """Return forces, speeds and film parameter of all contacts at stored states, see `Planar.outputs`.
-
-        Raises
-        ------
-        DomainError
-            If a model refuses a state.
-        """
-        found = self.planar.outputs(t, y)
-        if found is None:
-            raise self.error(self.planar.refusal())
-        return found
 
     def error(self, refusal: Any) -> RollslipError:
         """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
@@ -288,21 +222,13 @@ class PlanarMotion:
                 f"the {who} is displaced by {what[0]:.3g} m, beyond what small displacements describe (a tenth of the "
                 f"roller's radius, {what[1]:.3g} m); check what holds it: load, clearances and stiffnesses"
             )
-        if who == "drag":
-            return DomainError("the drags give a torque that is not finite; check what drives the cage")
-        name, _, deflection = who.partition(" ")
-        ring = RINGS.index(name)
-        raceway = self.assembly.raceways[ring]
-        if deflection:
-            error = raceway.deflection.error(what, self.contacts[ring])
-        else:
-            error = raceway.chain.error(what, self.slices[ring])
-        error.add_note(f"in a contact with the {name} ring")
+        ring, _, deflection = who.partition(" ")
+        if not deflection:
+            return super().error(refusal)
+        at = RINGS.index(ring)
+        error = self.assembly.raceways[at].deflection.error(what, self.contacts[at])
+        error.add_note(f"in a contact with the {ring} ring")
         return error
-
-    @property
-    def _spin_inertia(self) -> float:
-        return 0.5 * self.assembly.roller_mass * self.assembly.kinematics.roller_radius**2
 
 
 def planar_motion(
