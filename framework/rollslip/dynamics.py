@@ -20,7 +20,7 @@ import numpy as np
 
 from rollslip.assembly import RINGS, Array, Assembly
 from rollslip.critical import Critical
-from rollslip.effective_friction import EffectiveFriction, LoadedRaceways
+from rollslip.effective_friction import EffectiveFriction, LoadedRaceways, regime_variables
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
 from rollslip.friction_curve import about, slip_grid
@@ -30,7 +30,7 @@ from rollslip.moving_bearing import MovingBearing
 from rollslip.named_friction import FRICTION
 from rollslip.planar import PlanarMotion, PlanarSettings, planar_motion
 from rollslip.reading import Where, structure
-from rollslip.regimes import LIGHT, NAMES
+from rollslip.regimes import NAMES
 from rollslip.registry import structure_model
 from rollslip.run_store import RunStore
 from rollslip.scene import resolved
@@ -362,7 +362,6 @@ class Dynamics:
                 "ring": ("ring", np.array(RINGS), about("1", "ring")),
                 "work": ("work", np.array(list(works)), about("1", "what the work was done by")),
                 "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
-                "regime": ("regime", np.array(NAMES), about("1", "film regime")),
             },
             attrs={
                 "study": "dynamics",
@@ -473,20 +472,8 @@ def _regimes(raceways: LoadedRaceways, slip: Array, found: Trajectory) -> tuple[
             "load_parameter": np.full(len(RINGS), np.nan),
             "light_share": np.full(len(RINGS), np.nan),
         }
-    variables = {
-        "regime_share": (
-            ("ring", "regime"),
-            details["regime_share"],
-            about("1", "share of the contact forces in a film regime"),
-        ),
-        "load_parameter": ("ring", details["load_parameter"], about("1", "largest Moes load parameter M")),
-        "light_share": (
-            "ring",
-            details["light_share"],
-            about("1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's"),
-        ),
-    }
-    return variables, found
+    shares = details["regime_share"], details["load_parameter"], details["light_share"]
+    return regime_variables(*shares), found
 
 
 def _steady(t: Array, slip: Array, speed: Array, tolerance: float) -> tuple[float, str]:

@@ -164,17 +164,7 @@ class EffectiveFriction:
                 np.array([c.status for c in critical]),
                 about("1", "what was found of the critical slip"),
             ),
-            "regime_share": (
-                ("ring", "regime"),
-                details["regime_share"],
-                about("1", "share of the contact forces in a film regime"),
-            ),
-            "load_parameter": ("ring", details["load_parameter"], about("1", "largest Moes load parameter M")),
-            "light_share": (
-                "ring",
-                details["light_share"],
-                about("1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's"),
-            ),
+            **regime_variables(details["regime_share"], details["load_parameter"], details["light_share"]),
             "normal_force": (rollers, forces, about("N", "normal force at the first instant")),
             "angle": ("roller", loads.psi[0], about("rad", "position from the line of load, first instant")),
         }
@@ -182,7 +172,6 @@ class EffectiveFriction:
             "ring": ("ring", np.array(RINGS), about("1", "ring")),
             "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
             "roller": ("roller", np.arange(forces.shape[1]), about("1", "roller")),
-            "regime": ("regime", np.array(NAMES), about("1", "film regime")),
         }
         if self.per_roller:
             variables["roller_friction"] = (
@@ -213,6 +202,30 @@ class EffectiveFriction:
                 "moment_residual": loads.moment_residual,
             },
         )
+
+
+def regime_variables(share: Array, load_parameter: Array, light: Array, where: str = "") -> dict[str, Any]:
+    """Return the variables of a result that say in which film regimes the contacts run, and how lightly loaded.
+
+    Parameters
+    ----------
+    share : ndarray
+        Share of the contact forces of a ring in each regime, shape (2, 4).
+    load_parameter, light : ndarray
+        Largest Moes load parameter, and share of the forces where it is small, shape (2,).
+    where : str, optional
+        What they hold for, ", at the steady slips" for example.
+    """
+    return {
+        "regime_share": (("ring", "regime"), share, about("1", f"share of the contact forces in a film regime{where}")),
+        "load_parameter": ("ring", load_parameter, about("1", f"largest Moes load parameter M{where}")),
+        "light_share": (
+            "ring",
+            light,
+            about("1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's{where}"),
+        ),
+        "regime": ("regime", np.array(NAMES), about("1", "film regime")),
+    }
 
 
 class LoadedContacts:

@@ -17,11 +17,12 @@ import numpy as np
 
 from rollslip.assembly import RINGS, Array, Assembly, assemble
 from rollslip.critical import Critical, locate
+from rollslip.effective_friction import regime_variables
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.friction_curve import about
 from rollslip.reading import Where, evolve
-from rollslip.regimes import LIGHT, NAMES, film_by_regime, groups, moes_groups
+from rollslip.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.steady_branches import Branch, TorqueCurve, follow, steady_slips, torque_curve
 from rollslip.torque_balance import Orbit, TorqueBalance, effective_curves
 
@@ -329,21 +330,8 @@ def _films(balance: TorqueBalance, states: list[Orbit], *, steady: bool) -> dict
             M = moes_groups(slices)[0]
             largest[i] = max(largest[i], M.max())
             light[i] += force[M < LIGHT].sum() / n
-    where = "at the steady slips" if steady else "over the range of slips"
-    found: dict[str, Any] = {
-        "regime_share": (
-            ("ring", "regime"),
-            share,
-            about("1", f"share of the contact forces in a film regime, {where}"),
-        ),
-        "load_parameter": ("ring", largest, about("1", f"largest Moes load parameter M, {where}")),
-        "light_share": (
-            "ring",
-            light,
-            about("1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's, {where}"),
-        ),
-        "regime": ("regime", np.array(NAMES), about("1", "film regime")),
-    }
+    where = ", at the steady slips" if steady else ", over the range of slips"
+    found = regime_variables(share, largest, light, where)
     if steady:
         found["film_parameter"] = (("ring", "steady"), thinnest, about("1", "smallest film parameter Lambda"))
     return found
