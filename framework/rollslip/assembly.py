@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rollslip.cage import Cage, read_cage
 from rollslip.chain import Chain
-from rollslip.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_equilibrium
+from rollslip.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_pitch
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.kinematics import Kinematics
 from rollslip.lubricant import Lubricant, lubricant_from_table
@@ -133,7 +133,9 @@ class Assembly:
         """Return the same bearing with half as many slices, to estimate what the slices leave."""
         return attrs.evolve(self, drop=_profile_drop(self.scene, self.slices // 2))
 
-    def load_distribution(self, instants: int = 1, cage_speed: float | None = None) -> LoadDistribution:
+    def load_distribution(
+        self, instants: int = 1, cage_speed: float | None = None, known: LoadDistribution | None = None
+    ) -> LoadDistribution:
         """Return the quasi-static loads of all rollers at instants spread over one roller pitch.
 
         Parameters
@@ -142,6 +144,8 @@ class Assembly:
             Number of instants.
         cage_speed : float, optional
             Speed [rad/s] with which the rollers go round, for their centrifugal force; by default the epicyclic one.
+        known : LoadDistribution, optional
+            That of half as many instants at this cage speed, whose instants are not solved for again.
 
         Raises
         ------
@@ -160,7 +164,7 @@ class Assembly:
             misalignment=o.misalignment,
             centrifugal_force=self.centrifugal_force if cage_speed is None else self._centrifugal_force_at(cage_speed),
         )
-        return solve_equilibrium(case, self.deflect)
+        return solve_pitch(case, self.deflect, known)
 
     def deflect(self, approach: Array, ring: Ring) -> tuple[Array, Array]:
         """Return load per length [N/m] and stiffness [N/m2] of the contacts with a ring, by approach [m]."""

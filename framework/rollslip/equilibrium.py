@@ -16,6 +16,8 @@ How it is solved, and why:
   1e-14 m would be lost in the rounding of a clearance of 1e-5 m.
 - An open contact keeps a trace of stiffness in the Hessian, never in the residual. It makes every step defined and
   lets a free roller ride half-way between the rings.
+- What mirrors something is not solved for: with aligned rings and a symmetric profile one half of a roller carries what
+  the other does, and over a pitch the instants m and M - m mirror each other in the line of load (`solve_pitch`).
 """
 
 from collections.abc import Callable
@@ -274,8 +276,14 @@ class _Problem:
         self.case, self.deflection = case, deflection
         self.direction = np.stack((np.cos(case.psi), np.sin(case.psi)))
         slices = case.drop.size
-        self.xi = slice_positions(2.0, slices)
-        self.powers = case.roller_length / slices * np.stack((np.ones(slices), self.xi, self.xi**2), axis=-1)
+        # Of a roller that is symmetric and does not tilt only the half with x >= 0 is carried along, for both.
+        mirrored = case.misalignment == 0.0 and np.array_equal(case.drop, case.drop[::-1])
+        half = slices // 2 if mirrored else 0
+        #: where each slice of the whole roller is among those carried along
+        self.place = np.abs(np.arange(1 - slices, slices, 2)) // 2 if mirrored else np.arange(slices)
+        self.xi, self.drop = slice_positions(2.0, slices)[half:], case.drop[half:]
+        moments = np.stack((np.ones_like(self.xi), np.zeros_like(self.xi) if mirrored else self.xi, self.xi**2), axis=-1)
+        self.powers = case.roller_length / slices * np.bincount(self.place)[:, None] * moments
         self.sample = np.maximum(deflection(_APPROACH, "outer")[0], np.finfo(float).tiny)
 
         # Deeper than the solution: from there Newton's steps in a potential of rising stiffness do not overshoot.
@@ -313,8 +321,8 @@ class _Problem:
             ring=np.stack((self.depth, np.zeros_like(self.depth)), axis=-1),
             shift=shift,
             tip=tip,
-            inner=(gap - shift)[..., None] + (rise - tip)[..., None] * self.xi - case.drop,
-            outer=shift[..., None] + tip[..., None] * self.xi - case.drop,
+            inner=(gap - shift)[..., None] + (rise - tip)[..., None] * self.xi - self.drop,
+            outer=shift[..., None] + tip[..., None] * self.xi - self.drop,
         )
 
     def moved(self, state: _State, ring: Floats, roller: Floats, active: NDArray[np.intp]) -> _State:
@@ -501,8 +509,8 @@ def _solved(case: LoadCase, deflection: Deflection) -> LoadDistribution:
     return LoadDistribution(
         psi=case.psi,
         position=slice_positions(case.roller_length, case.drop.size),
-        inner_load=forces.inner_load,
-        outer_load=forces.outer_load,
+        inner_load=forces.inner_load[..., problem.place],
+        outer_load=forces.outer_load[..., problem.place],
         inner_force=forces.inner_force,
         outer_force=forces.outer_force,
         displacement=result.ring,
@@ -512,4 +520,61 @@ def _solved(case: LoadCase, deflection: Deflection) -> LoadDistribution:
         force_residual=force_residual,
         moment_residual=moment_residual,
         iterations=iteration,
+    )
+
+
+def solve_pitch(case: LoadCase, deflection: Deflection, known: LoadDistribution | None = None) -> LoadDistribution:
+    """Load distribution at instants spread over one roller pitch, of which half are mirror images of the others.
+
+    Roller j at instant m is the mirror image, in the line of load, of roller Z - 1 - j at instant M - m, and carries
+    the same. With twice as many instants, every second one is that of before.
+
+    Parameters
+    ----------
+    case : LoadCase
+        Bearing and load, psi as `angular_positions` gives it.
+    deflection : callable
+        Contact law, as for `solve_equilibrium`.
+    known : LoadDistribution, optional
+        What this function gave for half as many instants of the same bearing.
+
+    Returns
+    -------
+    LoadDistribution
+        Loads, positions and residuals at every instant.
+
+    Raises
+    ------
+    ConvergenceError
+        As `solve_equilibrium`.
+    """
+    instants = case.psi.shape[0]
+    new = np.arange(instants) if known is None else np.arange(1, instants, 2)
+    solved = new[new <= instants // 2]
+    images = new[new > instants // 2]
+    found = solve_equilibrium(attrs.evolve(case, psi=case.psi[solved]), deflection)
+
+    def over_pitch(name: str) -> Floats:
+        part: Floats = getattr(found, name)
+        whole = np.empty((instants, *part.shape[1:]))
+        if known is not None:
+            whole[::2] = getattr(known, name)
+        whole[solved] = part
+        image = whole[instants - images]
+        if name == "displacement":
+            image = image * np.array([1.0, -1.0])
+        elif name != "moment":
+            image = image[:, ::-1]
+        whole[images] = image
+        return whole
+
+    names = ("inner_load", "outer_load", "inner_force", "outer_force", "displacement", "roller_shift", "roller_tilt")
+    both = (found,) if known is None else (found, known)
+    return attrs.evolve(
+        found,
+        psi=case.psi,
+        **{name: over_pitch(name) for name in (*names, "moment")},
+        force_residual=max(one.force_residual for one in both),
+        moment_residual=max(one.moment_residual for one in both),
+        iterations=max(one.iterations for one in both),
     )
