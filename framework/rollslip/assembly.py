@@ -25,6 +25,7 @@ from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 Array = NDArray[np.float64]
 Ring = Literal["inner", "outer"]
 RINGS: tuple[Ring, Ring] = ("inner", "outer")
+_PIECE = 2048  # slices whose deflection is found at a time
 
 
 @attrs.frozen(eq=False)
@@ -169,9 +170,15 @@ class Assembly:
     def deflect(self, approach: Array, ring: Ring) -> tuple[Array, Array]:
         """Return load per length [N/m] and stiffness [N/m2] of the contacts with a ring, by approach [m]."""
         raceway = self.inner if ring == "inner" else self.outer
-        slices = Slices(approach.size, raceway.conditions, approach=approach.ravel())
-        raceway.deflection(slices)
-        return slices.load.reshape(approach.shape), slices.stiffness.reshape(approach.shape)
+        every = approach.ravel()
+        touching = np.flatnonzero(~(every <= 0.0))  # NaN among them, for the chain to refuse
+        load, stiffness = np.zeros_like(every), np.zeros_like(every)
+        for start in range(0, touching.size, _PIECE):  # a table is many columns: pieces of it stay in the cache
+            some = touching[start : start + _PIECE]
+            slices = Slices(some.size, raceway.conditions, approach=every[some])
+            raceway.deflection(slices)
+            load[some], stiffness[some] = slices.load, slices.stiffness
+        return load.reshape(approach.shape), stiffness.reshape(approach.shape)
 
 
 def assemble(scene: Scene) -> Assembly:

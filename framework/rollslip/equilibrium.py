@@ -257,6 +257,8 @@ class _Search:
 def _first_contact(approach: Floats, step: Floats, depth: Floats) -> Floats:
     """Share of a step, at most 1, after which no open contact of the last axis is closed deeper than this."""
     closing = (approach < 0.0) & (approach + step > depth)
+    if not closing.any():
+        return np.ones(approach.shape[:-1])
     shares = np.where(closing, depth - approach, 1.0) / np.where(closing, step, 1.0)
     nearest: Floats = shares.min(axis=-1)
     return nearest
