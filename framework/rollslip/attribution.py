@@ -78,8 +78,8 @@ class Work:
         return cls(
             [
                 _Part(k, RINGS[k], contacts.slices.load, u, V, contacts.force)
-                for slip in result["cage_slip"].to_numpy()
-                for k, (contacts, u, V) in enumerate(raceways.contacts(raceways.speeds(float(slip))))
+                for both in raceways.contacts(raceways.speeds(result["cage_slip"].to_numpy()))
+                for k, (contacts, u, V) in enumerate(both)
             ]
         )
 

@@ -464,15 +464,11 @@ def _critical(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
 def _regimes(raceways: LoadedRaceways, slip: Array, found: Trajectory) -> tuple[dict[str, Any], Trajectory]:
     """Film regimes and load parameters of the contacts at some cage slips, NaN if a model fails; as `_outputs`."""
     try:
-        details = raceways.details(slip)
+        shares = raceways.regimes(raceways.speeds(slip))
     except Exception as error:
         found = _failing(found, error, "film regimes")
-        details = {
-            "regime_share": np.full((len(RINGS), len(NAMES)), np.nan),
-            "load_parameter": np.full(len(RINGS), np.nan),
-            "light_share": np.full(len(RINGS), np.nan),
-        }
-    shares = details["regime_share"], details["load_parameter"], details["light_share"]
+        unknown = np.full(len(RINGS), np.nan)
+        shares = np.full((len(RINGS), len(NAMES)), np.nan), unknown, unknown
     return regime_variables(*shares), found
 
 

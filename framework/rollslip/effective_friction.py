@@ -10,6 +10,8 @@
 - What a roller spins at is not fixed by the cage slip. The closures are: ``outer-rolling`` (pure rolling on the outer
   ring), ``epicyclic`` (every roller at its epicyclic spin) and ``free-roller`` (each loaded roller spins so that both
   rings pull alike). The map over cage slip and roller slip, which needs none, is stored beside the curve.
+- Rollers either side of the line of load carry the same, and so do the halves of a roller that is symmetric and does
+  not tilt: one of them is evaluated and counts for all of its images, a quarter of the slices in most bearings.
 """
 
 from collections.abc import Iterator
@@ -26,7 +28,7 @@ from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.friction_curve import about, slip_grid
 from rollslip.kinematics import SurfaceSpeeds
 from rollslip.reading import Where
-from rollslip.regimes import LIGHT, NAMES, film_by_regime, groups, moes_groups
+from rollslip.regimes import LIGHT, NAMES, groups, regime_limits
 from rollslip_kernels.slices import Slices
 
 if TYPE_CHECKING:
@@ -103,9 +105,9 @@ class EffectiveFriction:
         friction = raceways.curve(slip)
         return self._dataset(assembly, raceways, slip, friction, raceways.critical(slip, friction), error)
 
-    def loaded(self, assembly: Assembly, instants: int) -> "LoadedRaceways":
-        """Return the loaded contacts at a number of instants of a pitch."""
-        return LoadedRaceways(assembly, assembly.load_distribution(instants), self.closure)
+    def loaded(self, assembly: Assembly, instants: int, known: LoadDistribution | None = None) -> "LoadedRaceways":
+        """Return the loaded contacts at a number of instants of a pitch; those at half as many may be known."""
+        return LoadedRaceways(assembly, assembly.load_distribution(instants, known=known), self.closure)
 
     def _converged(
         self, assembly: Assembly, slip: Array
@@ -113,9 +115,11 @@ class EffectiveFriction:
         """Double the instants until neither the curves nor the critical slips move by more than the tolerance."""
         tolerance = assembly.scene.accuracy.tolerance
         before: tuple[Array, tuple[Critical, Critical]] | None = None
+        known: LoadDistribution | None = None
         instants, moved = _FIRST_INSTANTS, np.inf
         while instants <= _MOST_INSTANTS:
-            raceways = self.loaded(assembly, instants)
+            raceways = self.loaded(assembly, instants, known)
+            known = raceways.distribution
             friction = raceways.curve(slip)
             critical = raceways.critical(slip, friction)
             if before is not None:
@@ -139,16 +143,17 @@ class EffectiveFriction:
     ) -> "xr.Dataset":
         import xarray as xr
 
-        details = raceways.details(slip)
+        speeds = raceways.speeds(slip)
+        means, film = raceways.means(speeds), raceways.evaluated(speeds)[1]
         loads = raceways.distribution
         curve, rollers = ("ring", "cage_slip"), ("ring", "roller")
         forces = np.stack([loads.inner_force[0], loads.outer_force[0]])
         variables: dict[str, Any] = {
             "effective_friction": (curve, friction, about("1", "effective friction coefficient")),
-            "roller_slip": (curve, details["roller_slip"], about("1", "roller slip, mean over the loaded contacts")),
-            "sliding_speed": (curve, details["sliding_speed"], about("m/s", "sliding speed, mean over them")),
-            "rolling_speed": (curve, details["rolling_speed"], about("m/s", "rolling speed, mean over them")),
-            "film_parameter": (curve, details["film_parameter"], about("1", "smallest film parameter Lambda")),
+            "roller_slip": (curve, means["roller_slip"], about("1", "roller slip, mean over the loaded contacts")),
+            "sliding_speed": (curve, means["sliding_speed"], about("m/s", "sliding speed, mean over them")),
+            "rolling_speed": (curve, means["rolling_speed"], about("m/s", "rolling speed, mean over them")),
+            "film_parameter": (curve, film, about("1", "smallest film parameter Lambda")),
             "critical_cage_slip": (
                 "ring",
                 np.array([c.slip for c in critical]),
@@ -164,7 +169,7 @@ class EffectiveFriction:
                 np.array([c.status for c in critical]),
                 about("1", "what was found of the critical slip"),
             ),
-            **regime_variables(details["regime_share"], details["load_parameter"], details["light_share"]),
+            **regime_variables(*raceways.regimes(speeds)),
             "normal_force": (rollers, forces, about("N", "normal force at the first instant")),
             "angle": ("roller", loads.psi[0], about("rad", "position from the line of load, first instant")),
         }
@@ -229,17 +234,37 @@ def regime_variables(share: Array, load_parameter: Array, light: Array, where: s
 
 
 class LoadedContacts:
-    """The loaded slices of one raceway at all instants, one table that is evaluated again and again."""
+    """The loaded slices of one raceway, one table that is evaluated again and again.
 
-    def __init__(self, raceway: Raceway, load: Array, width: float, orbit: float) -> None:
+    Parameters
+    ----------
+    raceway : Raceway
+        The raceway.
+    load : ndarray
+        Loads per length [N/m] of rollers, (rollers, n).
+    width : float
+        Width of a slice [m].
+    orbit : float
+        Direction of the rollers' orbit, 1 or -1.
+    count : ndarray, optional
+        How many rollers each one stands for, (rollers,); by default one.
+    """
+
+    def __init__(self, raceway: Raceway, load: Array, width: float, orbit: float, count: Array | None = None) -> None:
+        slices = load.shape[1]
+        widths = np.full(slices, width)
+        if np.array_equal(load, load[:, ::-1]):  # one half of a roller carries what the other does
+            load, widths = load[:, slices // 2 :], 2.0 * widths[slices // 2 :]
+            widths[0] /= 1.0 + slices % 2
         loaded = load > 0.0
-        #: direction of the rollers' orbit, 1 or -1
         self.orbit = orbit
         self.raceway = raceway
-        self.rollers = load.shape[0] * load.shape[1]
-        #: number of the roller (over all instants) that each slice belongs to
-        self.owner = np.nonzero(loaded)[0] * load.shape[1] + np.nonzero(loaded)[1]
-        self.force = load[loaded] * width
+        self.rollers = load.shape[0]
+        #: number of the roller that each slice belongs to
+        self.owner, column = np.nonzero(loaded)
+        #: width [m] of all that each slice stands for
+        self.width = widths[column] if count is None else widths[column] * count[self.owner]
+        self.force = load[loaded] * self.width
         self.total = float(self.force.sum())
         self.slices = Slices(self.force.size, raceway.conditions, load=load[loaded])
 
@@ -251,22 +276,55 @@ class LoadedContacts:
         return self.orbit * self.slices.friction
 
     def per_roller(self, values: Array) -> Array:
-        """Sum of values of slices for every roller, (instants Z,)."""
+        """Sum of values of slices for every roller, (rollers,)."""
         return np.asarray(np.bincount(self.owner, weights=values, minlength=self.rollers), dtype=float)
 
     def mean(self, values: Array) -> float:
         """Mean by force over the loaded slices, NaN if there are none."""
-        return float((values * self.force).sum() / self.total) if self.total > 0.0 else np.nan
+        return float(values @ self.force) / self.total if self.total > 0.0 else np.nan
+
+    def regimes(self, rolling: Array) -> tuple[Array, float, float]:
+        """Shares of the force by film regime, (4,), and at M < LIGHT, means over rolling speeds, and the largest M.
+
+        The speeds [m/s] are of shape (n,) for all rollers, or (n, rollers).
+        """
+        share, light, largest = np.zeros(4), 0.0, 0.0
+        alike = [(np.ones(self.owner.size, dtype=bool), rolling)]
+        for chosen, speed in alike if rolling.ndim == 1 else [(self.owner == k, u) for k, u in enumerate(rolling.T)]:
+            order = np.argsort(self.slices.load[chosen])
+            if order.size == 0:
+                continue
+            load = self.slices.load[chosen][order]
+            below = np.concatenate(([0.0], np.cumsum(self.force[chosen][order]))) / (self.total * speed.size)
+            U, G, W = groups(Slices.of_columns(self.slices.conditions, {"rolling_speed": speed, "load": load}))
+            elastic, piezoviscous, both = (below[np.searchsorted(W, at, side="right")] for at in regime_limits(U, G))
+            rigid, mixed = np.minimum(elastic, piezoviscous), np.maximum(both, piezoviscous)
+            share += [part.sum() for part in (rigid, mixed - piezoviscous, piezoviscous - rigid, below[-1] - mixed)]
+            light += float(below[np.searchsorted(W, LIGHT * np.sqrt(2.0 * U))].sum())
+            largest = max(largest, float(W[-1] / np.sqrt(2.0 * U.min())))
+        return share, light, largest
 
 
 class LoadedRaceways:
-    """Both raceways under one load distribution, and the closure that gives the rollers their spin."""
+    """Both raceways under one load distribution of a pitch, and the closure that gives the rollers their spin."""
 
     def __init__(self, assembly: Assembly, distribution: LoadDistribution, closure: str) -> None:
         self.assembly, self.distribution, self.closure = assembly, distribution, closure
-        width, orbit = assembly.slice_width, float(np.sign(assembly.kinematics.epicyclic_cage_speed))
-        self.inner = LoadedContacts(assembly.inner, distribution.inner_load, width, orbit)
-        self.outer = LoadedContacts(assembly.outer, distribution.outer_load, width, orbit)
+        orbit = float(np.sign(assembly.kinematics.epicyclic_cage_speed))
+        # instants m and rollers j are positions j M + m of the orbit, of which k and -k carry the same
+        positions = distribution.psi.size
+        count = np.full(positions // 2 + 1, 2.0)
+        count[0] = 1.0
+        count[-1] -= positions % 2 == 0 and positions > 1
+
+        def of(raceway: Raceway, load: Array) -> LoadedContacts:
+            whole = load.swapaxes(0, 1).reshape(positions, -1)
+            return LoadedContacts(raceway, whole[: count.size], assembly.slice_width, orbit, count)
+
+        self.inner, self.outer = (
+            of(assembly.inner, distribution.inner_load),
+            of(assembly.outer, distribution.outer_load),
+        )
         if self.inner.total == 0.0:
             operation, bearing = assembly.scene.operation, assembly.scene.bearing
             raise SceneError(
@@ -286,38 +344,44 @@ class LoadedRaceways:
                 f"the outer ring, which balance to {unbalanced:.1g} N; give more radial load or less speed"
             )
 
-    def speeds(self, cage_slip: float) -> SurfaceSpeeds:
-        """Speeds by the closure; scalars, or one value for each roller and instant."""
+    def speeds(self, cage_slip: Array) -> SurfaceSpeeds:
+        """Speeds by the closure at cage slips (n,): alike for all rollers, (n,), or for each of them, (n, rollers)."""
         kinematics = self.assembly.kinematics
-        if self.closure == "epicyclic" or cage_slip == 0.0:
+        if self.closure == "epicyclic" or not np.any(cage_slip):
             return kinematics.surface_speeds(cage_slip, 0.0)
         outer_rolling = kinematics.roller_slip_outer_rolling(cage_slip)
         if self.closure == "outer-rolling":
             speeds = kinematics.surface_speeds(cage_slip, outer_rolling)
             return attrs.evolve(speeds, outer_sliding=np.zeros_like(speeds.outer_sliding))  # not the rounding of it
-        return kinematics.surface_speeds(cage_slip, self._free_roller_slip(cage_slip, float(outer_rolling)))
+        free = [
+            self._free_roller_slip(float(s), float(rolling))
+            for s, rolling in zip(cage_slip, outer_rolling, strict=True)
+        ]
+        return kinematics.surface_speeds(cage_slip[:, None], np.array(free))
 
     def _free_roller_slip(self, cage_slip: float, outer_rolling: float) -> Array:
-        """Roller slip at which both rings pull a roller alike, (instants Z,).
+        """Roller slip at which both rings pull a roller alike, (rollers,).
 
         Between rolling on the inner ring and rolling on the outer one the difference of the pulls changes its sign,
         so there is a root; of several the bracket ends in one that is stable. A roller without inner load rolls on
         the outer ring.
         """
+        result = np.full(self.inner.rollers, outer_rolling)
+        if cage_slip == 0.0:
+            return 0.0 * result
         from scipy.optimize.elementwise import find_root
 
         kinematics = self.assembly.kinematics
         inner_rolling = -outer_rolling * kinematics.inner_radius / kinematics.outer_radius
-        result = np.full(self.inner.rollers, outer_rolling)
         loaded = np.flatnonzero(self.inner.per_roller(self.inner.force) > 0.0)
 
         def difference(slip: Array, roller: Array) -> Array:
             trial = result.copy()
             trial[roller] = slip
-            speeds = kinematics.surface_speeds(cage_slip, trial)
+            (both,) = self.contacts(kinematics.surface_speeds(np.full((1, 1), cage_slip), trial))
             pulls = [
                 contacts.per_roller(contacts.force * contacts.friction(rolling, sliding))
-                for contacts, rolling, sliding in self.contacts(speeds)
+                for contacts, rolling, sliding in both
             ]
             return np.asarray((pulls[0] - pulls[1])[roller])
 
@@ -332,37 +396,56 @@ class LoadedRaceways:
         result[loaded] = found.x
         return result
 
-    def contacts(self, speeds: SurfaceSpeeds) -> "Iterator[tuple[LoadedContacts, Any, Any]]":
-        """Contacts of each ring with the rolling and sliding speed of their slices."""
-        for contacts, rolling, sliding in (
+    def contacts(self, speeds: SurfaceSpeeds) -> "Iterator[list[tuple[LoadedContacts, Any, Any]]]":
+        """Both rings' contacts with their rolling and sliding speeds, for every row of speeds (n,) or (n, rollers).
+
+        Raises
+        ------
+        DomainError
+            If a contact draws no oil in; before the first row.
+        """
+        rings = (
             (self.inner, speeds.inner_rolling, speeds.inner_sliding),
             (self.outer, speeds.outer_rolling, speeds.outer_sliding),
-        ):
+        )
+        for contacts, rolling, _ in rings:
             if not np.all(rolling > 0.0):
-                slip = 1.0 - float(np.ravel(speeds.cage_speed)[0]) / self.assembly.kinematics.epicyclic_cage_speed
+                row = np.unravel_index(np.argmin(rolling > 0.0), rolling.shape)[0]
+                slip = 1.0 - float(speeds.cage_speed[row].flat[0]) / self.assembly.kinematics.epicyclic_cage_speed
                 raise DomainError(
                     f"at a cage slip of {slip:.3g} a contact of the {contacts.raceway.ring} ring has the entrainment "
-                    f"speed {np.min(rolling):.3g} m/s, which draws no oil in; lower "
+                    f"speed {np.min(rolling[row]):.3g} m/s, which draws no oil in; lower "
                     "study.effective-friction.max_cage_slip"
                 )
-            if rolling.ndim:
-                rolling, sliding = rolling[contacts.owner], sliding[contacts.owner]
-            yield contacts, rolling, sliding
+        for k in range(speeds.cage_speed.shape[0]):
+            yield [
+                (contacts, u[k], V[k]) if u.ndim == 1 else (contacts, u[k][contacts.owner], V[k][contacts.owner])
+                for contacts, u, V in rings
+            ]
+
+    def evaluated(self, speeds: SurfaceSpeeds) -> tuple[Array, Array]:
+        """Effective friction and smallest film parameter of both rings at every row of speeds, (2, n) each."""
+        friction, film = (np.full((2, speeds.cage_speed.shape[0]), np.nan) for _ in range(2))
+        for k, both in enumerate(self.contacts(speeds)):
+            for i, (contacts, u, V) in enumerate(both):
+                friction[i, k] = contacts.mean(contacts.friction(u, V))
+                film[i, k] = contacts.slices.film_thickness.min(initial=np.inf) / contacts.raceway.conditions.roughness
+        return friction, film
 
     def curve(self, slip: Array) -> Array:
         """Effective friction of both rings, (2, n)."""
-        return np.array(
-            [
-                [contacts.mean(contacts.friction(u, V)) for contacts, u, V in self.contacts(self.speeds(float(s)))]
-                for s in slip
-            ]
-        ).T
+        return self.evaluated(self.speeds(slip))[0]
 
     def critical(self, slip: Array, friction: Array) -> tuple[Critical, Critical]:
         """Critical cage slip of both rings, on the continuous curve."""
 
         def of(ring: int) -> Critical:
-            return locate(lambda s: float(self.curve(np.array([s]))[ring, 0]), slip, friction[ring], "max_cage_slip")
+            def at(one: float) -> float:
+                (both,) = self.contacts(self.speeds(np.array([one])))
+                contacts, u, V = both[ring]
+                return contacts.mean(contacts.friction(u, V))
+
+            return locate(at, slip, friction[ring], "max_cage_slip")
 
         return of(0), of(1)
 
@@ -374,38 +457,42 @@ class LoadedRaceways:
         loads = assembly.load_distribution(self.distribution.psi.shape[0])
         return _moved(LoadedRaceways(assembly, loads, self.closure).curve(slip), friction)
 
-    def details(self, slip: Array) -> dict[str, Array]:
-        """What goes with the curve, and in which regimes the contacts run over all of it."""
-        n = slip.size
-        names = ("roller_slip", "sliding_speed", "rolling_speed", "film_parameter")
-        out = {name: np.full((2, n), np.nan) for name in names}
-        share, light, largest = np.zeros((2, 4)), np.zeros(2), np.zeros(2)
-        epicyclic_spin = self.assembly.kinematics.epicyclic_roller_speed
-        for k, s in enumerate(slip):
-            speeds = self.speeds(float(s))
-            for i, (contacts, u, V) in enumerate(self.contacts(speeds)):
-                contacts.friction(u, V)
-                slices = contacts.slices
-                spin = speeds.roller_speed[contacts.owner] if speeds.roller_speed.ndim else speeds.roller_speed
-                out["roller_slip"][i, k] = contacts.mean(1.0 - spin / epicyclic_spin + 0.0 * slices.load)
-                out["sliding_speed"][i, k] = contacts.mean(slices.sliding_speed)
-                out["rolling_speed"][i, k] = contacts.mean(slices.rolling_speed)
-                out["film_parameter"][i, k] = slices.film_thickness.min() / contacts.raceway.conditions.roughness
-                code = film_by_regime(*groups(slices))[1].astype(int)
-                share[i] += np.bincount(code, weights=contacts.force, minlength=4) / (contacts.total * n)
-                M = moes_groups(slices)[0]
-                largest[i] = max(largest[i], M.max())
-                light[i] += contacts.force[M < LIGHT].sum() / (contacts.total * n)
-        return out | {"regime_share": share, "load_parameter": largest, "light_share": light}
+    def means(self, speeds: SurfaceSpeeds) -> dict[str, Array]:
+        """Roller slip, sliding and rolling speed of both rings' contacts, means by force, (2, n) each."""
+        roller_slip = 1.0 - speeds.roller_speed / self.assembly.kinematics.epicyclic_roller_speed
+        rings = (
+            (self.inner, speeds.inner_sliding, speeds.inner_rolling),
+            (self.outer, speeds.outer_sliding, speeds.outer_rolling),
+        )
+        values = {
+            name: [
+                row if row.ndim == 1 else row @ contacts.per_roller(contacts.force) / contacts.total
+                for contacts, row in rows
+            ]
+            for name, rows in {
+                "roller_slip": [(contacts, roller_slip) for contacts, _, _ in rings],
+                "sliding_speed": [(contacts, V) for contacts, V, _ in rings],
+                "rolling_speed": [(contacts, u) for contacts, _, u in rings],
+            }.items()
+        }
+        return {name: np.array(rows) for name, rows in values.items()}
+
+    def regimes(self, speeds: SurfaceSpeeds) -> tuple[Array, Array, Array]:
+        """What `regime_variables` takes: in which film regimes the contacts run, over all rows of speeds."""
+        rings = self.inner.regimes(speeds.inner_rolling), self.outer.regimes(speeds.outer_rolling)
+        share, light, largest = (np.array(values) for values in zip(*rings, strict=True))
+        return share, largest, light
 
     def per_roller(self, slip: Array) -> Array:
         """Friction coefficient of every roller at the first instant, (2, Z, n), NaN without load."""
-        rollers = self.distribution.psi.shape[1]
+        instants, rollers = self.distribution.psi.shape
+        position = instants * np.arange(rollers)
+        place = np.minimum(position, instants * rollers - position)
         out = np.full((2, rollers, slip.size), np.nan)
-        for k, s in enumerate(slip):
-            for i, (contacts, u, V) in enumerate(self.contacts(self.speeds(float(s)))):
-                pull = contacts.per_roller(contacts.friction(u, V) * contacts.force)[:rollers]
-                force = contacts.per_roller(contacts.force)[:rollers]
+        for k, both in enumerate(self.contacts(self.speeds(slip))):
+            for i, (contacts, u, V) in enumerate(both):
+                pull = contacts.per_roller(contacts.friction(u, V) * contacts.force)[place]
+                force = contacts.per_roller(contacts.force)[place]
                 out[i, force > 0.0, k] = pull[force > 0.0] / force[force > 0.0]
         return out
 
@@ -415,13 +502,8 @@ class LoadedRaceways:
         cage = slip_grid(largest, points)
         half = slip_grid(float(kinematics.roller_slip_outer_rolling(largest)), points)
         roller = np.concatenate((-half[:0:-1], half))
-        surface = np.empty((2, cage.size, roller.size))
-        for j, c in enumerate(cage):
-            for k, r in enumerate(roller):
-                speeds = kinematics.surface_speeds(c, r)
-                for i, (contacts, u, V) in enumerate(self.contacts(speeds)):
-                    surface[i, j, k] = contacts.mean(contacts.friction(u, V))
-        return cage, roller, surface
+        speeds = kinematics.surface_speeds(np.repeat(cage, roller.size), np.tile(roller, cage.size))
+        return cage, roller, self.evaluated(speeds)[0].reshape(2, cage.size, roller.size)
 
 
 def _moved(before: Array, after: Array) -> float:

@@ -284,7 +284,9 @@ class _Problem:
         #: where each slice of the whole roller is among those carried along
         self.place = np.abs(np.arange(1 - slices, slices, 2)) // 2 if mirrored else np.arange(slices)
         self.xi, self.drop = slice_positions(2.0, slices)[half:], case.drop[half:]
-        moments = np.stack((np.ones_like(self.xi), np.zeros_like(self.xi) if mirrored else self.xi, self.xi**2), axis=-1)
+        moments = np.stack(
+            (np.ones_like(self.xi), np.zeros_like(self.xi) if mirrored else self.xi, self.xi**2), axis=-1
+        )
         self.powers = case.roller_length / slices * np.bincount(self.place)[:, None] * moments
         self.sample = np.maximum(deflection(_APPROACH, "outer")[0], np.finfo(float).tiny)
 

@@ -68,3 +68,18 @@ def film_by_regime(U: ArrayLike, G: ArrayLike, W: ArrayLike) -> tuple[Array, Arr
     isoviscous, piezoviscous = np.maximum(ir, ie), np.minimum(vr, ve)
     code = np.where(piezoviscous > isoviscous, np.where(ve < vr, 3.0, 1.0), np.where(ie > ir, 2.0, 0.0))
     return np.maximum(isoviscous, piezoviscous), code
+
+
+def regime_limits(U: ArrayLike, G: ArrayLike) -> tuple[Array, Array, Array]:
+    """Return W beyond which a contact is elastic if isoviscous, is piezoviscous, and is elastic if piezoviscous.
+
+    They are the boundaries of `film_by_regime`, of which it needs none: of two laws the one that falls less with W is
+    the larger beyond where they meet. NaN or infinite where they do not meet, for an oil that does not stiffen.
+    """
+
+    def beyond(larger: PowerLaw, smaller: PowerLaw) -> Array:
+        return np.asarray((smaller(U, G, 1.0) / larger(U, G, 1.0)) ** (1.0 / (larger.w - smaller.w)))
+
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        piezoviscous = [beyond(thick, thin) for thick in (BLOK, DOWSON_1968) for thin in (MARTIN, HERREBRUGH)]
+        return beyond(HERREBRUGH, MARTIN), np.maximum.reduce(piezoviscous), beyond(BLOK, DOWSON_1968)

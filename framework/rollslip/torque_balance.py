@@ -75,7 +75,7 @@ class Conventional:
 
     def __init__(self, raceway: Raceway, load: Array, width: float) -> None:
         self.contacts = LoadedContacts(raceway, load, width, 1.0)
-        self._width, self.resists = width, raceway.chain.resists
+        self.resists = raceway.chain.resists
 
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
         """Return F and F_R [N], (K,)."""
@@ -84,7 +84,7 @@ class Conventional:
         traction = contacts.per_roller(friction * contacts.force)
         if not self.resists:
             return traction, np.zeros_like(traction)
-        resistance = contacts.per_roller(contacts.slices.resistance * self._width)
+        resistance = contacts.per_roller(contacts.slices.resistance * contacts.width)
         return traction, resistance * rolling / film
 
 
@@ -225,7 +225,7 @@ class TorqueBalance:
         order = np.argsort(loads.psi.ravel())[(int(self._sense) * np.arange(positions)) % positions]
 
         def of(raceway: Raceway, load: Array) -> Conventional:
-            return Conventional(raceway, load.reshape(1, positions, -1)[:, order], self.assembly.slice_width)
+            return Conventional(raceway, load.reshape(positions, -1)[order], self.assembly.slice_width)
 
         return of(self.assembly.inner, loads.inner_load), of(self.assembly.outer, loads.outer_load)
 
