@@ -12,9 +12,11 @@
   rings pull alike). The map over cage slip and roller slip, which needs none, is stored beside the curve.
 - Rollers either side of the line of load carry the same, and so do the halves of a roller that is symmetric and does
   not tilt: one of them is evaluated and counts for all of its images, a quarter of the slices in most bearings.
+- The map, most of the work, is taken over few loads that stand for all slices (`rollslip.load_rule`), held against
+  them to a thousandth of the tolerance; curve and critical slip are summed over all slices.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -27,6 +29,7 @@ from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.friction_curve import about, slip_grid
 from rollslip.kinematics import SurfaceSpeeds
+from rollslip.load_rule import load_rule
 from rollslip.reading import Where
 from rollslip.regimes import LIGHT, NAMES, groups, regime_limits
 from rollslip_kernels.slices import Slices
@@ -36,6 +39,9 @@ if TYPE_CHECKING:
 
 #: Doublings start here and give up there.
 _FIRST_INSTANTS, _MOST_INSTANTS = 2, 1024
+#: Error of the map's loads relative to the tolerance, and at how many of its points it is looked at.
+_MAP_SHARE, _MAP_PROBES = 1e-3, 12
+_TABLE = 32768  # slices in a table at a time
 
 
 @attrs.frozen(kw_only=True)
@@ -95,15 +101,15 @@ class EffectiveFriction:
             If doubling the instants does not settle the curve, or the radial load is lost beside centrifugal forces.
         """
         slip = slip_grid(self.max_cage_slip, self.points)
-        raceways, friction, critical, error = self._converged(assembly, slip)
-        return self._dataset(assembly, raceways, slip, friction, critical, error)
+        raceways, curves, critical, error = self._converged(assembly, slip)
+        return self._dataset(assembly, raceways, slip, curves, critical, error)
 
     def at_instants(self, assembly: Assembly, instants: int, error: float) -> "xr.Dataset":
         """Return what `run` does, on a given number of instants, which leave a relative error known to the caller."""
         slip = slip_grid(self.max_cage_slip, self.points)
         raceways = self.loaded(assembly, instants)
-        friction = raceways.curve(slip)
-        return self._dataset(assembly, raceways, slip, friction, raceways.critical(slip, friction), error)
+        curves = raceways.evaluated(raceways.speeds(slip))
+        return self._dataset(assembly, raceways, slip, curves, raceways.critical(slip, curves[0]), error)
 
     def loaded(self, assembly: Assembly, instants: int, known: LoadDistribution | None = None) -> "LoadedRaceways":
         """Return the loaded contacts at a number of instants of a pitch; those at half as many may be known."""
@@ -111,7 +117,7 @@ class EffectiveFriction:
 
     def _converged(
         self, assembly: Assembly, slip: Array
-    ) -> "tuple[LoadedRaceways, Array, tuple[Critical, Critical], float]":
+    ) -> "tuple[LoadedRaceways, tuple[Array, Array], tuple[Critical, Critical], float]":
         """Double the instants until neither the curves nor the critical slips move by more than the tolerance."""
         tolerance = assembly.scene.accuracy.tolerance
         before: tuple[Array, tuple[Critical, Critical]] | None = None
@@ -120,12 +126,12 @@ class EffectiveFriction:
         while instants <= _MOST_INSTANTS:
             raceways = self.loaded(assembly, instants, known)
             known = raceways.distribution
-            friction = raceways.curve(slip)
+            curves = friction, _ = raceways.evaluated(raceways.speeds(slip))
             critical = raceways.critical(slip, friction)
             if before is not None:
                 moved = max(_moved(before[0], friction), *map(_critical_moved, before[1], critical))
                 if moved <= tolerance:
-                    return raceways, friction, critical, moved
+                    return raceways, curves, critical, moved
             before, instants = (friction, critical), 2 * instants
         raise ConvergenceError(
             f"effective friction still moves by {moved:.1e} (relative) from {_MOST_INSTANTS // 2} to {_MOST_INSTANTS} "
@@ -137,14 +143,14 @@ class EffectiveFriction:
         assembly: Assembly,
         raceways: "LoadedRaceways",
         slip: Array,
-        friction: Array,
+        curves: tuple[Array, Array],
         critical: tuple[Critical, Critical],
         error: float,
     ) -> "xr.Dataset":
         import xarray as xr
 
         speeds = raceways.speeds(slip)
-        means, film = raceways.means(speeds), raceways.evaluated(speeds)[1]
+        means, (friction, film) = raceways.means(speeds), curves
         loads = raceways.distribution
         curve, rollers = ("ring", "cage_slip"), ("ring", "roller")
         forces = np.stack([loads.inner_force[0], loads.outer_force[0]])
@@ -283,6 +289,30 @@ class LoadedContacts:
         """Mean by force over the loaded slices, NaN if there are none."""
         return float(values @ self.force) / self.total if self.total > 0.0 else np.nan
 
+    def means(self, rolling: Array, sliding: Array, tolerance: float) -> Array:
+        """Mean friction at many speeds [m/s], (n,), over as few loads as leave an error below the tolerance."""
+
+        def over(chosen: Any) -> Callable[[Array], Array]:
+            u, V = rolling[chosen], sliding[chosen]
+
+            def mean(rule: Array) -> Array:
+                load, share = rule.T
+                rows = []
+                for some in np.array_split(np.arange(u.size), -(-u.size * load.size // _TABLE)):
+                    slices = self.raceway.evaluate(
+                        np.tile(load, some.size), np.repeat(u[some], load.size), np.repeat(V[some], load.size)
+                    )
+                    rows.append(slices.friction.reshape(some.size, -1) @ share)
+                return self.orbit * np.concatenate(rows)
+
+            return mean
+
+        if self.total == 0.0:
+            return np.full_like(rolling, np.nan)
+        probes = np.linspace(0, rolling.size - 1, _MAP_PROBES).astype(int)
+        rule = load_rule(self.slices.load, self.force, over(probes), tolerance)
+        return over(slice(None))(rule)
+
     def regimes(self, rolling: Array) -> tuple[Array, float, float]:
         """Shares of the force by film regime, (4,), and at M < LIGHT, means over rolling speeds, and the largest M.
 
@@ -408,20 +438,23 @@ class LoadedRaceways:
             (self.inner, speeds.inner_rolling, speeds.inner_sliding),
             (self.outer, speeds.outer_rolling, speeds.outer_sliding),
         )
-        for contacts, rolling, _ in rings:
-            if not np.all(rolling > 0.0):
-                row = np.unravel_index(np.argmin(rolling > 0.0), rolling.shape)[0]
-                slip = 1.0 - float(speeds.cage_speed[row].flat[0]) / self.assembly.kinematics.epicyclic_cage_speed
-                raise DomainError(
-                    f"at a cage slip of {slip:.3g} a contact of the {contacts.raceway.ring} ring has the entrainment "
-                    f"speed {np.min(rolling[row]):.3g} m/s, which draws no oil in; lower "
-                    "study.effective-friction.max_cage_slip"
-                )
+        self._require_entrainment(speeds)
         for k in range(speeds.cage_speed.shape[0]):
             yield [
                 (contacts, u[k], V[k]) if u.ndim == 1 else (contacts, u[k][contacts.owner], V[k][contacts.owner])
                 for contacts, u, V in rings
             ]
+
+    def _require_entrainment(self, speeds: SurfaceSpeeds) -> None:
+        for ring, rolling in (("inner", speeds.inner_rolling), ("outer", speeds.outer_rolling)):
+            if not np.all(rolling > 0.0):
+                row = np.unravel_index(np.argmin(rolling > 0.0), rolling.shape)[0]
+                slip = 1.0 - float(speeds.cage_speed[row].flat[0]) / self.assembly.kinematics.epicyclic_cage_speed
+                raise DomainError(
+                    f"at a cage slip of {slip:.3g} a contact of the {ring} ring has the entrainment speed "
+                    f"{np.min(rolling[row]):.3g} m/s, which draws no oil in; lower "
+                    "study.effective-friction.max_cage_slip"
+                )
 
     def evaluated(self, speeds: SurfaceSpeeds) -> tuple[Array, Array]:
         """Effective friction and smallest film parameter of both rings at every row of speeds, (2, n) each."""
@@ -503,7 +536,15 @@ class LoadedRaceways:
         half = slip_grid(float(kinematics.roller_slip_outer_rolling(largest)), points)
         roller = np.concatenate((-half[:0:-1], half))
         speeds = kinematics.surface_speeds(np.repeat(cage, roller.size), np.tile(roller, cage.size))
-        return cage, roller, self.evaluated(speeds)[0].reshape(2, cage.size, roller.size)
+        self._require_entrainment(speeds)
+        tolerance = _MAP_SHARE * self.assembly.scene.accuracy.tolerance
+        surface = np.array(
+            [
+                self.inner.means(speeds.inner_rolling, speeds.inner_sliding, tolerance),
+                self.outer.means(speeds.outer_rolling, speeds.outer_sliding, tolerance),
+            ]
+        )
+        return cage, roller, surface.reshape(2, cage.size, roller.size)
 
 
 def _moved(before: Array, after: Array) -> float:
