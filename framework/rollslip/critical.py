@@ -1,5 +1,6 @@
 """The critical slip: where the friction of a curve is largest, beyond which it falls with slip."""
 
+import math
 from collections.abc import Callable
 
 import attrs
@@ -12,6 +13,9 @@ Array = NDArray[np.float64]
 
 #: A maximum that the rest of the curve undercuts by less than this share is rounding, not a falling branch.
 _FLAT = 1e-9
+#: Where a search ends, relative to its interval: the root of the rounding of a value that is 1.
+_PLACE = 1e-8
+_GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))
 
 
 @attrs.frozen
@@ -49,29 +53,66 @@ def locate(curve: Callable[[float], float], slip: Array, friction: Array, allow:
     DomainError
         If the curve holds NaN or infinity.
     """
-    from scipy.optimize import minimize_scalar
-
     if not np.all(np.isfinite(friction)):
         bad = int(np.argmin(np.isfinite(friction)))
         raise DomainError(f"the friction is {friction[bad]} at a slip of {slip[bad]:.4g}: it must be finite all along")
     best = int(np.argmax(friction))
     if not friction[best] > 0.0:
         return Critical(np.nan, np.nan, "no critical slip: there is no friction in the range")
-    low, high = float(slip[max(best - 1, 0)]), float(slip[min(best + 1, slip.size - 1)])
-    # relative to the interval and to the best value, so that no size of either is lost in a tolerance
-    found = minimize_scalar(
-        lambda share: -curve(low + float(share) * (high - low)) / float(friction[best]),
-        bounds=(0.0, 1.0),
-        method="bounded",
-        options={"xatol": 1e-9},
-    )
+    first, last = max(best - 1, 0), min(best + 1, slip.size - 1)
+    low, high = float(slip[first]), float(slip[last])
     at, largest = float(slip[best]), float(friction[best])
-    if -found.fun > 1.0:  # else a kink or a plateau, which the search did not hit
-        at = low + float(found.x) * (high - low)
-        largest = curve(at)
+
+    # relative to the interval and to the best value, so that no size of either is lost in a tolerance
+    def relative(share: float) -> float:
+        return curve(low + share * (high - low)) / float(friction[best])
+
+    known = [((float(slip[k]) - low) / (high - low), float(friction[k]) / largest) for k in (best, first, last)]
+    share, value = _peak(relative, known)
+    if value > 1.0:  # else a kink or a plateau, which the search did not hit
+        at, largest = low + share * (high - low), value * largest
     if largest - friction[-1] > _FLAT * largest:
         return Critical(at, largest, "found")
     rises = friction[-1] - friction[-2] > _FLAT * largest
     what = "still rises at the end of" if rises else "stays at its largest value up to the end of"
     status = f"no critical slip: friction {what} the range, {slip[-1]:.4g}; raise {allow} to look further"
     return Critical(np.nan, np.nan, status)
+
+
+def _peak(curve: Callable[[float], float], known: list[tuple[float, float]]) -> tuple[float, float]:
+    """Largest value between 0 and 1 and its place, by Brent's method: parabolas, or golden sections if those fail.
+
+    ``known`` are the best of three points and both ends. A best point that is an end has the largest value unless the
+    curve rises from there.
+    """
+    (x, fx), (w, fw), (v, fv) = known
+    if x in (0.0, 1.0):
+        x = abs(x - _PLACE)
+        fx = curve(x)
+        if fx <= known[0][1]:
+            return known[0]
+    low, high, step, before = 0.0, 1.0, 1.0, 1.0
+    while max(x - low, high - x) > 2.0 * _PLACE:
+        # the parabola through the three best points, unless it leads outside or its steps do not shrink
+        r, q = (x - w) * (fx - fv), (x - v) * (fx - fw)
+        p, q = (x - v) * q - (x - w) * r, 2.0 * (q - r)
+        to = x - p / q if q != 0.0 else math.inf
+        if low < to < high and abs(to - x) < 0.5 * abs(before):
+            before, step = step, to - x
+        else:
+            before = (low if x > 0.5 * (low + high) else high) - x
+            step = _GOLDEN * before
+        u = x + math.copysign(max(abs(step), _PLACE), step)
+        if not low < u < high:
+            u = 0.5 * (x + (low if u <= low else high))
+        fu = curve(u)
+        if fu >= fx:
+            low, high = (x, high) if u > x else (low, x)
+            (v, fv), (w, fw), (x, fx) = (w, fw), (x, fx), (u, fu)
+        else:
+            low, high = (low, u) if u > x else (u, high)
+            if fu >= fw or w == x:
+                (v, fv), (w, fw) = (w, fw), (u, fu)
+            elif fu >= fv or v in (x, w):
+                v, fv = u, fu
+    return x, fx

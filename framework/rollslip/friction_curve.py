@@ -1,5 +1,6 @@
 """Study friction-curve: friction of one contact against its slide-roll ratio, for given normal forces."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -124,27 +125,12 @@ def contact_loads(assembly: Assembly, raceway: Raceway, forces: Array) -> list[A
     """Loads per length of the loaded slices [N/m] of an aligned contact, for each normal force."""
     if assembly.slices == 1:
         return [np.array([force / assembly.scene.bearing.roller_length]) for force in forces.tolist()]
-    from scipy.optimize import brentq
-
     drop = (
         assembly.drop - assembly.drop.min()
     )  # approaches are measured from the first touch, else small ones round off
-
-    def load(approach: float) -> Array:
-        return assembly.deflect(approach - drop, raceway.ring)[0]
-
-    def excess(approach: float, force: float) -> float:
-        with np.errstate(over="ignore"):  # far above a tiny force
-            return float((load(approach) * assembly.slice_width / force).sum()) - 1.0
-
     rows = []
     for force in forces:
-        lower = upper = 1e-6
-        while excess(upper, force) < 0.0:
-            upper *= 2.0
-        while lower > 0.0 and excess(lower, force) > 0.0:
-            lower, upper = 0.5 * lower, lower
-        row = load(brentq(excess, lower, upper, args=(force,), xtol=5e-324, rtol=1e-14))
+        row = _balanced(lambda approach: assembly.deflect(approach - drop, raceway.ring), force / assembly.slice_width)
         if not np.any(row > 0.0):
             raise DomainError(
                 f"a normal force of {force:g} N is lost along a roller of {assembly.scene.bearing.roller_length:g} m: "
@@ -152,6 +138,23 @@ def contact_loads(assembly: Assembly, raceway: Raceway, forces: Array) -> list[A
             )
         rows.append(row[row > 0.0])
     return rows
+
+
+def _balanced(deflection: Callable[[float], tuple[Array, Array]], total: float) -> Array:
+    """Loads whose sum is the total: Newton's method over the approach, which bisection keeps within its bracket."""
+    low, high, approach = 0.0, np.inf, 1e-6
+    while True:
+        load, stiffness = deflection(approach)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # far above a tiny total
+            excess = float((load / total).sum()) - 1.0
+            step = excess / float((stiffness / total).sum())
+        low, high = (low, approach) if excess > 0.0 else (approach, high)
+        guess = approach - step
+        if not low < guess < high:
+            guess = 0.5 * (low + high) if high < np.inf else 2.0 * approach
+        if abs(guess - approach) <= 4e-15 * approach or excess == 0.0 or not low < guess < high:
+            return load
+        approach = guess
 
 
 def _curve(assembly: Assembly, raceway: Raceway, load: Array, u: float, slip: Array) -> dict[str, Any]:
