@@ -5,8 +5,11 @@
 - The same dataset gives the same bytes: fixed salt for ids, no date, matplotlib's own defaults and its own font, so
   that nobody's matplotlibrc has a say. Figures are made without pyplot, so that no state outlives them.
 - Widths are those of one and of two columns of a journal page; letters have 7 pt in print.
+- Numbers at ticks are plain letters: as mathematical text, in which matplotlib sets them for the sake of a power beside
+  the axis, they look the same and take half of the time of a figure.
 """
 
+import functools
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -15,7 +18,9 @@ import numpy as np
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.ticker import ScalarFormatter
 
 #: Okabe & Ito (2008), "Color universal design": the blue and the orange are told apart with every kind of colour
 #: vision, and in grey.
@@ -84,6 +89,27 @@ def save_figures(figures: "Iterable[tuple[str, str, Figure]]", findings: str, fo
                 metadata={"Title": caption, "Description": findings, "Creator": "rollslip", "Date": None},
             )
     return files
+
+
+@functools.cache
+def _plain_ticks() -> "type[ScalarFormatter]":
+    from matplotlib.ticker import ScalarFormatter
+
+    class PlainTicks(ScalarFormatter):
+        """Mathematical text for the power beside the axis alone."""
+
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return super().__call__(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
+
+    return PlainTicks
+
+
+def plain_ticks(*panels: "Axes") -> None:
+    """Set the numbers at the ticks of linear axes as plain letters; before anything is drawn."""
+    for axes in panels:
+        for axis in (axes.xaxis, axes.yaxis):
+            if axis.get_scale() == "linear":
+                axis.set_major_formatter(_plain_ticks()())
 
 
 def axis_label(variable: "xr.DataArray", symbol: str, unit: str, name: str = "") -> str:

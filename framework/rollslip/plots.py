@@ -32,6 +32,7 @@ from rollslip.figure_style import (
     TWO_COLUMNS,
     axis_label,
     light_to_dark,
+    plain_ticks,
     save_figures,
 )
 from rollslip.fit_result import parameter_rows
@@ -331,6 +332,7 @@ def _map(dataset: "xr.Dataset") -> "Figure":
     rolling = np.isclose(levels, 0.0, atol=1e-6 * np.ptp(levels))
     outlined: dict[str, Any] = {"color": "white", "path_effects": [withStroke(linewidth=2.8, foreground="black")]}
     panels = figure.subplots(1, dataset.sizes["ring"], sharey=True, squeeze=False)[0]
+    plain_ticks(*panels)
     for axes, curve, ring, values in zip(panels, curves(dataset), dataset["ring"].values, surface, strict=True):
         filled = axes.contourf(cage, roller, values.T, levels, cmap=SEQUENTIAL)
         filled.set_edgecolor("face")  # some viewers show seams between the areas without it
@@ -557,7 +559,9 @@ def _new() -> "tuple[Figure, Axes]":
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=ONE_COLUMN, layout="constrained")
-    return figure, figure.subplots()
+    axes = figure.subplots()
+    plain_ticks(axes)
+    return figure, axes
 
 
 def _film_limits(dataset: "xr.Dataset") -> dict[str, float]:

@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.figure_style import MARKER, MODEL_COLOURS, ONE_COLUMN, RING_COLOURS, ROW, TWO_COLUMNS, axis_label
+from rollslip.figure_style import (
+    MARKER,
+    MODEL_COLOURS,
+    ONE_COLUMN,
+    RING_COLOURS,
+    ROW,
+    TWO_COLUMNS,
+    axis_label,
+    plain_ticks,
+)
 from rollslip.steady_findings import varied
 
 if TYPE_CHECKING:
@@ -50,6 +59,7 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
 
     figure = Figure(figsize=ONE_COLUMN, layout="constrained")
     axes = figure.subplots()
+    plain_ticks(axes)
     slip, driving = dataset["cage_slip"].to_numpy(), dataset["driving_torque"].to_numpy()
     fine = np.linspace(0.0, slip[-1], 400)
     drag = dataset["drag_torque"].to_numpy()
@@ -80,6 +90,7 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
 
     figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
     forces, slips = figure.subplots(1, 2)
+    plain_ticks(forces, slips)
     angle = np.degrees(dataset["angle"].to_numpy())
     centred = np.argsort((angle + 180.0) % 360.0)
     shown = (angle[centred] + 180.0) % 360.0 - 180.0
@@ -113,6 +124,7 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
 
     figure = Figure(figsize=ONE_COLUMN, layout="constrained")
     axes = figure.subplots()
+    plain_ticks(axes)
     value, unit, symbol = _for_people(dataset, name)
     slip, branch = 100 * dataset[f"{name}_slip"].to_numpy(), dataset[f"{name}_branch"].to_numpy()
     stable, fold = dataset[f"{name}_stable"].to_numpy() == 1, dataset[f"{name}_fold"].to_numpy() == 1
