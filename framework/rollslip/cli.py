@@ -319,6 +319,23 @@ def cite(target: str, changes: Sequence[str], as_json: bool) -> None:
         click.echo("\n".join(texts))
 
 
+@cli.command()
+@_json
+def doctor(as_json: bool) -> None:
+    """Say whether this installation is healthy, and what to do where it is not; exit code 5 if there is a fault."""
+    from rollslip.doctor import as_text, examine, healthy
+
+    found = examine()
+    if as_json:
+        import attrs
+
+        _print_json([attrs.asdict(finding) for finding in found])
+    else:
+        click.echo(as_text(found))
+    if not healthy(found):
+        sys.exit(BAD_PLUGIN)
+
+
 @cli.group()
 def plugins() -> None:
     """List, check and start packages that offer models."""

@@ -386,16 +386,15 @@ def _print_model(kind: str, name: str) -> None:
 
 
 def installation() -> Sections:
-    """Return versions and places, and which instruction set of the machine the kernels use."""
-    from rollslip_kernels import simd
+    """Return versions, and which instruction set of the machine the kernels use."""
+    from rollslip import doctor
 
-    packages = ("rollslip", "numpy", "scipy", "xarray", "h5netcdf", "matplotlib")
     return {
         "installation": [
-            *((name, importlib.metadata.version(name)) for name in packages),
+            *doctor.versions().items(),
             ("python", sys.version.split()[0]),
             ("machine", f"{platform.system()} {platform.machine()}"),
-            ("instructions", f"{simd.active()}, of {', '.join(simd.available())}"),
+            ("instructions", doctor.instructions()),
             ("models", ", ".join(f"{len(available(kind))} {kind}" for kind in KINDS)),
         ]
     }
