@@ -1,17 +1,22 @@
 """Effective friction of the raceways: definition, closures, convergence, and what is known of its behaviour."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from rollslip.assembly import assemble
 from rollslip.critical import locate
-from rollslip.effective_friction import EffectiveFriction
+from rollslip.effective_friction import EffectiveFriction, LoadedContacts, LoadedRaceways
 from rollslip.errors import SceneError
-from rollslip.friction_curve import FrictionCurve
+from rollslip.friction_curve import FrictionCurve, contact_loads
+from rollslip.load_rule import gauss_rule, load_rule
 from rollslip.reading import evolve, load_scene
+from rollslip.regimes import film_by_regime, groups, moes_groups, regime_limits
+from rollslip_kernels.slices import Slices
 
 STRAIGHT = evolve(load_scene("1032930-70C"), {"bearing.profile": "none"})
 
@@ -261,3 +266,179 @@ def test_a_profile_that_does_not_cover_the_roller_is_refused():
     table = {"shape": "table", "position": ["-5 mm", "5 mm"], "drop": ["0 um", "0 um"]}
     with pytest.raises(SceneError, match=r"bearing\.profile: "):
         assemble(evolve(STRAIGHT, {"bearing.profile": table}))
+
+
+def plainly(assembly, loads, speeds, orbit=1.0):
+    """Friction of every slice of every roller, unmerged, and its mean by force; for each ring."""
+    for raceway, load, u, V in (
+        (assembly.inner, loads.inner_load, speeds.inner_rolling, speeds.inner_sliding),
+        (assembly.outer, loads.outer_load, speeds.outer_rolling, speeds.outer_sliding),
+    ):
+        slices = raceway.evaluate(load[load > 0.0], u, V)
+        yield slices, float((slices.friction * slices.load).sum() / slices.load.sum())
+
+
+@pytest.mark.parametrize("changes", [{}, {"operation.misalignment": "0.3 mrad"}, {"bearing.rollers": 27}], ids=str)
+@pytest.mark.parametrize("instants", [1, 2, 3])
+def test_contacts_that_mirror_each_other_count_as_often_as_they_are_there(changes, instants):
+    assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 21} | changes))
+    loads = assembly.load_distribution(instants)
+    raceways = LoadedRaceways(assembly, loads, "epicyclic")
+    slip = np.array([0.02, 0.3])
+    curve, film = raceways.evaluated(raceways.speeds(slip))
+    shares, largest, light = raceways.regimes(raceways.speeds(slip))
+    wanted = np.zeros((2, 4)), np.zeros(2), np.zeros(2)
+    for k, s in enumerate(slip):
+        for i, (slices, mean) in enumerate(plainly(assembly, loads, assembly.kinematics.surface_speeds(s, 0.0))):
+            assert curve[i, k] == pytest.approx(mean, rel=1e-12)
+            roughness = slices.conditions.roughness
+            assert film[i, k] == pytest.approx(slices.film_thickness.min() / roughness, rel=1e-12)
+            force, M = slices.load / slices.load.sum() / 2, moes_groups(slices)[0]
+            wanted[0][i] += np.bincount(film_by_regime(*groups(slices))[1].astype(int), force, 4)
+            wanted[1][i], wanted[2][i] = max(wanted[1][i], M.max()), wanted[2][i] + force[M < 2.0].sum()
+    for found, plain in zip((shares, largest, light), wanted, strict=True):
+        np.testing.assert_allclose(found, plain, rtol=1e-11, atol=1e-13)
+    whole = (np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)) / (
+        1 if "misal" in str(changes) else 2
+    )
+    assert raceways.inner.force.size + raceways.outer.force.size < 0.56 * whole + 42
+
+
+def test_regimes_of_free_rollers_are_those_of_each_slice():
+    assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 5}))
+    raceways = LoadedRaceways(assembly, assembly.load_distribution(1), "free-roller")
+    speeds = raceways.speeds(np.array([0.0, 0.2]))
+    assert speeds.inner_rolling.shape == (2, 15)
+    contacts, want = raceways.inner, np.zeros(4)
+    for u in speeds.inner_rolling:
+        table = Slices(contacts.force.size, contacts.raceway.conditions, load=contacts.slices.load)
+        table.rolling_speed[:] = u[contacts.owner]
+        want += np.bincount(film_by_regime(*groups(table))[1].astype(int), contacts.force, 4) / (2 * contacts.total)
+    np.testing.assert_allclose(contacts.regimes(speeds.inner_rolling)[0], want, atol=1e-14)
+
+
+@given(
+    st.floats(-14, -8),
+    st.one_of(st.just(0.0), st.floats(1e2, 1e5)),
+    st.lists(st.floats(-8, -2), min_size=1, max_size=9),
+)
+def test_limits_of_the_film_regimes_are_where_the_codes_change(U, G, W):
+    U, W = 10.0**U, 10.0 ** np.array(W)
+    elastic, piezoviscous, both = regime_limits(U, G)
+    apart = np.min([np.abs(W / limit - 1.0) for limit in (elastic, piezoviscous, both) if np.isfinite(limit)], axis=0)
+    W = W[apart > 1e-9]
+    code = np.where(piezoviscous < W, np.where(both < W, 3.0, 1.0), np.where(elastic < W, 2.0, 0.0))
+    np.testing.assert_array_equal(code, film_by_regime(U, G, W)[1])
+
+
+def test_a_gauss_rule_is_exact_for_polynomials_in_the_root_of_the_load():
+    rng = np.random.default_rng(3)
+    load, force = rng.uniform(1.0, 9.0, 500), rng.uniform(0.0, 1.0, 500)
+    nodes, shares = gauss_rule(load, force, 6).T
+    assert ((nodes > load.min()) & (nodes < load.max()) & (shares > 0.0)).all()
+    for power in range(12):
+        want = (force * load ** (power / 2)).sum() / force.sum()
+        assert shares @ nodes ** (power / 2) == pytest.approx(want, rel=1e-12)
+    want = (force * load**6).sum() / force.sum()
+    assert abs(shares @ nodes**6 / want - 1.0) > 1e-9  # degree 12 is beyond it
+
+
+def test_few_loads_stand_for_all_only_where_they_are_right():
+    load = np.geomspace(1.0, 100.0, 3000)
+
+    def of(law):
+        return load_rule(load, load, lambda rule: np.array([law(rule[:, 0]) @ rule[:, 1]]), 1e-6)
+
+    assert of(lambda w: 1.0 / (1.0 + w)).shape[0] <= 32
+    kinked = of(lambda w: np.where(w > 30.0, 1.0, 0.0))
+    assert kinked.shape == (3000, 2)
+    np.testing.assert_allclose(kinked[:, 1], load / load.sum())
+    assert load_rule(load[:5], load[:5], lambda rule: rule[:, 0], 1e-6).shape == (5, 2)
+
+
+@pytest.mark.parametrize("film", ["moes", "regime"])
+def test_the_map_is_that_of_all_slices(film):
+    assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 41, "models.film": film}))
+    loads = assembly.load_distribution(2)
+    cage, roller, surface = LoadedRaceways(assembly, loads, "epicyclic").map(0.9, 5)
+    scale = np.abs(surface).max(axis=(1, 2))
+    for j, k in ((0, 0), (1, 3), (2, 8), (4, 5), (4, 0)):
+        speeds = assembly.kinematics.surface_speeds(cage[j], roller[k])
+        for ring, (_, mean) in enumerate(plainly(assembly, loads, speeds)):
+            # held to 1e-6 at a dozen points; between them it may be somewhat more
+            assert surface[ring, j, k] == pytest.approx(mean, abs=3e-6 * scale[ring])
+
+
+@given(st.floats(0.02, 0.98), st.sampled_from([1.5, 2.0, 4.0]), st.floats(0.01, 0.3))
+def test_locate_is_as_good_as_the_library(peak, power, width):
+    def friction(s):
+        return np.exp(-(np.abs((s - peak) / width) ** power))
+
+    slip, calls = np.linspace(0.0, 1.0, 41) ** 2, []
+    found = locate(lambda s: calls.append(s) or float(friction(s)), slip, friction(slip), "max")
+    best = int(np.argmax(friction(slip)))
+    low, high = slip[best - 1], slip[best + 1] if best < 40 else slip[best]
+    want = minimize_scalar(lambda s: -friction(s), bounds=(low, high), method="bounded", options={"xatol": 1e-10})
+    assert found.friction >= -want.fun * (1.0 - 1e-12)
+    assert len(calls) <= 60
+
+
+@given(st.floats(-8, 7), st.sampled_from(["none", "iso16281"]))
+def test_a_contact_carries_the_force_that_the_library_finds(exponent, profile):
+    assembly = assemble(evolve(load_scene("1032930-30C"), {"bearing.profile": profile, "accuracy.slices": 31}))
+    force = 10.0**exponent
+    (row,) = contact_loads(assembly, assembly.inner, np.array([force]))
+    assert row.sum() * assembly.slice_width == pytest.approx(force, rel=1e-13)
+    if assembly.slices > 1:
+        drop = assembly.drop - assembly.drop.min()
+        approach = brentq(
+            lambda d: assembly.deflect(d - drop, "inner")[0].sum() * assembly.slice_width / force - 1.0,
+            0.0, 1.0, xtol=5e-324, rtol=1e-14, maxiter=2000,
+        )  # fmt: skip
+        want = assembly.deflect(approach - drop, "inner")[0]
+        np.testing.assert_allclose(row, want[want > 0.0], rtol=1e-10, atol=1e-12 * row.max())
+
+
+# Growth -------------------------------------------------------------------------------------------------------------
+
+
+def evaluated(**changes):
+    """Slices through the chain for a study of 21 points at two instants of a pitch."""
+    small = {
+        "bearing.roller_diameter": "1 mm",
+        "bearing.inner_raceway_diameter": "165 mm",
+        "bearing.outer_raceway_diameter": "167 mm",
+        "accuracy.slices": 11,
+    }
+    scene = evolve(load_scene("1032930-70C"), small | changes)
+    assembly = assemble(scene)
+    EffectiveFriction(points=21, map_points=0).at_instants(assembly, 2, 0.0)
+    return assembly.inner.chain.evaluated
+
+
+def test_work_grows_as_rollers_and_slices_do():
+    base = evaluated(**{"bearing.rollers": 20, "operation.radial_load": 2e3})
+    many = evaluated(**{"bearing.rollers": 200, "operation.radial_load": 2e4})
+    fine = evaluated(**{"bearing.rollers": 20, "operation.radial_load": 2e3, "accuracy.slices": 111})
+    assert 8.0 < many / base < 12.0
+    assert 8.0 < fine / base < 12.0
+
+
+def test_memory_is_that_of_the_loads():
+    """Peak of the whole study below three times inner_load and outer_load, which it holds, and the tables of slices."""
+    assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 401}))
+    study = EffectiveFriction(points=11, map_points=5)
+    study.at_instants(assembly, 2, 0.0)  # xarray is loaded
+    tracemalloc.start()
+    try:
+        study.at_instants(assembly, 16, 0.0)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    loads = assembly.load_distribution(16)
+    asked = loads.inner_load.nbytes + loads.outer_load.nbytes
+    tables = sum(
+        LoadedContacts(raceway, load.reshape(-1, 401), 1.0, 1.0).slices._table.nbytes / 2
+        for raceway, load in ((assembly.inner, loads.inner_load), (assembly.outer, loads.outer_load))
+    )
+    assert peak < 3 * (asked + tables)

@@ -1,5 +1,7 @@
 """Load distribution: published check, independent solutions, balance and symmetry, hard cases."""
 
+import tracemalloc
+
 import attrs
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq, root
 
-from rollslip.equilibrium import LoadCase, angular_positions, solve_equilibrium
+from rollslip.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
 from rollslip.errors import ConvergenceError
 from rollslip.profile import profile_drop, slice_positions
 
@@ -287,6 +289,108 @@ def test_instants_spread_over_one_pitch(rollers, instants):
     assert psi[0, 0] == 0.0
     steps = np.diff(np.sort(psi.ravel()))
     assert steps == pytest.approx(2 * np.pi / rollers / instants, rel=1e-9)
+
+
+def alike(found, full, tolerance=2e-12):
+    """Two distributions of the same bearing, to the residual they were solved to."""
+    np.testing.assert_array_equal(found.psi, full.psi)
+    scale = full.outer_force.max()
+    for name in ("inner_force", "outer_force", "inner_load", "outer_load"):
+        one, other = getattr(found, name), getattr(full, name)
+        np.testing.assert_allclose(
+            one, other, rtol=0, atol=tolerance * (scale if "force" in name else full.outer_load.max())
+        )
+    for name in ("displacement", "roller_shift"):
+        size = np.abs(full.displacement).max()
+        np.testing.assert_allclose(getattr(found, name), getattr(full, name), rtol=0, atol=10 * tolerance * size)
+    np.testing.assert_allclose(found.roller_tilt, full.roller_tilt, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(found.moment, full.moment, rtol=0, atol=tolerance * scale * LENGTH)
+
+
+#: A profile that no half of the roller shares with the other.
+LOPSIDED = profile_drop("iso16281", slice_positions(LENGTH, 20), LENGTH, 0.015) + np.linspace(0.0, 2e-6, 20)
+
+
+@pytest.mark.parametrize("known", [False, True], ids=["at once", "by doubling"])
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"misalignment": 5e-4}, {"drop": LOPSIDED, "misalignment": -3e-4}],
+    ids=["aligned", "tilted", "lopsided"],
+)
+@pytest.mark.parametrize(("Z", "instants"), [(28, 1), (28, 2), (27, 3), (13, 8), (28, 16), (5, 6)])
+def test_half_of_a_pitch_mirrors_the_other(Z, instants, changes, known):
+    changes = {"centrifugal_force": 170.0, "slices": 21, "shape": "iso16281"} | changes
+    whole = case(Z=Z, instants=instants, **changes)
+    before = (
+        solve_pitch(case(Z=Z, instants=instants // 2, **changes), palmgren()) if known and instants % 2 == 0 else None
+    )
+    found = solve_pitch(whole, palmgren(), before)
+    alike(found, solve_equilibrium(whole, palmgren()))
+    check(whole, found, palmgren())
+
+
+def test_half_of_a_roller_mirrors_the_other():
+    """The same bearing with a profile that differs at one end by what no load can tell."""
+    symmetric = case(slices=20, shape="iso16281", centrifugal_force=170.0)
+    other = symmetric.drop.copy()
+    other[0] += 1e-21
+    found = solve_equilibrium(symmetric, palmgren())
+    np.testing.assert_array_equal(found.inner_load, found.inner_load[..., ::-1])
+    alike(found, solve_equilibrium(attrs.evolve(symmetric, drop=other), palmgren()))
+
+
+class Counted:
+    """A contact law that counts how often it is asked, and for how many contacts."""
+
+    def __init__(self):
+        self.law, self.calls, self.contacts = palmgren(), 0, 0
+
+    def __call__(self, approach, ring):
+        self.calls, self.contacts = self.calls + 1, self.contacts + approach.size
+        return self.law(approach, ring)
+
+
+@pytest.mark.parametrize("Z", [5, 50, 500])
+@pytest.mark.parametrize("instants", [1, 8])
+def test_passes_do_not_grow_with_the_bearing(Z, instants):
+    law = Counted()
+    found = solve_pitch(case(Z=Z, instants=instants, slices=11, shape="iso16281", radial_load=100.0 * Z), law)
+    assert found.iterations <= 12
+    # passes, both rings, the last for the result; half the instants and half of a roller, and 211 to estimate with
+    solved = instants // 2 + 1
+    assert law.contacts <= 2 * (found.iterations + 1) * solved * Z * 6 + 4 * 214
+    assert law.calls <= (2 * (found.iterations + 1) + 4) * -(-solved * Z * 11 // 32768)
+
+
+@pytest.mark.parametrize(("Z", "slices", "instants"), [(28, 101, 64), (500, 41, 16)])
+@pytest.mark.parametrize("misalignment", [0.0, 3e-4])
+def test_memory_is_that_of_the_result(Z, slices, instants, misalignment):
+    """Peak below three times inner_load and outer_load, where these are more than one part of the iteration."""
+    some = case(
+        Z=Z, instants=instants, slices=slices, shape="iso16281", misalignment=misalignment, radial_load=100.0 * Z
+    )
+    tracemalloc.start()
+    try:
+        found = solve_pitch(some, palmgren())
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 3 * (found.inner_load.nbytes + found.outer_load.nbytes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("misalignment", [0.0, 3e-4])
+def test_five_hundred_rollers_at_256_instants(misalignment):
+    some = case(Z=500, instants=256, slices=21, shape="iso16281", misalignment=misalignment, radial_load=5e4)
+    tracemalloc.start()
+    try:
+        found = solve_pitch(some, palmgren())
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert found.iterations <= 30
+    assert peak < 3 * (found.inner_load.nbytes + found.outer_load.nbytes)
+    check(some, found, palmgren())
 
 
 def test_load_no_roller_can_carry_is_reported_with_how_far_it_came():

@@ -20,8 +20,8 @@ How it is solved, and why:
   the other does, and over a pitch the instants m and M - m mirror each other in the line of load (`solve_pitch`).
 """
 
-from collections.abc import Callable
-from typing import Literal, TypeAlias, get_args
+from collections.abc import Callable, Collection
+from typing import Any, Literal, TypeAlias, get_args
 
 import attrs
 import numpy as np
@@ -45,6 +45,7 @@ _DEPTH = 3.0  # how deep a step may close an open contact, relative to the appro
 _SHALLOWER = 0.9  # and from pass to pass: deep steps find many contacts fast, shallow ones end any going to and fro
 _TRACE = 1e-14  # stiffness of an open contact in the Hessian, relative to the stiffest
 _LIMIT = 200  # passes; usual are 5 to 10
+_TOGETHER = 32768  # contacts of slices that are solved for together: what they need beside the result stays small
 _APPROACH = np.logspace(-24, -3, 211)  # [m], where a contact law is sampled to estimate deflections
 _REMEDY = "check the load, the clearance, the misalignment and the speed: rollers and rings must be able to bear them"
 
@@ -474,8 +475,28 @@ def solve_equilibrium(case: LoadCase, deflection: Deflection) -> LoadDistributio
     ----------
     ISO/TS 16281:2008; ISO 5593 (clearance); T. A. Harris, M. N. Kotzalas, Essential Concepts of Bearing Technology.
     """
+    instants, rollers = case.psi.shape
+    some = max(1, _TOGETHER // (rollers * case.drop.size))
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused, or does not balance
-        return _solved(case, deflection)
+        parts = [
+            _solved(attrs.evolve(case, psi=case.psi[begin : begin + some]), deflection)
+            for begin in range(0, instants, some)
+        ]
+    if len(parts) == 1:
+        return parts[0]
+    together: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _BY_INSTANT}
+    return attrs.evolve(parts[0], psi=case.psi, **together, **_worst(parts))
+
+
+#: Arrays of a `LoadDistribution` whose first axis is that of the instants, beside psi.
+_BY_INSTANT = (
+    "inner_load", "outer_load", "inner_force", "outer_force", "displacement", "roller_shift", "roller_tilt", "moment",
+)  # fmt: skip
+
+
+def _worst(parts: Collection[LoadDistribution]) -> dict[str, Any]:
+    names = ("force_residual", "moment_residual", "iterations")
+    return {name: max(getattr(part, name) for part in parts) for name in names}
 
 
 def _solved(case: LoadCase, deflection: Deflection) -> LoadDistribution:
@@ -564,21 +585,16 @@ def solve_pitch(case: LoadCase, deflection: Deflection, known: LoadDistribution 
         if known is not None:
             whole[::2] = getattr(known, name)
         whole[solved] = part
-        image = whole[instants - images]
+        for image in images:
+            whole[image] = whole[instants - image] if part.ndim == 1 else whole[instants - image, ::-1]
         if name == "displacement":
-            image = image * np.array([1.0, -1.0])
-        elif name != "moment":
-            image = image[:, ::-1]
-        whole[images] = image
+            whole[images] = whole[images, ::-1] * np.array([1.0, -1.0])  # along the line of load, and across it
         return whole
 
-    names = ("inner_load", "outer_load", "inner_force", "outer_force", "displacement", "roller_shift", "roller_tilt")
-    both = (found,) if known is None else (found, known)
+    pitch: dict[str, Any] = {name: over_pitch(name) for name in _BY_INSTANT}
     return attrs.evolve(
         found,
         psi=case.psi,
-        **{name: over_pitch(name) for name in (*names, "moment")},
-        force_residual=max(one.force_residual for one in both),
-        moment_residual=max(one.moment_residual for one in both),
-        iterations=max(one.iterations for one in both),
+        **pitch,
+        **_worst((found,) if known is None else (found, known)),
     )
