@@ -9,9 +9,12 @@ from html import unescape
 
 import numpy as np
 import pytest
+from matplotlib import style
+from matplotlib.figure import Figure
 
 from rollslip.assembly import assemble
 from rollslip.effective_friction import EffectiveFriction
+from rollslip.figure_style import STYLE, plain_ticks
 from rollslip.friction_curve import FrictionCurve
 from rollslip.plots import Curve, curves, percent, plot
 from rollslip.reading import evolve, load_scene
@@ -249,3 +252,18 @@ def test_without_a_maximum_there_is_no_thermal_branch():
 
 def test_percent():
     assert [percent(v) for v in (0.1105, 0.24, 1.0, 3e-7)] == ["11.1 %", "24.0 %", "100 %", "3.00e-05 %"]
+
+
+@pytest.mark.parametrize("limits", [(-2e-3, 5e-3), (0.0, 40.0), (0.0, 3e6), (-180.0, 180.0)])
+def test_numbers_at_ticks_are_plain_letters_that_say_the_same(limits):
+    labels, powers = [], []
+    for plain in (False, True):
+        with style.context(["default", dict(STYLE)]):
+            axes = Figure().subplots()
+            if plain:
+                plain_ticks(axes)
+            axes.set_ylim(limits)
+            labels.append([label.get_text() for label in axes.get_yticklabels()])
+            powers.append(axes.yaxis.get_major_formatter().get_offset())
+    assert labels[0] == [rf"$\mathdefault{{{text}}}$" for text in labels[1]]
+    assert powers[0] == powers[1]

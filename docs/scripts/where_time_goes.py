@@ -1,0 +1,134 @@
+"""Measure where the time of ``rollslip run`` goes, part by part, for every shipped scene.
+
+Each scene is run in fresh processes. What is imported late in a run is imported first here, so that imports and work
+are apart; what studies share is told apart by clocks around the functions that do it, and a study is the rest of it.
+Beside the parts the whole command is timed, as a shell sees it, with data only and
+with plots and report. Medians of the processes go to docs/tables/where_time_goes.csv; a share is one of the whole
+command with plots and report.
+
+``python docs/scripts/where_time_goes.py [PROCESSES]``, 5 by default; nothing else should run beside it.
+"""
+
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+SCENES = ("1032930-70C", "1032930-50C", "1032930-30C")
+DATA, ALL = "the command with data only", "the command with plots and report"
+COMMAND = (sys.executable, "-c", "from rollslip.cli import main; main()", "run")
+
+
+class Clock:
+    """Seconds by part; a part that begins inside another stops the other's clock."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self.running: list[str] = []
+        self.since = time.perf_counter()
+
+    def turn(self) -> None:
+        """Add what has passed to the part that runs."""
+        now = time.perf_counter()
+        if self.running:
+            self.seconds[self.running[-1]] = self.seconds.get(self.running[-1], 0.0) + now - self.since
+        self.since = now
+
+    def call(self, part: str, function: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
+        """Call a function as a part."""
+        self.turn()
+        self.running.append(part)
+        try:
+            return function(*arguments, **named)
+        finally:
+            self.turn()
+            self.running.pop()
+
+
+def one_run(scene: str, started: float, folder: Path) -> dict[str, float]:
+    """Run a scene in this process; return the seconds of its parts."""
+    clock = Clock()
+    clock.seconds["start Python"] = time.time() - started
+
+    def import_(*names: str) -> None:
+        for name in names:
+            __import__(name)
+
+    clock.call("import NumPy", import_, "numpy")
+    clock.call("import rollslip", import_, "rollslip.cli", "rollslip.console", "rollslip.execution")
+    clock.call("import xarray", import_, "xarray", "xarray.backends.writers")
+    clock.call("import h5netcdf", import_, "h5netcdf")
+    from rollslip.planning import plan
+    from rollslip.reading import load_scene
+
+    made = clock.call("make the plan", plan, clock.call("read the scene", load_scene, scene))
+    clock.call("import matplotlib", import_, "matplotlib.figure", "matplotlib.backends.backend_svg")
+
+    from rollslip.assembly import Assembly
+    from rollslip.effective_friction import LoadedRaceways
+    from rollslip.execution import execute
+    from rollslip.plots import plot
+    from rollslip.report import write_report
+    from rollslip.result import save
+
+    for owner, method, part in (
+        (Assembly, "load_distribution", "load distributions"),
+        (LoadedRaceways, "evaluated", "curves of effective friction"),
+        (LoadedRaceways, "critical", "critical slips"),
+        (LoadedRaceways, "map", "map of effective friction"),
+    ):
+        original = getattr(owner, method)
+        setattr(owner, method, lambda *a, _part=part, _do=original, **k: clock.call(_part, _do, *a, **k))
+    datasets = {name: clock.call(f"study {name}", execute, made, name) for name in made.studies}
+    for name, dataset in datasets.items():
+        clock.call("write the results", save, dataset, folder / f"{name}.nc")
+    figures = {name: clock.call("draw the plots", plot, dataset, folder) for name, dataset in datasets.items()}
+    clock.call("write the report", write_report, datasets, figures, folder / "report.html")
+    return clock.seconds
+
+
+def seconds_of(command: list[str]) -> float:
+    """Time a process."""
+    begin = time.perf_counter()
+    subprocess.run(command, capture_output=True, check=True)
+    return time.perf_counter() - begin
+
+
+def measured(scene: str) -> dict[str, float]:
+    """Return the seconds of all parts and of the whole command, each from a fresh process."""
+    with tempfile.TemporaryDirectory() as folder:
+        started = time.time()
+        done = subprocess.run(
+            [sys.executable, __file__, "--one", scene, repr(started), folder],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        parts: dict[str, float] = json.loads(done.stdout)
+        parts[DATA] = seconds_of([*COMMAND, scene, "--no-plots", "--out", f"{folder}/data"])
+        parts[ALL] = seconds_of([*COMMAND, scene, "--report", "--out", f"{folder}/all"])
+    return parts
+
+
+def main(processes: int) -> None:
+    """Measure all scenes and write the table."""
+    from output import write_table
+
+    rows = []
+    for scene in SCENES:
+        runs = [measured(scene) for _ in range(processes)]
+        medians = {part: statistics.median(run[part] for run in runs) for part in runs[0]}
+        rows += [(scene, part, f"{s:.3f}", f"{s / medians[ALL]:.1%}") for part, s in medians.items()]
+    write_table("where_time_goes", ("scene", "part", "seconds", "share"), rows)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--one"]:
+        print(json.dumps(one_run(sys.argv[2], float(sys.argv[3]), Path(sys.argv[4]))))
+    else:
+        main(int(sys.argv[1]) if len(sys.argv) > 1 else 5)
