@@ -22,6 +22,7 @@ from rollslip.fields import FieldError
 from rollslip.figure_style import save_figures
 from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
 from rollslip.reading import evolve, load_scene
+from rollslip.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.result import open_result, save
 from rollslip.steady_branches import follow, steady_slips, torque_curve
 from rollslip.steady_figures import steady_figures
@@ -593,3 +594,29 @@ def test_slow_bearings_with_films_that_break_are_solved(speed):
     balance = TorqueBalance(assembly, assembly.cage.drags, instants=found.attrs["instants"])
     for slip in found.steady_slip.to_numpy():
         assert balance.excess(float(slip)) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_films_are_weighed_by_the_force_of_every_slice():
+    """Of five slices the middle one has no mirror image."""
+    assembly = assemble(evolve(SHIPPED, {"accuracy.slices": 5, "accuracy.tolerance": 1e-2}))
+    result = SteadySlip(points=6).run(assembly)
+    want, light = np.zeros((2, 4)), np.zeros(2)
+    for k, slip in enumerate(result.steady_slip.to_numpy()):
+        speed = assembly.kinematics.epicyclic_cage_speed * (1.0 - slip)
+        loads = assembly.load_distribution(result.attrs["instants"], speed)
+        order = np.argsort(loads.psi.ravel())
+        speeds = assembly.kinematics.surface_speeds(slip, result.roller_slip[k].to_numpy())
+        for ring, (raceway, load, u) in enumerate(
+            (
+                (assembly.inner, loads.inner_load, speeds.inner_rolling),
+                (assembly.outer, loads.outer_load, speeds.outer_rolling),
+            )
+        ):
+            positions = load.reshape(-1, 5)[order]
+            rolling = np.broadcast_to(u[:, None], positions.shape)[positions > 0.0]
+            slices = raceway.evaluate(positions[positions > 0.0], rolling, 0.0)
+            share = slices.load / slices.load.sum() / result.sizes["steady"]
+            want[ring] += np.bincount(film_by_regime(*groups(slices))[1].astype(int), share, 4)
+            light[ring] += share[moes_groups(slices)[0] < LIGHT].sum()
+    np.testing.assert_allclose(result.regime_share, want, atol=1e-12)
+    np.testing.assert_allclose(result.light_share, light, atol=1e-12)

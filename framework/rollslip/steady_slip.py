@@ -320,10 +320,10 @@ def _films(balance: TorqueBalance, states: list[Orbit], *, steady: bool) -> dict
     n = len(states)
     share, light, largest, thinnest = np.zeros((2, 4)), np.zeros(2), np.zeros(2), np.full((2, n), np.nan)
     for k, state in enumerate(states):
-        for i, slices in enumerate(balance.slices(state)):
-            if not len(slices):
+        for i, contacts in enumerate(balance.evaluated(state)):
+            if contacts.total == 0.0:
                 continue
-            force = slices.load / slices.load.sum()
+            slices, force = contacts.slices, contacts.force / contacts.total
             thinnest[i, k] = slices.film_thickness.min() / slices.conditions.roughness
             code = film_by_regime(*groups(slices))[1].astype(int)
             share[i] += np.bincount(code, weights=force, minlength=4) / n

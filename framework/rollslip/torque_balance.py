@@ -33,7 +33,6 @@ from rollslip.effective_friction import LoadedContacts
 from rollslip.effective_table import EffectiveTable, effective_table
 from rollslip.errors import ConvergenceError
 from rollslip.kinematics import SurfaceSpeeds
-from rollslip_kernels.slices import Slices
 
 #: Entrainment speed that is never fallen below in the film [m/s]: u_film = sqrt(u^2 + SLOW^2).
 SLOW: Final = 1e-3
@@ -229,13 +228,13 @@ class TorqueBalance:
 
         return of(self.assembly.inner, loads.inner_load), of(self.assembly.outer, loads.outer_load)
 
-    def slices(self, orbit: Orbit) -> tuple[Slices, Slices]:
-        """Return the loaded slices of both raceways, evaluated in the motion of the rollers."""
+    def evaluated(self, orbit: Orbit) -> tuple[LoadedContacts, LoadedContacts]:
+        """Return the loaded contacts of both raceways, evaluated in the motion of the rollers."""
         contacts = self.contacts(orbit.cage_slip)
         speeds = self.assembly.kinematics.surface_speeds(orbit.cage_slip, orbit.roller_slip)
         contacts[0](speeds.inner_rolling, speeds.inner_sliding)
         contacts[1](speeds.outer_rolling, speeds.outer_sliding)
-        return contacts[0].contacts.slices, contacts[1].contacts.slices
+        return contacts[0].contacts, contacts[1].contacts
 
     def _solved(self, cage_slip: float) -> Orbit:
         contacts = self.contacts(cage_slip)
