@@ -68,13 +68,18 @@ class EffectiveFriction:
         return self.max_cage_slip
 
     def evaluations(self, assembly: Assembly) -> int:
-        """Return about how many slices the study will evaluate: curve, maximum, details and map at four instants."""
+        """Return about how many slices the study will evaluate: curve, maximum, error of the slices, and map."""
         loads = assembly.load_distribution(1)
-        loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
+        half = loads.psi.size // 2 + 1
+        contacts = sum(
+            LoadedContacts(raceway, load[0, :half], 1.0, 1.0).force.size
+            for raceway, load in ((assembly.inner, loads.inner_load), (assembly.outer, loads.outer_load))
+        )
+        instants = 2 * _FIRST_INSTANTS  # at which most curves stand still
         per_point = 12 if self.closure == "free-roller" else 1
-        curves = (_FIRST_INSTANTS + 2 * 2 * _FIRST_INSTANTS) * (self.points + 30) * per_point
-        surface = 2 * _FIRST_INSTANTS * self.map_points * max(2 * self.map_points - 1, 0)
-        return int(loaded) * (curves + surface)
+        curves = (_FIRST_INSTANTS + instants) * (self.points + 15) + instants // 2 * self.points
+        surface = self.map_points * max(2 * self.map_points - 1, 0)
+        return contacts * (curves * per_point + instants * _MAP_PROBES * bool(surface)) + 2 * 16 * surface
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return nothing: contacts are all there is."""
