@@ -42,14 +42,23 @@ def effective(Py_ssize_t rollers, nodes, limits, double sliding_scale=0.0, doubl
     *rows, count, values = table.shape
     if (len(rows), values) not in ((0, 2), (1, 4)) or any(size < 2 for size in (*rows, count)):
         raise ValueError(f"a table is of shape (N, 2) or (M, N, 4) with at least two nodes, got {table.shape}")
-    cdef double[::1] flat = table.ravel()
+    cdef double[::1] flat = (table if rows else _coefficients(table)).ravel()
     cdef rs_raceway w = _raceway(RS_EFFECTIVE, rollers, 1)
     (low, high), (low_row, high_row) = limits, row_limits
-    w.table.nodes, w.table.cells, w.table.rows = &flat[0], count - 1, rows[0] - 1 if rows else 0
+    w.table.values, w.table.cells, w.table.rows = &flat[0], count - 1, rows[0] - 1 if rows else 0
     w.table.sliding_scale, w.table.sliding_ratio, w.table.rolling_scale = sliding_scale, sliding_ratio, rolling_scale
-    w.table.low, w.table.per_cell = low, w.table.cells / (high - low)
-    w.table.low_row, w.table.per_row = low_row, w.table.rows / (high_row - low_row)
+    # the share first: that of the middle is 1/2 to the last bit, and its node is met exactly
+    w.table.per_cell, w.table.before = w.table.cells / (high - low), -low / (high - low) * w.table.cells
+    w.table.per_row, w.table.before_row = (
+        w.table.rows / (high_row - low_row), -low_row / (high_row - low_row) * w.table.rows)
     return _new(&w, (flat,))
+
+
+def _coefficients(nodes):
+    """Coefficients of the powers of the place in a cell, (N - 1, 4), of values and derivatives at the nodes, (N, 2)."""
+    value, slope = nodes[: len(nodes) - 1].T
+    rise, after = np.diff(nodes[:, 0]), nodes[1:, 1]
+    return np.stack((value, slope, 3.0 * rise - 2.0 * slope - after, slope + after - 2.0 * rise), axis=1)
 
 
 def conventional(chain, slices, Py_ssize_t rollers, double width, bint resists):

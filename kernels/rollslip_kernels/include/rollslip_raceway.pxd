@@ -7,7 +7,9 @@
 #   and never sees an unloaded slice.
 # - A film needs surfaces that draw oil in.  Started from rest, or backwards, the entrainment speed passes zero: all
 #   laws get sqrt(u^2 + u_0^2), and rolling resistance the sign u/sqrt(u^2 + u_0^2), u_0 = 1 mm/s.
-# - A table's cell is found such that a NaN ends in a cell and comes out as NaN.
+# - A table's cell is found without a branch, and such that a NaN ends in a cell and comes out as NaN.
+# - A curve is evaluated for all contacts in two passes, cells first: a division and a multiplication for each contact,
+#   which vectorise, and then the cubic of its cell, four coefficients side by side.
 # - What is written here belongs to one thread: a raceway is part of one system.
 from libc.math cimport NAN, fabs, sqrt
 
@@ -17,6 +19,7 @@ cdef enum:
     RS_CONSTANT
     RS_EFFECTIVE
     RS_CONVENTIONAL
+    RS_GROUP = 64   # contacts whose cells are kept on the stack
 
 cdef extern from *:
     """
@@ -27,15 +30,16 @@ cdef extern from *:
     const double RS_REST_SPEED
 
 
-# Cubic Hermite table on equal cells of v = V/(|V| + V_s + S u) and, if it has rows, of e = u/(u + u_s); a node holds
-# mu, dmu/dv, dmu/de, d2mu/dv de, the derivatives times the widths of a cell.  Beyond its ends it is held.
+# Piecewise cubic on equal cells of v = V/(|V| + V_s + S u) and, if it has rows, of e = u/(u + u_s).  Without rows a
+# cell holds the coefficients of the powers of the place in it, 0 to 1.  With rows a node holds mu, dmu/dv, dmu/de and
+# d2mu/dv de, the derivatives times the widths of a cell.  Beyond its ends it is held.
 ctypedef struct rs_friction_table:
-    const double *nodes    # [(rows + 1) x (cells + 1) x 4]; without rows [(cells + 1) x 2]
-    size_t cells, rows
+    const double *values   # [cells x 4]; with rows [(rows + 1) x (cells + 1) x 4]
+    int cells, rows
     double sliding_scale, sliding_ratio   # V_s [m/s], S
     double rolling_scale   # u_s [m/s]
-    double low, per_cell   # cell (v - low) per_cell
-    double low_row, per_row
+    double per_cell, before   # place v per_cell + before
+    double per_row, before_row
 
 
 ctypedef struct rs_raceway:
@@ -51,17 +55,13 @@ ctypedef struct rs_raceway:
     size_t evaluated                 # slices so far; contacts, where friction is not conventional
 
 
-cdef inline size_t rs_cell(double place, size_t cells, double *share) noexcept nogil:
-    """Cell of 0 .. cells - 1 and the place in it, 0 to 1."""
-    cdef size_t i
-    if place >= <double>cells:
-        share[0] = 1.0
-        return cells - 1
-    if place <= 0.0:
-        share[0] = 0.0
-        return 0
-    i = <size_t>place if place == place else 0
-    share[0] = place - <double>i
+cdef inline int rs_cell(double place, int cells, double *share) noexcept nogil:
+    """Cell of 0 .. cells - 1 and the place in it, 0 to 1 or NaN."""
+    cdef double last = <double>(cells - 1), inside = place if place > 0.0 else 0.0
+    cdef int i = <int>(inside if inside < last else last)
+    cdef double x = place - <double>i
+    x = 1.0 if x > 1.0 else x
+    share[0] = 0.0 if x < 0.0 else x
     return i
 
 
@@ -69,25 +69,40 @@ cdef inline double rs_film_speed(double u) noexcept nogil:
     return sqrt(u * u + RS_REST_SPEED * RS_REST_SPEED)
 
 
-cdef inline double rs_table_friction(const rs_friction_table *t, double V, double u) noexcept nogil:
-    """mu at a sliding speed and a film speed."""
-    cdef double x, y = 0.0, h1, d0, d1, k1, e0, e1
-    cdef double v = V / (fabs(V) + t.sliding_scale + t.sliding_ratio * u)
-    cdef size_t i = rs_cell((v - t.low) * t.per_cell, t.cells, &x), j
+cdef inline void rs_curve_traction(
+    const rs_friction_table *t, size_t n, const double *force, const double *sliding, double *traction
+) noexcept nogil:
+    """mu(V) Q of n contacts by a table without rows."""
+    cdef double share[RS_GROUP]
+    cdef int cell[RS_GROUP]
+    cdef double V, x, scale = t.sliding_scale, per_cell = t.per_cell, before = t.before
+    cdef int j, part, cells = t.cells
     cdef const double *a
-    cdef const double *b
+    while n > 0:
+        part = <int>min(n, <size_t>RS_GROUP)
+        for j in range(part):
+            V = sliding[j]
+            cell[j] = rs_cell(V / (fabs(V) + scale) * per_cell + before, cells, &share[j])
+        for j in range(part):
+            a, x = t.values + 4 * cell[j], share[j]
+            traction[j] = force[j] * (a[0] + x * (a[1] + x * (a[2] + x * a[3])))
+        n, force, sliding, traction = n - part, force + part, sliding + part, traction + part
+
+
+cdef inline double rs_map_friction(const rs_friction_table *t, double V, double u) noexcept nogil:
+    """mu at a sliding speed and a film speed by a table with rows."""
+    cdef double x, y, h1, d0, d1, k1, e0, e1
+    cdef double v = V / (fabs(V) + t.sliding_scale + t.sliding_ratio * u)
+    cdef int i = rs_cell(v * t.per_cell + t.before, t.cells, &x)
+    cdef int j = rs_cell(u / (u + t.rolling_scale) * t.per_row + t.before_row, t.rows, &y)
+    cdef const double *a = t.values + 4 * (<size_t>j * (t.cells + 1) + i)
+    cdef const double *b = a + 4 * (t.cells + 1)
     h1 = x * x * (3.0 - 2.0 * x)
     d0 = x * (1.0 - x) * (1.0 - x)
     d1 = x * x * (x - 1.0)
-    if t.rows == 0:
-        a = t.nodes + 2 * i
-        return a[0] + h1 * (a[2] - a[0]) + d0 * a[1] + d1 * a[3]
-    j = rs_cell((u / (u + t.rolling_scale) - t.low_row) * t.per_row, t.rows, &y)
     k1 = y * y * (3.0 - 2.0 * y)
     e0 = y * (1.0 - y) * (1.0 - y)
     e1 = y * y * (y - 1.0)
-    a = t.nodes + 4 * (j * (t.cells + 1) + i)
-    b = a + 4 * (t.cells + 1)
     return ((1.0 - k1) * (a[0] + h1 * (a[4] - a[0]) + d0 * a[1] + d1 * a[5])
             + k1 * (b[0] + h1 * (b[4] - b[0]) + d0 * b[1] + d1 * b[5])
             + e0 * (a[2] + h1 * (a[6] - a[2]) + d0 * a[3] + d1 * a[7])
@@ -150,9 +165,11 @@ cdef inline int rs_raceway_friction(
             for j in range(w.rollers):
                 traction[j] = w.coefficient * force[j] * sliding[j] / sqrt(
                     sliding[j] * sliding[j] + w.transition * w.transition)
+        elif w.table.rows == 0:
+            rs_curve_traction(&w.table, w.rollers, force, sliding, traction)
         else:
             for j in range(w.rollers):
-                traction[j] = force[j] * rs_table_friction(&w.table, sliding[j], rs_film_speed(rolling[j]))
+                traction[j] = force[j] * rs_map_friction(&w.table, sliding[j], rs_film_speed(rolling[j]))
     for j in range(w.rollers):
         resistance[j] *= rolling[j] / rs_film_speed(rolling[j])
     return 0
