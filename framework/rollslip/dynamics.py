@@ -21,6 +21,7 @@ import numpy as np
 from rollslip.assembly import RINGS, Array, Assembly
 from rollslip.critical import Critical
 from rollslip.effective_friction import EffectiveFriction, LoadedRaceways, regime_variables
+from rollslip.effective_table import table_records
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
 from rollslip.friction_curve import about, slip_grid
@@ -142,7 +143,8 @@ class Dynamics:
             Dimensions (time,): cage_speed, cage_slip, energy, energy_residual, angular_momentum, momentum_residual;
             (time, roller): roller_speed, roller_slip, orbit_angle; (ring, time, roller): normal_force, traction_force,
             sliding_speed, film_parameter, NaN without load; (work, time): work_done; (event,): event_time, event_what,
-            event_rising; with effective friction its curves (inner_node,): inner_sliding, inner_friction, and so outer;
+            event_rising; with effective friction its curves (inner_node,): inner_sliding, inner_friction, and so outer,
+            and how right they are, attribute effective_tables (`EffectiveTable.record` by ring, JSON);
             at levels pocket and planar (time, roller): pocket_force, pocket_displacement; at level planar (direction,
             time): ring_displacement, cage_displacement, and (time,): land_eccentricity.
 
@@ -385,6 +387,7 @@ class Dynamics:
                 "steady_status": steady_status,
                 "drag": json.dumps([{"name": drag.name, "equation": drag.equation} for drag in assembly.cage.drags]),
                 "cage": json.dumps(resolved(assembly.cage), default=str),
+                **table_records(moving.tables),
             },
         )
 

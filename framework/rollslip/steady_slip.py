@@ -18,6 +18,7 @@ import numpy as np
 from rollslip.assembly import RINGS, Array, Assembly, assemble
 from rollslip.critical import Critical, locate
 from rollslip.effective_friction import regime_variables
+from rollslip.effective_table import table_records
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.friction_curve import about
@@ -159,6 +160,7 @@ class SteadySlip:
                 "curve_error": curve.error,
                 "slices": assembly.slices,
                 "slices_error": self._slices_error(balance),
+                **table_records(balance.tables),
             },
         )
 

@@ -94,7 +94,7 @@ class EffectiveCurve:
         from scipy.interpolate import CubicHermiteSpline
 
         x = np.linspace(*table.limits, table.nodes.shape[0])
-        self._scale, self._limits = table.sliding_scale, table.limits
+        self.table, self._scale, self._limits = table, table.sliding_scale, table.limits
         self._friction = CubicHermiteSpline(x, table.nodes[:, 0], table.nodes[:, 1] / (x[1] - x[0]))
 
     def __call__(self, sliding: Array) -> Array:
@@ -178,6 +178,11 @@ class TorqueBalance:
     def rolls_freely(self) -> bool:
         """Whether nothing resists: no torque on the cage and no resistance to rolling."""
         return not self.drags.torques and not self.assembly.inner.chain.resists
+
+    @property
+    def tables(self) -> tuple[EffectiveTable, ...]:
+        """What effective friction of inner and outer raceway is taken from, if it is."""
+        return tuple(curve.table for curve in self._effective or ())
 
     def with_inertia(self, inertia: bool) -> "TorqueBalance":
         """Return the same balance of rollers with or without inertia of their spin."""
