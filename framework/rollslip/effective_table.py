@@ -42,9 +42,11 @@ _REACH: Final = 8.0
 _ROLLING: Final = (1.0 / 11.0, 3.0)
 #: Sliding speeds at which laws are looked at before there are nodes, over 8 decades.
 _PROBES: Final = 129
-#: A speed that is to be a node is at one of these shares of the way to the largest one.
-_SHARES: Final = tuple(k / 32 for k in range(2, 32, 2))
+#: A speed that is to be a node is at one of these shares of the way to the largest one, the last for steep rises.
+_SHARES: Final = (*(k / 16 for k in range(1, 16)), *(1.0 - 0.5**k for k in range(5, 11)))
 _FIRST_CELLS, _MOST_CELLS = 64, 4096
+#: Where the first cells err more than this, more of them are needed to tell which mapping is best.
+_UNCLEAR, _CLEAR_CELLS = 0.01, 1024
 _FIRST_ROWS, _MOST_ROWS = 8, 256
 _FIRST_CLASSES, _MOST_CLASSES = 16, 1024
 #: Slices evaluated at a time.
@@ -191,12 +193,12 @@ def curve_table(friction: Law, rolling: float, tolerance: float) -> EffectiveTab
     def at(x: Array) -> Array:
         return friction(_speed(x, scale))
 
-    cells, fine = _FIRST_CELLS, at(_halves(limit, 4 * _FIRST_CELLS))
+    cells = _first_cells(share)
+    fine = at(_halves(limit, 4 * cells))
     while True:
         values = fine[::4]
         slopes = _slopes(limit, values, scale * shape.slope, share if shape.has_critical else 0.0)
-        gaps = (_between(values, slopes, q / 4) - fine[q::4] for q in (1, 2, 3))
-        error = max(_relative(gap, fine) for gap in gaps)
+        error = _missed(fine, slopes)
         if error <= tolerance:
             break
         if cells >= _MOST_CELLS:
@@ -229,7 +231,7 @@ def map_table(friction: Callable[[float, Array], Array], epicyclic: float, toler
     scale, limit, share = _mapping(laws, shape, epicyclic)
     ratio, near = scale / epicyclic, _NEAR * shape.half / epicyclic
     low, high = (part / (part + 1.0) for part in _ROLLING)
-    cells, rows = _FIRST_CELLS, _FIRST_ROWS
+    cells, rows = _first_cells(share), _FIRST_ROWS
     while cells <= _MOST_CELLS and rows <= _MOST_ROWS:
         x, e = _halves(limit, 4 * cells), np.linspace(low, high, 2 * rows + 1)
         u = epicyclic * e / (1.0 - e)
@@ -243,11 +245,10 @@ def map_table(friction: Callable[[float, Array], Array], epicyclic: float, toler
         twisting = _twists(values, slopes, rising, twisting)
         # half-way between the rows
         values_there, slopes_there = _between(values.T, rising.T, 0.5).T, _between(slopes.T, twisting.T, 0.5).T
-        quarters = (1, 2, 3)
-        along = max(_relative(_between(values, slopes, q / 4) - true[::2, q::4], true[::2]) for q in quarters)
+        along = _missed(true[::2], slopes)
         across = _relative(values_there - true[1::2, ::4], true[1::2])
         inside = max(
-            _relative(_between(values_there, slopes_there, q / 4) - true[1::2, q::4], true[1::2]) for q in quarters
+            _relative(_between(values_there, slopes_there, q / 4) - true[1::2, q::4], true[1::2]) for q in (1, 2, 3)
         )
         error = max(along, across, inside)
         if error <= tolerance:
@@ -343,19 +344,29 @@ def _mapping(laws: Sequence[tuple[float, Law]], shape: _Shape, rolling: float) -
     """
     reach, node = _REACH * rolling, shape.critical.slip if shape.has_critical else shape.half
     rises = [_slope(law, _NEAR * shape.half * longer)[0] for longer, law in laws]
-    least, best = math.inf, (0.0, 0.0, 0.0)
-    for share in _SHARES:
-        if share * reach <= node:
-            continue
-        scale = node * reach * (1.0 - share) / (share * reach - node)
-        limit, error = reach / (reach + scale), 0.0
-        for (longer, law), rise in zip(laws, rises, strict=True):
-            fine = law(_speed(_halves(limit, 2 * _FIRST_CELLS), scale * longer))
-            slopes = _slopes(limit, fine[::2], scale * longer * rise)
-            error = max(error, _relative(_between(fine[::2], slopes, 0.5) - fine[1::2], fine))
-        if error < least:
-            least, best = error, (scale, limit, share)
+    for cells in (_FIRST_CELLS, _CLEAR_CELLS):
+        least, best = math.inf, (0.0, 0.0, 0.0)
+        for share in _SHARES:
+            if share * reach <= node:
+                continue
+            scale = node * reach * (1.0 - share) / (share * reach - node)
+            limit, error = reach / (reach + scale), 0.0
+            for (longer, law), rise in zip(laws, rises, strict=True):
+                fine = law(_speed(_halves(limit, 4 * cells), scale * longer))
+                error = max(error, _missed(fine, _slopes(limit, fine[::4], scale * longer * rise)))
+            if error < least:
+                least, best = error, (scale, limit, share)
+        if least <= _UNCLEAR:
+            break
     return best
+
+
+def _first_cells(share: float) -> int:
+    """Fewest cells of which a node is at a share of either half."""
+    cells = _FIRST_CELLS
+    while share * cells % 2.0:
+        cells *= 2
+    return cells
 
 
 def _speed(x: Array, scale: float) -> Array:
@@ -446,6 +457,11 @@ def _between(values: Array, slopes: Array, share: float) -> Array:
     x, rise = share, np.diff(values, axis=-1)
     part = values[..., :-1] + x * x * (3.0 - 2.0 * x) * rise
     return np.asarray(part + x * (1.0 - x) * ((1.0 - x) * slopes[..., :-1] - x * slopes[..., 1:]))
+
+
+def _missed(fine: Array, slopes: Array) -> float:
+    """Largest relative error of cubics at the quarters of their cells; ``fine`` has these and the nodes."""
+    return max(_relative(_between(fine[..., ::4], slopes, q / 4) - fine[..., q::4], fine) for q in (1, 2, 3))
 
 
 def _relative(off: Array, values: Array) -> float:
