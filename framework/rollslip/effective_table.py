@@ -53,6 +53,8 @@ _FIRST_CLASSES, _MOST_CLASSES = 16, 1024
 _AT_ONCE: Final = 1 << 18
 #: Of the tolerance, for the cells and for the classes.
 _CELLS_SHARE, _CLASSES_SHARE = 0.8, 0.1
+#: Of two maxima among the probes that differ by less, either may be the larger one.
+_ALIKE: Final = 0.05
 #: What rounding leaves of the place of a maximum.
 _PLACE: Final = 1e-7
 #: Sliding speed, relative to that at which friction has risen by half, from which the slope at none is taken.
@@ -293,8 +295,14 @@ def _shape(friction: Law, rolling: float) -> _Shape:
     found = friction(probe)
     risen = np.abs(found)
     half = float(probe[np.argmax(risen >= 0.5 * risen.max())])
-    inside = probe <= 0.5 * _REACH * rolling
-    critical = locate(lambda V: float(friction(np.array([V]))[0]), probe[inside], found[inside], "")
+    end = int(np.searchsorted(probe, 0.5 * _REACH * rolling)) - 1
+    # of maxima of nearly the same height, any may be the largest
+    high = found[1:end] >= (1.0 - _ALIKE) * found[: end + 1].max()
+    peaks = 1 + np.flatnonzero(high & (found[1:end] > found[: end - 1]) & (found[1:end] >= found[2 : end + 1]))
+    maxima = [Critical(math.nan, math.nan, "")]
+    for grid in ([k - 1, k, k + 1, end] for k in peaks.tolist()):
+        maxima.append(locate(lambda V: float(friction(np.array([V]))[0]), probe[grid], found[grid], ""))
+    critical = max(maxima, key=lambda one: -math.inf if math.isnan(one.slip) else one.friction)
     return _Shape(half, *_slope(friction, _NEAR * half), critical)
 
 
