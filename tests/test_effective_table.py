@@ -104,7 +104,7 @@ def tabulated(draw):
 
 
 @given(tabulated())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_a_cell_without_an_extremum_stays_between_its_ends_and_no_extremum_is_invented(case):
     law, _, table = case
     V = places(table, 24)
@@ -120,7 +120,7 @@ def test_a_cell_without_an_extremum_stays_between_its_ends_and_no_extremum_is_in
 
 
 @given(tabulated())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_the_error_between_all_nodes_is_the_stated_one(case):
     law, tolerance, table = case
     V = places(table, 37)
@@ -131,7 +131,7 @@ def test_the_error_between_all_nodes_is_the_stated_one(case):
 
 
 @given(tabulated())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_critical_speed_and_slope_at_no_slip_are_kept_to_the_stated_errors(case):
     law, _, table = case
     middle = table.nodes.shape[0] // 2
@@ -152,7 +152,7 @@ def test_critical_speed_and_slope_at_no_slip_are_kept_to_the_stated_errors(case)
 
 
 @given(tabulated())
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_an_odd_law_stays_odd_and_the_ends_are_held(case):
     _, _, table = case
     np.testing.assert_array_equal(table.nodes[:, 0], -table.nodes[::-1, 0])
@@ -166,7 +166,7 @@ def test_an_odd_law_stays_odd_and_the_ends_are_held(case):
 
 
 @given(tabulated())
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_value_and_slope_are_continuous_at_the_nodes(case):
     _, _, table = case
     x = np.linspace(*table.limits, table.nodes.shape[0])
@@ -224,7 +224,7 @@ def test_extrema_that_are_no_nodes_are_neither_flattened_nor_moved():
 
 
 @pytest.mark.parametrize("law", [Hump(0.02, 0.5, 4.0), Hump(0.02, 2.0, 20.0, 0.01, 0.2)])
-def test_a_map_invents_no_extremum_along_the_sliding_speed_on_rows_and_between(law):
+def test_a_map_of_a_smooth_law_invents_no_extremum_on_rows_and_between(law):
     def friction(u, V):
         return (ROLLING / u) ** 0.3 * law(V * (ROLLING / u) ** 1.2)
 
@@ -350,6 +350,31 @@ def test_a_kink_of_the_law_gives_no_ripple():
     V = places(table, 16)
     assert turns(friction_of(table, np.unique(V)), rounding(table)) == 2
     assert table.critical_speed == pytest.approx(2.0, rel=1e-6)
+
+
+def corner(V):
+    """A rise that ends in a corner, and a slow one beyond: splines overshoot here."""
+    return 0.02 * np.sign(V) * np.minimum(np.abs(V) / 3.0, 1.0 + 1e-4 * np.abs(V))
+
+
+def test_a_corner_makes_no_ripple():
+    table = curve_table(corner, ROLLING, 5e-3)
+    assert turns(friction_of(table, np.unique(places(table, 16))), rounding(table)) == 0
+
+
+def test_a_corner_makes_no_ripple_on_the_rows_of_a_map():
+    table = map_table(lambda u, V: corner(V * (ROLLING / u) ** 1.2), ROLLING, 1e-2)
+    x = np.linspace(*table.limits, 8 * (table.nodes.shape[1] - 1) + 1)
+    for e in np.linspace(*table.row_limits, table.nodes.shape[0]).tolist():
+        u = ROLLING * e / (1.0 - e)
+        assert turns(friction_of(table, table.sliding_ratio * u * x / (1.0 - np.abs(x)), u), rounding(table)) == 0
+
+
+def test_maxima_between_the_nodes_of_a_map_cost_no_order():
+    """A limit of three times the gentler chord flattens them, and takes twice as many cells at this tolerance."""
+    law = Hump(0.02, 0.5, 4.0)
+    table = map_table(lambda u, V: (ROLLING / u) ** 0.3 * law(V * (ROLLING / u) ** 1.2), ROLLING, 1e-4)
+    assert table.nodes.shape[1] <= 257
 
 
 def test_a_law_that_jumps_is_said_to_be_too_much():
