@@ -1,0 +1,50 @@
+"""The benchmarks compare like with like: peers that are here do the same work, and one that does not is left out."""
+
+import numpy as np
+import pytest
+
+import bench_chain
+import contacts
+
+NUMPY = {"NumPy, textbook", "NumPy, in place"}
+
+
+@pytest.mark.parametrize("film", contacts.FILMS)
+def test_peers_in_numpy_and_ours_do_the_same_work(film):
+    peers = bench_chain.Peers(only=NUMPY)
+    errors = peers.check(film)
+    assert set(peers.ready) == {bench_chain.OURS, *NUMPY}
+    assert not peers.missing
+    assert max(errors[bench_chain.OURS]) < 2e-14
+
+
+@pytest.mark.parametrize("film", contacts.FILMS)
+def test_the_reference_takes_every_branch(film):
+    _, taken = contacts.reference(film)
+    assert all(taken[name] >= 5 for name in contacts.BRANCHES[film])
+
+
+def test_a_peer_that_does_other_work_or_fails_is_left_out_in_words():
+    def other(film, given):
+        call, friction = bench_chain.ours(film, given)
+        return call, lambda: friction() * (1 + 1e-9)
+
+    def failing(film, given):
+        raise ValueError("no such film")
+
+    def no_number(film, given):
+        return lambda: 0.0, lambda: np.full(len(given.load), np.nan)
+
+    peers = bench_chain.Peers(only=set())
+    peers.ready |= {"other": other, "failing": failing, "no number": no_number}
+    peers.check("moes")
+    assert set(peers.ready) == {bench_chain.OURS}
+    assert "does other work: its friction is off by 1.0e-09, allowed is 1e-12" in peers.missing["other"]
+    assert peers.missing["failing"] == "fails: ValueError: no such film"
+    assert "off by inf" in peers.missing["no number"]
+
+
+def test_a_peer_that_cannot_be_had_is_said_with_the_reason():
+    peers = bench_chain.Peers(only={"Numba, SVML"})
+    assert set(peers.ready) == {bench_chain.OURS}
+    assert "Numba, SVML" in peers.missing
