@@ -125,6 +125,13 @@ def contract():
     return lines
 
 
+def vector_math():
+    """The elementary functions of rollslip_math.h with the worst errors that stand beside them."""
+    header = (ROOT / "kernels/rollslip_kernels/include/rollslip_math.h").read_text(encoding="utf-8")
+    found = re.findall(r"/\* (?:[^*;]* )?([\d.]+) ulp[^*]*\*/\nRS_INLINE double rs_([a-z0-9]+)\w*\(", header)
+    return table(("function", "worst error, ulp"), [(f"``{name}``", ulp) for ulp, name in found])
+
+
 def changelog():
     """CHANGELOG.md; of its Markdown only headings, lists, code, links and bare paragraphs are understood."""
     lines = []
@@ -152,6 +159,7 @@ PARTS = {
     "kinds": kinds,
     "commands": commands,
     "contract": contract,
+    "vector-math": vector_math,
     "changelog": changelog,
     "table": from_table,
 }
