@@ -15,7 +15,7 @@ import numpy as np
 import compiled_peers
 import numpy_peers
 from contacts import CONTACT, FILMS, OIL, TRACTION, contacts, kinds, reference, worst_error
-from report import Table, number
+from report import Table, cell
 from rollslip import Chain, Slices, get_model
 from rollslip_kernels import simd
 from timing import interleaved, medians
@@ -156,8 +156,7 @@ def by_kind(peers, rounds, n=1024):
     """Return the table of all peers for films of one kind."""
     found = times(peers, FILMS[0], kinds(n), rounds)
     rows = [
-        (name, *(f"{1e9 * found[kind][name][0] / n:.3g} ({found[kind][name][1]:.3g})" for kind in found))
-        for name in peers.ready
+        (name, *(cell(1e9 * found[kind][name][0] / n, found[kind][name][1]) for kind in found)) for name in peers.ready
     ]
     title = f"Contact chain with film {FILMS[0]} by kind of film, N = {n}: ns per slice (ratio to ours)"
     return Table("benchmark_kinds", title, ("", *found), rows)
@@ -174,7 +173,7 @@ def run(quick=False, svml_python=None):
             rows = [
                 (
                     name,
-                    *(f"{1e9 * found[n][name][0] / n:.3g} ({found[n][name][1]:.3g})" for n in sizes),
+                    *(cell(1e9 * found[n][name][0] / n, found[n][name][1]) for n in sizes),
                     *(f"{error:.0e}" for error in errors[name]),
                 )
                 for name in peers.ready
@@ -229,7 +228,7 @@ def sets(sizes, rounds):
             print(done.stderr, file=sys.stderr)
             continue
         for film, found in json.loads(done.stdout.splitlines()[-1]).items():
-            cells = (f"{number(1e9 * seconds / int(n))} ({number(ratio)})" for n, (seconds, ratio) in found.items())
+            cells = (cell(1e9 * seconds / int(n), ratio) for n, (seconds, ratio) in found.items())
             rows.append((name, film, *cells))
     return Table(
         "benchmark_sets",

@@ -16,7 +16,7 @@ from mpmath import mp, mpf
 
 from contacts import BEARING, contacts, worst_error
 from fifty_digits import DIGITS
-from report import Table
+from report import Table, cell
 from rollslip import Chain, Slices, evolve, load_scene
 from rollslip.assembly import assemble
 from rollslip.equilibrium import LoadCase, angular_positions, solve_equilibrium
@@ -87,7 +87,7 @@ def films(rounds, sizes=(16, 1024, 65536)):
                 errors[name] = worst_error(want, slices.film_thickness if values is None else values)
                 assert errors[name] < 1e-13, (name, errors[name])
         for name, (seconds, ratio) in medians(interleaved(ways, rounds), next(iter(ways))).items():
-            rows.setdefault(name, []).append(f"{1e9 * seconds / n:.3g} ({ratio:.3g})")
+            rows.setdefault(name, []).append(cell(1e9 * seconds / n, ratio))
     return Table(
         "benchmark_film",
         "One film formula, 2.69 U^0.67 G^0.53 W^-0.067: ns per slice (ratio to the first row), largest relative error",
@@ -136,7 +136,7 @@ def loads(rounds):
             else:
                 residual, off = max(result.force_residual, result.moment_residual), ""
             seconds, ratio = times[name]
-            cells = f"{1e6 * clearance:g}", f"{1e3 * seconds:.3g} ({ratio:.3g})", f"{residual:.0e}", off
+            cells = f"{1e6 * clearance:g}", cell(1e3 * seconds, ratio), f"{residual:.0e}", off
             rows.append((name, *cells))
     return Table(
         "benchmark_loads",

@@ -35,8 +35,13 @@ class Table:
 
 
 def number(value):
-    """Three digits."""
-    return f"{value:.3g}"
+    """Three digits, and all of an integer part."""
+    return f"{value:.3g}" if value < 100 else f"{value:.0f}"
+
+
+def cell(value, ratio):
+    """A value and a ratio."""
+    return f"{number(value)} ({number(ratio)})"
 
 
 def _version(package):
@@ -88,8 +93,8 @@ def write(tables, out, texts=()):
 
 
 def write_docs(tables):
-    """Write the tables where the documentation takes them from."""
-    for table in tables:
+    """Write the tables where the documentation takes them from; those that could not be measured stay as they are."""
+    for table in filter(lambda table: table.rows, tables):
         with (DOCS / "tables" / f"{table.name}.csv").open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(table.header)
