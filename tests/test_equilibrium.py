@@ -329,6 +329,12 @@ def test_half_of_a_pitch_mirrors_the_other(Z, instants, changes, known):
     check(whole, found, palmgren())
 
 
+def test_what_is_known_must_be_every_second_instant():
+    known = solve_pitch(case(instants=2), palmgren())
+    with pytest.raises(ValueError, match="known are 2 instants: of 6 it must be half"):
+        solve_pitch(case(instants=6), palmgren(), known)
+
+
 def test_half_of_a_roller_mirrors_the_other():
     """The same bearing with a profile that differs at one end by what no load can tell."""
     symmetric = case(slices=20, shape="iso16281", centrifugal_force=170.0)

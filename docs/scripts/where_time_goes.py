@@ -2,14 +2,16 @@
 
 Each scene is run in fresh processes. What is imported late in a run is imported first here, so that imports and work
 are apart; what studies share is told apart by clocks around the functions that do it, and a study is the rest of it.
-Beside the parts the whole command is timed, as a shell sees it, with data only and
-with plots and report. Medians of the processes go to docs/tables/where_time_goes.csv; a share is one of the whole
-command with plots and report.
+Beside the parts the whole command is timed, with data only and with plots and report. It is the time of the processor
+that counts, user and system: that of the clock on a machine with nothing else to do, and hardly dependent on what else
+it does. Medians of the processes go to docs/tables/where_time_goes.csv; a share is one of the whole command with plots
+and report.
 
-``python docs/scripts/where_time_goes.py [PROCESSES]``, 5 by default; nothing else should run beside it.
+``python docs/scripts/where_time_goes.py [PROCESSES]``, 5 by default.
 """
 
 import json
+import os
 import statistics
 import subprocess
 import sys
@@ -30,11 +32,11 @@ class Clock:
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
         self.running: list[str] = []
-        self.since = time.perf_counter()
+        self.since = time.process_time()
 
     def turn(self) -> None:
         """Add what has passed to the part that runs."""
-        now = time.perf_counter()
+        now = time.process_time()
         if self.running:
             self.seconds[self.running[-1]] = self.seconds.get(self.running[-1], 0.0) + now - self.since
         self.since = now
@@ -50,10 +52,10 @@ class Clock:
             self.running.pop()
 
 
-def one_run(scene: str, started: float, folder: Path) -> dict[str, float]:
+def one_run(scene: str, folder: Path) -> dict[str, float]:
     """Run a scene in this process; return the seconds of its parts."""
     clock = Clock()
-    clock.seconds["start Python"] = time.time() - started
+    clock.seconds["start Python"] = clock.since
 
     def import_(*names: str) -> None:
         for name in names:
@@ -94,21 +96,17 @@ def one_run(scene: str, started: float, folder: Path) -> dict[str, float]:
 
 def seconds_of(command: list[str]) -> float:
     """Time a process."""
-    begin = time.perf_counter()
+    before = os.times()
     subprocess.run(command, capture_output=True, check=True)
-    return time.perf_counter() - begin
+    after = os.times()
+    return after.children_user + after.children_system - before.children_user - before.children_system
 
 
 def measured(scene: str) -> dict[str, float]:
     """Return the seconds of all parts and of the whole command, each from a fresh process."""
     with tempfile.TemporaryDirectory() as folder:
-        started = time.time()
-        done = subprocess.run(
-            [sys.executable, __file__, "--one", scene, repr(started), folder],
-            capture_output=True,
-            text=True,
-            check=True,
-        )
+        command = [sys.executable, __file__, "--one", scene, folder]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
         parts: dict[str, float] = json.loads(done.stdout)
         parts[DATA] = seconds_of([*COMMAND, scene, "--no-plots", "--out", f"{folder}/data"])
         parts[ALL] = seconds_of([*COMMAND, scene, "--report", "--out", f"{folder}/all"])
@@ -129,6 +127,6 @@ def main(processes: int) -> None:
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--one"]:
-        print(json.dumps(one_run(sys.argv[2], float(sys.argv[3]), Path(sys.argv[4]))))
+        print(json.dumps(one_run(sys.argv[2], Path(sys.argv[3]))))
     else:
         main(int(sys.argv[1]) if len(sys.argv) > 1 else 5)

@@ -572,8 +572,12 @@ def solve_pitch(case: LoadCase, deflection: Deflection, known: LoadDistribution 
     ------
     ConvergenceError
         As `solve_equilibrium`.
+    ValueError
+        ``known`` has another number of instants than half.
     """
     instants = case.psi.shape[0]
+    if known is not None and 2 * known.psi.shape[0] != instants:
+        raise ValueError(f"known are {known.psi.shape[0]} instants: of {instants} it must be half")
     new = np.arange(instants) if known is None else np.arange(1, instants, 2)
     solved = new[new <= instants // 2]
     images = new[new > instants // 2]
