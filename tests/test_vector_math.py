@@ -91,6 +91,22 @@ def test_worst_error_of_powers(path):
     assert worst <= 1.3, at
 
 
+@every_set
+def test_worst_error_of_what_is_added_to_a_logarithm(path):
+    """2^x relative, log2(1 + x) absolute; the same bits on every set."""
+    rng = np.random.default_rng(4)
+    x = np.concatenate([-rng.uniform(0, 3, 2000), -rng.uniform(0, 1000, 2000), [0.0, -1000.0]])
+    falling = vector_math.exp2_falling(x, simd=path)
+    assert max(abs(float(v / mpmath.mpf(2) ** mpmath.mpf(at) - 1)) for v, at in zip(falling, x, strict=True)) <= 2e-16
+    y = np.concatenate([rng.uniform(0, 1, 2000), spread(rng, 1e-300, 1, 2000), [0.0, 1.0]])
+    plus_one = vector_math.log2_plus_one(y, simd=path)
+    exact = [mpmath.log1p(mpmath.mpf(at)) / mpmath.log(2) for at in y]
+    assert max(abs(float(v - truth)) for v, truth in zip(plus_one, exact, strict=True)) <= 4e-16
+    assert vector_math.exp2_falling([-1e308, -INF], simd=path).tolist() == [2.0**-1000] * 2
+    for name, given, found in (("exp2_falling", x, falling), ("log2_plus_one", y, plus_one)):
+        assert getattr(vector_math, name)(given, simd="baseline").tobytes() == found.tobytes()
+
+
 # Where the range ends -------------------------------------------------------------------------------------------------
 
 #: function -> {argument: exact result}

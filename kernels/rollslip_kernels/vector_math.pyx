@@ -60,6 +60,16 @@ def asinh(x, simd=None):
     return _map(_blocks(simd).asinh, x)
 
 
+def exp2_falling(x, simd=None):
+    """2^x for x <= 0, as 2^-1000 below -1000."""
+    return _map(_blocks(simd).exp2_falling, x)
+
+
+def log2_plus_one(x, simd=None):
+    """log2(1 + x) for 0 <= x <= 1, right to an absolute error."""
+    return _map(_blocks(simd).log2_plus_one, x)
+
+
 def pow(x, y, simd=None):
     """x^y for x >= 0, elementwise over two arrays of one shape."""
     cdef const double[::1] base = np.ascontiguousarray(x, dtype=np.float64).reshape(-1)

@@ -50,6 +50,8 @@ FITS = {
     "EXP2": (without_zero(lambda f: mp.expm1(f * LN2) / f, LN2), -mp.mpf(1) / 2, mp.mpf(1) / 2, 10),
     # 2 artanh(s) = 2 s + s z A(z), z = s^2
     "ARTANH": (tail(1), mp.mpf(0), REACH, 6),
+    # 2 artanh(s)/ln 2 = s (2/ln2 + z C(z))
+    "LOG2": (lambda z: tail(1)(z) / LN2, mp.mpf(0), REACH, 6),
     # 2 artanh(s) = 2 s + 2/3 s z + s z^2 B(z)
     "ARTANH2": (tail(2), mp.mpf(0), REACH, 7),
 }

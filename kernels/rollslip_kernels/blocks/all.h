@@ -33,15 +33,21 @@ static void PATH(each_pow)(size_t n, const double *x, const double *y, double *z
             for (size_t i = 0; i < part; i++) out[start + i] = copysign(stress[i], sigma[start + i]); \
         } \
     }
-STRESS(muraki_stress, EACH(i, whole) stress[i] = PATH(muraki_of)(s[i], rs_asinh(s[i]), w[i], s[i] / d[i], 1.0, 1.0))
+STRESS(muraki_stress, {
+    double ramp[BLOCK], under[BLOCK];
+    EACH(i, whole) ramp[i] = s[i] / d[i];
+    PATH(muraki_parts)(whole, s, d, w, ramp, stress, under);
+    EACH(i, whole) stress[i] /= under[i];
+})
 STRESS(maxwell_stress, PATH(maxwell_stress)(whole, s, d, w, stress))
 STRESS(eyring_stress, (void)d; PATH(eyring_stress)(whole, s, w, stress))
 #undef STRESS
 
 /* First index at which x is not in [low, high] (a NaN never is), or -1 */
 static ptrdiff_t PATH(first_outside)(size_t n, const double *x, double low, double high) {
-    uint64_t outside = 0;   /* as wide as what it counts, and no early exit: this form vectorises */
-    for (size_t i = 0; i < n; i++) outside |= (uint64_t)!(x[i] >= low) | (uint64_t)!(x[i] <= high);
+    uint64_t outside = 0;   /* a sign bit, or what an infinity and a NaN leave: every set has these operations */
+    for (size_t i = 0; i < n; i++)
+        outside |= ((rs_bits(x[i] - low) | rs_bits(high - x[i])) & RS_SIGN) | rs_bits(x[i] - x[i]);
     if (outside)
         for (size_t i = 0; i < n; i++)
             if (!(low <= x[i] && x[i] <= high)) return (ptrdiff_t)i;

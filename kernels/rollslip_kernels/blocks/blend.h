@@ -7,10 +7,13 @@
 /* ((Lambda_hd - Lambda)/(Lambda_hd - Lambda_bd))^m, 1 below and 0 above the limits */
 STAGE(power_share, FILM_THICKNESS, FRICTION) {
     const double *law = (const double *)params, *film = s->film_thickness;
-    double *share = s->friction, band = law[1] - law[0], top = law[1], exponent = law[2], roughness = s->roughness;
-    double x[BLOCK];
+    double *share = s->friction, low = law[0], top = law[1], per_band = 1.0 / (top - low), exponent = law[2];
+    double roughness = s->roughness, x[BLOCK];
     size_t n = WHOLE(s->n);
-    EACH(i, n) x[i] = rs_clamped((top - film[i] / roughness) / band, 0.0, 1.0);
+    EACH(i, n) {
+        double film_parameter = film[i] / roughness, left = rs_clamped((top - film_parameter) * per_band, 0.0, 1.0);
+        x[i] = film_parameter > low ? left : 1.0;
+    }
     if (exponent >= 1.0 && exponent <= 64.0 && exponent == floor(exponent)) {   /* as a rule: by squaring */
         EACH(i, n) share[i] = 1.0;
         for (unsigned left = (unsigned)exponent; left; left >>= 1) {
@@ -108,20 +111,25 @@ static int PATH(blend)(const rs_slices *s, const void *params) {
     size_t index[BLOCK];
     for (size_t start = 0; start < s->n; start += BLOCK) {
         rs_slices part = cut(s, start, s->n - start < BLOCK ? s->n - start : BLOCK), shared = part;
-        size_t n = part.n;
+        size_t n = part.n, rough;
         double *friction = part.friction;
         int status;
         shared.friction = share;
         q->share(&shared, q->law);
-        EACH(i, n) {
-            rest[i] = 1.0 - share[i];
-            boundary[i] = hydrodynamic[i] = 0.0;
+        rough = PATH(places)(n, share, index);
+        if (rough == 0) {   /* mostly: full films alone */
+            status = PATH(run_child)(&q->hydrodynamic, &part, n, index, friction);
+        } else {
+            EACH(i, n) {
+                rest[i] = 1.0 - share[i];
+                boundary[i] = hydrodynamic[i] = 0.0;
+            }
+            status = PATH(run_child)(&q->boundary, &part, rough, index, boundary);
+            if (status == 0)
+                status = PATH(run_child)(&q->hydrodynamic, &part, PATH(places)(n, rest, index), index, hydrodynamic);
+            if (status == 0) EACH(i, n) friction[i] = hydrodynamic[i] + (boundary[i] - hydrodynamic[i]) * share[i];
         }
-        status = PATH(run_child)(&q->boundary, &part, PATH(places)(n, share, index), index, boundary);
-        if (status == 0)
-            status = PATH(run_child)(&q->hydrodynamic, &part, PATH(places)(n, rest, index), index, hydrodynamic);
         if (status) return status > 0 ? status + (int)start : status;
-        EACH(i, n) friction[i] = hydrodynamic[i] + (boundary[i] - hydrodynamic[i]) * share[i];
     }
     return 0;
 }

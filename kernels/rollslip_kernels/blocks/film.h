@@ -61,12 +61,6 @@ STAGE(power_film, ROLLING_SPEED | LOAD, FILM_THICKNESS) {
     return 0;
 }
 
-/* log2(1 + 2^-|x|) */
-RS_INLINE double PATH(log2_of_sum)(double x) {
-    double k, m = rs_split_normal(1.0 + rs_exp2_normal(-fabs(x), 0.0), &k);
-    return k + RS_INV_LN2 * rs_log_near_one(m - 1.0);
-}
-
 /* H_RI = 3/M, H_EI = 2.621 M^-0.2, H_RP = 1.287 L^(2/3), H_EP = 1.311 M^-0.125 L^0.75 and their blend  [Moes 1992],
  * h/R = H sqrt(2 U), M = W/sqrt(2 U), L = G (2 U)^(1/4)
  *
@@ -74,7 +68,7 @@ RS_INLINE double PATH(log2_of_sum)(double x) {
 STAGE(moes_film, ROLLING_SPEED | LOAD, FILM_THICKNESS) {
     const double *speed = s->rolling_speed, *load = s->load;
     double *film = s->film_thickness, k2[BLOCK], l2[BLOCK], km[BLOCK], lm[BLOCK], over[BLOCK];
-    double i_high[BLOCK], i_low[BLOCK], p_high[BLOCK], p_low[BLOCK], sum[BLOCK];
+    double i_high[BLOCK], i_low[BLOCK], p_high[BLOCK], p_low[BLOCK], ratio[BLOCK];
     PATH(scales) to = PATH(scales_of)(s);
     double G = s->pressure_viscosity * s->modulus, radius = s->radius;
     double kg, lg = rs_log2_parts(G > 1e-300 ? G : 1e-300, &kg);   /* without pressure viscosity, nothing of H_EP */
@@ -82,7 +76,15 @@ STAGE(moes_film, ROLLING_SPEED | LOAD, FILM_THICKNESS) {
     PATH(exponent) l23 = PATH(split_exponent)(2.0 / 3.0);
     size_t n = WHOLE(s->n);
     (void)params;
-    EACH(i, n) l2[i] = PATH(log2_of)(speed[i], to.ku + 1.0, to.lu, &k2[i]);
+    uint64_t speeds = 0;
+    EACH(i, n) speeds |= rs_bits(speed[i]) ^ rs_bits(speed[0]);
+    if (speeds) {
+        EACH(i, n) l2[i] = PATH(log2_of)(speed[i], to.ku + 1.0, to.lu, &k2[i]);
+    } else {   /* as in one position of the cage: one logarithm for all */
+        double k, l = PATH(log2_of)(speed[0], to.ku + 1.0, to.lu, &k);
+        EACH(i, n) l2[i] = l;
+        EACH(i, n) k2[i] = k;
+    }
     EACH(i, n) {
         lm[i] = PATH(log2_of)(load[i], to.kw, to.lw, &km[i]) - 0.5 * l2[i];
         km[i] -= 0.5 * k2[i];
@@ -95,29 +97,31 @@ STAGE(moes_film, ROLLING_SPEED | LOAD, FILM_THICKNESS) {
         double x = (ep_high - rp_high) + (ep_low - rp_low);
         p_high[i] = x > 0.0 ? rp_high : ep_high;
         p_low[i] = x > 0.0 ? rp_low : ep_low;
-        sum[i] = 3.5 * x;
+        ratio[i] = rs_exp2_falling(-3.5 * fabs(x));
     }
-    EACH(i, n) p_low[i] -= 2.0 / 7.0 * PATH(log2_of_sum)(sum[i]);
+    EACH(i, n) p_low[i] -= 2.0 / 7.0 * rs_log2_plus_one(ratio[i]);
     /* H_RI or H_EI, the larger one, times (1 + (smaller/larger)^(7/3))^(3/7); s = (7 + 8 exp(-2 H_EI/H_RI))/5 */
     EACH(i, n) {
         double ei_high = m02.high * km[i], ei_low = LOG_EI + (m02.low * km[i] + m02.whole * lm[i]);
         double high = r08.high * km[i], low = LOG_EI_RI + (r08.low * km[i] + r08.whole * lm[i]), x = high + low;
+        double third = 1.0 / 3.0 * fabs(x), root = rs_exp2_falling(-(third < 30.0 ? third : 30.0));
+        double less = root * root * root;
         i_high[i] = x < 0.0 ? -km[i] : ei_high;
         i_low[i] = x < 0.0 ? LOG_RI - lm[i] : ei_low;
-        sum[i] = 7.0 / 3.0 * x;
-        over[i] = rs_exp2_normal(high, low);
+        ratio[i] = less * less * root;
+        over[i] = x < 0.0 ? less : 1.0 / less;
     }
-    EACH(i, n) i_low[i] += 3.0 / 7.0 * PATH(log2_of_sum)(sum[i]);
-    EACH(i, n) over[i] = 1.4 + 1.6 * rs_exp2_normal(-2.0 * RS_INV_LN2 * over[i], 0.0);
+    EACH(i, n) i_low[i] += 3.0 / 7.0 * rs_log2_plus_one(ratio[i]);
+    EACH(i, n) over[i] = 1.4 + 1.6 * rs_exp2_falling(-2.0 * RS_INV_LN2 * over[i]);
     /* and of these two the larger one, times (1 + (smaller/larger)^s)^(1/s), so that no power over- or underflows */
     EACH(i, n) {
         double ahead = (p_high[i] - i_high[i]) + (p_low[i] - i_low[i]);
         p_high[i] = (ahead > 0.0 ? p_high[i] : i_high[i]) + 0.5 * k2[i];
         p_low[i] = (ahead > 0.0 ? p_low[i] : i_low[i]) + 0.5 * l2[i];
-        sum[i] = over[i] * ahead;
+        ratio[i] = rs_exp2_falling(-over[i] * fabs(ahead));
     }
-    EACH(i, n) sum[i] = PATH(log2_of_sum)(sum[i]) / over[i];
-    EACH(i, n) film[i] = rs_exp2_times(radius, p_high[i], p_low[i] + sum[i]);
+    EACH(i, n) p_low[i] += rs_log2_plus_one(ratio[i]) / over[i];
+    EACH(i, n) film[i] = rs_exp2_times(radius, p_high[i], p_low[i]);
     return 0;
 }
 

@@ -51,6 +51,8 @@ cdef extern from "blocks/table.h" nogil:
         void (*log1p)(size_t, const double *, double *) noexcept nogil
         void (*expm1)(size_t, const double *, double *) noexcept nogil
         void (*asinh)(size_t, const double *, double *) noexcept nogil
+        void (*exp2_falling)(size_t, const double *, double *) noexcept nogil
+        void (*log2_plus_one)(size_t, const double *, double *) noexcept nogil
         void (*pow)(size_t, const double *, const double *, double *) noexcept nogil
         void (*muraki_stress)(size_t, const double *, const double *, const double *, double *) noexcept nogil
         void (*maxwell_stress)(size_t, const double *, const double *, const double *, double *) noexcept nogil

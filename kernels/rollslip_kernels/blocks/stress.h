@@ -21,19 +21,46 @@ typedef const double *__restrict given;
 typedef double *__restrict filled;
 #endif
 
-/* Muraki's closed form with L = asinh(s), times factor/divisor: an elastic ramp e = s/D, then a plateau y heated by the
- * mean stress.
+/* asinh(s) and asinh(s)/s of s >= 0, by one division: as rs_asinh, with the conditionals apart from root and division,
+ * for else GCC makes a path of each case and a vectorised loop takes both */
+static void PATH(asinh_quotient)(size_t n, given s, filled value, filled quotient) {
+    double k[BLOCK], over[BLOCK], by[BLOCK];
+    EACH(i, n) {
+        int large = s[i] > 0x1p28;
+        double root = sqrt(1.0 + (large ? 0.0 : s[i] * s[i])), m = rs_split_normal(large ? s[i] : s[i] + root, &k[i]);
+        int small = k[i] == 0.0;
+        over[i] = small ? s[i] : m - 1.0;
+        value[i] = 1.0 + (small ? root : m);
+        by[i] = small ? 1.0 : s[i];
+        k[i] = large ? k[i] + 1.0 : k[i];
+    }
+    EACH(i, n) {
+        double inverse = 1.0 / (value[i] * by[i]), t = over[i] * (by[i] * inverse), rest = 2.0 + rs_artanh_rest(t);
+        double r = k[i] * RS_LN2_HIGH + (k[i] * RS_LN2_LOW + t * rest), ratio = k[i] == 0.0 ? rest : r * value[i];
+        quotient[i] = ratio * inverse;
+        value[i] = s[i] > 0x1p-28 && s[i] < RS_INF ? r : s[i];
+    }
+}
+
+/* Muraki's closed form S = over/under for the ramp e = s/D: an elastic ramp, then a plateau y heated by the mean stress.
  *
- * (D Phi/4) y^2 - a y + L = 0 and S = y - D y^2/(4 sigma), rewritten with v = 1 - D y/(2 sigma), the plateau's share of
- * the contact: S = (y/2) (1 + v).  v and the root r of the discriminant both follow from the same margin
- * m = 1 + a - D L/sigma without a difference of nearly equal terms, and the ramp fills the contact when m = 0. */
-RS_INLINE double PATH(muraki_of)(double s, double L, double w, double e, double factor, double divisor) {
-    double a = 1.0 + w, margin = 1.0 + a - (s > 0.0 ? L / e : 0.0), v = margin < 0.0 ? 0.0 : margin;
-    double c = w < 1e100 ? 1.0 : 1e-200, r = sqrt(c * c + (w * c) * (v * c));   /* scaled: a^2 may overflow */
-    double over = margin < 0.0 ? e : (L * c) * ((c + r) + v * c);
-    double under = margin < 0.0 ? divisor : ((c + r) * (a * c + r)) * divisor;
-    factor = divisor > 1e-290 ? factor : RS_INF;   /* refused as not finite: lost digits would show */
-    return factor * over / under;
+ * With L = asinh(s) it is (D Phi/4) y^2 - a y + L = 0 and S = y - D y^2/(4 sigma), rewritten with v = 1 - D y/(2 sigma),
+ * the plateau's share of the contact: S = (y/2) (1 + v).  v and the root r of the discriminant both follow from the same
+ * margin m = 1 + a - D L/sigma without a difference of nearly equal terms, and the ramp fills the contact when m = 0. */
+static void PATH(muraki_parts)(size_t n, given s, given deborah, given w, given e, filled over, filled under) {
+    double L[BLOCK], c[BLOCK], v[BLOCK], margin[BLOCK];
+    PATH(asinh_quotient)(n, s, L, margin);
+    EACH(i, n) {
+        margin[i] = 1.0 + (1.0 + w[i]) - deborah[i] * margin[i];
+        v[i] = margin[i] < 0.0 ? 0.0 : margin[i];
+        c[i] = w[i] < 1e100 ? 1.0 : 1e-200;   /* a^2 may overflow */
+    }
+    EACH(i, n) {
+        double a = 1.0 + w[i], r = sqrt(c[i] * c[i] + (w[i] * c[i]) * (v[i] * c[i]));
+        double plateau = (L[i] * c[i]) * ((c[i] + r) + v[i] * c[i]), share = (c[i] + r) * (a * c[i] + r);
+        over[i] = margin[i] < 0.0 ? e[i] : plateau;
+        under[i] = margin[i] < 0.0 ? 1.0 : share;
+    }
 }
 
 /* Solve sinh(S) exp(w S) = s for S, s > 0 and w >= 0, until a step in ln S is below the tolerance. */

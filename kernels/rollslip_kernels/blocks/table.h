@@ -22,7 +22,7 @@ typedef struct { rs_model boundary, hydrodynamic; rs_evaluate share; double law[
     X(barus) X(roelands) X(yasutomi) \
     X(muraki) X(maxwell_eyring) X(eyring) X(kragelsky) X(constant) X(gupta) \
     X(power_share) X(exponential_share) X(greenwood_tripp_share) X(blend)
-#define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh)
+#define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh) X(exp2_falling) X(log2_plus_one)
 
 /* Of n values of sigma, D and Phi */
 typedef void (*rs_stress_law)(size_t, const double *, const double *, const double *, double *);

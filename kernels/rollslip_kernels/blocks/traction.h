@@ -7,41 +7,43 @@
     (ROLLING_SPEED | SLIDING_SPEED | HALF_WIDTH | PRESSURE | FILM_THICKNESS | FILM_VISCOSITY | FILM_THERMOVISCOSITY)
 #endif
 
-/* The groups sigma, w and V Gamma b/(u tau0 h) = sigma/D for |V| and positive speeds */
-static void PATH(groups)(const rs_slices *s, double factor, filled sigma, filled w, filled ramp) {
+/* The groups sigma, w, D = eta u/(Gamma b) and sigma/D = V Gamma b/(u tau0 h) for |V| and positive speeds */
+static void PATH(groups)(const rs_slices *s, double factor, filled sigma, filled w, filled deborah, filled ramp) {
     const double *u = s->rolling_speed, *sliding = s->sliding_speed, *half_width = s->half_width;
     const double *film = s->film_thickness, *viscosity = s->film_viscosity, *fall = s->film_thermoviscosity;
     double flash = factor / (s->effusivity * sqrt(RS_PI)), across = 1.0 / (12.0 * s->conductivity);
-    double tau0 = s->eyring_stress, elastic = s->shear_modulus / tau0, fluid = 1.0 / tau0;
+    double tau0 = s->eyring_stress, elastic = s->shear_modulus / tau0, fluid = 1.0 / tau0, soft = 1.0 / s->shear_modulus;
     size_t n = WHOLE(s->n);
     EACH(i, n) {
-        double h = film[i], V = fabs(sliding[i]), per = 1.0 / (u[i] * h);   /* one division for b/u and V/h */
-        double transit = half_width[i] * (h * per);
+        double h = film[i], b = half_width[i], V = fabs(sliding[i]), flow = u[i] * h;
+        double inverse = 1.0 / (flow * b), per = b * inverse;   /* one division for b/u, V/h and u/b */
         sigma[i] = fluid * viscosity[i] * (V * (u[i] * per));
-        w[i] = fall[i] * (flash * sqrt(transit) + across * h) * (tau0 * V);
-        ramp[i] = elastic * (half_width[i] * V) * per;
+        w[i] = fall[i] * (flash * sqrt(b * (h * per)) + across * h) * (tau0 * V);
+        deborah[i] = soft * viscosity[i] * (u[i] * (flow * inverse));
+        ramp[i] = elastic * (b * V) * per;
     }
 }
 
 STAGE(muraki, HYDRODYNAMIC, FRICTION) {
     const double *sliding = s->sliding_speed, *pressure = s->pressure;
-    double *friction = s->friction, tau0 = s->eyring_stress, sigma[BLOCK], w[BLOCK], ramp[BLOCK], L[BLOCK];
+    double *friction = s->friction, tau0 = s->eyring_stress, sigma[BLOCK], w[BLOCK], deborah[BLOCK], ramp[BLOCK];
+    double over[BLOCK], under[BLOCK];
     size_t n = WHOLE(s->n);
-    PATH(groups)(s, *(const double *)params, sigma, w, ramp);
-    EACH(i, n) L[i] = rs_asinh(sigma[i]);
-    EACH(i, n)
-        friction[i] = copysign(PATH(muraki_of)(sigma[i], L[i], w[i], ramp[i], tau0, pressure[i]), sliding[i]);
+    PATH(groups)(s, *(const double *)params, sigma, w, deborah, ramp);
+    PATH(muraki_parts)(n, sigma, deborah, w, ramp, over, under);
+    EACH(i, n) {
+        double factor = pressure[i] > 1e-290 ? tau0 : RS_INF;   /* refused as not finite: lost digits would show */
+        friction[i] = copysign(factor * over[i] / (under[i] * pressure[i]), sliding[i]);
+    }
     return 0;
 }
 
 STAGE(maxwell_eyring, HYDRODYNAMIC, FRICTION) {
-    const double *sliding = s->sliding_speed, *pressure = s->pressure, *viscosity = s->film_viscosity;
-    const double *u = s->rolling_speed, *half_width = s->half_width;
-    double *friction = s->friction, tau0 = s->eyring_stress, gamma = s->shear_modulus;
+    const double *sliding = s->sliding_speed, *pressure = s->pressure;
+    double *friction = s->friction, tau0 = s->eyring_stress;
     double sigma[BLOCK], w[BLOCK], deborah[BLOCK], stress[BLOCK];
     size_t n = WHOLE(s->n);
-    PATH(groups)(s, *(const double *)params, sigma, w, deborah);
-    EACH(i, n) deborah[i] = viscosity[i] * u[i] / (gamma * half_width[i]);
+    PATH(groups)(s, *(const double *)params, sigma, w, deborah, stress);
     PATH(maxwell_stress)(n, sigma, deborah, w, stress);
     EACH(i, n) friction[i] = copysign(tau0 / pressure[i] * stress[i], sliding[i]);
     return 0;
@@ -49,9 +51,9 @@ STAGE(maxwell_eyring, HYDRODYNAMIC, FRICTION) {
 
 STAGE(eyring, HYDRODYNAMIC, FRICTION) {
     const double *sliding = s->sliding_speed, *pressure = s->pressure;
-    double *friction = s->friction, tau0 = s->eyring_stress, sigma[BLOCK], w[BLOCK], stress[BLOCK];
+    double *friction = s->friction, tau0 = s->eyring_stress, sigma[BLOCK], w[BLOCK], stress[BLOCK], none[BLOCK];
     size_t n = WHOLE(s->n);
-    PATH(groups)(s, *(const double *)params, sigma, w, stress);
+    PATH(groups)(s, *(const double *)params, sigma, w, none, stress);
     PATH(eyring_stress)(n, sigma, w, stress);
     EACH(i, n) friction[i] = copysign(tau0 / pressure[i] * stress[i], sliding[i]);
     return 0;

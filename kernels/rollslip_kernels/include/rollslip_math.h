@@ -22,11 +22,13 @@
 #define RS_PI 3.14159265358979323846
 #define RS_ROUND 0x1.8p52            /* x + RS_ROUND - RS_ROUND rounds to an integer, |x| < 2^51 */
 #define RS_INV_LN2 0x1.71547652b82fep+0
+#define RS_SQRT2 0x1.6a09e667f3bcdp+0
 #define RS_LN2 0x1.62e42fefa39efp-1
 #define RS_LN2_HIGH 0x1.62e42fefa0000p-1   /* 40 bits: k RS_LN2_HIGH is exact */
 #define RS_LN2_LOW 0x1.cf79abc9e3b3ap-40
 #define RS_ONE UINT64_C(0x3ff0000000000000)
 #define RS_SQRT_HALF UINT64_C(0x3fe6a09e667f3bcd)
+#define RS_SIGN (UINT64_C(1) << 63)
 #define RS_HIGH_BITS UINT64_C(0xfffffffff8000000)   /* 26 bits, so that a product of two is exact */
 
 RS_INLINE double rs_of_bits(uint64_t bits) {
@@ -99,9 +101,26 @@ RS_INLINE double rs_log2(double x) {
     return rs_log_domain(x, k + RS_INV_LN2 * rs_log_near_one(m - 1.0));
 }
 
-/* log2(x) for 0 < x < inf in two parts: an integer and a rest within [-1/2, 1/2].  A multiple of log2(x) whose factor
- * is split as well (rs_high) loses no digits in the integer part, however large. */
-RS_INLINE double rs_log2_parts(double x, double *k) { return RS_INV_LN2 * rs_log_near_one(rs_split(x, k) - 1.0); }
+/* 2 artanh(s)/log(2), |s| <= 0.1716 */
+RS_INLINE double rs_log2_ratio(double s) {
+    double z = s * s, z2 = z * z;
+    return s * ((0x1.71547652b82fep+1 + 0x1.ec709dc3a0401p-1 * z)
+                + ((0x1.2776c50ef68fbp-1 + 0x1.a61762b532f7ep-2 * z) * z2
+                   + ((0x1.484b091bafbf5p-2 + 0x1.0c9e9176b4c19p-2 * z)
+                      + (0x1.c4ff4156621bdp-3 + 0x1.afdd097b1b69cp-3 * z) * z2) * (z2 * z2)));
+}
+
+/* log2(x) for 0 < x < inf in two parts: an integer and a rest within [-1/2, 1/2], to 2e-16 absolute.  A multiple of
+ * log2(x) whose factor is split as well (rs_high) loses no digits in the integer part, however large. */
+RS_INLINE double rs_log2_parts(double x, double *k) {
+    double f = rs_split(x, k) - 1.0;
+    return rs_log2_ratio(f / (2.0 + f));
+}
+
+/* log2(1 + x), 0 <= x <= 1, to 4e-16 absolute: for what is added to a logarithm */
+RS_INLINE double rs_log2_plus_one(double x) {
+    return 0.5 + rs_log2_ratio((x - (RS_SQRT2 - 1.0)) / (x + (RS_SQRT2 + 1.0)));
+}
 
 /* 1.5 ulp */
 RS_INLINE double rs_log1p(double x) {
@@ -165,16 +184,28 @@ RS_INLINE double rs_expm1(double x) {
     return rs_expm1_exp(x, &whole);
 }
 
-/* 2^(a + b) = p 2^n, b the small part of the exponent, |a| < 2^51 */
-RS_INLINE double rs_exp2_reduced(double a, double b, double *n) {
-    *n = (a + b) + RS_ROUND - RS_ROUND;
-    double f = (a - *n) + b, f2 = f * f, f4 = f2 * f2;
+/* 2^f, |f| <= 1/2 */
+RS_INLINE double rs_exp2_fraction(double f) {
+    double f2 = f * f, f4 = f2 * f2;
     double p = ((0x1.ebfbdff82c598p-3 + 0x1.c6b08d704a0c2p-5 * f)
                 + (0x1.3b2ab6fba1ddap-7 + 0x1.5d87fe78a5276p-10 * f) * f2)
         + ((0x1.430913096fd9fp-13 + 0x1.ffcbfc670dcd4p-17 * f)
            + (0x1.62bfd47773353p-20 + 0x1.b524fae627834p-24 * f) * f2) * f4
         + (0x1.e6063f7217bc6p-28 + 0x1.e9d3fe3952179p-32 * f) * (f4 * f4);
     return 1.0 + (RS_LN2 * f + f2 * p);
+}
+
+/* 2^(a + b) = p 2^n, b the small part of the exponent, |a| < 2^51 */
+RS_INLINE double rs_exp2_reduced(double a, double b, double *n) {
+    *n = (a + b) + RS_ROUND - RS_ROUND;
+    return rs_exp2_fraction((a - *n) + b);
+}
+
+/* 2^x for x <= 0, no NaN, to 2e-16; 2^-1000 below x = -1000: for what is added to something near 1 */
+RS_INLINE double rs_exp2_falling(double x) {
+    x = x < -1000.0 ? -1000.0 : x;
+    double n = x + RS_ROUND;
+    return rs_of_bits(rs_bits(rs_exp2_fraction(x - (n - RS_ROUND))) + (rs_bits(n) << 52));
 }
 
 /* 2^(a + b), b the small part of the exponent */
