@@ -4,18 +4,24 @@
 - Tables are copied by value and their capsules kept alive, so nothing is looked up between blocks.
 - Domains are data, checked here for every stage alike, and so is that results are finite: a kernel is its law and
   a loop, and no NaN passes from one stage to the next.
+- A column is checked once, where it comes into being: as the table's own before the first stage, as a result behind
+  the stage that wrote it, against all that later stages ask of it. Only a block in which that fails is gone through
+  stage by stage, so that the refusal is the one that a check of every stage by itself gives.
 - ``problem`` and ``run`` answer in words and numbers; the framework, which knows the models' names, makes the error.
 """
 
 import numpy as np
 
+from cpython.buffer cimport (
+    PyBUF_C_CONTIGUOUS, PyBUF_FORMAT, PyBUF_WRITABLE, PyBuffer_Release, PyObject_GetBuffer,
+)
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid, PyCapsule_New, PyCapsule_SetContext
 from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
 from libc.stdlib cimport free, malloc
 
 from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, rs_model, rs_slices
-from rollslip_blocks cimport rs_active_blocks, rs_blocks
+from rollslip_blocks cimport rs_active_blocks, rs_blocks, rs_range
 from rollslip_stage cimport rs_capsule_context, rs_capsule_pointer, rs_cut, rs_new_model
 
 from rollslip_kernels.slices import COLUMNS, Conditions, Slices
@@ -50,6 +56,8 @@ cdef struct chain_t:
     int n_columns
     check_t conditions[MAX_CHECKS]
     int n_conditions
+    rs_range ranges[MAX_CHECKS]
+    int begins[MAX_STAGES + 2]   # of the ranges of the table's own columns, and of what each stage writes
     Py_ssize_t block
     refusal_t last   # of the chain as a stage
 
@@ -65,6 +73,7 @@ cdef class Chain:
     cdef chain_t chain
     cdef tuple capsules
     cdef tuple column_names, condition_names
+    cdef readonly Py_ssize_t evaluated   # slices, by `run` and by what `bind` returned
 
     def __init__(self, stages, Py_ssize_t block=BLOCK):
         cdef rs_model *given
@@ -88,28 +97,51 @@ cdef class Chain:
         self.chain.n_columns, self.chain.n_conditions = len(columns), len(conditions)
         self.chain.n_stages, self.chain.block = len(stages), block
         self.capsules = tuple(capsule for capsule, _, _ in stages)
+        filters = _filters([(domain, writes) for _, domain, writes in stages])
+        c = 0
+        for k, filter in enumerate(filters):
+            for name, (low, high) in filter.items():
+                self.chain.ranges[c] = rs_range(offsets[name], low if low else -0.0, high)
+                c += 1
+            self.chain.begins[k + 1] = c
 
     @property
     def block(self):
         return self.chain.block
 
-    def run(self, slices):
-        """Evaluate all stages in place; return None when done, else (what, stage, member, slice).
+    def run(self, slices, Py_ssize_t start=0, Py_ssize_t stop=-1):
+        """Evaluate all stages in place, from slice ``start`` on to ``stop`` or the end.
 
-        ``what`` is "input" (a value outside the stage's domain), "output" (a result that is not finite) or "status"
-        (the stage itself refused the slice; then there is no member, and a slice of -1 if the status does not exist).
+        Return None when done, else (what, stage, member, slice). ``what`` is "input" (a value outside the stage's
+        domain), "output" (a result that is not finite) or "status" (the stage itself refused the slice; then there is
+        no member, and a slice of -1 if the status does not exist).
         """
-        cdef rs_slices whole
+        cdef rs_slices table
+        _bind(&table, slices)
+        if stop < 0:
+            stop = table.n
+        if not 0 <= start <= stop <= <Py_ssize_t>table.n:
+            raise ValueError(f"a table of {table.n} slices has no range {start} to {stop}")
+        table = rs_cut(&table, start, stop - start)
+        return self._evaluate(&table, start)
+
+    cdef object _evaluate(self, const rs_slices *table, Py_ssize_t start):
         cdef refusal_t refusal
         cdef int status
-        _bind(&whole, slices)
         with nogil:
-            status = _run(&self.chain, &whole, &refusal)
+            status = _run(&self.chain, table, &refusal)
+        self.evaluated += table.n
         if status == 0:
             return None
         if status == PYTHON_RAISED and PyErr_Occurred() != NULL:
             _raise_pending()
+        if refusal.column and refusal.slice >= 0:
+            refusal.slice += start
         return self._words(&refusal)
+
+    def bind(self, slices, error):
+        """Return a callable that evaluates this table again; ``error`` makes an exception of a refusal and a table."""
+        return Bound(self, slices, error)
 
     def as_stage(self):
         """Return the whole chain as one stage, which remembers what it refused.
@@ -136,11 +168,60 @@ cdef class Chain:
         return "status", r.stage, "", r.slice
 
 
+cdef class Bound:
+    """A chain and a table: each call evaluates the table as it stands then, its conditions included.
+
+    Both live as long as it does. Calls from several threads, and from a stage of the chain itself, are as those of
+    the chain.
+    """
+
+    cdef Chain chain
+    cdef object slices, table, conditions, error
+    cdef rs_slices bound
+
+    def __init__(self, Chain chain, slices, error):
+        self.chain, self.slices, self.error = chain, slices, error
+        self._bind()
+
+    cdef int _bind(self) except -1:
+        self.table, self.conditions = self.slices._table, self.slices.conditions
+        _bind(&self.bound, self.slices)
+        return 0
+
+    def __call__(self):
+        if self.slices.conditions is not self.conditions:
+            self._bind()
+        cdef rs_slices table = self.bound   # another thread may bind other conditions
+        refusal = self.chain._evaluate(&table, 0)
+        if refusal is not None:
+            raise self.error(refusal, self.slices)
+
+
+cdef list _filters(list stages):
+    """Columns and ranges for the table before the first stage and behind each: {name: (low, high)}.
+
+    A range of a result is that of a number, cut with what the stages until the next that writes the column ask.
+    """
+    filters = []
+    for k in range(-1, len(stages)):
+        found = {name: (-LARGEST, LARGEST) for name in sorted(stages[k][1])} if k >= 0 else {}
+        settled = set() if k < 0 else set(COLUMNS) - set(found)
+        for domain, writes in stages[k + 1:]:
+            for name, (low, high) in domain.items():
+                if name in COLUMNS and name not in settled:
+                    lowest, highest = found.get(name, (low, high))
+                    found[name] = max(low, lowest), min(high, highest)
+            settled.update(writes)
+        filters.append(found)
+    return filters
+
+
 cdef int _run(const chain_t *c, const rs_slices *whole, refusal_t *refusal) noexcept nogil:
     """Evaluate all stages on all slices; return 0, or a status other than 0 and what was refused."""
     cdef size_t n = whole.n, step = c.block if c.block else n, start = 0
     cdef Py_ssize_t at = -1
     cdef int status, k, check
+    cdef bint inside
     cdef rs_slices part
     cdef double value
     for k in range(c.n_conditions):
@@ -150,20 +231,27 @@ cdef int _run(const chain_t *c, const rs_slices *whole, refusal_t *refusal) noex
             return 1
     while start < n:
         part = rs_cut(whole, start, min(step, n - start))
+        inside = _inside(c, &part, 0)
         for k in range(c.n_stages):
-            check = _outside(c, &part, k, False, &at)
+            check = -1 if inside else _outside(c, &part, k, False, &at)
             if check < 0:
                 status = c.stages[k].evaluate(&part, c.stages[k].params)
                 if status != 0:
                     at = -1 if status < 0 or status > <Py_ssize_t>part.n else <Py_ssize_t>start + status - 1
                     refusal[0] = refusal_t(status, k, -1, True, at)
                     return PYTHON_RAISED if status == PYTHON_RAISED else 1
-                check = _outside(c, &part, k, True, &at)
+                inside = inside and _inside(c, &part, k + 1)
+                check = -1 if inside else _outside(c, &part, k, True, &at)
             if check >= 0:
                 refusal[0] = refusal_t(0, k, check, True, <Py_ssize_t>start + at)
                 return 1
         start += step
     return 0
+
+
+cdef inline bint _inside(const chain_t *c, const rs_slices *part, int point) noexcept nogil:
+    """Whether columns keep all that is asked of them: the table's own at 0, those that stage k writes at k + 1."""
+    return BLOCKS.all_inside(part, c.begins[point + 1] - c.begins[point], &c.ranges[c.begins[point]])
 
 
 cdef int _outside(const chain_t *c, const rs_slices *part, int stage, int output, Py_ssize_t *at) noexcept nogil:
@@ -271,40 +359,59 @@ cdef void _free_bound(object capsule) noexcept:
     Py_XDECREF(slices)
 
 
+cdef object READ = None   # conditions that are in VALUES: as a rule those of the next table too
+cdef rs_slices VALUES
+
+
 cdef int _bind(rs_slices *s, slices) except -1:
     """Point ``s`` at the rows of a table, in the order of COLUMNS, and copy the conditions."""
-    cdef double[:, ::1] t = slices._table
-    if t.shape[0] != N_COLUMNS:
-        raise ValueError(f"a table of slices has {N_COLUMNS} columns, got {t.shape[0]}")
+    global READ, VALUES
+    cdef Py_buffer buffer
     conditions = slices.conditions
-    s.n = t.shape[1]
-    s.length = conditions.length
-    s.radius = conditions.radius
-    s.modulus = conditions.modulus
-    s.roughness = conditions.roughness
-    s.effusivity = conditions.effusivity
-    s.temperature = conditions.temperature
-    s.viscosity = conditions.viscosity
-    s.pressure_viscosity = conditions.pressure_viscosity
-    s.thermoviscosity = conditions.thermoviscosity
-    s.pressure_thermoviscosity = conditions.pressure_thermoviscosity
-    s.conductivity = conditions.conductivity
-    s.eyring_stress = conditions.eyring_stress
-    s.shear_modulus = conditions.shear_modulus
-    s.approach = &t[0, 0]
-    s.rolling_speed = &t[1, 0]
-    s.sliding_speed = &t[2, 0]
-    s.load = &t[3, 0]
-    s.stiffness = &t[4, 0]
-    s.half_width = &t[5, 0]
-    s.pressure = &t[6, 0]
-    s.film_thickness = &t[7, 0]
-    s.regime = &t[8, 0]
-    s.friction = &t[9, 0]
-    s.film_viscosity = &t[10, 0]
-    s.film_thermoviscosity = &t[11, 0]
-    s.resistance = &t[12, 0]
+    if conditions is not READ:
+        s.length = conditions.length
+        s.radius = conditions.radius
+        s.modulus = conditions.modulus
+        s.roughness = conditions.roughness
+        s.effusivity = conditions.effusivity
+        s.temperature = conditions.temperature
+        s.viscosity = conditions.viscosity
+        s.pressure_viscosity = conditions.pressure_viscosity
+        s.thermoviscosity = conditions.thermoviscosity
+        s.pressure_thermoviscosity = conditions.pressure_thermoviscosity
+        s.conductivity = conditions.conductivity
+        s.eyring_stress = conditions.eyring_stress
+        s.shear_modulus = conditions.shear_modulus
+        VALUES = s[0]
+        READ = conditions
+    s[0] = VALUES
+    # a typed memoryview costs three times as much; the table itself outlives the call, or is kept by who binds it
+    PyObject_GetBuffer(slices._table, &buffer, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE | PyBUF_FORMAT)
+    try:
+        if buffer.ndim != 2 or buffer.shape[0] != N_COLUMNS or buffer.format != b"d":
+            raise ValueError(f"a table of slices is one of {N_COLUMNS} rows of doubles")
+        s.n = buffer.shape[1]
+        _point(s, <double *>buffer.buf)
+    finally:
+        PyBuffer_Release(&buffer)
     return 0
+
+
+cdef void _point(rs_slices *s, double *table) noexcept:
+    cdef size_t n = s.n
+    s.approach = table
+    s.rolling_speed = table + n
+    s.sliding_speed = table + 2 * n
+    s.load = table + 3 * n
+    s.stiffness = table + 4 * n
+    s.half_width = table + 5 * n
+    s.pressure = table + 6 * n
+    s.film_thickness = table + 7 * n
+    s.regime = table + 8 * n
+    s.friction = table + 9 * n
+    s.film_viscosity = table + 10 * n
+    s.film_thermoviscosity = table + 11 * n
+    s.resistance = table + 12 * n
 
 
 cdef extern from *:

@@ -43,15 +43,32 @@ STRESS(maxwell_stress, PATH(maxwell_stress)(whole, s, d, w, stress))
 STRESS(eyring_stress, (void)d; PATH(eyring_stress)(whole, s, w, stress))
 #undef STRESS
 
+/* Not 0 if a value is outside [low, high], of which the sign of a difference tells, or is no number.  Of the integer
+ * operations on 64 bits every set has these. */
+RS_INLINE uint64_t PATH(outside)(size_t n, const double *x, double low, double high) {
+    uint64_t sign = 0, lost = 0;
+    for (size_t i = 0; i < n; i++) {
+        sign |= rs_bits(x[i] - low) | rs_bits(high - x[i]);
+        lost |= rs_bits(x[i] - x[i]);
+    }
+    return sign >> 63 | lost;
+}
+
 /* First index at which x is not in [low, high] (a NaN never is), or -1 */
 static ptrdiff_t PATH(first_outside)(size_t n, const double *x, double low, double high) {
-    uint64_t outside = 0;   /* a sign bit, or what an infinity and a NaN leave: every set has these operations */
-    for (size_t i = 0; i < n; i++)
-        outside |= ((rs_bits(x[i] - low) | rs_bits(high - x[i])) & RS_SIGN) | rs_bits(x[i] - x[i]);
-    if (outside)
+    if (PATH(outside)(n, x, low, high))
         for (size_t i = 0; i < n; i++)
             if (!(low <= x[i] && x[i] <= high)) return (ptrdiff_t)i;
     return -1;
+}
+
+static int PATH(all_inside)(const rs_slices *s, size_t count, const rs_range *ranges) {
+    uint64_t outside = 0;
+    for (size_t k = 0; k < count; k++) {
+        const double *column = *(double *const *)((const char *)s + ranges[k].offset);
+        outside |= PATH(outside)(s->n, column, ranges[k].low, ranges[k].high);
+    }
+    return outside == 0;
 }
 
 static const rs_blocks PATH(table) = {
@@ -61,5 +78,6 @@ static const rs_blocks PATH(table) = {
 #define MEMBER(name) PATH(each_##name),
     FUNCTIONS(MEMBER)
 #undef MEMBER
-    PATH(each_pow), PATH(muraki_stress_of), PATH(maxwell_stress_of), PATH(eyring_stress_of), PATH(first_outside)
+    PATH(each_pow), PATH(muraki_stress_of), PATH(maxwell_stress_of), PATH(eyring_stress_of), PATH(first_outside),
+    PATH(all_inside)
 };

@@ -1,7 +1,7 @@
 # The table of compiled stages that runs, and what they take; see table.h.
 from cpython.pycapsule cimport PyCapsule_GetPointer
 
-from rollslip_abi cimport rs_evaluate, rs_model
+from rollslip_abi cimport rs_evaluate, rs_model, rs_slices
 
 cdef extern from "blocks/table.h" nogil:
     enum:
@@ -38,6 +38,10 @@ cdef extern from "blocks/table.h" nogil:
         rs_evaluate share
         double law[28]
 
+    ctypedef struct rs_range:
+        size_t offset
+        double low, high
+
     ctypedef struct rs_blocks:
         rs_evaluate hertz_line, power_deflection, lundberg_deflection
         rs_evaluate power_film, moes_film, regime_film, inlet_film
@@ -58,6 +62,7 @@ cdef extern from "blocks/table.h" nogil:
         void (*maxwell_stress)(size_t, const double *, const double *, const double *, double *) noexcept nogil
         void (*eyring_stress)(size_t, const double *, const double *, const double *, double *) noexcept nogil
         ptrdiff_t (*first_outside)(size_t, const double *, double, double) noexcept nogil
+        int (*all_inside)(const rs_slices *, size_t, const rs_range *) noexcept nogil
 
 
 cdef inline const rs_blocks *rs_active_blocks() except NULL:

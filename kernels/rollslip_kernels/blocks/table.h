@@ -27,6 +27,9 @@ typedef struct { rs_model boundary, hydrodynamic; rs_evaluate share; double law[
 /* Of n values of sigma, D and Phi */
 typedef void (*rs_stress_law)(size_t, const double *, const double *, const double *, double *);
 
+/* Values that a column of rs_slices, by its offset, must keep */
+typedef struct { size_t offset; double low, high; } rs_range;
+
 typedef struct {
 #define MEMBER(name) rs_evaluate name;
     STAGES(MEMBER)
@@ -38,5 +41,7 @@ typedef struct {
     rs_stress_law muraki_stress, maxwell_stress, eyring_stress;
     /* first index at which a value is not in [low, high], or -1 */
     ptrdiff_t (*first_outside)(size_t, const double *, double, double);
+    /* whether all columns keep their ranges; a lower limit of 0 is to be given as -0, or a zero below it counts */
+    int (*all_inside)(const rs_slices *, size_t, const rs_range *);
 } rs_blocks;
 #endif
