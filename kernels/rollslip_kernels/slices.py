@@ -60,6 +60,10 @@ class Conditions:
 CONDITIONS: Final = {a.name: (a.metadata["unit"], a.metadata["doc"]) for a in attrs.fields(Conditions)}
 
 
+_ROWS: Final = {name: row for row, name in enumerate(COLUMNS)}
+_set: Final = object.__setattr__
+
+
 class Slices:
     """Table of ``n`` slices that share their ``conditions``; every name of ``COLUMNS`` is an array of shape (n,).
 
@@ -80,6 +84,8 @@ class Slices:
 
     __slots__ = ("_table", "conditions", *COLUMNS)
 
+    _table: NDArray[np.float64]
+    conditions: Conditions
     approach: Column
     rolling_speed: Column
     sliding_speed: Column
@@ -95,17 +101,33 @@ class Slices:
     resistance: Column
 
     def __init__(self, n: int, conditions: Conditions | None = None, **columns: Any) -> None:
-        self.conditions = Conditions() if conditions is None else conditions
-        self._table = np.full((len(COLUMNS), n), np.nan)
-        for row, name in zip(self._table, COLUMNS, strict=True):
-            setattr(self, name, row)
+        _set(self, "conditions", Conditions() if conditions is None else conditions)
+        table = np.empty((len(COLUMNS), n))
+        table.fill(math.nan)
+        _set(self, "_table", table)
         for name, values in columns.items():
             if name not in COLUMNS:
                 raise TypeError(f"Slices has no column {name!r}; it has {', '.join(COLUMNS)}")
-            getattr(self, name)[:] = values
+            table[_ROWS[name]] = values
+
+    def __getattr__(self, name: str) -> Column:
+        """Make a column's view of the table when it is first asked for: few ask for all, and they cost most of all."""
+        if name not in _ROWS or not hasattr(self, "_table"):
+            raise AttributeError(f"these slices have no {name!r}")
+        row: Column = self._table[_ROWS[name]]
+        _set(self, name, row)
+        return row
+
+    def __setattr__(self, name: str, values: Any) -> None:
+        """Take values into the table, which is what a chain reads; conditions are replaced."""
+        if name in _ROWS:
+            getattr(self, name)[...] = values
+        else:
+            _set(self, name, values)
 
     def __len__(self) -> int:
-        return int(self._table.shape[1])
+        n: int = self._table.shape[1]
+        return n
 
     @classmethod
     def of_columns(cls, conditions: Conditions, columns: dict[str, Any]) -> "Slices":
@@ -113,5 +135,5 @@ class Slices:
         view = cls.__new__(cls)
         view.conditions = conditions
         for name, values in columns.items():
-            setattr(view, name, values)
+            _set(view, name, values)
         return view
