@@ -1,12 +1,66 @@
-"""Bind models into one compiled pass over slices: contact -> film -> traction, compiled and NumPy stages mixed."""
+"""Bind models into one compiled pass over slices: contact -> film -> traction, compiled and NumPy stages mixed.
 
+- A large table is cut between blocks, and threads take its parts in order, each without the GIL. Stages are pure and a
+  block is the same in any part, so the number of threads changes no bit. All parts before one that is refused are gone
+  through, so it changes no refusal either.
+- A thread that is late does less: the calling one takes what is left, and waits for parts begun only.
+- Where Python takes part there is one thread: it would hold the others up, and is not asked to be re-entrant.
+- Threads are made when the first large table comes, and kept; a forked process makes its own.
+"""
+
+import os
+import threading
 from collections.abc import Callable
+from contextlib import suppress
+from functools import cache, partial
+from typing import TYPE_CHECKING, Any, Final
 
 from rollslip.discovery import in_words, origin
 from rollslip.errors import DomainError, PluginError, RollslipError
 from rollslip.models import FINITE, SliceModel, in_unit, interval
 from rollslip_kernels import chain as compiled
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future, ThreadPoolExecutor
+
+#: Slices that a thread takes at a time, some 0.1 ms, and with which a table is large: waking a thread takes as long.
+_PART: Final = 4096
+_LARGE: Final = 5 * _PART
+
+
+@cache
+def threads() -> int:
+    """Return how many threads share a large table: ROLLSLIP_THREADS, or the processors that this process may use.
+
+    Raises
+    ------
+    RollslipError
+        If ROLLSLIP_THREADS is not a whole number of at least 1.
+    """
+    given = os.environ.get("ROLLSLIP_THREADS")
+    if given is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if not (given.isascii() and given.isdecimal() and int(given) > 0):
+        raise RollslipError(
+            f"ROLLSLIP_THREADS = {given!r} is no number of threads: set a whole number of at least 1, or unset it"
+        )
+    return int(given)
+
+
+#: What this thread is; one that helps waits for no others, who may wait for it.
+_here = threading.local()
+
+
+@cache
+def _pool(count: int) -> "ThreadPoolExecutor":
+    from concurrent.futures import ThreadPoolExecutor
+
+    return ThreadPoolExecutor(count, "rollslip", lambda: setattr(_here, "helps", True))
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_pool.cache_clear)  # the threads of the parent are not in the child
 
 
 def stage(model: SliceModel) -> object:
@@ -39,6 +93,16 @@ def _kernel(model: SliceModel) -> object | None:
         ) from error
 
 
+def _runs_python(model: Any) -> bool:
+    """Whether a model, or one that it holds as a parameter, has no kernel."""
+    if isinstance(model, tuple | list):
+        return any(map(_runs_python, model))
+    if not hasattr(model, "kernel"):
+        return False
+    parameters = [getattr(model, a.name) for a in getattr(type(model), "__attrs_attrs__", ())]
+    return model.kernel() is None or _runs_python(parameters)
+
+
 def _who(model: SliceModel) -> str:
     return f"{type(model).__module__}.{type(model).__qualname__}.kernel()"
 
@@ -65,6 +129,9 @@ class Chain:
         At most eight stages.
     block : int, optional
         Slices taken at a time; by default 256, or all at once if a stage runs in Python and pays per call.
+    threads : int, optional
+        Threads that may share a large table; by default `threads()`, and 1 where a model runs in Python. The results
+        are the same to the last bit.
 
     Raises
     ------
@@ -82,31 +149,91 @@ class Chain:
     array([27.68, 39.14, 55.35])
     """
 
-    def __init__(self, *models: SliceModel, block: int | None = None) -> None:
+    def __init__(self, *models: SliceModel, block: int | None = None, threads: int | None = None) -> None:
         self.models = models
         kernels = [_kernel(model) for model in models]
         if block is None and None in kernels:
             block = 0
+        if threads is None and any(map(_runs_python, models)):
+            threads = 1
+        self._threads = threads
         # what a model reads without a range of its own must at least be a number
         stages = [
             (_checked(m, kernel), dict.fromkeys(sorted(m.reads), FINITE) | dict(m.domain), m.writes)
             for m, kernel in zip(models, kernels, strict=True)
         ]
         self._chain = compiled.Chain(stages) if block is None else compiled.Chain(stages, block)
-        #: slices evaluated so far, as far as calls did not overlap
-        self.evaluated = 0
 
     @property
     def block(self) -> int:
         """Slices taken at a time; 0 is all."""
         return self._chain.block
 
+    @property
+    def evaluated(self) -> int:
+        """Slices evaluated so far."""
+        return self._chain.evaluated
+
     def __call__(self, slices: Slices) -> None:
         """Evaluate all models on ``slices``, in place."""
-        refusal = self._chain.run(slices)
-        self.evaluated += len(slices)
+        refusal = self._chain.run(slices) if len(slices) < _LARGE else self._run_large(slices)
         if refusal is not None:
             raise self.error(refusal, slices)
+
+    def bind(self, slices: Slices) -> Callable[[], None]:
+        """Return a call that evaluates ``slices`` again, as they are then, with less to do for a small table.
+
+        Chain and table live as long as it does. It raises what the chain raises.
+
+        Examples
+        --------
+        >>> from rollslip import Chain, Conditions, Slices, get_model
+        >>> slices = Slices(1, Conditions(radius=0.006875, modulus=2.2857e11), load=1e4)
+        >>> evaluate = Chain(get_model("contact", "palmgren")).bind(slices)
+        >>> for load in (1e4, 4e4):
+        ...     slices.load[:] = load
+        ...     evaluate()
+        ...     print((slices.half_width * 1e6).round(2))
+        [27.68]
+        [55.35]
+        """
+        if len(slices) < _LARGE:
+            return self._chain.bind(slices, self.error)
+        return partial(self, slices)
+
+    def _run_large(self, slices: Slices) -> "compiled.Refusal | None":
+        """Evaluate a table in threads, of which this is one; return the refusal of the first part that has any."""
+        n, block = len(slices), self.block
+        count = 1 if not block or hasattr(_here, "helps") else self._threads or threads()
+        if count == 1:
+            return self._chain.run(slices)
+        step = -(-_PART // block) * block
+        starts, outcomes = iter(range(0, n, step)), dict[int, Any]()
+        others: list[Future[None]] = []
+
+        def work() -> None:
+            while not outcomes and (start := next(starts, None)) is not None:
+                try:
+                    outcome = self._chain.run(slices, start, min(n, start + step))
+                except BaseException as error:
+                    outcomes[start] = error
+                else:
+                    if outcome is not None:
+                        outcomes[start] = outcome
+
+        with suppress(RuntimeError):  # at the end of the interpreter no thread starts any more
+            while len(others) < min(count, -(-n // step)) - 1:
+                others.append(_pool(count - 1).submit(work))
+        try:
+            work()
+        finally:
+            starts = iter(())
+            for other in others:  # no part goes on behind the back of the caller
+                other.cancel() or other.exception()
+        first: compiled.Refusal | BaseException | None = outcomes[min(outcomes)] if outcomes else None
+        if isinstance(first, BaseException):
+            raise first
+        return first
 
     @property
     def kernel(self) -> compiled.Chain:
