@@ -278,12 +278,13 @@ class LoadedContacts:
         self.force = load[loaded] * self.width
         self.total = float(self.force.sum())
         self.slices = Slices(self.force.size, raceway.conditions, load=load[loaded])
+        self._evaluate = raceway.chain.bind(self.slices)
 
     def friction(self, rolling: Any, sliding: Any) -> Array:
         """Friction coefficient of every slice along the orbit, (N,), at speeds that broadcast to it."""
         self.slices.rolling_speed[:] = rolling
         self.slices.sliding_speed[:] = sliding
-        self.raceway.chain(self.slices)
+        self._evaluate()
         return self.orbit * self.slices.friction
 
     def per_roller(self, values: Array) -> Array:
