@@ -290,6 +290,8 @@ def test_a_number_of_threads_that_is_none_is_refused_in_words(monkeypatch):
         assert str(error.value) == (
             f"ROLLSLIP_THREADS = {given!r} is no number of threads: set a whole number of at least 1, or unset it"
         )
+    with pytest.raises(ValueError, match="at least one thread, not in 0"):
+        Chain(*PAPER, threads=0)
     monkeypatch.setenv("ROLLSLIP_THREADS", "3")
     assert chain_module.threads() == 3
     monkeypatch.delenv("ROLLSLIP_THREADS")

@@ -137,6 +137,8 @@ class Chain:
     ------
     PluginError
         If a kernel does not keep the contract, or returns a status that does not exist.
+    ValueError
+        If there are more than eight stages, or less than one thread.
     DomainError
         When called: if a value is outside a model's domain or a result is not finite.
 
@@ -154,6 +156,8 @@ class Chain:
         kernels = [_kernel(model) for model in models]
         if block is None and None in kernels:
             block = 0
+        if threads is not None and threads < 1:
+            raise ValueError(f"a chain runs in at least one thread, not in {threads}")
         if threads is None and any(map(_runs_python, models)):
             threads = 1
         self._threads = threads

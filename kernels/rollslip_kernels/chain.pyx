@@ -13,9 +13,10 @@
 import numpy as np
 
 from cpython.buffer cimport (
-    PyBUF_C_CONTIGUOUS, PyBUF_FORMAT, PyBUF_WRITABLE, PyBuffer_Release, PyObject_GetBuffer,
+    PyBUF_C_CONTIGUOUS, PyBUF_FORMAT, PyBUF_READ, PyBUF_WRITABLE, PyBUF_WRITE, PyBuffer_Release, PyObject_GetBuffer,
 )
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
+from cpython.memoryview cimport PyMemoryView_FromMemory
 from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid, PyCapsule_New, PyCapsule_SetContext
 from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
 from libc.stdlib cimport free, malloc
@@ -179,7 +180,7 @@ cdef class Bound:
     cdef object slices, table, conditions, error
     cdef rs_slices bound
 
-    def __init__(self, Chain chain, slices, error):
+    def __init__(self, Chain chain not None, slices, error):
         self.chain, self.slices, self.error = chain, slices, error
         self._bind()
 
@@ -442,8 +443,8 @@ cdef object _as_slices(const rs_slices *s, writes):
     ]
     arrays = {}
     for i, name in enumerate(COLUMNS):
-        arrays[name] = np.asarray(<double[:s.n]>columns[i])
-        arrays[name].flags.writeable = name in writes
+        access = PyBUF_WRITE if name in writes else PyBUF_READ
+        arrays[name] = np.frombuffer(PyMemoryView_FromMemory(<char *>columns[i], s.n * sizeof(double), access))
     return Slices.of_columns(_conditions(s), arrays)
 
 
