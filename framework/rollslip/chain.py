@@ -130,8 +130,8 @@ class Chain:
     block : int, optional
         Slices taken at a time; by default 256, or all at once if a stage runs in Python and pays per call.
     threads : int, optional
-        Threads that may share a large table; by default `threads()`, and 1 where a model runs in Python. The results
-        are the same to the last bit.
+        Threads that may share a large table; by default as many as ROLLSLIP_THREADS says, or as the process may use
+        processors, and 1 where a model runs in Python. The results are the same to the last bit.
 
     Raises
     ------
