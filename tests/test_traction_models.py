@@ -596,6 +596,26 @@ def test_heated_friction_has_one_maximum_long(model, film):
     assert turns(film.friction(model, film.speed(np.logspace(-9, 9, 2000)))) == [1, -1]
 
 
+@given(film=films())
+@some
+def test_short_series_keep_their_accuracy(film):
+    speed = both_signs(film)
+    short, full = (film.friction(MaxwellEyring(accuracy=accuracy), speed) for accuracy in (1e-6, 1e-13))
+    np.testing.assert_allclose(short, full, rtol=1e-6, atol=DENORMAL)
+
+
+@pytest.mark.parametrize(("accuracy", "tolerance"), [(1e-13, 1e-12), (1e-9, 1e-9), (1e-6, 1e-6), (0.1, 1e-6)])
+def test_forms_may_differ_by_the_accuracy_asked_for(accuracy, tolerance):
+    law = MaxwellEyring(accuracy=accuracy)
+    assert law.tolerance == tolerance
+    assert LambdaBlend(hydrodynamic=law).tolerance == tolerance
+
+
+def test_an_accuracy_that_rounding_forbids_is_refused():
+    with pytest.raises(FieldError, match="accuracy: must be"):
+        MaxwellEyring(accuracy=1e-15)
+
+
 # Declarations --------------------------------------------------------------------------------------------------------
 
 

@@ -4,12 +4,10 @@ The laws are the functions of blocks/stress.h, so that traction kernels and this
 """
 import numpy as np
 
-from rollslip_blocks cimport rs_active_blocks
-
-ctypedef void (*law_t)(size_t, const double *, const double *, const double *, double *) noexcept nogil
+from rollslip_blocks cimport rs_active_blocks, rs_stress_law
 
 
-cdef object _map(law_t law, object strain_rate, object deborah, object heating):
+cdef object _map(rs_stress_law law, object strain_rate, object deborah, object heating, double accuracy=0.0):
     arrays = np.broadcast_arrays(*[np.asarray(group, dtype=np.float64) for group in (strain_rate, deborah, heating)])
     result = np.empty(arrays[0].shape)
     cdef const double[::1] sigma, d, phi
@@ -17,7 +15,7 @@ cdef object _map(law_t law, object strain_rate, object deborah, object heating):
     cdef double[::1] out = result.reshape(-1)
     if out.shape[0]:
         with nogil:
-            law(out.shape[0], &sigma[0], &d[0], &phi[0], &out[0])
+            law(out.shape[0], &sigma[0], &d[0], &phi[0], accuracy, &out[0])
     return result
 
 
@@ -26,9 +24,12 @@ def muraki(strain_rate, deborah, heating):
     return _map(rs_active_blocks().muraki_stress, strain_rate, deborah, heating)
 
 
-def maxwell_eyring(strain_rate, deborah, heating):
-    """Exact Maxwell-Eyring mean stress; the same law as rollslip_plugins.stress.maxwell_eyring_stress."""
-    return _map(rs_active_blocks().maxwell_stress, strain_rate, deborah, heating)
+def maxwell_eyring(strain_rate, deborah, heating, double accuracy=0.0):
+    """Exact Maxwell-Eyring mean stress; the same law as rollslip_plugins.stress.maxwell_eyring_stress.
+
+    From a relative error of 1e-6 allowed on, ``accuracy``, it takes short series and less than half of the time.
+    """
+    return _map(rs_active_blocks().maxwell_stress, strain_rate, deborah, heating, accuracy)
 
 
 def eyring(strain_rate, deborah, heating):

@@ -1,6 +1,6 @@
 """Traction coefficient of a slice: hydrodynamic laws and boundary laws; the formulas are in blocks/traction.h."""
 
-from rollslip_blocks cimport constant_params, kragelsky_params, rs_active_blocks
+from rollslip_blocks cimport constant_params, kragelsky_params, maxwell_params, rs_active_blocks
 from rollslip_stage cimport rs_new_model
 
 
@@ -9,9 +9,10 @@ def muraki(double flash):
     return rs_new_model(rs_active_blocks().muraki, &flash, sizeof(flash), None)
 
 
-def maxwell_eyring(double flash):
-    """Return the stage of the exact Maxwell-Eyring stress."""
-    return rs_new_model(rs_active_blocks().maxwell_eyring, &flash, sizeof(flash), None)
+def maxwell_eyring(double flash, double accuracy):
+    """Return the stage of the exact Maxwell-Eyring stress, to a relative error of ``accuracy``."""
+    cdef maxwell_params q = maxwell_params(flash, accuracy)
+    return rs_new_model(rs_active_blocks().maxwell_eyring, &q, sizeof(q), None)
 
 
 def eyring(double flash):

@@ -53,6 +53,11 @@ class _Blend(TractionModel, abc.ABC):
                 both[member] = (max(low, other_low), min(high, other_high))
         return MappingProxyType(both)
 
+    @property
+    def tolerance(self) -> float:  # type: ignore[override]
+        """Relative difference that the children allow between their compiled and NumPy forms."""
+        return max(self.boundary.tolerance, self.hydrodynamic.tolerance)
+
     @abc.abstractmethod
     def share(self, slices: Slices) -> Array:
         """Return the share of boundary friction in each slice, from 0 to 1."""

@@ -2,6 +2,7 @@
 #include "blocks/contact.h"
 #include "blocks/film.h"
 #include "blocks/viscosity.h"
+#include "blocks/near_stress.h"
 #include "blocks/stress.h"
 #include "blocks/traction.h"
 #include "blocks/blend.h"
@@ -18,9 +19,10 @@ static void PATH(each_pow)(size_t n, const double *x, const double *y, double *z
 /* A stress law of any number of values, odd in sigma */
 #define STRESS(name, ...) \
     static void PATH(name##_of)( \
-        size_t n, const double *sigma, const double *deborah, const double *heating, double *out \
+        size_t n, const double *sigma, const double *deborah, const double *heating, double accuracy, double *out \
     ) { \
         double s[BLOCK], d[BLOCK], w[BLOCK], stress[BLOCK]; \
+        (void)accuracy; \
         for (size_t start = 0; start < n; start += BLOCK) { \
             size_t part = n - start < BLOCK ? n - start : BLOCK, whole = WHOLE(part + LANES - 1); \
             for (size_t i = 0; i < whole; i++) { \
@@ -39,7 +41,7 @@ STRESS(muraki_stress, {
     PATH(muraki_parts)(whole, s, d, w, ramp, stress, under);
     EACH(i, whole) stress[i] /= under[i];
 })
-STRESS(maxwell_stress, PATH(maxwell_stress)(whole, s, d, w, stress))
+STRESS(maxwell_stress, PATH(maxwell_stress)(whole, s, d, w, accuracy, stress))
 STRESS(eyring_stress, (void)d; PATH(eyring_stress)(whole, s, w, stress))
 #undef STRESS
 

@@ -36,6 +36,9 @@ enum {
 #endif
 #define EACH(i, n) INDEPENDENT for (size_t i = 0; i < (n); i++)
 
+typedef const double *__restrict given;
+typedef double *__restrict filled;
+
 static rs_slices cut(const rs_slices *whole, size_t start, size_t n) {
     rs_slices part = *whole;
     double **column = &part.approach;

@@ -33,6 +33,9 @@ cdef extern from "blocks/table.h" nogil:
     ctypedef struct constant_params:
         double coefficient, transition
 
+    ctypedef struct maxwell_params:
+        double flash, accuracy
+
     ctypedef struct blend_params:
         rs_model boundary, hydrodynamic
         rs_evaluate share
@@ -41,6 +44,10 @@ cdef extern from "blocks/table.h" nogil:
     ctypedef struct rs_range:
         size_t offset
         double low, high
+
+    ctypedef void (*rs_stress_law)(
+        size_t, const double *, const double *, const double *, double, double *
+    ) noexcept nogil
 
     ctypedef struct rs_blocks:
         rs_evaluate hertz_line, power_deflection, lundberg_deflection
@@ -58,9 +65,7 @@ cdef extern from "blocks/table.h" nogil:
         void (*exp2_falling)(size_t, const double *, double *) noexcept nogil
         void (*log2_plus_one)(size_t, const double *, double *) noexcept nogil
         void (*pow)(size_t, const double *, const double *, double *) noexcept nogil
-        void (*muraki_stress)(size_t, const double *, const double *, const double *, double *) noexcept nogil
-        void (*maxwell_stress)(size_t, const double *, const double *, const double *, double *) noexcept nogil
-        void (*eyring_stress)(size_t, const double *, const double *, const double *, double *) noexcept nogil
+        rs_stress_law muraki_stress, maxwell_stress, eyring_stress
         ptrdiff_t (*first_outside)(size_t, const double *, double, double) noexcept nogil
         int (*all_inside)(const rs_slices *, size_t, const rs_range *) noexcept nogil
 

@@ -7,18 +7,16 @@
  * - Heated laws solve S = F(Phi sigma S), F falling, in ln S: the residual is increasing and convex there, so steps
  *   from either side end in a monotone approach and no bracket is needed; and S has full relative accuracy even where
  *   exp(-Phi sigma S) has not.  A slice stops when it has converged itself, so that its neighbours change no bit of it.
+ * - The exact law starts from near_stress.h, good to 1e-6; one Halley step with the true curvature then leaves
+ *   rounding.  Beyond the range of the short series it starts from the inelastic stress and takes a few.
  * - The exact law needs dilogarithms at A, A q, -B, -B q.  Each is a short series in u = -log(1 - x), and the same four
- *   logarithms make up dF/dy, so that the derivative costs no further transcendental call.
+ *   logarithms make up dF/dy and its slope, so that the derivatives cost no further transcendental call.
  * - The closed form in dilogarithms cancels when the film is nearly elastic (P small).  There the integrand is smooth
  *   and small, and six Gauss points with rational functions reach full accuracy: rare and dear, so these slices are
- *   gathered and done apart.
- * - Steps are of third order (Halley) with the curvature of the D = 0 law: right where the stress is steady over most
- *   of the contact, the common case, and merely of second order elsewhere. */
+ *   gathered and done apart. */
 #ifndef MAX_STEPS
 #define MAX_STEPS 60   /* never reached: 8 are enough over the range above */
 #define LINEAR 1e-150
-typedef const double *__restrict given;
-typedef double *__restrict filled;
 #endif
 
 /* asinh(s) and asinh(s)/s of s >= 0, by one division: as rs_asinh, with the conditionals apart from root and division,
@@ -139,11 +137,11 @@ static void PATH(elastic_mean)(size_t n, given s, given kappa, given c, given p,
     }
 }
 
-/* F(y), the mean of S from D dS/dX + exp(y) sinh S = s, S(0) = 0, X in [0, 2]; fall is -dF/dy, sech2 that of the steady
- * stress. */
-static void PATH(maxwell_mean)(size_t n, given s, given deborah, given y, filled mean, filled fall, filled sech2) {
-    double kappa[BLOCK], eps[BLOCK], c[BLOCK], p[BLOCK], steady[BLOCK], log_a[BLOCK], q[BLOCK], log_aq[BLOCK];
-    double log_tanh[BLOCK], a[BLOCK], b[BLOCK], log_t[BLOCK];
+/* F(y), the mean of S from D dS/dX + exp(y) sinh S = s, S(0) = 0, X in [0, 2]; fall is -dF/dy, bend its derivative. */
+static void PATH(maxwell_mean)(size_t n, given s, given deborah, given y, filled mean, filled fall, filled bend) {
+    double kappa[BLOCK], eps[BLOCK], c[BLOCK], p[BLOCK], inverse[BLOCK], steady[BLOCK], tanh_half[BLOCK];
+    double log_tanh[BLOCK], tanh_steady[BLOCK], sech[BLOCK], a[BLOCK], b[BLOCK], q[BLOCK], log_a[BLOCK], log_aq[BLOCK];
+    double log_t[BLOCK], bracket[BLOCK], tau[BLOCK], both[BLOCK], d_tau[BLOCK], d_both[BLOCK];
     uint64_t elastic = 0;
     EACH(i, n) {
         double half = rs_exp(-0.5 * y[i]);   /* exp(-y) itself may underflow where s exp(-y) does not */
@@ -151,49 +149,56 @@ static void PATH(maxwell_mean)(size_t n, given s, given deborah, given y, filled
         kappa[i] = 1.0 / (half * half);
     }
     EACH(i, n) {
-        double e = eps[i] < 1e150 ? eps[i] : 0.0, root = sqrt(1.0 + e * e);
+        double e = eps[i] < 1e150 ? eps[i] : 0.0, root = sqrt(1.0 + e * e), layers;
         c[i] = eps[i] < 1e150 ? root : eps[i];
-        p[i] = 2.0 * (kappa[i] * c[i]) / deborah[i];
-        sech2[i] = 1.0 / (c[i] * c[i]);
+        layers = 2.0 * (kappa[i] * c[i]) / deborah[i];
+        p[i] = layers < 1e30 ? layers : 1e30;   /* infinite for D -> 0; a NaN of y is in eps as well */
+        sech[i] = 1.0 / c[i];
     }
     for (size_t i = 0; i < n; i++) elastic |= (uint64_t)(p[i] <= 0.25);
     EACH(i, n) {
-        double tanh_half = eps[i] / (1.0 + c[i]), grow = eps[i] + c[i];   /* exp(steady) */
-        steady[i] = rs_log1p(eps[i] * (1.0 + tanh_half));                 /* asinh(eps) */
-        a[i] = tanh_half / grow;
-        b[i] = tanh_half * grow;
-        log_tanh[i] = tanh_half;
+        double t = eps[i] / (1.0 + c[i]), grow = eps[i] + c[i];   /* exp(steady) */
+        tanh_steady[i] = eps[i] * sech[i];
+        inverse[i] = 1.0 / p[i];
+        steady[i] = eps[i] * (1.0 + t);
+        a[i] = t / grow;
+        b[i] = t * grow;
+        tanh_half[i] = t;
     }
-    EACH(i, n) {
-        log_a[i] = rs_log1p(-a[i]);
-        log_tanh[i] = rs_log(log_tanh[i]);
-    }
+    EACH(i, n) steady[i] = rs_log1p(steady[i]);   /* asinh(eps) */
+    EACH(i, n) log_a[i] = rs_log1p(-a[i]);
+    EACH(i, n) log_tanh[i] = rs_log(tanh_half[i]);
     EACH(i, n) q[i] = p[i] < 50.0 ? rs_exp(-p[i]) : 0.0;
-    EACH(i, n) log_aq[i] = rs_log1p(-a[i] * q[i]);
     EACH(i, n) {
-        double bq = b[i] * q[i];
-        log_t[i] = rs_log1p(bq <= 1.0 ? bq : 1.0 / bq);
+        double aq = a[i] * q[i], bq = b[i] * q[i], pull = p[i] * (sech[i] * sech[i]);
+        double slope_b = -bq / (1.0 + bq) * (tanh_steady[i] + sech[i] + pull);
+        double slope_a = aq / (1.0 - aq) * (sech[i] - tanh_steady[i] + pull);
+        d_tau[i] = slope_b - slope_a;
+        d_both[i] = slope_b + slope_a;
+        log_aq[i] = -aq;
+        log_t[i] = bq <= 1.0 ? bq : 1.0 / bq;
+    }
+    EACH(i, n) log_aq[i] = rs_log1p(log_aq[i]);
+    EACH(i, n) log_t[i] = rs_log1p(log_t[i]);
+    EACH(i, n) bracket[i] = PATH(dilog)(-log_a[i]) - PATH(dilog)(-log_aq[i]);
+    EACH(i, n) {
+        double log_1b = steady[i] + log_a[i];   /* log(1 + B); 1 + 1/B = (1 - A)/T */
+        double third = PATH(dilog)(b[i] <= 1.0 ? -log_1b : log_tanh[i] - log_a[i]);
+        bracket[i] += b[i] <= 1.0 ? -third : third;
     }
     EACH(i, n) {
         /* Inversion where B > 1: -Li2(-B) = pi^2/6 + log(B)^2/2 + Li2(-1/B).  Where B q > 1 as well, the squared
          * logarithms would leave only their difference, taken here by hand. */
-        double P = p[i] < 1e30 ? p[i] : 1e30;   /* infinite for D -> 0 */
         int low = b[i] <= 1.0, high = b[i] * q[i] > 1.0;
-        double log_b = steady[i] + log_a[i], log_B = steady[i] + log_tanh[i];   /* log(1 + B), log(B) */
-        double log_bq = high ? log_t[i] + (log_B - P) : log_t[i];
-        double third = PATH(dilog)(low ? -log_b : log_tanh[i] - log_a[i]);   /* 1 + 1/B = (1 - A)/T */
-        double fourth = PATH(dilog)(-log_t[i]);
-        double bracket = PATH(dilog)(-log_a[i]) - PATH(dilog)(-log_aq[i]);
-        double lead = high ? 0.5 * P - log_tanh[i] : steady[i];
-        bracket += low ? -third : third;
-        bracket += high ? -fourth : fourth;
-        bracket += low || high ? 0.0 : 1.6449340668482264 + 0.5 * log_B * log_B;
-        mean[i] = lead - bracket / P;
-        double e = eps[i], C = c[i];
-        fall[i] = (e - (steady[i] - mean[i]) / C) / C
-            - ((1.0 - e) * (log_aq[i] - log_a[i]) + (1.0 + e) * (log_b - log_bq)) / (C * P)
-            + (log_bq - log_aq[i]) / (C * C);
+        double log_B = steady[i] + log_tanh[i], fourth = PATH(dilog)(-log_t[i]);
+        double log_bq = high ? log_t[i] + (log_B - p[i]) : log_t[i], lead = high ? 0.5 * p[i] - log_tanh[i] : steady[i];
+        double terms = bracket[i] + (high ? -fourth : fourth);
+        terms += low || high ? 0.0 : PI2_6 + 0.5 * log_B * log_B;
+        mean[i] = lead - terms * inverse[i];
+        tau[i] = log_bq - log_aq[i];
+        both[i] = log_bq + log_aq[i];
     }
+    PATH(slopes)(n, tanh_steady, sech, tanh_half, inverse, steady, mean, log_a, tau, both, d_tau, d_both, fall, bend);
     if (elastic) {
         size_t index[BLOCK], m = 0, whole;
         for (size_t i = 0; i < n; i++)
@@ -204,31 +209,29 @@ static void PATH(maxwell_mean)(size_t n, given s, given deborah, given y, filled
             steady[i] = s[from], a[i] = kappa[from], b[i] = c[from], q[i] = p[from];
         }
         PATH(elastic_mean)(whole, steady, a, b, q, log_a, log_aq);
-        for (size_t i = 0; i < m; i++) mean[index[i]] = log_a[i], fall[index[i]] = log_aq[i];
+        for (size_t i = 0; i < m; i++) {
+            double F = log_a[i], mu = log_aq[i] / F;   /* mu = x/3 - x^2/18 with x = P/c, x' = x */
+            mean[index[i]] = F, fall[index[i]] = log_aq[i], bend[index[i]] = F * mu * (1.0 - 1.5 * mu);
+        }
     }
 }
 
-/* Mean of the exact solution S(X) of D dS/dX + exp(Phi sigma mean(S)) sinh S = sigma, S(0) = 0, X in [0, 2] */
-static void PATH(maxwell_stress)(size_t n, given sigma, given deborah, given w, filled stress) {
-    double s[BLOCK], y[BLOCK], mean[BLOCK], fall[BLOCK], sech2[BLOCK], moving[BLOCK], step[BLOCK];
+/* From a start on to the mean S of the exact solution S(X) of D dS/dX + exp(w mean(S)) sinh S = s, X in [0, 2] */
+static void PATH(maxwell_root)(size_t n, given s, given deborah, given w, filled stress) {
+    double y[BLOCK], mean[BLOCK], fall[BLOCK], bend[BLOCK], moving[BLOCK], step[BLOCK];
     uint64_t any = 1;
-    EACH(i, n) s[i] = sigma[i] < LINEAR ? LINEAR : sigma[i];   /* scaled: the products below would be denormal */
-    PATH(eyring_root)(n, s, w, 0.1, stress);
-    EACH(i, n) {
-        /* plateau over what the elastic ramp reaches: 0 viscous, large elastic */
-        double ratio = deborah[i] * (stress[i] / s[i]);
-        stress[i] *= (1.0 + 0.5 * ratio) / (1.0 + ratio * (1.0 + 0.5 * ratio));
-        moving[i] = 1.0;
-    }
+    EACH(i, n) moving[i] = 1.0;
     for (int k = 0; k < MAX_STEPS && any; k++) {
         EACH(i, n) y[i] = w[i] * stress[i];
-        PATH(maxwell_mean)(n, s, deborah, y, mean, fall, sech2);
+        PATH(maxwell_mean)(n, s, deborah, y, mean, fall, bend);
+        EACH(i, n) step[i] = rs_log(stress[i] / mean[i]);
         EACH(i, n) {
-            double m = y[i] * fall[i] / mean[i], residual = rs_log(stress[i] / mean[i]), slope = 1.0 + m;
-            double bend = 0.5 * residual * m * (slope - y[i] * sech2[i]) / slope;
-            bend = bend > 0.5 * slope ? 0.5 * slope : bend;
-            bend = bend * residual < 0.0 ? 0.0 : bend;   /* the true residual is convex */
-            step[i] = residual / (slope - bend);
+            double over = y[i] / mean[i], m = over * fall[i], residual = step[i], slope = 1.0 + m;
+            double convex = m * slope + y[i] * over * bend[i], less;
+            convex = convex < 0.0 ? 0.0 : convex;   /* never but for rounding */
+            less = 0.5 * residual * convex / slope;
+            less = less > 0.5 * slope ? 0.5 * slope : less;
+            step[i] = residual / (slope - less);
         }
         EACH(i, n) {
             double next = stress[i] * rs_exp(-step[i]);
@@ -237,10 +240,46 @@ static void PATH(maxwell_stress)(size_t n, given sigma, given deborah, given w, 
         }
         any = 0;
         for (size_t i = 0; i < n; i++) {
-            /* The error left is below y step^2 even where the curvature used is not the law's own.  Ends on NaN. */
-            moving[i] = y[i] * step[i] * step[i] > 1e-16 ? moving[i] : 0.0;
+            moving[i] = y[i] * fabs(step[i]) > 1e-5 ? moving[i] : 0.0;   /* third order: 1e-16 is left; ends on NaN */
             any |= (uint64_t)(moving[i] > 0.0);
         }
     }
-    EACH(i, n) stress[i] *= sigma[i] < LINEAR ? sigma[i] / LINEAR : 1.0;
+}
+
+/* S to `accuracy`, at best to some 1e-14 */
+static void PATH(maxwell_stress)(
+    size_t n, given sigma, given deborah, given w, double accuracy, filled stress
+) {
+    double s[BLOCK], far[BLOCK];
+    uint64_t beyond = 0;
+    n = WHOLE(n);
+    EACH(i, n) s[i] = sigma[i] < LINEAR ? LINEAR : sigma[i];   /* scaled: products would be denormal */
+    PATH(maxwell_near)(n, s, deborah, w, stress);
+    EACH(i, n) {
+        double least = s[i] < NEAR_LINEAR ? NEAR_LINEAR : s[i];
+        far[i] = w[i] <= NEAR_HEATING * least ? s[i] * (1.0 / NEAR_SIGMA) : RS_INF;
+        far[i] = deborah[i] <= NEAR_DEBORAH ? far[i] : RS_INF;
+    }
+    for (size_t i = 0; i < n; i++) beyond |= (uint64_t)!(far[i] <= 1.0);
+    if (beyond) {   /* the range of the short series, or a NaN */
+        size_t index[BLOCK], m = 0, whole;
+        double far_deborah[BLOCK], far_w[BLOCK], found[BLOCK];
+        for (size_t i = 0; i < n; i++)
+            if (!(far[i] <= 1.0)) index[m++] = i;
+        whole = (m + LANES - 1) / LANES * LANES;
+        for (size_t i = 0; i < whole; i++) {
+            size_t from = index[i < m ? i : m - 1];
+            far[i] = s[from], far_deborah[i] = deborah[from], far_w[i] = w[from];
+        }
+        PATH(eyring_root)(whole, far, far_w, 0.1, found);
+        EACH(i, whole) {
+            /* plateau over what the elastic ramp reaches: 0 viscous, large elastic */
+            double ratio = far_deborah[i] * (found[i] / far[i]);
+            found[i] *= (1.0 + 0.5 * ratio) / (1.0 + ratio * (1.0 + 0.5 * ratio));
+        }
+        PATH(maxwell_root)(whole, far, far_deborah, far_w, found);
+        for (size_t i = 0; i < m; i++) stress[index[i]] = found[i];
+    }
+    if (accuracy < NEAR_ERROR) PATH(maxwell_root)(n, s, deborah, w, stress);
+    EACH(i, n) stress[i] *= sigma[i] < LINEAR ? sigma[i] * (1.0 / LINEAR) : 1.0;
 }

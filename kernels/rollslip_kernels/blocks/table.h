@@ -13,6 +13,7 @@ typedef struct { double glass_temperature, a1, a2, b1, b2, c1, c2; } yasutomi_pa
 typedef struct { double limit, rise, decay; } kragelsky_params;
 typedef struct { double a, b, c, d, transition; } gupta_params;
 typedef struct { double coefficient, transition; } constant_params;
+typedef struct { double flash, accuracy; } maxwell_params;
 enum { TERMS = 26, NO_SUCH_STATUS = -2 };   /* of Greenwood and Tripp's integral; more than its number of slices */
 typedef struct { rs_model boundary, hydrodynamic; rs_evaluate share; double law[TERMS + 2]; } blend_params;
 
@@ -24,8 +25,8 @@ typedef struct { rs_model boundary, hydrodynamic; rs_evaluate share; double law[
     X(power_share) X(exponential_share) X(greenwood_tripp_share) X(blend)
 #define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh) X(exp2_falling) X(log2_plus_one)
 
-/* Of n values of sigma, D and Phi */
-typedef void (*rs_stress_law)(size_t, const double *, const double *, const double *, double *);
+/* Of n values of sigma, D and Phi, to an accuracy where there is a choice */
+typedef void (*rs_stress_law)(size_t, const double *, const double *, const double *, double, double *);
 
 /* Values that a column of rs_slices, by its offset, must keep */
 typedef struct { size_t offset; double low, high; } rs_range;

@@ -39,12 +39,13 @@ STAGE(muraki, HYDRODYNAMIC, FRICTION) {
 }
 
 STAGE(maxwell_eyring, HYDRODYNAMIC, FRICTION) {
+    const maxwell_params *q = (const maxwell_params *)params;
     const double *sliding = s->sliding_speed, *pressure = s->pressure;
     double *friction = s->friction, tau0 = s->eyring_stress;
     double sigma[BLOCK], w[BLOCK], deborah[BLOCK], stress[BLOCK];
     size_t n = WHOLE(s->n);
-    PATH(groups)(s, *(const double *)params, sigma, w, deborah, stress);
-    PATH(maxwell_stress)(n, sigma, deborah, w, stress);
+    PATH(groups)(s, q->flash, sigma, w, deborah, stress);
+    PATH(maxwell_stress)(n, sigma, deborah, w, q->accuracy, stress);
     EACH(i, n) friction[i] = copysign(tau0 / pressure[i] * stress[i], sliding[i]);
     return 0;
 }
