@@ -17,7 +17,8 @@ TESTS = Path(__file__).parent
 
 def run(code, name):
     """Run Python code with the instruction set forced."""
-    environment = os.environ | {"ROLLSLIP_SIMD": name, "PYTHONPATH": str(TESTS)}
+    path = os.pathsep.join(filter(None, [str(TESTS), os.environ.get("PYTHONPATH")]))
+    environment = os.environ | {"ROLLSLIP_SIMD": name, "PYTHONPATH": path}
     return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
 
 
