@@ -15,7 +15,12 @@ from report import Table, cell, number
 from rollslip import Chain, Slices, get_model
 from timing import interleaved, medians
 
-LAWS_OF_STRESS = ("muraki", "eyring", "maxwell-eyring")
+LAWS_OF_STRESS = {
+    "muraki": get_model("traction", "muraki"),
+    "eyring": get_model("traction", "eyring"),
+    "maxwell-eyring, accuracy 1e-6": get_model("traction", "maxwell-eyring", accuracy=1e-6),
+    "maxwell-eyring": get_model("traction", "maxwell-eyring"),
+}
 FILM = get_model("film", "moes")
 
 
@@ -46,9 +51,8 @@ def stress_error(model):
 
 def stresses(rounds, n=1024):
     """Return the table of the laws of stress, alone and in the chain."""
-    models = {name: get_model("traction", name) for name in LAWS_OF_STRESS}
     before, alone, inside = Chain(CONTACT, FILM, OIL), {}, {}
-    for name, model in models.items():
+    for name, model in LAWS_OF_STRESS.items():
         slices = table(contacts(n))
         before(slices)
         alone[name] = partial(Chain(model), slices)
@@ -57,7 +61,7 @@ def stresses(rounds, n=1024):
     times = [medians(interleaved(calls, rounds), "muraki") for calls in (alone, inside)]
     rows = [
         (name, *(cell(1e9 * found[name][0] / n, found[name][1]) for found in times), f"{error:.0e}")
-        for name, error in ((name, stress_error(model)) for name, model in models.items())
+        for name, error in ((name, stress_error(model)) for name, model in LAWS_OF_STRESS.items())
     ]
     header = ("law", "alone", "in the chain", "error, all branches")
     title = f"Hydrodynamic traction: ns per slice at N = {n} (ratio to muraki), largest relative error"
@@ -82,6 +86,7 @@ def overhead(rounds, sizes=(1, 16, 256)):
 
         ways = {
             "chain(slices), the same table": partial(chain, same),
+            "chain.bind(slices)(), the same table": chain.bind(same),
             "chain(slices), its three inputs written": refilled,
             "chain(Slices(...)), a new table": fresh,
             "with the friction force": ours("moes", given)[0],

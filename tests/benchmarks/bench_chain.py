@@ -26,8 +26,7 @@ SET_PEER = "C loop"  # what every instruction set is compared with, in its own p
 
 
 def ours(film, given):
-    """rollslip's chain on a table of slices, and NumPy's dot product for the force."""
-    chain = Chain(CONTACT, get_model("film", film), OIL, TRACTION)
+    """rollslip's chain bound to a table of slices, and NumPy's dot product for the force."""
     slices = Slices(
         len(given.load),
         given.conditions,
@@ -35,10 +34,10 @@ def ours(film, given):
         rolling_speed=given.rolling_speed,
         sliding_speed=given.sliding_speed,
     )
-    width = given.width
+    evaluate, width = Chain(CONTACT, get_model("film", film), OIL, TRACTION).bind(slices), given.width
 
     def call():
-        chain(slices)
+        evaluate()
         return float(np.dot(slices.friction, slices.load)) * width
 
     return call, lambda: slices.friction
