@@ -75,15 +75,15 @@ def random_state(m, rng):
 
 def plain_friction(m, ring, load, V, u):
     """Traction and rolling resistance of the rollers on a ring, (Z,) each; load (Z, n) [N/m]."""
-    raceway, width, film = m.assembly.raceways[ring], m.assembly.slice_width, np.hypot(u, 1e-3)
+    raceway, widths, film = m.assembly.raceways[ring], m.assembly.widths, np.hypot(u, 1e-3)
     if m.friction == "conventional":
         traction, resistance = np.zeros(28), np.zeros(28)
         for j, one in enumerate(load):
             if np.any(one > 0.0):
                 slices = raceway.evaluate(one[one > 0.0], film[j], V[j])
-                traction[j] = (slices.friction * slices.load).sum() * width
+                traction[j] = slices.friction * slices.load @ widths[one > 0.0]
                 if raceway.chain.resists:
-                    resistance[j] = slices.resistance.sum() * width
+                    resistance[j] = slices.resistance @ widths[one > 0.0]
         return traction, resistance * u / film
     force = load[:, 0]
     if m.friction == "constant":
@@ -456,7 +456,7 @@ def test_outputs_are_those_of_the_contacts():
         psi = u["cage_angle"] + 2 * np.pi * np.arange(28) / 28
         loads = m.loads.at(psi, m.assembly.roller_mass * k.orbit_radius * u["cage_speed"] ** 2)
         for ring, raceway in enumerate(m.assembly.raceways):
-            force = loads[ring].sum(axis=1) * m.assembly.slice_width
+            force = loads[ring] @ m.assembly.widths
             np.testing.assert_allclose(found["normal_force"][i, ring], force, rtol=1e-10, atol=1e-10 * force.max())
             for j in range(28):
                 load = loads[ring, j][loads[ring, j] > 0.0]
@@ -517,9 +517,9 @@ def test_effective_tables_are_right_to_their_tolerance(slips):
 
 def test_a_chain_as_a_stage_is_the_chain_and_remembers_what_it_refused():
     chain = bearing().inner.chain
-    raceway, width = bearing().inner, 0.003
+    raceway, widths = bearing().inner, np.array([0.001, 0.002, 0.003, 0.004, 0.005])
     table = Slices(28 * 5, raceway.conditions)
-    made = compiled.conventional(chain.kernel, table, 28, width, False)
+    made = compiled.conventional(chain.kernel, table, 28, widths, False)
     load = np.random.default_rng(0).uniform(-1e4, 2e4, (28, 5))
     V = np.linspace(-3, 3, 28)
     traction, resistance, film, status = compiled.friction(made, load, 0.0, V, 25.0, 0.0)
@@ -527,20 +527,22 @@ def test_a_chain_as_a_stage_is_the_chain_and_remembers_what_it_refused():
     np.testing.assert_array_equal(resistance, 0.0)
     for j in range(28):
         one = raceway.evaluate(load[j][load[j] > 0], np.hypot(25.0, compiled.REST_SPEED), V[j])
-        assert traction[j] == pytest.approx((one.friction * one.load).sum() * width, rel=1e-13)
+        assert traction[j] == pytest.approx(one.friction * one.load @ widths[load[j] > 0], rel=1e-13)
         assert film[j] == pytest.approx(one.film_thickness.min() / raceway.conditions.roughness, rel=1e-14)
     V[3] = np.nan
     assert compiled.friction(made, load, 0.0, V, 25.0, 0.0)[3] > 0
     refusal = compiled.refusal(made)
     assert refusal == ("input", 3, "sliding_speed", np.count_nonzero(load[:3] > 0))
     assert "lambda-blend: slice" in str(chain.error(refusal, table))
-    other = compiled.conventional(chain.kernel, Slices(28 * 5, raceway.conditions), 28, width, False)
+    other = compiled.conventional(chain.kernel, Slices(28 * 5, raceway.conditions), 28, widths, False)
     assert compiled.refusal(other) is None  # what is remembered belongs to the stage, not to the chain
     assert compiled.refusal(compiled.constant(3, 0.1, 1.0)) is None
     with pytest.raises(ValueError, match="not a chain"):
         chain.kernel.refusal(raceway.chain.models[0].kernel())
     with pytest.raises(ValueError, match="not one of 27 rollers"):
-        compiled.conventional(chain.kernel, table, 27, width, False)
+        compiled.conventional(chain.kernel, table, 27, widths, False)
+    with pytest.raises(ValueError, match="4 widths for 5 slices"):
+        compiled.conventional(chain.kernel, table, 28, widths[1:], False)
 
 
 def test_bad_tables_are_refused():

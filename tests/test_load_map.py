@@ -52,21 +52,20 @@ def equilibrium(assembly, angle, force):
 def test_forces_agree_with_the_equilibrium_anywhere(mapped):
     assembly, loads = mapped
     rng = np.random.default_rng(5)
-    off, whole = np.zeros(2), np.zeros(2)
+    off, whole, wide = np.zeros(2), np.zeros(2), loads.widths
     for _ in range(60):
         force = loads.centrifugal[-1] * rng.uniform() ** 2
         psi, true = equilibrium(assembly, rng.uniform(0, 2 * np.pi), force)
         found = loads.at(psi, force)
         assert np.all(found >= 0.0)
-        off += np.abs((found - true).sum(axis=2)).sum(axis=1)
-        whole += true.sum(axis=(1, 2))
+        off += np.abs((found - true) @ wide).sum(axis=1)
+        whole += (true @ wide).sum(axis=1)
         # of all rollers together, along the line of load and across it
-        assert abs((found - true)[0].sum(axis=1) @ np.cos(psi)) < TOLERANCE * true[0].sum()
-        assert abs(found[0].sum(axis=1) @ np.sin(psi)) < TOLERANCE * true[0].sum()
-        balance = found[0].sum(axis=1) @ np.cos(psi) * loads.width
-        assert balance == pytest.approx(
-            assembly.scene.operation.radial_load, abs=TOLERANCE * true[0].sum() * loads.width
-        )
+        carried = (true[0] @ wide).sum()
+        assert abs((found - true)[0] @ wide @ np.cos(psi)) < TOLERANCE * carried
+        assert abs(found[0] @ wide @ np.sin(psi)) < TOLERANCE * carried
+        balance = found[0] @ wide @ np.cos(psi)
+        assert balance == pytest.approx(assembly.scene.operation.radial_load, abs=TOLERANCE * carried)
     assert np.all(off < TOLERANCE * whole)
     assert 0.0 < loads.error <= TOLERANCE
 
@@ -150,14 +149,14 @@ def test_forces_and_resistances_follow_the_loads():
     assembly = evolve_chain(assembly)
     loads = build_load_map(assembly, 2e-2)
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
-    forces = loads.forces(lambda load, ring: resistances(assembly.raceways[ring], load, loads.width, rolling))
+    forces = loads.forces(lambda load, ring: resistances(assembly.raceways[ring], load, loads.widths, rolling))
     assert forces.loads.shape == (loads.centrifugal.size, 4, loads.positions, 1)
-    np.testing.assert_allclose(forces.loads[:, :2, :, 0], loads.loads.sum(axis=3) * assembly.slice_width, rtol=1e-14)
+    np.testing.assert_allclose(forces.loads[:, :2, :, 0], loads.loads @ assembly.widths, rtol=1e-14)
     for ring, raceway in enumerate(assembly.raceways):
         for position in (0, 3, loads.positions // 2):
             load = loads.loads[1, ring, position]
             slices = raceway.evaluate(load[load > 0.0], rolling, 0.0) if np.any(load > 0.0) else None
-            expected = 0.0 if slices is None else slices.resistance.sum() * assembly.slice_width
+            expected = 0.0 if slices is None else slices.resistance @ assembly.widths[load > 0.0]
             assert forces.loads[1, 2 + ring, position, 0] == pytest.approx(expected, rel=1e-12)
     assert forces.loads[:, 2:].max() > 0.0
 

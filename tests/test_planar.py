@@ -139,13 +139,13 @@ class Lagrange:
 
     def contact_forces(self, place, rate, sliding, doubled):
         """Force and traction and rolling resistance of both contacts, by the framework's own arrays."""
-        drop, width = self.assembly.drop, self.assembly.slice_width
+        drop, widths = self.assembly.drop, self.assembly.widths
         found = []
         for n, raceway in enumerate(self.assembly.raceways):
             elastic, _ = self.assembly.deflect(place[n][:, None] - drop, raceway.ring)
             z = self.set.contact_damping * rate[n]
             load = elastic * np.where(z > 0, 1 + z, 1 / (1 - np.minimum(z, 0)))[:, None]
-            Q = load.sum(axis=1) * width
+            Q = load @ widths
             traction, resistance = np.zeros(self.Z), np.zeros(self.Z)
             V, u = sliding[n], doubled[n] / 2
             if self.kind == "constant":
@@ -158,11 +158,11 @@ class Lagrange:
                 done = raceway.evaluate(load[on], film, np.broadcast_to(V[:, None], load.shape)[on])
                 mu, per_length = np.zeros_like(load), np.zeros_like(load)
                 mu[on] = done.friction
-                traction = (mu * load).sum(axis=1) * width
+                traction = (mu * load) @ widths
                 if raceway.chain.resists:
                     per_length[on] = done.resistance
-                    resistance = per_length.sum(axis=1) * width * u / np.hypot(u, 1e-3)
-            found.append((elastic.sum(axis=1) * width, Q, traction, resistance))
+                    resistance = per_length @ widths * u / np.hypot(u, 1e-3)
+            found.append((elastic @ widths, Q, traction, resistance))
         return found
 
     def pocket(self, z, rate, play, contact="metal"):
@@ -567,7 +567,7 @@ def impact(damping, speed):
         events=(parts, deepest),
     )  # fmt: skip
     depth = found.y_events[1][0, at]
-    force = 1e9 * planar.assembly.deflect(np.array([1e-6]), "outer")[0][0] * planar.assembly.slice_width
+    force = 1e9 * planar.assembly.deflect(np.array([1e-6]), "outer")[0][0] * planar.assembly.widths[0]
     return depth, found.t_events[0][0], -found.y_events[0][0, at + 1], force / 1e9, planar, found
 
 
@@ -610,7 +610,7 @@ def test_a_roller_thrown_round_slides_until_it_rolls():
     rollers[:, 1] = w0
     force, approach = m * a * w0**2, np.geomspace(1e-9, 1e-4, 4001)
     rollers[:, 3] = np.interp(
-        force, planar.assembly.deflect(approach, "outer")[0] * planar.assembly.slice_width, approach
+        force, planar.assembly.deflect(approach, "outer")[0] * planar.assembly.widths[0], approach
     )
     y[8] = w0  # the cage goes along
     at = len(HEAD)

@@ -100,7 +100,7 @@ def test_a_scene_is_read_in_si_with_all_defaults() -> None:
     assert list(scene.study) == ["effective-friction", "curve"]
     assert scene.study["effective-friction"]["slip"] == ("0 %", "30 %")
     assert scene.cage is None
-    assert (scene.accuracy.tolerance, scene.accuracy.slices) == (1e-3, 101)
+    assert (scene.accuracy.tolerance, scene.accuracy.slices) == (1e-3, None)
     assert (scene.source, scene.text) == ("scene.toml", SCENE)
 
 

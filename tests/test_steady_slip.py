@@ -383,7 +383,7 @@ def test_without_inertia_it_is_the_free_roller_of_effective_friction():
     k = assembly.kinematics
     slip = 0.2
     curve = EffectiveFriction(closure="free-roller", max_cage_slip=slip, points=5, map_points=0).at_instants(
-        assembly, 4, 0
+        assembly, 4
     )
     loads = assembly.load_distribution(4)
     forces = [one.sum(axis=1).mean() for one in (loads.inner_force, loads.outer_force)]

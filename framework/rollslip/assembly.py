@@ -16,9 +16,10 @@ from rollslip.kinematics import Kinematics
 from rollslip.lubricant import Lubricant, lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
 from rollslip.pressure_viscosity import with_law
-from rollslip.profile import profile_drop, slice_positions
+from rollslip.profile import profile_drop
 from rollslip.reading import Where
 from rollslip.registry import get_class, structure_model
+from rollslip.resolution import Resolution, as_stated
 from rollslip.scene import Scene
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
@@ -49,11 +50,15 @@ class Assembly:
     """All that the studies need of a scene, with the models bound."""
 
     scene: Scene
+    resolution: Resolution
     contact: ContactModel
     film: FilmModel
     traction: TractionModel
     lubricant: Lubricant
     kinematics: Kinematics
+    #: Slices along a roller: their places from the middle, their widths and the profile there [m], (n,).
+    position: Array
+    widths: Array
     drop: Array
     inner: Raceway
     outer: Raceway
@@ -72,11 +77,6 @@ class Assembly:
     def slices(self) -> int:
         """Slices along a roller."""
         return self.drop.size
-
-    @property
-    def slice_width(self) -> float:
-        """Width of a slice [m]."""
-        return self.scene.bearing.roller_length / self.slices
 
     @property
     def roller_mass(self) -> float:
@@ -125,14 +125,22 @@ class Assembly:
         resistance = self.cage.drags.resistance
         if resistance is None:
             return self
-        chain = Chain(*self.inner.chain.models, resistance)
+        chain = Chain(*self.inner.chain.models, resistance, compiled=self.resolution.compiled)
         return attrs.evolve(
             self, inner=attrs.evolve(self.inner, chain=chain), outer=attrs.evolve(self.outer, chain=chain)
         )
 
+    def at(self, resolution: Resolution) -> "Assembly":
+        """Return the same bearing at another resolution; where its laws are to be others, it is put together anew."""
+        laws = ("traction", "traction_error", "boundary", "compiled")
+        if any(getattr(self.resolution, name) != getattr(resolution, name) for name in laws):
+            return assemble(self.scene, resolution)
+        position, widths, drop = _slicing(self.scene, resolution)
+        return attrs.evolve(self, resolution=resolution, position=position, widths=widths, drop=drop)
+
     def coarser(self) -> "Assembly":
         """Return the same bearing with half as many slices, to estimate what the slices leave."""
-        return attrs.evolve(self, drop=_profile_drop(self.scene, self.slices // 2))
+        return self.at(attrs.evolve(self.resolution, slices=self.slices // 2))
 
     def load_distribution(
         self, instants: int = 1, cage_speed: float | None = None, known: LoadDistribution | None = None
@@ -164,6 +172,8 @@ class Assembly:
             radial_load=o.radial_load,
             misalignment=o.misalignment,
             centrifugal_force=self.centrifugal_force if cage_speed is None else self._centrifugal_force_at(cage_speed),
+            position=self.position,
+            widths=self.widths,
         )
         return solve_pitch(case, self.deflect, known)
 
@@ -181,8 +191,15 @@ class Assembly:
         return load.reshape(approach.shape), stiffness.reshape(approach.shape)
 
 
-def assemble(scene: Scene) -> Assembly:
+def assemble(scene: Scene, resolution: Resolution | None = None) -> Assembly:
     """Put the bearing of a scene together.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    resolution : Resolution, optional
+        How finely it is computed; by default as the scene states, with instants doubled until results stand still.
 
     Raises
     ------
@@ -193,9 +210,10 @@ def assemble(scene: Scene) -> Assembly:
         If a model or the oil does not exist or cannot be loaded.
     """
     b = scene.bearing
+    resolution = as_stated(scene) if resolution is None else resolution
     where = Where(scene.origins)
     problems: list[str] = []
-    models = {
+    models: dict[str, Any] = {
         kind: structure_model(kind, {"model": choice.name, **choice.parameters}, where.at("models").at(kind), problems)
         for kind, choice in (
             ("contact", scene.models.contact),
@@ -212,7 +230,7 @@ def assemble(scene: Scene) -> Assembly:
     )
     lubricant = _lubricant(scene, where, problems)
     try:
-        drop = _profile_drop(scene, scene.accuracy.slices)
+        position, widths, drop = _slicing(scene, resolution)
     except ValueError as error:
         problems.append(where.at("bearing").at("profile").says(str(error)))
     if lubricant is None or problems:
@@ -220,13 +238,23 @@ def assemble(scene: Scene) -> Assembly:
     conditions = {ring: _conditions(scene, kinematics, lubricant, ring, where) for ring in RINGS}
     law = lubricant.pressure_viscosity_law
     models = {kind: with_law(model, law) for kind, model in models.items()}
+    models["traction"] = simplified(models["traction"], resolution)
     stages = models["contact"], models["film"], law, models["traction"]
     deflection = models["contact"].deflection()
     _check_given((deflection, *stages), conditions["inner"], lubricant, where)
-    chain, approach = Chain(*stages), Chain(deflection)
+    chain, approach = Chain(*stages, compiled=resolution.compiled), Chain(deflection, compiled=resolution.compiled)
     inner, outer = (Raceway(ring, conditions[ring], chain, approach) for ring in RINGS)
     return Assembly(
-        scene=scene, lubricant=lubricant, kinematics=kinematics, drop=drop, inner=inner, outer=outer, **models
+        scene=scene,
+        resolution=resolution,
+        lubricant=lubricant,
+        kinematics=kinematics,
+        position=position,
+        widths=widths,
+        drop=drop,
+        inner=inner,
+        outer=outer,
+        **models,
     )
 
 
@@ -243,19 +271,36 @@ def _lubricant(scene: Scene, where: Where, problems: list[str]) -> Lubricant | N
         raise PluginError(where.at("lubricant").at("name").says(str(error))) from error
 
 
-def _profile_drop(scene: Scene, slices: int) -> Array:
-    """Profile at the slices; one slice serves where nothing varies along the roller."""
+def simplified(traction: TractionModel, resolution: Resolution) -> TractionModel:
+    """Return the traction that a resolution leaves of a scene's: without boundary friction, or by a cheaper law.
+
+    Raises
+    ------
+    PluginError
+        If the law that is to serve does not exist.
+    """
+    if not resolution.boundary:
+        traction = traction.full_film
+    if resolution.traction != "named":
+        traction = traction.with_full_film(get_class("traction", resolution.traction)())
+    return traction.evaluated_to(resolution.traction_error) if resolution.traction_error > 0.0 else traction
+
+
+def _slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]:
+    """Places, widths and profile of the slices; one slice serves where nothing varies along the roller."""
     b = scene.bearing
     if b.profile.shape == "none" and scene.operation.misalignment == 0.0:
-        return np.zeros(1)
-    return profile_drop(
+        return np.zeros(1), np.full(1, b.roller_length), np.zeros(1)
+    position, widths = resolution.slicing(b.roller_length)
+    drop = profile_drop(
         b.profile.shape,
-        slice_positions(b.roller_length, slices),
+        position,
         b.roller_length,
         b.roller_diameter,
         radius=b.profile.radius,
         table=(b.profile.position, b.profile.drop) if b.profile.shape == "table" else None,
     )
+    return position, widths, drop
 
 
 def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring: Ring, where: Where) -> Conditions:

@@ -68,10 +68,10 @@ class Work:
             ring: Ring = "inner" if own.ring == "inner" else "outer"
             raceway, u, slip = getattr(assembly, ring), result.attrs["rolling_speed"], result["slip"].to_numpy()
             parts = []
-            for k, load in enumerate(contact_loads(assembly, raceway, np.array(own.normal_force))):
+            for k, (load, force) in enumerate(contact_loads(assembly, raceway, np.array(own.normal_force))):
                 for some in np.array_split(slip, -(-slip.size * load.size // _PART)):
                     loads, V = np.tile(load, some.size), np.repeat(some * u, load.size)
-                    parts.append(_Part(k, ring, loads, u, V, loads * assembly.slice_width))
+                    parts.append(_Part(k, ring, loads, u, V, np.tile(force, some.size)))
             return cls(parts)
         assert isinstance(own, EffectiveFriction)
         raceways = own.loaded(assembly, result.attrs["instants"])

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Final
 from rollslip.discovery import in_words, origin
 from rollslip.errors import DomainError, PluginError, RollslipError
 from rollslip.models import FINITE, SliceModel, in_unit, interval
-from rollslip_kernels import chain as compiled
+from rollslip_kernels import chain as kernels
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 
 if TYPE_CHECKING:
@@ -76,8 +76,8 @@ def stage(model: SliceModel) -> object:
 
 def _checked(model: SliceModel, capsule: object | None) -> object:
     if capsule is None:
-        return compiled.python_stage(_blaming(model), model.writes)
-    if problem := compiled.problem(capsule):
+        return kernels.python_stage(_blaming(model), model.writes)
+    if problem := kernels.problem(capsule):
         raise PluginError(f"model {model.name!r}: {_who(model)} {problem}; {origin(type(model))}")
     return capsule
 
@@ -132,6 +132,8 @@ class Chain:
     threads : int, optional
         Threads that may share a large table; by default as many as ROLLSLIP_THREADS says, or as the process may use
         processors, and 1 where a model runs in Python. The results are the same to the last bit.
+    compiled : bool
+        Whether stages run compiled where they can, else all in NumPy.
 
     Raises
     ------
@@ -151,22 +153,24 @@ class Chain:
     array([27.68, 39.14, 55.35])
     """
 
-    def __init__(self, *models: SliceModel, block: int | None = None, threads: int | None = None) -> None:
+    def __init__(
+        self, *models: SliceModel, block: int | None = None, threads: int | None = None, compiled: bool = True
+    ) -> None:
         self.models = models
-        kernels = [_kernel(model) for model in models]
-        if block is None and None in kernels:
+        capsules = [_kernel(model) if compiled else None for model in models]
+        if block is None and None in capsules:
             block = 0
         if threads is not None and threads < 1:
             raise ValueError(f"a chain runs in at least one thread, not in {threads}")
-        if threads is None and any(map(_runs_python, models)):
+        if threads is None and (not compiled or any(map(_runs_python, models))):
             threads = 1
         self._threads = threads
         # what a model reads without a range of its own must at least be a number
         stages = [
-            (_checked(m, kernel), dict.fromkeys(sorted(m.reads), FINITE) | dict(m.domain), m.writes)
-            for m, kernel in zip(models, kernels, strict=True)
+            (_checked(m, capsule), dict.fromkeys(sorted(m.reads), FINITE) | dict(m.domain), m.writes)
+            for m, capsule in zip(models, capsules, strict=True)
         ]
-        self._chain = compiled.Chain(stages) if block is None else compiled.Chain(stages, block)
+        self._chain = kernels.Chain(stages) if block is None else kernels.Chain(stages, block)
 
     @property
     def block(self) -> int:
@@ -205,7 +209,7 @@ class Chain:
             return self._chain.bind(slices, self.error)
         return partial(self, slices)
 
-    def _run_large(self, slices: Slices) -> "compiled.Refusal | None":
+    def _run_large(self, slices: Slices) -> "kernels.Refusal | None":
         """Evaluate a table in threads, of which this is one; return the refusal of the first part that has any."""
         n, block = len(slices), self.block
         count = 1 if not block or hasattr(_here, "helps") else self._threads or threads()
@@ -234,13 +238,13 @@ class Chain:
             starts = iter(())
             for other in others:  # no part goes on behind the back of the caller
                 other.cancel() or other.exception()
-        first: compiled.Refusal | BaseException | None = outcomes[min(outcomes)] if outcomes else None
+        first: kernels.Refusal | BaseException | None = outcomes[min(outcomes)] if outcomes else None
         if isinstance(first, BaseException):
             raise first
         return first
 
     @property
-    def kernel(self) -> compiled.Chain:
+    def kernel(self) -> kernels.Chain:
         """The chain itself, for compiled code that runs it."""
         return self._chain
 
@@ -249,7 +253,7 @@ class Chain:
         """Whether a stage fills the rolling resistance."""
         return any("resistance" in model.writes for model in self.models)
 
-    def error(self, refusal: "compiled.Refusal", slices: Slices) -> RollslipError:
+    def error(self, refusal: "kernels.Refusal", slices: Slices) -> RollslipError:
         """Return the error that says in words what the compiled chain refused of ``slices``."""
         what, k, member, index = refusal
         model = self.models[k]

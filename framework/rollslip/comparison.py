@@ -368,7 +368,7 @@ def _at_instants(made: Plan, study: str, result: "xr.Dataset", instants: int) ->
     own = made.studies[study]
     if not isinstance(own, EffectiveFriction) or result.attrs["instants"] == instants:
         return result
-    again = own.at_instants(made.assembly, instants, result.attrs["instants_error"])
+    again = own.at_instants(made.assembly, instants)
     return again.assign_attrs(result.attrs | again.attrs)
 
 

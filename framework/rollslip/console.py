@@ -55,7 +55,7 @@ def findings(dataset: "xr.Dataset") -> str:
             else row["status"]
         )
         lines.append(f"  {name}: {found}")
-    if "instants" in dataset.attrs:
+    if "instants_error" in dataset.attrs:
         lines.append(
             f"  {dataset.attrs['instants']} instants of a pitch and {dataset.attrs['slices']} slices of a roller leave "
             f"relative errors of about {dataset.attrs['instants_error']:.1e} and {dataset.attrs['slices_error']:.1e}; "

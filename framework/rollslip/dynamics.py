@@ -33,6 +33,7 @@ from rollslip.planar import PlanarMotion, PlanarSettings, planar_motion
 from rollslip.reading import Where, structure
 from rollslip.regimes import NAMES
 from rollslip.registry import structure_model
+from rollslip.resolution import Resolution
 from rollslip.run_store import RunStore
 from rollslip.scene import resolved
 from rollslip.time_integration import InitialValueProblem, Trajectory, integrate
@@ -113,6 +114,16 @@ class Dynamics:
         """Cage slip up to which the study is expected to go."""
         return max(self.cage_slip, 0.4)
 
+    def at(self, resolution: Resolution) -> "Dynamics":
+        """Return the settings with what a resolution says of friction, level, integrator and its tolerance."""
+        said: dict[str, Any] = {
+            "friction": resolution.friction,
+            "level": resolution.level,
+            "integrator": resolution.integrator,
+            "relative_tolerance": resolution.integrator_tolerance,
+        }
+        return attrs.evolve(self, **{name: value for name, value in said.items() if value is not None})
+
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate, from steps such as bearings of this size took."""
         if self.friction != "conventional":
@@ -164,6 +175,11 @@ class Dynamics:
         progress: Callable[[str], None] | None = None,
     ) -> "xr.Dataset":
         """Return what `run` does, going on from what a store has, and writing to it what is computed."""
+        return self.at(assembly.resolution)._kept_in(assembly, store, progress)
+
+    def _kept_in(
+        self, assembly: Assembly, store: RunStore | None, progress: Callable[[str], None] | None
+    ) -> "xr.Dataset":
         where = Where(assembly.scene.origins, ("study", "dynamics"))
         integrator = self.method(assembly)
         if self.level == "planar" and self.planar is None:
@@ -455,7 +471,7 @@ def _averaged(assembly: Assembly) -> tuple[EffectiveFriction, LoadedRaceways]:
     study = structure(EffectiveFriction, scene.study.get("effective-friction", {}), where, problems)
     if study is None:
         raise SceneError(problems)
-    return study, study.loaded(assembly, _INSTANTS)
+    return study, study.loaded(assembly, assembly.resolution.instants or _INSTANTS)
 
 
 def _critical(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:

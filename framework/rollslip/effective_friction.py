@@ -16,7 +16,7 @@
   them to a thousandth of the tolerance; curve and critical slip are summed over all slices.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -105,16 +105,42 @@ class EffectiveFriction:
         ConvergenceError
             If doubling the instants does not settle the curve, or the radial load is lost beside centrifugal forces.
         """
+        if assembly.resolution.instants is not None:
+            return self.at_instants(assembly, assembly.resolution.instants)
         slip = slip_grid(self.max_cage_slip, self.points)
         raceways, curves, critical, error = self._converged(assembly, slip)
-        return self._dataset(assembly, raceways, slip, curves, critical, error)
+        errors = {"instants_error": error, "slices_error": raceways.slices_error(slip, curves[0])}
+        return self._dataset(assembly, raceways, slip, curves, critical).assign_attrs(errors)
 
-    def at_instants(self, assembly: Assembly, instants: int, error: float) -> "xr.Dataset":
-        """Return what `run` does, on a given number of instants, which leave a relative error known to the caller."""
+    def at_instants(self, assembly: Assembly, instants: int) -> "xr.Dataset":
+        """Return what `run` does, on a given number of instants, but for the errors that instants and slices leave."""
         slip = slip_grid(self.max_cage_slip, self.points)
         raceways = self.loaded(assembly, instants)
         curves = raceways.evaluated(raceways.speeds(slip))
-        return self._dataset(assembly, raceways, slip, curves, raceways.critical(slip, curves[0]), error)
+        return self._dataset(assembly, raceways, slip, curves, raceways.critical(slip, curves[0]))
+
+    @property
+    def slip_range(self) -> float:
+        """Slip up to which the curves go."""
+        return self.max_cage_slip
+
+    @property
+    def averaged(self) -> bool:
+        """Whether the curves are means over the instants of a pitch."""
+        return True
+
+    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
+        """Return effective friction on few of the instants of a pitch, each a part of the most, (k, 2, n)."""
+        raceways = self.loaded(assembly, max(instants))
+        found = np.empty((len(instants), 2, slip.size))
+        for k, both in enumerate(raceways.contacts(raceways.speeds(slip))):
+            for ring, (contacts, u, V) in enumerate(both):
+                pull = contacts.per_roller(contacts.friction(u, V) * contacts.force)
+                force = contacts.per_roller(contacts.force)
+                for i, m in enumerate(instants):  # of every M/m-th position of the orbit
+                    some = slice(None, None, max(instants) // m)
+                    found[i, ring, k] = pull[some].sum() / force[some].sum() if force[some].any() else np.nan
+        return found
 
     def loaded(self, assembly: Assembly, instants: int, known: LoadDistribution | None = None) -> "LoadedRaceways":
         """Return the loaded contacts at a number of instants of a pitch; those at half as many may be known."""
@@ -150,7 +176,6 @@ class EffectiveFriction:
         slip: Array,
         curves: tuple[Array, Array],
         critical: tuple[Critical, Critical],
-        error: float,
     ) -> "xr.Dataset":
         import xarray as xr
 
@@ -211,9 +236,7 @@ class EffectiveFriction:
                 "study": "effective-friction",
                 "closure": self.closure,
                 "instants": int(loads.psi.shape[0]),
-                "instants_error": error,
                 "slices": assembly.slices,
-                "slices_error": raceways.slices_error(slip, friction),
                 "force_residual": loads.force_residual,
                 "moment_residual": loads.moment_residual,
             },
@@ -253,17 +276,16 @@ class LoadedContacts:
         The raceway.
     load : ndarray
         Loads per length [N/m] of rollers, (rollers, n).
-    width : float
-        Width of a slice [m].
+    widths : ndarray
+        Widths of the slices [m], (n,).
     orbit : float
         Direction of the rollers' orbit, 1 or -1.
     count : ndarray, optional
         How many rollers each one stands for, (rollers,); by default one.
     """
 
-    def __init__(self, raceway: Raceway, load: Array, width: float, orbit: float, count: Array | None = None) -> None:
+    def __init__(self, raceway: Raceway, load: Array, widths: Array, orbit: float, count: Array | None = None) -> None:
         slices = load.shape[1]
-        widths = np.full(slices, width)
         if np.array_equal(load, load[:, ::-1]):  # one half of a roller carries what the other does
             load, widths = load[:, slices // 2 :], 2.0 * widths[slices // 2 :]
             widths[0] /= 1.0 + slices % 2
@@ -355,7 +377,7 @@ class LoadedRaceways:
 
         def of(raceway: Raceway, load: Array) -> LoadedContacts:
             whole = load.swapaxes(0, 1).reshape(positions, -1)
-            return LoadedContacts(raceway, whole[: count.size], assembly.slice_width, orbit, count)
+            return LoadedContacts(raceway, whole[: count.size], assembly.widths, orbit, count)
 
         self.inner, self.outer = (
             of(assembly.inner, distribution.inner_load),

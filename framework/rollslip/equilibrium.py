@@ -81,6 +81,10 @@ def _array(value: object) -> Floats:
     return np.asarray(value, dtype=float)
 
 
+def _midpoints(length: float, slices: int) -> Floats:
+    return slice_positions(length, slices) if slices and 0.0 < length < np.inf else np.zeros(slices)
+
+
 @attrs.frozen(eq=False)
 class LoadCase:
     """A bearing, its rollers' positions and its load.
@@ -92,8 +96,8 @@ class LoadCase:
     roller_length : float
         Effective roller length l [m].
     drop : ndarray
-        Profile P at the midpoints of n equal slices [m], of shape (n,); `profile_drop` at `slice_positions`. A straight
-        roller without misalignment needs one slice only.
+        Profile P at n slices [m], of shape (n,); `profile_drop`. A straight roller without misalignment needs one slice
+        only.
     radial_clearance : float
         Radial internal clearance G_r [m], the full play (ISO 5593); negative for preload.
     radial_load : float
@@ -102,6 +106,9 @@ class LoadCase:
         Tilt of the inner ring in the plane of load [rad].
     centrifugal_force : float
         Centrifugal force F_c of a roller [N], not negative.
+    position, widths : ndarray, optional
+        Places of the slices from the roller's middle and their widths, the weights of a quadrature along it [m], of
+        shape (n,); by default the midpoints of equal slices.
 
     Raises
     ------
@@ -116,6 +123,16 @@ class LoadCase:
     radial_load: float
     misalignment: float = 0.0
     centrifugal_force: float = 0.0
+    position: Floats = attrs.field(
+        default=attrs.Factory(lambda case: _midpoints(case.roller_length, case.drop.size), takes_self=True),
+        converter=_array,
+    )
+    widths: Floats = attrs.field(
+        default=attrs.Factory(
+            lambda case: np.full(case.drop.shape, case.roller_length / max(case.drop.size, 1)), takes_self=True
+        ),
+        converter=_array,
+    )
 
     def __attrs_post_init__(self) -> None:
         if self.psi.ndim != 2 or self.psi.size == 0 or not np.all(np.isfinite(self.psi)):
@@ -130,6 +147,11 @@ class LoadCase:
         for name in ("radial_clearance", "misalignment"):
             if not np.isfinite(getattr(self, name)):
                 raise ValueError(f"{name} is {getattr(self, name)}: it must be finite")
+        if not self.position.shape == self.widths.shape == self.drop.shape:
+            raise ValueError(
+                f"position and widths must be of the shape of drop, {self.drop.shape}, not {self.position.shape} and "
+                f"{self.widths.shape}"
+            )
         if self.misalignment != 0.0 and self.drop.size == 1:
             raise ValueError("a misaligned ring loads rollers unevenly along their length: use more than one slice")
 
@@ -143,7 +165,7 @@ class LoadDistribution:
     psi : ndarray
         Angular positions [rad], shape (instants, Z).
     position : ndarray
-        Midpoints of the slices, from the roller's middle [m], shape (n,).
+        Places of the slices, from the roller's middle [m], shape (n,).
     inner_load, outer_load : ndarray
         Load per length of the contacts with inner and outer ring [N/m], shape (instants, Z, n).
     inner_force, outer_force : ndarray
@@ -280,15 +302,18 @@ class _Problem:
         self.direction = np.stack((np.cos(case.psi), np.sin(case.psi)))
         slices = case.drop.size
         # Of a roller that is symmetric and does not tilt only the half with x >= 0 is carried along, for both.
-        mirrored = case.misalignment == 0.0 and np.array_equal(case.drop, case.drop[::-1])
+        mirrored = case.misalignment == 0.0 and all(
+            np.array_equal(one, other[::-1])
+            for one, other in ((case.drop, case.drop), (case.widths, case.widths), (case.position, -case.position))
+        )
         half = slices // 2 if mirrored else 0
         #: where each slice of the whole roller is among those carried along
         self.place = np.abs(np.arange(1 - slices, slices, 2)) // 2 if mirrored else np.arange(slices)
-        self.xi, self.drop = slice_positions(2.0, slices)[half:], case.drop[half:]
+        self.xi, self.drop = case.position[half:] / (0.5 * case.roller_length), case.drop[half:]
         moments = np.stack(
             (np.ones_like(self.xi), np.zeros_like(self.xi) if mirrored else self.xi, self.xi**2), axis=-1
         )
-        self.powers = case.roller_length / slices * np.bincount(self.place)[:, None] * moments
+        self.powers = (case.widths[half:] * np.bincount(self.place))[:, None] * moments
         self.sample = np.maximum(deflection(_APPROACH, "outer")[0], np.finfo(float).tiny)
 
         # Deeper than the solution: from there Newton's steps in a potential of rising stiffness do not overshoot.
@@ -533,7 +558,7 @@ def _solved(case: LoadCase, deflection: Deflection) -> LoadDistribution:
     moment = (forces.inner_load @ problem.powers[:, 1] * half * problem.direction[0]).sum(axis=1)
     return LoadDistribution(
         psi=case.psi,
-        position=slice_positions(case.roller_length, case.drop.size),
+        position=case.position,
         inner_load=forces.inner_load[..., problem.place],
         outer_load=forces.outer_load[..., problem.place],
         inner_force=forces.inner_force,

@@ -8,7 +8,7 @@ Decisions:
   once. What concerns several fields is checked in ``__attrs_post_init__``. Both raise `FieldError`.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import attrs
@@ -40,6 +40,7 @@ def field(
     key: str | None = None,
     bare: bool = False,
     rest: bool = False,
+    words: Mapping[str, object] | None = None,
 ) -> Any:
     """Declare a field of a frozen attrs class that a scene can fill.
 
@@ -59,8 +60,16 @@ def field(
         A string in place of the table fills this field: ``film = "moes"`` for ``film = { model = "moes" }``.
     rest
         The field collects all keys that have no field of their own, unread.
+    words
+        Texts that a scene may say in place of a value -> the value.
     """
-    metadata = {"doc": doc, "unit": None if unit is None else check_unit(unit), "bare": bare, "rest": rest}
+    metadata: dict[str, object] = {
+        "doc": doc,
+        "unit": None if unit is None else check_unit(unit),
+        "bare": bare,
+        "rest": rest,
+        "words": words or {},
+    }
     if key is not None:
         metadata["key"] = key
     return attrs.field(default=default, validator=validator, metadata=metadata)

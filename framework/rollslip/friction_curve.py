@@ -1,6 +1,6 @@
 """Study friction-curve: friction of one contact against its slide-roll ratio, for given normal forces."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -14,6 +14,8 @@ from rollslip.regimes import NAMES, film_by_regime, groups, moes_groups
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from rollslip_kernels.slices import Slices
 
 
 @attrs.frozen(kw_only=True)
@@ -39,6 +41,30 @@ class FrictionCurve:
         """Return about how many slices the study will evaluate."""
         return len(self.normal_force) * self.points * assembly.slices
 
+    @property
+    def slip_range(self) -> float:
+        """Slip up to which the curves go."""
+        return self.max_slip
+
+    @property
+    def averaged(self) -> bool:
+        """Whether the curves are means over the instants of a pitch."""
+        return False
+
+    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
+        """Return friction for each normal force, which no instant changes, (k, forces, n)."""
+        raceway, u = self._contact(assembly)
+        loads = contact_loads(assembly, raceway, np.array(self.normal_force))
+        found = [_friction(raceway, *load, u, slip)[1] for load in loads]
+        return np.broadcast_to(found, (len(instants), len(found), slip.size))
+
+    def _contact(self, assembly: Assembly) -> tuple[Raceway, float]:
+        """The raceway and its entrainment speed [m/s] without slip."""
+        speeds = assembly.kinematics.surface_speeds(0.0, 0.0)
+        if self.ring == "inner":
+            return assembly.inner, float(speeds.inner_rolling)
+        return assembly.outer, float(speeds.outer_rolling)
+
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return nothing: contacts are all there is."""
         return ()
@@ -57,12 +83,10 @@ class FrictionCurve:
         """
         import xarray as xr
 
-        raceway = assembly.inner if self.ring == "inner" else assembly.outer
-        speeds = assembly.kinematics.surface_speeds(0.0, 0.0)
-        u = float(speeds.inner_rolling if self.ring == "inner" else speeds.outer_rolling)
+        raceway, u = self._contact(assembly)
         slip = slip_grid(self.max_slip, self.points)
         forces = np.array(self.normal_force)
-        rows = [_curve(assembly, raceway, load, u, slip) for load in contact_loads(assembly, raceway, forces)]
+        rows = [_curve(assembly, raceway, *loads, u, slip) for loads in contact_loads(assembly, raceway, forces)]
 
         def stacked(name: str) -> Array:
             return np.stack([row[name] for row in rows])
@@ -121,33 +145,33 @@ def about(unit: str, long_name: str) -> dict[str, Any]:
     return {"units": unit, "long_name": long_name}
 
 
-def contact_loads(assembly: Assembly, raceway: Raceway, forces: Array) -> list[Array]:
-    """Loads per length of the loaded slices [N/m] of an aligned contact, for each normal force."""
+def contact_loads(assembly: Assembly, raceway: Raceway, forces: Array) -> list[tuple[Array, Array]]:
+    """Loads per length [N/m] and forces [N] of the loaded slices of an aligned contact, for each normal force."""
     if assembly.slices == 1:
-        return [np.array([force / assembly.scene.bearing.roller_length]) for force in forces.tolist()]
+        return [(force / assembly.scene.bearing.roller_length, force) for force in forces[:, None]]
     drop = (
         assembly.drop - assembly.drop.min()
     )  # approaches are measured from the first touch, else small ones round off
     rows = []
     for force in forces:
-        row = _balanced(lambda approach: assembly.deflect(approach - drop, raceway.ring), force / assembly.slice_width)
+        row = _balanced(lambda approach: assembly.deflect(approach - drop, raceway.ring), assembly.widths, force)
         if not np.any(row > 0.0):
             raise DomainError(
                 f"a normal force of {force:g} N is lost along a roller of {assembly.scene.bearing.roller_length:g} m: "
                 "its load per length is below all floats; give more of it"
             )
-        rows.append(row[row > 0.0])
+        rows.append((row[row > 0.0], (row * assembly.widths)[row > 0.0]))
     return rows
 
 
-def _balanced(deflection: Callable[[float], tuple[Array, Array]], total: float) -> Array:
-    """Loads whose sum is the total: Newton's method over the approach, which bisection keeps within its bracket."""
+def _balanced(deflection: Callable[[float], tuple[Array, Array]], widths: Array, force: float) -> Array:
+    """Loads that carry a force: Newton's method over the approach, which bisection keeps within its bracket."""
     low, high, approach = 0.0, np.inf, 1e-6
     while True:
         load, stiffness = deflection(approach)
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # far above a tiny total
-            excess = float((load / total).sum()) - 1.0
-            step = excess / float((stiffness / total).sum())
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # far above a tiny force
+            excess = float((load * widths / force).sum()) - 1.0
+            step = excess / float((stiffness * widths / force).sum())
         low, high = (low, approach) if excess > 0.0 else (approach, high)
         guess = approach - step
         if not low < guess < high:
@@ -157,13 +181,14 @@ def _balanced(deflection: Callable[[float], tuple[Array, Array]], total: float) 
         approach = guess
 
 
-def _curve(assembly: Assembly, raceway: Raceway, load: Array, u: float, slip: Array) -> dict[str, Any]:
-    def friction_at(slips: Array) -> tuple[Any, Array]:
-        slices = raceway.evaluate(np.tile(load, slips.size), u, np.repeat(slips, load.size) * u)
-        weighted = (slices.friction * slices.load).reshape(slips.size, load.size)
-        return slices, weighted.sum(axis=1) / load.sum()
+def _friction(raceway: Raceway, load: Array, force: Array, u: float, slip: Array) -> "tuple[Slices, Array]":
+    """Evaluated slices and friction coefficient at some slide-roll ratios."""
+    slices = raceway.evaluate(np.tile(load, slip.size), u, np.repeat(slip, load.size) * u)
+    return slices, slices.friction.reshape(slip.size, load.size) @ force / force.sum()
 
-    slices, friction = friction_at(slip)
+
+def _curve(assembly: Assembly, raceway: Raceway, load: Array, force: Array, u: float, slip: Array) -> dict[str, Any]:
+    slices, friction = _friction(raceway, load, force, u, slip)
     most = int(np.argmax(load)) + load.size * np.arange(slip.size)
     M, L = moes_groups(slices)
     return {
@@ -175,5 +200,7 @@ def _curve(assembly: Assembly, raceway: Raceway, load: Array, u: float, slip: Ar
         "pressure": slices.pressure[most[0]],
         "M": M[most[0]],
         "L": L[most[0]],
-        "critical": locate(lambda s: float(friction_at(np.array([s]))[1][0]), slip, friction, "max_slip"),
+        "critical": locate(
+            lambda s: float(_friction(raceway, load, force, u, np.array([s]))[1][0]), slip, friction, "max_slip"
+        ),
     }

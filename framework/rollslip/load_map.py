@@ -39,15 +39,15 @@ class LoadMap:
         At equal steps of position from the line of load, shape (C, channels, K, n): loads per length on inner and
         outer ring [N/m]; in a map of forces [N], n = 1, followed by the rolling resistances on both [N] if there are
         any.
-    width : float
-        What turns a load into a force: width of a slice [m], 1 in a map of forces.
+    widths : ndarray
+        What turns loads into forces: widths of the slices [m], 1 in a map of forces, shape (n,).
     error : float
         Largest share of the load of a ring at the wrong place, half-way between positions and between forces.
     """
 
     centrifugal: Array
     loads: Array
-    width: float
+    widths: Array
     error: float
 
     @property
@@ -80,11 +80,11 @@ class LoadMap:
 
     def forces(self, resistance: Callable[[Array, int], Array] | None = None) -> "LoadMap":
         """Return the map of forces; ``resistance`` gives, of loads (m, n) on a ring (0, 1), the resistances (m,)."""
-        forces = self.loads.sum(axis=3, keepdims=True) * self.width
+        forces = (self.loads @ self.widths)[..., None]
         if resistance is not None:
             rows = [[resistance(node[ring], ring)[:, None] for ring in range(len(RINGS))] for node in self.loads]
             forces = np.concatenate((forces, np.array(rows)), axis=1)
-        return LoadMap(self.centrifugal, forces, 1.0, self.error)
+        return LoadMap(self.centrifugal, forces, np.ones(1), self.error)
 
 
 def fastest(kinematics: Kinematics) -> float:
@@ -144,8 +144,14 @@ class _Orbits:
             nodes, between = self.solved[force][:, ::2], self.solved[force][:, 1::2]
             slopes = _slopes(nodes)
             half_way = 0.5 * (nodes + np.roll(nodes, -1, axis=1)) + 0.125 * (slopes - np.roll(slopes, -1, axis=1))
-            self.over_position = max(self.over_position, _misplaced(half_way, between))
+            self.over_position = max(self.over_position, self.misplaced(half_way, between))
         return self.solved[force]
+
+    def misplaced(self, found: Array, true: Array) -> float:
+        """Share of the load of a ring that is at the wrong place, the larger of both rings; loads (2, m, n)."""
+        widths = self.assembly.widths
+        off, whole = np.abs((found - true) @ widths).sum(axis=1), (true @ widths).sum(axis=1)
+        return float((off / np.where(whole > 0.0, whole, 1.0)).max())
 
     def refined(self, nodes: set[float], tolerance: float) -> LoadMap | None:
         """Map with enough centrifugal forces; None if its positions are too few."""
@@ -153,7 +159,7 @@ class _Orbits:
         while pairs:
             low, high = pairs.pop()
             middle = 0.5 * (low + high)
-            error = _misplaced(0.5 * (self.at(low) + self.at(high)), self.at(middle))
+            error = self.misplaced(0.5 * (self.at(low) + self.at(high)), self.at(middle))
             if self.over_position > tolerance:
                 return None
             if error <= tolerance:
@@ -167,7 +173,7 @@ class _Orbits:
                     f"{low:g} and {high:g} N; raise accuracy.tolerance, which is {2.0 * tolerance:g}"
                 )
         loads = np.stack([self.at(force)[:, ::2] for force in sorted(nodes)])
-        return LoadMap(np.array(sorted(nodes)), loads, self.assembly.slice_width, self.over_position + over_force)
+        return LoadMap(np.array(sorted(nodes)), loads, self.assembly.widths, self.over_position + over_force)
 
 
 def _slopes(loads: Array) -> Array:
@@ -183,14 +189,8 @@ def _slopes(loads: Array) -> Array:
     return np.clip(slope, -3.0 * loads, 3.0 * loads)
 
 
-def _misplaced(found: Array, true: Array) -> float:
-    """Share of the load of a ring that is at the wrong place, the larger of both rings; loads (2, m, n)."""
-    off, whole = np.abs((found - true).sum(axis=2)).sum(axis=1), true.sum(axis=(1, 2))
-    return float((off / np.where(whole > 0.0, whole, 1.0)).max())
-
-
-def resistances(raceway: Raceway, load: Array, width: float, rolling_speed: float) -> Array:
+def resistances(raceway: Raceway, load: Array, widths: Array, rolling_speed: float) -> Array:
     """Rolling resistance [N] of contacts with loads per length [N/m], (m, n), that roll without sliding: (m,)."""
     owner, slice_number = np.nonzero(load > 0.0)
     slices = raceway.evaluate(load[owner, slice_number], rolling_speed, 0.0)
-    return np.asarray(np.bincount(owner, slices.resistance, load.shape[0]) * width, dtype=float)
+    return np.asarray(np.bincount(owner, slices.resistance * widths[slice_number], load.shape[0]), dtype=float)

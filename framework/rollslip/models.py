@@ -266,6 +266,19 @@ class TractionModel(SliceModel):
         """Film parameter from which on no boundary friction takes part; None if the model has none."""
         return None
 
+    @property
+    def full_film(self) -> "TractionModel":
+        """Law of the full film alone; the model itself if it has no boundary friction."""
+        return self
+
+    def with_full_film(self, law: "TractionModel") -> "TractionModel":
+        """Return the model with another law of the full film; that law itself if it has no boundary friction."""
+        return law
+
+    def evaluated_to(self, error: float) -> "TractionModel":
+        """Return the same law, evaluated as cheaply as a relative error allows; itself if there is no cheaper way."""
+        return self
+
 
 class Drag(abc.ABC):
     """What resists the cage or the rollers beside the traction of the raceways: one of the three sorts below."""

@@ -133,7 +133,7 @@ def carried_motion(
     coefficient, transition : float
         Constant friction: mu_0, and the sliding speed V_s [m/s] in mu_0 V/sqrt(V^2 + V_s^2).
     tolerance : float, optional
-        Error of loads and tables, by default accuracy.tolerance.
+        Error of loads and tables, by default that of the resolution.
     critical_slip, film_limit : float
         Cage slip and film parameter that are watched; NaN for none. Only conventional friction knows the film.
     loads : LoadMap, optional
@@ -153,7 +153,7 @@ def carried_motion(
         If the coefficient of constant friction is negative or its sliding speed not positive.
     """
     assembly = assembly.resisting()
-    tolerance = assembly.scene.accuracy.tolerance if tolerance is None else tolerance
+    tolerance = assembly.resolution.table_tolerance if tolerance is None else tolerance
     loads = build_load_map(assembly, tolerance) if loads is None else loads
     k, cage, Z = assembly.kinematics, assembly.cage, assembly.scene.bearing.rollers
     made = named_friction(
@@ -194,7 +194,7 @@ def carried_motion(
     carried = Carried(
         level == "pocket",
         bearing,
-        (loads.centrifugal, loads.table, loads.width),
+        (loads.centrifugal, loads.table, loads.widths),
         *made.capsules,
         cage.drags.capsules() if torques is None else torques,
         pockets,
@@ -220,7 +220,7 @@ def _resistance(assembly: Assembly) -> Any:
     if not assembly.inner.chain.resists:
         return None
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
-    return lambda load, ring: resistances(assembly.raceways[ring], load, assembly.slice_width, rolling)
+    return lambda load, ring: resistances(assembly.raceways[ring], load, assembly.widths, rolling)
 
 
 def _scale(assembly: Assembly, level: str) -> Array:

@@ -77,7 +77,7 @@ def named_friction(
     if friction == "conventional":
         slices = tuple(Slices(rollers * assembly.slices, raceway.conditions) for raceway in assembly.raceways)
         inner, outer = (
-            compiled.conventional(r.chain.kernel, table, rollers, assembly.slice_width, r.chain.resists)
+            compiled.conventional(r.chain.kernel, table, rollers, assembly.widths, r.chain.resists)
             for r, table in zip(assembly.raceways, slices, strict=True)
         )
         return NamedFriction((inner, outer), slices=slices)

@@ -258,7 +258,7 @@ def planar_motion(
     coefficient, transition : float
         Constant friction: mu_0, and the sliding speed V_s [m/s] in mu_0 V/sqrt(V^2 + V_s^2).
     tolerance : float, optional
-        Error of tables, by default accuracy.tolerance.
+        Error of tables, by default that of the resolution.
     critical_slip, film_limit : float
         Cage slip and film parameter that are watched; NaN for none. Only conventional friction knows the film.
 
@@ -289,7 +289,7 @@ def planar_motion(
         effective_over=effective_over,
         coefficient=coefficient,
         transition=transition,
-        tolerance=a.scene.accuracy.tolerance if tolerance is None else tolerance,
+        tolerance=a.resolution.table_tolerance if tolerance is None else tolerance,
     )
     contacts = tuple(Slices(b.rollers * a.slices, raceway.conditions) for raceway in a.raceways)
     direction = k.direction
@@ -305,6 +305,7 @@ def planar_motion(
         [raceway.deflection.kernel for raceway in a.raceways],
         contacts,
         a.drop,
+        a.widths,
         [capsule for model, capsule in torques if not (guidance and _of_land(model))],
         b.rollers,
         guidance,
@@ -319,7 +320,6 @@ def planar_motion(
         roller_radius=k.roller_radius,
         orbit_radius=k.orbit_radius,
         half_clearance=b.radial_clearance / 2,
-        width=a.slice_width,
         inner_speed=direction * k.inner_speed,
         outer_speed=direction * k.outer_speed,
         roller_mass=a.roller_mass,
@@ -387,11 +387,11 @@ def _resistance(a: Assembly, raceway: Raceway) -> tuple[float, Array]:
     most = 10.0 * (a.scene.operation.radial_load / a.scene.bearing.rollers + a.centrifugal_force) + 1.0
     approach = np.geomspace(1e-9, 1e-3, 601)
     load, _ = a.deflect(approach[:, None] - (a.drop - a.drop.min()), raceway.ring)
-    force = load.sum(axis=1) * a.slice_width
+    force = load @ a.widths
     load, force = load[force <= most], force[force <= most]
     rolling = float(a.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     root = np.linspace(0.0, math.sqrt(force[-1]), _CELLS + 1)
-    known = np.concatenate(([0.0], resistances(raceway, load, a.slice_width, rolling)))
+    known = np.concatenate(([0.0], resistances(raceway, load, a.widths, rolling)))
     return float(root[1]), np.interp(root, np.concatenate(([0.0], np.sqrt(force))), known)
 
 

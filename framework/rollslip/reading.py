@@ -194,6 +194,9 @@ def _required(kind: object, attribute: "attrs.Attribute[Any]") -> str:
 
 def _checked(kind: Any, raw: object, attribute: "attrs.Attribute[Any]", where: Where, faults: list[str]) -> object:
     """Convert and validate one field on its own, so that the faults of the other fields are found as well."""
+    words = attribute.metadata.get("words", {})
+    if isinstance(raw, str) and raw in words:
+        return words[raw]
     value = _converted(kind, raw, attribute.metadata.get("unit") or "1", where, faults)
     if value is not _MISSING and attribute.validator is not None:
         try:

@@ -13,7 +13,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, Final
 
 import attrs
 
@@ -237,18 +237,49 @@ class Models:
     traction: ModelChoice = field(default=ModelChoice(name="lambda-blend"), doc="friction of a contact")
 
 
+#: What "exact" stands for: from here on everything is computed at its finest, which leaves errors of about this size.
+EXACT: Final = 1e-6
+
+
+def _tolerance(of: str) -> Any:
+    return field(
+        default=None,
+        unit="1",
+        doc=f"relative error of {of}, by default accuracy.tolerance",
+        validator=attrs.validators.optional(in_range(0, 1, open=True)),
+    )
+
+
 @attrs.frozen(kw_only=True)
 class Accuracy:
-    """How exact the result has to be."""
+    """How exact the result has to be; what a plan chooses slices, instants, tables and steps by."""
 
     tolerance: float = field(
-        default=1e-3, unit="1", doc="relative error that is acceptable", validator=in_range(0, 1, open=True)
+        default=1e-3,
+        unit="1",
+        doc="relative error that is acceptable, or exact for the finest of everything",
+        validator=in_range(0, 1, open=True),
+        words={"exact": EXACT},
     )
-    slices: int = field(
-        default=101,
-        doc="slices along a roller, where a profile or a tilt needs them",
-        validator=attrs.validators.and_(at_least(3), in_range(3, 10_000)),
+    critical_slip: float | None = _tolerance("the critical cage slip")
+    friction: float | None = _tolerance("friction, of its largest value")
+    cage_speed: float | None = _tolerance("the cage speed")
+    slices: int | None = field(
+        default=None,
+        doc="slices along a roller, where a profile or a tilt needs them; auto for as many as the tolerance needs",
+        validator=attrs.validators.optional(attrs.validators.and_(at_least(3), in_range(3, 10_000))),
+        words={"auto": None},
     )
+
+    def of(self, result: str) -> float:
+        """Return the tolerance of a result: critical_slip, friction or cage_speed."""
+        own: float | None = getattr(self, result)
+        return self.tolerance if own is None else own
+
+    @property
+    def exact(self) -> bool:
+        """Whether everything is to be computed at its finest."""
+        return self.tolerance <= EXACT
 
 
 @attrs.frozen(kw_only=True)

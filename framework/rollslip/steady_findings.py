@@ -34,7 +34,8 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         for k in range(dataset.sizes.get("steady", 0))
     ]
     values = {name: float(dataset[name]) for name in numbers}
-    values |= {name: float(dataset.attrs[name]) for name in ("inertia_effect", "instants_error", "slices_error")}
+    known = ("inertia_effect", "instants_error", "slices_error")
+    values |= {name: float(dataset.attrs[name]) for name in known if name in dataset.attrs}
     return (
         {"steady": states}
         | {name: None if math.isnan(value) else value for name, value in values.items()}

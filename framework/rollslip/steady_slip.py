@@ -10,6 +10,7 @@
   meet: the smallest load that still carries the drag.
 """
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import attrs
@@ -92,6 +93,22 @@ class SteadySlip:
         followed = sum(bool(getattr(self, name)) for name in VARIED)
         return int(loaded) * per_orbit * (3 * self.points + 60 + 350 * followed)
 
+    @property
+    def slip_range(self) -> float:
+        """Slip up to which the curves go."""
+        return self.max_cage_slip
+
+    @property
+    def averaged(self) -> bool:
+        """Whether the curves are means over the instants of a pitch."""
+        return True
+
+    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
+        """Return the driving torque, (k, 1, n), each number of instants for itself."""
+        bearing = assembly.resisting()
+        balances = [self._balance(bearing, m) for m in instants]
+        return np.array([[[balance.torque(float(s)) for s in slip]] for balance in balances])
+
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags.
 
@@ -124,9 +141,9 @@ class SteadySlip:
             If rollers find no motion that repeats after an orbit, or doubling the positions does not settle it.
         """
         assembly = _loaded(assembly).resisting()
-        balance, error = self._converged(assembly)
-        instants, tolerance = balance.instants, assembly.scene.accuracy.tolerance
-        curve = torque_curve(balance.torque, self.max_cage_slip, self.points, tolerance)
+        balance, errors = self._converged(assembly)
+        instants = balance.instants
+        curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
         largest = locate(balance.torque, curve.slip, curve.torque, "max_cage_slip")
         slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
         states = [balance.orbit(slip) for slip in slips or [share * self.max_cage_slip for share in _JUDGED]]
@@ -156,10 +173,9 @@ class SteadySlip:
                 "inertia": int(self.inertia),
                 "inertia_effect": self._inertia_effect(balance),
                 "instants": instants,
-                "instants_error": error,
                 "curve_error": curve.error,
                 "slices": assembly.slices,
-                "slices_error": self._slices_error(balance),
+                **errors,
                 **table_records(balance.tables),
             },
         )
@@ -173,8 +189,13 @@ class SteadySlip:
             inertia=self.inertia,
         )
 
-    def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, float]:
-        """Double the instants until the torque moves by less than the tolerance, relative to its largest value."""
+    def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
+        """Balance at the instants of the resolution, or at those that settle it, then with the errors that are left.
+
+        They are doubled until the torque moves by less than the tolerance, relative to its largest value.
+        """
+        if assembly.resolution.instants is not None:
+            return self._balance(assembly, assembly.resolution.instants), {}
         tolerance, before = assembly.scene.accuracy.tolerance, None
         instants, moved = -(-_FIRST_POSITIONS // assembly.scene.bearing.rollers), np.inf
         while instants <= _MOST_INSTANTS:
@@ -183,7 +204,7 @@ class SteadySlip:
             if before is not None:
                 moved = _moved(before, torque)
                 if moved <= tolerance:
-                    return balance, moved
+                    return balance, {"instants_error": moved, "slices_error": self._slices_error(balance)}
             before, instants = torque, 2 * instants
         raise ConvergenceError(
             f"the driving torque still moves by {moved:.1e} (relative) from {instants // 4} to {instants // 2} "
@@ -272,12 +293,13 @@ class SteadySlip:
         def balance(value: float) -> TorqueBalance:
             if value not in last:
                 last.clear()
-                last[value] = self._balance(assemble(evolve(scene, {f"operation.{name}": value})).resisting(), instants)
+                there = assemble(evolve(scene, {f"operation.{name}": value}), assembly.resolution)
+                last[value] = self._balance(there.resisting(), instants)
             return last[value]
 
         def at(value: float) -> list[float]:
             one = balance(value)
-            curve = torque_curve(one.torque, self.max_cage_slip, self.points, scene.accuracy.tolerance)
+            curve = torque_curve(one.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
             return steady_slips(curve, one.torque, one.drag)
 
         here = float(getattr(scene.operation, name))

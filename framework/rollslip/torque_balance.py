@@ -72,8 +72,8 @@ def _film_speed(rolling: Array) -> Array:
 class Conventional:
     """The whole chain of models on every loaded slice."""
 
-    def __init__(self, raceway: Raceway, load: Array, width: float) -> None:
-        self.contacts = LoadedContacts(raceway, load, width, 1.0)
+    def __init__(self, raceway: Raceway, load: Array, widths: Array) -> None:
+        self.contacts = LoadedContacts(raceway, load, widths, 1.0)
         self.resists = raceway.chain.resists
 
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
@@ -229,7 +229,7 @@ class TorqueBalance:
         order = np.argsort(loads.psi.ravel())[(int(self._sense) * np.arange(positions)) % positions]
 
         def of(raceway: Raceway, load: Array) -> Conventional:
-            return Conventional(raceway, load.reshape(positions, -1)[order], self.assembly.slice_width)
+            return Conventional(raceway, load.reshape(positions, -1)[order], self.assembly.widths)
 
         return of(self.assembly.inner, loads.inner_load), of(self.assembly.outer, loads.outer_load)
 
@@ -450,7 +450,7 @@ class _Spin:
 
 def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve, EffectiveCurve]:
     """Return the effective friction curves of both raceways, with the loads at epicyclic speed."""
-    loads, tolerance = assembly.load_distribution(instants), assembly.scene.accuracy.tolerance
+    loads, tolerance = assembly.load_distribution(instants), assembly.resolution.table_tolerance
 
     def of(raceway: Raceway, load: Array) -> EffectiveCurve:
         return EffectiveCurve(

@@ -11,7 +11,7 @@ class Carried:
         self,
         pocket: bool,
         bearing: Mapping[str, float],
-        loads: tuple[ArrayLike, ArrayLike, float],
+        loads: tuple[ArrayLike, ArrayLike, ArrayLike],
         inner: object,
         outer: object,
         drags: Sequence[object],

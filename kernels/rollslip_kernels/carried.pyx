@@ -87,7 +87,7 @@ cdef struct carried_t:
     const double *table
     const double *centrifugal
     size_t nodes, positions, channels, slices
-    double width
+    const double *widths
     rs_raceway raceway[RINGS]
     rs_drag drags[MAX_DRAGS]
     size_t n_drags
@@ -157,8 +157,8 @@ cdef inline int _loads(carried_t *c, size_t j, double psi, double speed) noexcep
             value = ((1.0 - f) * (y0 * a[i] + d0 * a[row + i] + y1 * b[i] + d1 * b[row + i])
                      + f * (y0 * e[i] + d0 * e[row + i] + y1 * g[i] + d1 * g[row + i]))
             out[i] = value if value > 0.0 else 0.0
-            total += out[i]
-        c.force[channel * c.rollers + j] = total * c.width
+            total += out[i] * c.widths[i]
+        c.force[channel * c.rollers + j] = total
         a += c.slices
         b += c.slices
         e += c.slices
@@ -310,7 +310,7 @@ cdef class Carried:
         rollers, direction, inner_radius, outer_radius, radius, orbit, inner_speed, outer_speed, mass, spin_inertia,
         cage_inertia, epicyclic_speed.
     loads : tuple
-        Nodes of centrifugal force (C,), table of loads and slopes (C, K + 1, 2, channels, n) and width of a slice.
+        Nodes of centrifugal force (C,), table of loads and slopes (C, K + 1, 2, channels, n) and widths of slices (n,).
         Channels are the loads of inner and outer ring and, unless friction is conventional, also their rolling
         resistances where there are any.
     inner, outer : capsules
@@ -344,7 +344,7 @@ cdef class Carried:
         c.cage.film, c.cage.roughness = cage["film"], cage["roughness"]
         c.critical_slip, c.film_limit = critical_slip, film_limit
 
-        forces, table, c.width = loads
+        forces, table, wide = loads
         cdef double[::1] nodes = np.array(forces, dtype=float)
         cdef double[:, :, :, :, ::1] values = np.array(table, dtype=float, order="C")
         if values.shape[0] != nodes.shape[0] or nodes.shape[0] < 2 or values.shape[1] < 2 or values.shape[2] != 2 \
@@ -352,6 +352,10 @@ cdef class Carried:
             raise ValueError(f"a table of loads is of shape (C, K + 1, 2, 2 or 4, n), got {np.shape(table)}")
         c.centrifugal, c.table, c.nodes = &nodes[0], &values[0, 0, 0, 0, 0], nodes.shape[0]
         c.positions, c.channels, c.slices = values.shape[1] - 1, values.shape[3], values.shape[4]
+        cdef double[::1] widths = np.array(wide, dtype=float)
+        if <size_t>widths.shape[0] != c.slices:
+            raise ValueError(f"{widths.shape[0]} widths for {c.slices} slices of a roller")
+        c.widths = &widths[0]
 
         for ring, capsule in enumerate((inner, outer)):
             c.raceway[ring] = (<rs_raceway *>PyCapsule_GetPointer(capsule, RS_RACEWAY))[0]
@@ -371,7 +375,7 @@ cdef class Carried:
         cdef double[::1] speeds = np.zeros(3 * RINGS * Z)
         c.load, c.force = &load[0], &force[0]
         c.sliding, c.rolling, c.traction = &speeds[0], &speeds[RINGS * Z], &speeds[2 * RINGS * Z]
-        self.kept = (nodes, values, inner, outer, tuple(drags), load, force, speeds)
+        self.kept = (nodes, values, inner, outer, tuple(drags), load, force, speeds, widths)
 
     def system(self):
         """Return the capsule "rollslip.system.v1"."""

@@ -17,6 +17,7 @@ class Planar:
         deflections: Sequence[Chain],
         contacts: Sequence[Slices],
         drop: ArrayLike,
+        widths: ArrayLike,
         drags: Sequence[object],
         rollers: int,
         guidance: int,

@@ -122,7 +122,7 @@ LEDGER_UNITS = {
 #: What `Planar` takes as plain numbers: lengths [m], speeds [rad/s], masses [kg], inertias [kg m2], unbalance [kg m],
 #: damping [s/m], load [N], stiffnesses [N/m]; films as they are used, see `planar_t`.
 NUMBERS = (
-    "inner_radius", "outer_radius", "roller_radius", "orbit_radius", "half_clearance", "width", "inner_speed",
+    "inner_radius", "outer_radius", "roller_radius", "orbit_radius", "half_clearance", "inner_speed",
     "outer_speed", "roller_mass", "roller_inertia", "ring_mass", "cage_mass", "cage_inertia", "unbalance", "gravity_x",
     "gravity_y", "damping", "load", "direction", "epicyclic_speed", "pocket_half_clearance",
     "pocket_radial_half_clearance", "pocket_stiffness", "pocket_damping", "pocket_friction", "pocket_film",
@@ -141,7 +141,7 @@ ctypedef struct land_t:
 
 ctypedef struct planar_t:
     size_t rollers, slices
-    double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance, width
+    double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance
     double inner_speed, outer_speed
     double roller_mass, roller_inertia, ring_mass, cage_mass, cage_inertia, unbalance
     double gravity_x, gravity_y
@@ -155,6 +155,7 @@ ctypedef struct planar_t:
     rs_pocket guide        # along the radius; its play is infinite where a land holds the cage
     land_t land
     const double *drop
+    const double *widths
     double lowest_drop
     rs_model deflection[2]
     rs_slices contact[2]   # room for Z n slices each
@@ -292,13 +293,13 @@ cdef int contacts(const double *head, const double *rollers, planar_t *p) noexce
             n = p.first[ring][j]
             for k in range(p.slices):
                 if n < p.first[ring][j + 1] and p.gap[ring][j] - p.drop[k] > 0.0:
-                    total += slices.load[n]
+                    total += slices.load[n] * p.widths[k]
                     p.load_of[ring][j * p.slices + k] = slices.load[n] * factor
                     n += 1
                 else:
                     p.load_of[ring][j * p.slices + k] = 0.0
-            p.elastic[ring][j] = total * p.width
-            p.force[ring][j] = total * p.width * factor
+            p.elastic[ring][j] = total
+            p.force[ring][j] = total * factor
             p.resistance[ring][j] = (
                 tabulated_resistance(p, ring, p.force[ring][j]) if p.resistance_cells[ring] else 0.0)
         status = rs_raceway_friction(
@@ -593,7 +594,7 @@ cdef class Planar:
         Contact law of each raceway, approach -> load per length.
     contacts : sequence of two Slices
         Tables to work in, with room for the slices of all rollers.
-    drop : array_like
+    drop, widths : array_like
         Profile at the slices [m].
     drags : sequence of capsules
         Torques on the cage, "rollslip.drag.v1".
@@ -611,12 +612,12 @@ cdef class Planar:
 
     cdef planar_t p
     cdef readonly size_t n
-    cdef double[::1] scale, drop, times, factors, memory
+    cdef double[::1] scale, drop, widths, times, factors, memory
     cdef size_t[::1] begins
     cdef tuple kept, deflections, resistances
 
     def __init__(
-        self, raceways, deflections, contacts, drop, drags, Py_ssize_t rollers, int guidance, scale,
+        self, raceways, deflections, contacts, drop, widths, drags, Py_ssize_t rollers, int guidance, scale,
         times=(), factors=(), resistances=None, double critical_slip=NAN, double film_limit=NAN, **numbers,
     ):
         cdef planar_t *p = &self.p
@@ -631,7 +632,7 @@ cdef class Planar:
             raise ValueError(f"{len(times)} times and {len(factors)} factors of the load")
         p.rollers, p.slices, p.land.guidance = Z, n, guidance
         p.critical_slip, p.film_limit = critical_slip, film_limit
-        (p.inner_radius, p.outer_radius, p.roller_radius, p.orbit_radius, p.half_clearance, p.width,
+        (p.inner_radius, p.outer_radius, p.roller_radius, p.orbit_radius, p.half_clearance,
          p.inner_speed, p.outer_speed, p.roller_mass, p.roller_inertia, p.ring_mass, p.cage_mass, p.cage_inertia,
          p.unbalance, p.gravity_x, p.gravity_y, p.damping, p.load, p.direction, p.epicyclic_speed,
          p.pocket.half_clearance, p.guide.half_clearance, p.pocket.stiffness, p.pocket.damping, p.pocket.friction,
@@ -640,7 +641,10 @@ cdef class Planar:
             float(numbers[name]) for name in NUMBERS)
         p.guide.stiffness, p.guide.damping = p.pocket.stiffness, p.pocket.damping
         self.drop = np.array(drop, dtype=float)
-        p.drop, p.lowest_drop = &self.drop[0], np.min(drop)
+        self.widths = np.array(widths, dtype=float)
+        if <size_t>self.widths.shape[0] != n:
+            raise ValueError(f"{self.widths.shape[0]} widths for {n} slices of a roller")
+        p.drop, p.widths, p.lowest_drop = &self.drop[0], &self.widths[0], np.min(drop)
         self.times, self.factors = np.array(times, dtype=float), np.array(factors, dtype=float)
         p.points = len(times)
         if p.points:

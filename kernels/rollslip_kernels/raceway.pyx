@@ -61,20 +61,23 @@ def _coefficients(nodes):
     return np.stack((value, slope, 3.0 * rise - 2.0 * slope - after, slope + after - 2.0 * rise), axis=1)
 
 
-def conventional(chain, slices, Py_ssize_t rollers, double width, bint resists):
+def conventional(chain, slices, Py_ssize_t rollers, widths, bint resists):
     """Return a raceway that runs a compiled chain on every loaded slice; ``resists`` if it fills the resistance.
 
-    ``slices`` is the table to work in, with room for those of all rollers.
+    ``slices`` is the table to work in, with room for those of all rollers; ``widths`` are those of a roller's [m].
     """
     if rollers < 1 or len(slices) % rollers:
         raise ValueError(f"a table of {len(slices)} slices is not one of {rollers} rollers")
     cdef rs_raceway w = _raceway(RS_CONVENTIONAL, rollers, len(slices) // rollers)
     stage, gathered = chain.as_stage(), bound(slices)
     cdef size_t[::1] begins = np.zeros(rollers + 1, dtype=np.uintp)
-    w.width, w.resists, w.first = width, resists, &begins[0]
+    cdef double[::1] wide = np.array(widths, dtype=float)
+    if <size_t>wide.shape[0] != w.slices:
+        raise ValueError(f"{wide.shape[0]} widths for {w.slices} slices of a roller")
+    w.widths, w.resists, w.first = &wide[0], resists, &begins[0]
     w.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
     w.gathered = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
-    return _new(&w, (chain, stage, gathered, begins))
+    return _new(&w, (chain, stage, gathered, begins, wide))
 
 
 def refusal(raceway):

@@ -58,6 +58,20 @@ class _Blend(TractionModel, abc.ABC):
         """Relative difference that the children allow between their compiled and NumPy forms."""
         return max(self.boundary.tolerance, self.hydrodynamic.tolerance)
 
+    @property
+    def full_film(self) -> TractionModel:
+        """Law of the full film alone."""
+        return self.hydrodynamic
+
+    def with_full_film(self, law: TractionModel) -> TractionModel:
+        """Return the same blend with another law of the full film."""
+        return attrs.evolve(self, hydrodynamic=law)
+
+    def evaluated_to(self, error: float) -> TractionModel:
+        """Return the same blend of laws evaluated as cheaply as a relative error allows."""
+        both = self.boundary.evaluated_to(error), self.hydrodynamic.evaluated_to(error)
+        return attrs.evolve(self, boundary=both[0], hydrodynamic=both[1])
+
     @abc.abstractmethod
     def share(self, slices: Slices) -> Array:
         """Return the share of boundary friction in each slice, from 0 to 1."""

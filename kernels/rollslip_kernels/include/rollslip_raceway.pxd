@@ -45,7 +45,7 @@ ctypedef struct rs_friction_table:
 ctypedef struct rs_raceway:
     int friction
     size_t rollers, slices         # Z; n, 1 unless friction is conventional
-    double width                     # of a slice [m]
+    const double *widths             # [n] of the slices [m]; only where friction is conventional
     double coefficient, transition   # constant: mu_0; V_s [m/s]
     rs_friction_table table          # effective
     rs_slices gathered               # conventional: room for Z n slices
@@ -134,13 +134,15 @@ cdef inline int rs_chain_friction(
         return status
     for j in range(w.rollers):
         sum_of_traction = sum_of_resistance = 0.0
-        for i in range(w.first[j], w.first[j + 1]):
-            sum_of_traction += s.friction[i] * s.load[i]
-        if w.resists:
-            for i in range(w.first[j], w.first[j + 1]):
-                sum_of_resistance += s.resistance[i]
-        traction[j] = sum_of_traction * w.width
-        resistance[j] = sum_of_resistance * w.width
+        n = w.first[j]
+        for i in range(w.slices):
+            if load[j * w.slices + i] > 0.0:
+                sum_of_traction += s.friction[n] * s.load[n] * w.widths[i]
+                if w.resists:
+                    sum_of_resistance += s.resistance[n] * w.widths[i]
+                n += 1
+        traction[j] = sum_of_traction
+        resistance[j] = sum_of_resistance
     return 0
 
 
