@@ -1,6 +1,7 @@
 """The bearing of a scene put together: models by name, oil at temperature, one bound chain for each raceway."""
 
 import math
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, Literal
 
@@ -125,7 +126,14 @@ class Assembly:
         resistance = self.cage.drags.resistance
         if resistance is None:
             return self
-        chain = Chain(*self.inner.chain.models, resistance, compiled=self.resolution.compiled)
+        return self._with_chain(*self.inner.chain.models, resistance, bounds=self.inner.chain.bounds)
+
+    def watched(self, *bounds: Callable[[Slices], None]) -> "Assembly":
+        """Return the same bearing with bounds that are checked at every evaluation of its contacts."""
+        return self._with_chain(*self.inner.chain.models, bounds=bounds) if bounds else self
+
+    def _with_chain(self, *models: SliceModel, bounds: Sequence[Callable[[Slices], None]]) -> "Assembly":
+        chain = Chain(*models, compiled=self.resolution.compiled, bounds=bounds)
         return attrs.evolve(
             self, inner=attrs.evolve(self.inner, chain=chain), outer=attrs.evolve(self.outer, chain=chain)
         )
@@ -282,7 +290,9 @@ def simplified(traction: TractionModel, resolution: Resolution) -> TractionModel
     if not resolution.boundary:
         traction = traction.full_film
     if resolution.traction != "named":
-        traction = traction.with_full_film(get_class("traction", resolution.traction)())
+        cls, named = get_class("traction", resolution.traction), traction.full_film
+        shared = {a.name for a in attrs.fields(cls)} & {a.name for a in getattr(named, "__attrs_attrs__", ())}
+        traction = traction.with_full_film(cls(**{name: getattr(named, name) for name in shared}))
     return traction.evaluated_to(resolution.traction_error) if resolution.traction_error > 0.0 else traction
 
 

@@ -63,7 +63,7 @@ class Work:
     @classmethod
     def of(cls, made: Plan, study: str, result: "xr.Dataset") -> "Work":
         """Return the slices of a plan's study, with its result."""
-        assembly, own = made.assembly, made.studies[study]
+        assembly, own = made.assemblies[study], made.studies[study]
         if isinstance(own, FrictionCurve):
             ring: Ring = "inner" if own.ring == "inner" else "outer"
             raceway, u, slip = getattr(assembly, ring), result.attrs["rolling_speed"], result["slip"].to_numpy()

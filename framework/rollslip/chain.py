@@ -10,7 +10,7 @@
 
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any, Final
@@ -134,6 +134,8 @@ class Chain:
         processors, and 1 where a model runs in Python. The results are the same to the last bit.
     compiled : bool
         Whether stages run compiled where they can, else all in NumPy.
+    bounds : sequence of callables
+        Called with the slices after each evaluation; they raise where what the plan left out is needed.
 
     Raises
     ------
@@ -154,9 +156,14 @@ class Chain:
     """
 
     def __init__(
-        self, *models: SliceModel, block: int | None = None, threads: int | None = None, compiled: bool = True
+        self,
+        *models: SliceModel,
+        block: int | None = None,
+        threads: int | None = None,
+        compiled: bool = True,
+        bounds: Sequence[Callable[[Slices], None]] = (),
     ) -> None:
-        self.models = models
+        self.models, self.bounds = models, tuple(bounds)
         capsules = [_kernel(model) if compiled else None for model in models]
         if block is None and None in capsules:
             block = 0
@@ -187,6 +194,8 @@ class Chain:
         refusal = self._chain.run(slices) if len(slices) < _LARGE else self._run_large(slices)
         if refusal is not None:
             raise self.error(refusal, slices)
+        for bound in self.bounds:
+            bound(slices)
 
     def bind(self, slices: Slices) -> Callable[[], None]:
         """Return a call that evaluates ``slices`` again, as they are then, with less to do for a small table.
@@ -205,7 +214,7 @@ class Chain:
         [27.68]
         [55.35]
         """
-        if len(slices) < _LARGE:
+        if len(slices) < _LARGE and not self.bounds:
             return self._chain.bind(slices, self.error)
         return partial(self, slices)
 

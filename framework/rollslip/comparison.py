@@ -23,7 +23,6 @@ from rollslip.assembly import RINGS
 from rollslip.attribution import Bins, Work, attribute_differences, keep_criteria, keep_friction, seconds_per_slice
 from rollslip.comparison_findings import CURVES
 from rollslip.discovery import available, get_class, in_words
-from rollslip.effective_friction import EffectiveFriction
 from rollslip.errors import PluginError, RollslipError, SceneError
 from rollslip.execution import execute
 from rollslip.friction_curve import about
@@ -184,13 +183,14 @@ def plan_comparison(
     if not shown:
         raise SceneError(["there is nothing to compare: name two models of a kind, or one and another --reference"])
     labels = [" + ".join(product[kind].label for kind in shown) for product in products]
+    combinations = {
+        label: _combination(scene, study, product)
+        for label, product in dict(zip(labels, products, strict=True)).items()
+    }
     return Comparison(
         scene=scene,
         study=study,
-        combinations={
-            label: _combination(scene, study, product)
-            for label, product in dict(zip(labels, products, strict=True)).items()
-        },
+        combinations=_at_one_resolution(study, combinations),
         reference=labels[-1],
         named=reference is not None,
     )
@@ -294,6 +294,26 @@ def _combination(scene: Scene, study: str, choices: Mapping[str, Choice]) -> Com
         return Combination(choices, None, error)
 
 
+def _at_one_resolution(study: str, combinations: Mapping[str, Combination]) -> dict[str, Combination]:
+    """Return the combinations with the slices and instants of the one that needs most, so that all have the same."""
+    chosen = [one.plan.chosen[study].resolution for one in combinations.values() if one.plan is not None]
+    planned = [one for one in chosen if one.instants is not None]
+    if not planned:
+        return dict(combinations)
+    most = max(planned, key=lambda one: one.slices)
+    instants = max(one.instants or 1 for one in planned)
+
+    def alike(plan: Plan) -> Plan:
+        own = plan.chosen[study].resolution
+        same = attrs.evolve(own, slices=most.slices, quadrature=most.quadrature, instants=instants)
+        return plan.at(study, same)
+
+    return {
+        label: one if one.plan is None else attrs.evolve(one, plan=alike(one.plan))
+        for label, one in combinations.items()
+    }
+
+
 # Running ------------------------------------------------------------------------------------------------------------
 
 
@@ -311,10 +331,6 @@ def run_comparison(comparison: Comparison) -> "xr.Dataset":
     for label, made in plans.items():
         with _noted(errors, label):
             done[label] = execute(made, comparison.study)
-    instants = max((result.attrs.get("instants", 1) for result in done.values()), default=1)
-    for label, result in done.items():
-        with _noted(errors, label):
-            done[label] = _at_instants(plans[label], comparison.study, result, instants)
     _drop_failed(done, errors)
     # without the reference the slices of another serve to measure the cost
     standard = comparison.reference if comparison.reference in done else next(iter(done))
@@ -363,15 +379,6 @@ def _text(error: Exception) -> str:
     return str(error) if isinstance(error, RollslipError) else in_words(error)
 
 
-def _at_instants(made: Plan, study: str, result: "xr.Dataset", instants: int) -> "xr.Dataset":
-    """Return a result on as many instants as the others settled at, so that all have the same slices."""
-    own = made.studies[study]
-    if not isinstance(own, EffectiveFriction) or result.attrs["instants"] == instants:
-        return result
-    again = own.at_instants(made.assembly, instants)
-    return again.assign_attrs(result.attrs | again.attrs)
-
-
 # The dataset --------------------------------------------------------------------------------------------------------
 
 
@@ -411,7 +418,9 @@ def _costs(comparison: Comparison, done: "Mapping[str, xr.Dataset]", cost: Mappi
     films, parameters = np.full((2, len(labels), next(iter(done.values())).sizes[curve]), np.nan)
     for label, result in done.items():
         rings = [result.attrs["ring"]] if "ring" in result.attrs else RINGS
-        roughness = [getattr(comparison.plans[label].assembly, ring).conditions.roughness for ring in rings]
+        roughness = [
+            getattr(comparison.plans[label].assemblies[comparison.study], ring).conditions.roughness for ring in rings
+        ]
         parameters[labels.index(label)] = result["film_parameter"].isel({slip: 0})
         films[labels.index(label)] = parameters[labels.index(label)] * np.array(roughness)
     seconds = np.array([cost.get(label, np.nan) for label in labels])

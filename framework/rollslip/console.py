@@ -138,13 +138,29 @@ def _or_none(value: Any) -> float | None:
 def print_plan(plan: "Plan") -> None:
     """Print the plan as a table, with its size and cost."""
     print_table(
-        ("part", "", "choice", "resolution", "reason"),
-        [(p.part, "in" if p.included else "out", p.choice, p.resolution, p.reason) for p in plan.parts],
+        ("part", "", "choice", "resolution", "error", "cost", "reason"),
+        [
+            (
+                p.part + (f" of {p.study}" if p.study and len(plan.studies) > 1 else ""),
+                "in" if p.included else "out",
+                p.choice,
+                p.resolution,
+                error_text(p.errors),
+                "" if p.seconds is None else format_quantity(p.seconds, "s", 2),
+                p.reason,
+            )
+            for p in plan.parts
+        ],
     )
     click.echo(
         f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; "
-        f"about {plan.evaluations} slices to evaluate, {plan.seconds:.2g} s in the kernels"
+        f"about {plan.evaluations} slices to evaluate in {plan.seconds:.2g} s; planned in {plan.planning:.2g} s"
     )
+
+
+def error_text(errors: "Mapping[str, float | None]") -> str:
+    """Return estimated errors as text: "friction 3e-04, critical slip 8e-05"."""
+    return ", ".join(f"{name.replace('_', ' ')} {error:.0e}" for name, error in errors.items() if error is not None)
 
 
 def comparison_headline(comparison: "Comparison") -> str:
@@ -163,7 +179,7 @@ def print_comparison_plan(comparison: "Comparison") -> None:
     if comparison.exchanged:
         click.echo(comparison.exchanged)
     slices, seconds = sum(plan.evaluations for plan in plans), sum(plan.seconds for plan in plans)
-    click.echo(f"about {slices} slices to evaluate, {seconds:.2g} s in the kernels")
+    click.echo(f"about {slices} slices to evaluate, {seconds:.2g} s")
 
 
 def print_comparison(dataset: "xr.Dataset") -> None:

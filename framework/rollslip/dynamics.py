@@ -35,7 +35,7 @@ from rollslip.regimes import NAMES
 from rollslip.registry import structure_model
 from rollslip.resolution import Resolution
 from rollslip.run_store import RunStore
-from rollslip.scene import resolved
+from rollslip.scene import Scene, resolved
 from rollslip.time_integration import InitialValueProblem, Trajectory, integrate
 
 if TYPE_CHECKING:
@@ -191,7 +191,8 @@ class Dynamics:
                     )
                 ]
             )
-        settings, raceways = _averaged(assembly)
+        settings = averaging(assembly.scene)
+        raceways = settings.loaded(assembly, assembly.resolution.instants or _INSTANTS)
         critical = _critical(settings, raceways)
         moving = self._motion(assembly, critical.slip)
         system = moving.system
@@ -232,6 +233,24 @@ class Dynamics:
         slip = 1.0 - moving.split(found.y)["cage_speed"][[0, -1]] / assembly.kinematics.epicyclic_cage_speed
         regimes, found = _regimes(raceways, np.clip(slip, 0.0, settings.max_cage_slip), found)
         return self._dataset(assembly, moving, found, outputs, critical, integrator).assign(regimes)
+
+    def beginning(self, assembly: Assembly) -> Callable[[float, float], tuple[float, Trajectory]]:
+        """Return how the motion begins: of a time [s] and a relative tolerance, the cage speed then and all of it."""
+        moving, integrator = self._motion(assembly, math.nan), self.method(assembly)
+
+        def motion(span: float, tolerance: float) -> tuple[float, Trajectory]:
+            problem = InitialValueProblem(
+                rates=moving.system,
+                y=moving.initial(self.cage_slip, self.roller_slip),
+                t=0.0,
+                atol=tolerance * moving.system.scale,
+                jacobian=moving.system.jacobian,
+                breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
+            )
+            found = integrate(problem, integrator, np.array([0.0, span]), rtol=tolerance)
+            return float(moving.split(found.y)["cage_speed"][-1]), found
+
+        return motion
 
     def _motion(self, assembly: Assembly, critical_slip: float) -> MovingBearing:
         options: dict[str, Any] = {
@@ -464,14 +483,20 @@ def _outputs(moving: MovingBearing, found: Trajectory) -> tuple[dict[str, Array]
     return outputs, found
 
 
-def _averaged(assembly: Assembly) -> tuple[EffectiveFriction, LoadedRaceways]:
-    """The raceways' contacts as study effective-friction sees them, by the scene's own settings of that study."""
-    scene, problems = assembly.scene, list[str]()
+def averaging(scene: Scene) -> EffectiveFriction:
+    """Return how the raceways' contacts are averaged: the scene's own settings of study effective-friction.
+
+    Raises
+    ------
+    SceneError
+        If they are wrong.
+    """
+    problems = list[str]()
     where = Where(scene.origins, ("study", "effective-friction"))
     study = structure(EffectiveFriction, scene.study.get("effective-friction", {}), where, problems)
     if study is None:
         raise SceneError(problems)
-    return study, study.loaded(assembly, assembly.resolution.instants or _INSTANTS)
+    return study
 
 
 def _critical(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:

@@ -18,8 +18,13 @@ from typing import TYPE_CHECKING, Final, Protocol
 import attrs
 import numpy as np
 
-from rollslip.friction_curve import slip_grid
+from rollslip.dynamics import Dynamics, averaging
+from rollslip.effective_friction import EffectiveFriction
+from rollslip.errors import RollslipError
+from rollslip.friction_curve import FrictionCurve, slip_grid
+from rollslip.leaving_out import BoundaryFriction, ExactLaw, Extremes, LeftOut
 from rollslip.resolution import Resolution, finest
+from rollslip.steady_slip import SteadySlip
 
 if TYPE_CHECKING:
     from rollslip.assembly import Array, Assembly
@@ -33,10 +38,17 @@ _FINE: Final = 96
 _SOME: Final = 2
 #: Instants of the ladder, each a part of the last, which they are held against; few slices tell of them.
 _INSTANTS: Final = (1, 2, 3, 4, 6, 12)
+#: Likewise, where each number is computed for itself.
+_SINGLY: Final = (1, 2, 3, 6)
 _FEW: Final = 12
 _QUADRATURES: Final = ("equal", "gauss")
 #: Slips by which maxima are looked for, over the range and then around the best.
 _GRID, _AROUND = 13, 7
+
+#: How far beyond what was met groups of the rheology may go before a closed form gives way.
+_MARGIN: Final = 1.2
+#: A usual tolerance of a step; that of tables for a short motion, and its time [s].
+_STEP, _ROUGH, _SHORT = 1e-5, 1e-2, 5e-3
 
 #: Result -> relative error.
 Errors = Mapping[str, float]
@@ -66,7 +78,7 @@ class Probe:
     def __init__(self, study: Curved, assembly: "Assembly") -> None:
         self.study = study
         grid = slip_grid(study.slip_range, _GRID)
-        slips, self._peaks = [*grid[2::3]], list[tuple[int, int, float]]()
+        slips, self._peaks = [*grid[3::3]], list[tuple[int, int, float]]()
         for k, curve in enumerate(self._curves(assembly, grid)):
             best = int(np.argmax(curve))
             near = np.linspace(grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)], _AROUND + 2)[1:]
@@ -129,35 +141,81 @@ class Bound:
 
 
 @attrs.frozen(kw_only=True)
-class Choice:
-    """A resolution and the errors that its parts are estimated to leave, result by result."""
+class Chosen:
+    """A resolution for a study: what its parts are estimated to leave, and what is left out under a bound.
+
+    Attributes
+    ----------
+    resolution : Resolution
+        The resolution.
+    errors : mapping
+        Part -> result -> estimated relative error.
+    left_out : tuple of LeftOut
+        What is left out under a bound.
+    failed : str
+        Why there are no estimates; empty if there are.
+    """
 
     resolution: Resolution
-    errors: Mapping[str, Errors]
+    errors: Mapping[str, Errors] = attrs.field(factory=dict)
+    left_out: tuple[LeftOut, ...] = ()
+    failed: str = ""
 
+    @property
     def total(self) -> Errors:
-        """Return the sum of the errors of all parts, result by result."""
-        names = dict.fromkeys(name for part in self.errors.values() for name in part)
-        return {name: sum(part.get(name, 0.0) for part in self.errors.values()) for name in names}
+        """Sum of the errors of all parts, result by result."""
+        return total(self.errors)
 
 
-def choose(study: Curved, assembly: "Assembly", share: float = 1.0) -> Choice:
-    """Choose slices and instants for the curves of a study.
+def total(errors: Mapping[str, Errors]) -> Errors:
+    """Return the sum of the errors of all parts, result by result."""
+    names = dict.fromkeys(name for part in errors.values() for name in part)
+    return {name: sum(part.get(name, 0.0) for part in errors.values()) for name in names}
+
+
+def choose(study: object, assembly: "Assembly") -> Chosen:
+    """Choose the resolution of a study by what a scene asks for.
 
     Parameters
     ----------
-    study : Curved
+    study : Study
         The study.
     assembly : Assembly
-        Its bearing, at any resolution.
-    share : float
-        Share of the scene's tolerance that is theirs.
+        Its bearing, as the scene states it.
 
-    Raises
-    ------
-    RollslipError
-        If the curves cannot be computed.
+    Returns
+    -------
+    Chosen
+        If the curves cannot be computed, as the scene states, with the reason: the run will say the same.
     """
+    scene = assembly.scene
+    accuracy, best = scene.accuracy, finest(scene)
+    try:
+        curved, share = (averaging(scene), 0.5) if isinstance(study, Dynamics) else (study, 1.0)
+        if isinstance(study, SteadySlip):
+            share = 0.5
+        assert isinstance(curved, EffectiveFriction | FrictionCurve | SteadySlip)
+        if accuracy.exact:
+            best = attrs.evolve(best, instants=best.instants if curved.averaged else 1)
+            return Chosen(resolution=best)
+        chosen, probe, few = _curves(curved, assembly, share)
+        if not isinstance(study, Dynamics):
+            chosen = _laws(chosen, probe, few)
+        if share < 1.0:
+            table = 0.2 * min(accuracy.of("friction"), accuracy.of("cage_speed"))
+            resolution = attrs.evolve(chosen.resolution, table_tolerance=table)
+            chosen = attrs.evolve(
+                chosen, resolution=resolution, errors={**chosen.errors, "tables": {"friction": table}}
+            )
+        if isinstance(study, Dynamics) and "relative_tolerance" not in scene.study.get("dynamics", {}):
+            chosen = _steps(chosen, study, few)
+        return chosen
+    except RollslipError as error:
+        return Chosen(resolution=assembly.resolution, failed=str(error))
+
+
+def _curves(study: Curved, assembly: "Assembly", share: float) -> "tuple[Chosen, Probe, Assembly]":
+    """Slices and instants; also the probe, and the bearing with few slices that it was made for."""
     accuracy, best = assembly.scene.accuracy, finest(assembly.scene)
     allowed = {name: _AIM * share * accuracy.of(name) for name in ("friction", "critical_slip")}
     even, fixed = assembly.slices == 1, accuracy.slices is not None
@@ -165,8 +223,10 @@ def choose(study: Curved, assembly: "Assembly", share: float = 1.0) -> Choice:
     probe = Probe(study, few)
     instants, over_instants = 1, Bound(constants={})
     if study.averaged:
-        *ladder, fine = probe.measure(few, _INSTANTS)
-        over_instants = Bound.over(_INSTANTS[:-1], [difference(one, fine) for one in ladder], _INSTANTS[-1])
+        numbers = _SINGLY if isinstance(study, SteadySlip) else _INSTANTS
+        *ladder, fine = probe.measure(few, numbers)
+        errors = [difference(one, fine) for one in ladder]
+        over_instants = Bound.over(numbers[:-1], errors, numbers[-1])
         half = {name: 0.5 * error for name, error in allowed.items()}
         instants = _whole(over_instants.needed(half if not even else allowed), 1, best.instants)
     left = over_instants.at(instants)
@@ -177,23 +237,90 @@ def choose(study: Curved, assembly: "Assembly", share: float = 1.0) -> Choice:
         bounds = {}
         for rule in _QUADRATURES[: 1 if fixed else None]:
             each = [few.at(attrs.evolve(few.resolution, slices=n, quadrature=rule)) for n in _SLICES]
-            bounds[rule] = Bound.over(
-                _SLICES, [difference(probe.measure(one, (_SOME,))[0], fine) for one in each], _FINE
-            )
+            errors = [difference(probe.measure(one, (_SOME,))[0], fine) for one in each]
+            bounds[rule] = Bound.over(_SLICES, errors, _FINE)
         quadrature = min(bounds, key=lambda rule: bounds[rule].needed(rest))
         over_slices = bounds[quadrature]
         slices = accuracy.slices or _whole(over_slices.needed(rest), _SLICES[0], best.slices)
-    resolution = attrs.evolve(
-        best if accuracy.exact else assembly.resolution, slices=slices, quadrature=quadrature, instants=instants
+    found = {"slices": over_slices.at(slices), "instants": over_instants.at(instants)}
+    return (
+        Chosen(
+            resolution=attrs.evolve(assembly.resolution, slices=slices, quadrature=quadrature, instants=instants),
+            errors={part: error for part, error in found.items() if error},
+        ),
+        probe,
+        few,
     )
-    if accuracy.exact:
-        resolution = best
-    errors = {
-        "slices": over_slices.at(resolution.slices),
-        "instants": over_instants.at(resolution.instants or 1),
-    }
-    return Choice(resolution=resolution, errors={part: error for part, error in errors.items() if error})
 
 
 def _whole(number: float, least: int, most: int | None) -> int:
     return int(min(max(math.ceil(min(number, 1e9)), least), most or least))
+
+
+def _laws(chosen: Chosen, probe: Probe, few: "Assembly") -> Chosen:
+    """Leave boundary friction out where films are full, and evaluate laws as cheaply as their share allows."""
+    accuracy, law, left_out = few.scene.accuracy, few.traction.full_film, list[LeftOut]()
+    resolution, errors = chosen.resolution, dict(chosen.errors)
+    extremes, limit = Extremes(rheology=law.closed_form is not None), few.traction.full_film_from
+    probe.measure(few.watched(extremes), (1,))
+    if isinstance(probe.study, EffectiveFriction) and probe.study.map_points:
+        probe.study.loaded(few.watched(extremes), 1).map(probe.study.max_cage_slip, 2)
+    if limit is not None and extremes.thinnest >= limit:
+        resolution = attrs.evolve(resolution, boundary=False)
+        left_out.append(BoundaryFriction(limit))
+    allowed = {name: _LAW * accuracy.of(name) for name in ("friction", "critical_slip")}
+
+    def serves(cheaper: Resolution) -> Errors | None:
+        """Errors that cheaper laws leave, None where they are too large."""
+        (fine,), (coarse,) = probe.measure(few, (1,)), probe.measure(few.at(cheaper), (1,))
+        found = difference(coarse, fine)
+        return found if all(error <= allowed[name] for name, error in found.items()) else None
+
+    if law.closed_form is not None:
+        closed = attrs.evolve(few.resolution, traction=law.closed_form)
+        if (found := serves(closed)) is not None:
+            resolution, errors["law"] = attrs.evolve(resolution, traction=law.closed_form), found
+            most = {name: _MARGIN * value for name, value in extremes.groups.items()}
+            left_out.append(ExactLaw(f"the law {law.name!r}", **most))
+    elif law.evaluated_to(min(allowed.values())) != law:
+        share = min(allowed.values())
+        if (found := serves(attrs.evolve(few.resolution, traction_error=share))) is not None:
+            resolution, errors["law"] = attrs.evolve(resolution, traction_error=share), found
+    return attrs.evolve(chosen, resolution=resolution, errors=errors, left_out=tuple(left_out))
+
+
+def _steps(chosen: Chosen, study: Dynamics, few: "Assembly") -> Chosen:
+    """Tolerance of a step: errors of the speeds over a short time go with it, in proportion at most."""
+    accuracy = few.scene.accuracy
+    motion = study.beginning(few.at(attrs.evolve(few.resolution, table_tolerance=_ROUGH)))
+    span = min(_SHORT, study.duration)
+    rough, fine = (motion(span, tolerance)[0] for tolerance in (_STEP, 1e-3 * _STEP))
+    error = abs(rough - fine) / abs(few.kinematics.epicyclic_cage_speed) * study.duration / span
+    share = 0.2 * accuracy.of("cage_speed")
+    # nobody has seen a step of more than the typical tolerance do well where a contact opens
+    tolerance = min(max(_STEP * share / max(error, 1e-300), finest(few.scene).integrator_tolerance or 0.0), _STEP)
+    return attrs.evolve(
+        chosen,
+        resolution=attrs.evolve(chosen.resolution, integrator_tolerance=tolerance),
+        errors={**chosen.errors, "steps": {"cage_speed": error * tolerance / _STEP}},
+    )
+
+
+def judge(study: object, assembly: "Assembly", chosen: Chosen) -> Mapping[str, Errors]:
+    """Return what slices and instants leave, measured afterwards where they were chosen: against twice as many each.
+
+    What the doubling moves is 3/4 of an error that falls with the square.
+    """
+    curved = averaging(assembly.scene) if isinstance(study, Dynamics) else study
+    resolution = chosen.resolution
+    if resolution.instants is None:
+        return {}
+    assert isinstance(curved, EffectiveFriction | FrictionCurve | SteadySlip)
+    few = assembly.at(attrs.evolve(resolution, slices=min(_FEW, assembly.slices), quadrature="equal"))
+    probe, found = Probe(curved, few), dict[str, Errors]()
+    if assembly.slices > 1:
+        finer = assembly.at(attrs.evolve(resolution, slices=2 * resolution.slices))
+        found["slices"] = difference(probe.measure(assembly, (_SOME,))[0], probe.measure(finer, (_SOME,))[0])
+    if curved.averaged:
+        found["instants"] = difference(*probe.measure(few, (resolution.instants, 2 * resolution.instants)))
+    return {part: {name: error / 0.75 for name, error in errors.items()} for part, errors in found.items()}

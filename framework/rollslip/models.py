@@ -260,6 +260,8 @@ class TractionModel(SliceModel):
     """Traction coefficient, with the sign of the sliding speed."""
 
     writes = frozenset({"friction"})
+    #: Name of a closed form that may serve in place of the law where the difference is allowed; None if there is none.
+    closed_form: ClassVar[str | None] = None
 
     @property
     def full_film_from(self) -> float | None:

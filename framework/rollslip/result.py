@@ -20,7 +20,7 @@ import attrs
 from rollslip.discovery import DATA
 from rollslip.errors import OutputError
 from rollslip.models import SliceModel
-from rollslip.planning import Plan
+from rollslip.planning import Plan, part_as_dict
 from rollslip.references import KLEBANOV
 from rollslip.registry import find
 from rollslip.scene import resolved, scene_hash
@@ -30,16 +30,18 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Attributes that may differ between two runs of the same scene.
-VOLATILE = ("created", "wall_time", "integration_time", "real_time_factor")
+VOLATILE = ("created", "cost", "plan", "wall_time", "integration_time", "real_time_factor")
 
 
-def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:
+def provenance(plan: Plan, study: str, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:
     """Return the attributes that say where a result comes from.
 
     Parameters
     ----------
     plan : Plan
         What was run.
+    study : str
+        The study whose result it is.
     warnings : list of str
         What a reader of the result has to know.
     evaluations : int
@@ -49,7 +51,8 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
     """
     scene = plan.scene
     models = [(kind, model, find(kind, model.name)) for kind, model in plan.models]
-    lubricant = plan.assembly.lubricant
+    assembly = plan.assemblies[study]
+    lubricant = assembly.lubricant
     named = dict(scene.raw or {})
     data = [(kind, table["name"]) for kind in DATA if isinstance(table := named.get(kind), Mapping) and "name" in table]
     offers = [offer for *_, offer in models]
@@ -84,8 +87,8 @@ def provenance(plan: Plan, warnings: list[str], evaluations: int, wall_time: flo
                 "pressure_viscosity_law": repr(lubricant.pressure_viscosity_law),
             }
         ),
-        "conditions": json.dumps({r.ring: attrs.asdict(r.conditions) for r in plan.assembly.raceways}),
-        "plan": json.dumps([attrs.asdict(part) for part in plan.parts]),
+        "conditions": json.dumps({r.ring: attrs.asdict(r.conditions) for r in assembly.raceways}),
+        "plan": json.dumps([part_as_dict(part) for part in plan.parts if part.study in ("", study)]),
         "warnings": json.dumps(warnings),
         "citations": json.dumps(citations(plan)),
         "evaluations": evaluations,

@@ -104,6 +104,7 @@ class MaxwellEyring(_EyringFluid):
         "Proc. R. Soc. Lond. A 356, 1977, 215-236.",
         KLEBANOV,
     )
+    closed_form: ClassVar[str | None] = "muraki"
     flash: float = flash_factor()
     accuracy: float = parameter(
         default=1e-13,
