@@ -112,7 +112,7 @@ def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
     """Return a result that says what it is off from the same at the finest resolution, which is run for that.
 
     For cage and rollers in motion the finest would take days: they are held against one four times as fine, whose error
-    is a sixteenth. Attribute ``accuracy`` then holds actual errors, and a warning tells of a tolerance that is not kept.
+    is a sixteenth. Attribute ``accuracy`` then holds actual errors, and a warning tells of a tolerance not kept.
 
     Parameters
     ----------
