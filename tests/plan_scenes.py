@@ -68,7 +68,7 @@ def scene(x):
 
 @attrs.frozen
 class Verdict:
-    """What came of a scene: the plan, and its errors and costs against the finest; ``refused`` is why there are none."""
+    """What came of a scene: its errors and costs against the finest; ``refused`` is why there are none."""
 
     scene: object
     refused: str = ""
@@ -97,15 +97,15 @@ class Verdict:
         return self.error <= self.tolerance
 
 
-def judge(one):
-    """Run a scene as planned and at the finest."""
+def judge(one, reference=None):
+    """Run a scene as planned and at the finest, or at another resolution that it is held against."""
     try:
         made = plan(one, STUDY)
         if made.chosen[STUDY].failed:
             return Verdict(one, refused=made.chosen[STUDY].failed)
         result = execute(made, STUDY)
         begin = time.process_time()
-        fine = made.studies[STUDY].run(assemble(one, finest(one)))
+        fine = made.studies[STUDY].run(assemble(one, reference or finest(one)))
         spent = time.process_time() - begin
     except RollslipError as error:
         return Verdict(one, refused=str(error))

@@ -46,6 +46,7 @@ def cli() -> None:
 @click.option("--resume", is_flag=True, help="Go on with the interrupted run that --out was to take the results of.")
 @click.option("--report", is_flag=True, help="Write a report in HTML too.")
 @click.option("--no-plots", is_flag=True, help="Write data only.")
+@click.option("--verify", is_flag=True, help="Run at the finest too, and tell whether the plan kept its word.")
 @_json
 def run(
     scene: str,
@@ -56,11 +57,13 @@ def run(
     resume: bool,
     report: bool,
     no_plots: bool,
+    verify: bool,
     as_json: bool,
 ) -> None:
     """Run the studies of SCENE, a shipped scene or a file, and write results, plots and on request a report."""
     from rollslip import console
     from rollslip.execution import execute
+    from rollslip.execution import verify as verified
     from rollslip.planning import plan
     from rollslip.result import save
     from rollslip.writing import whole
@@ -77,6 +80,9 @@ def run(
         for name in made.studies:
             with _progress(name) as progress:
                 datasets[name] = execute(made, name, kept=kept, progress=progress)
+            if verify and datasets[name].attrs.get("outcome", "finished") == "finished":
+                with _progress(f"{name} at the finest"):
+                    datasets[name] = verified(made, name, datasets[name])
             save(datasets[name], folder / f"{name}.nc")
             if datasets[name].attrs.get("outcome") == "interrupted":
                 break
@@ -99,6 +105,7 @@ def run(
     else:
         for dataset in datasets.values():
             click.echo(console.findings(dataset))
+            click.echo(console.kept(dataset))
         for warning in dict.fromkeys(w for dataset in datasets.values() for w in json.loads(dataset.attrs["warnings"])):
             click.echo(f"warning: {warning}", err=True)
         click.echo(f"written to {target}: {', '.join(files)}")
@@ -115,14 +122,25 @@ def run(
 @click.argument("scene")
 @_study
 @_set
+@click.option("--diff", "other", metavar="OTHER", help="Show only what the plan of another scene has otherwise.")
 @_json
-def plan(scene: str, study: str | None, changes: Sequence[str], as_json: bool) -> None:
-    """Print what will be modelled of SCENE, what is left out, and why."""
+def plan(scene: str, study: str | None, changes: Sequence[str], other: str | None, as_json: bool) -> None:
+    """Print what will be modelled of SCENE, how finely, what is left out, and why.
+
+    --set changes SCENE, not OTHER: --set operation.radial_load="9 kN" --diff SCENE shows what that value changes.
+    """
     from rollslip import console
-    from rollslip.planning import plan
+    from rollslip.planning import changed, part_as_dict, plan
 
     made = plan(_scene(scene, changes), study)
-    if as_json:
+    if other is not None:
+        pairs = changed(made, plan(_scene(other, ()), study))
+        if as_json:
+            parts = [[None if part is None else part_as_dict(part) for part in pair] for pair in pairs]
+            _print_json([{"this": this, "other": that} for this, that in parts])
+        else:
+            console.print_changed(pairs, scene, other)
+    elif as_json:
         _print_json(made.as_dict())
     else:
         click.echo(console.headline(made))

@@ -17,6 +17,7 @@ import click
 from rollslip.discovery import DATA, KINDS, Offer, available, catalogue, find, get_class
 from rollslip.errors import PluginError
 from rollslip.models import SliceModel, interval
+from rollslip.resolution import error_text
 from rollslip.scene import Scene, resolved, scene_hash
 from rollslip.units import format_quantity
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rollslip.comparison import Comparison
-    from rollslip.planning import Plan
+    from rollslip.planning import Part, Plan
 
 Sections = dict[str, list[tuple[str, str]]]
 
@@ -77,6 +78,8 @@ def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]", target: Path
                 "warnings": json.loads(dataset.attrs["warnings"]),
                 "evaluations": int(dataset.attrs["evaluations"]),
                 "wall_time": float(dataset.attrs["wall_time"]),
+                "accuracy": json.loads(dataset.attrs["accuracy"]),
+                "cost": json.loads(dataset.attrs["cost"]),
             }
             for name, dataset in datasets.items()
         },
@@ -158,9 +161,41 @@ def print_plan(plan: "Plan") -> None:
     )
 
 
-def error_text(errors: "Mapping[str, float | None]") -> str:
-    """Return estimated errors as text: "friction 3e-04, critical slip 8e-05"."""
-    return ", ".join(f"{name.replace('_', ' ')} {error:.0e}" for name, error in errors.items() if error is not None)
+def print_changed(pairs: "Sequence[tuple[Part | None, Part | None]]", this: str, other: str) -> None:
+    """Print the parts in which two plans differ."""
+    if not pairs:
+        click.echo(f"{this} and {other} are planned alike")
+        return
+
+    def said(part: "Part | None") -> str:
+        if part is None:
+            return "-"
+        texts = ["in" if part.included else "out", part.choice, part.resolution, error_text(part.errors)]
+        return "; ".join(filter(None, texts))
+
+    rows = []
+    for one, two in pairs:
+        part = one or two
+        assert part is not None
+        rows.append((part.part, said(one), said(two), part.reason))
+    other = f"{other} (as it is)" if other == this else other
+    print_table(("part", this, other, "reason"), rows)
+
+
+def kept(dataset: "xr.Dataset") -> str:
+    """Return what errors and time were estimated and found, in one line."""
+    texts = []
+    for row in json.loads(dataset.attrs["accuracy"]):
+        name = row["result"].replace("_", " ")
+        errors = [
+            f"{row[which]:.0e} {word}"
+            for which, word in (("estimated", "estimated"), ("found", row["how"]))
+            if row[which] is not None
+        ]
+        texts.append(f"{name} {' and '.join(errors) or 'unknown'} of {row['tolerance']:g}")
+    cost = json.loads(dataset.attrs["cost"])
+    times = f"{format_quantity(cost['actual'], 's', 2)}, estimated {format_quantity(cost['estimated'], 's', 2)}"
+    return f"  relative errors: {'; '.join(texts) or 'not estimated'}; time of the processor {times}"
 
 
 def comparison_headline(comparison: "Comparison") -> str:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 #: Few instants, and few points of curves and maps, on which costs are measured.
 _INSTANTS: Final = (1, 3)
+#: Slices from which on costs go with their number.
+_MANY: Final = 128
 _POINTS: Final = (5, 33)
 _MAP: Final = (3, 6)
 #: Evaluations in the search for the critical slips of both rings, each of one ring.
@@ -72,15 +74,18 @@ def _onwards(at: tuple[float, float], found: list[float], wanted: float) -> floa
 def _effective_friction(study: EffectiveFriction, assembly: "Assembly") -> Mapping[str, float]:
     instants = assembly.resolution.instants or _INSTANTS[-1]
     slip = slip_grid(study.max_cage_slip, _POINTS[0])[1:]
+    resolution = assembly.resolution
+    some = assembly.at(attrs.evolve(resolution, slices=min(resolution.slices, _MANY)))
     parts: dict[str, list[float]] = {"load distribution": [], "friction": [], "film regimes": []}
     for m in _INSTANTS:
-        raceways = study.loaded(assembly, m)
+        raceways = study.loaded(some, m)
         speeds = raceways.speeds(slip)
-        parts["load distribution"].append(_timed(partial(assembly.load_distribution, m), 1))
+        parts["load distribution"].append(_timed(partial(some.load_distribution, m), 1))
         one, regimes = (_timed(partial(work, speeds)) / slip.size for work in (raceways.evaluated, raceways.regimes))
         parts["friction"].append(one * (study.points + _SEARCH / 2))
         parts["film regimes"].append(regimes * study.points)
-    found = {part: _onwards(_INSTANTS, times, instants) for part, times in parts.items()}
+    more = assembly.slices / some.slices
+    found = {part: more * _onwards(_INSTANTS, times, instants) for part, times in parts.items()}
     if study.map_points:
         sizes = [(_MAP[0] * (2 * _MAP[0] - 1)), (_MAP[1] * (2 * _MAP[1] - 1))]
         times = [_timed(partial(raceways.map, study.max_cage_slip, n), 1) for n in _MAP]

@@ -45,6 +45,8 @@ _QUADRATURES: Final = ("equal", "gauss")
 #: Slips by which maxima are looked for, over the range and then around the best.
 _GRID, _AROUND = 13, 7
 
+#: Differences around a maximum that are rounding, relative to it.
+_LEVEL: Final = 1e-9
 #: How far beyond what was met groups of the rheology may go before a closed form gives way.
 _MARGIN: Final = 1.2
 #: A usual tolerance of a step; that of tables for a short motion, and its time [s].
@@ -82,10 +84,12 @@ class Probe:
         for k, curve in enumerate(self._curves(assembly, grid)):
             best = int(np.argmax(curve))
             near = np.linspace(grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)], _AROUND + 2)[1:]
-            at = int(np.argmax(self._curves(assembly, near)[k]))
+            values = self._curves(assembly, near)[k]
+            at = max(int(np.argmax(values)), 1)
             if not curve[best] > 0.0 or at == near.size - 1:
                 continue  # no friction, or it rises up to the end of the range
-            at = max(at, 1)
+            if np.min(np.abs(np.diff(values[at - 1 : at + 2]))) <= _LEVEL * curve[best]:
+                continue  # level: no maximum to be found
             self._peaks.append((k, len(slips), float(near[1] - near[0])))
             slips += [*near[at - 1 : at + 2]]
         self._slip = np.array(slips)

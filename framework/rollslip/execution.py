@@ -95,10 +95,11 @@ def execute(
             plan = plan.taking_back(study, broken.bound)
     evaluated = assembly.inner.chain.evaluated - before
     cost = {"estimated": plan.seconds_of(study), "actual": time.process_time() - processor}
-    errors = judge(running, assembly, plan.chosen[study])
+    chosen = plan.chosen[study]
+    errors = judge(running, plan.assembly.at(chosen.resolution), chosen)  # nothing of it needs to be watched
     dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in errors.items()}
     dataset.attrs |= {
-        "resolution": json.dumps(attrs.asdict(plan.chosen[study].resolution)),
+        "resolution": json.dumps(attrs.asdict(chosen.resolution)),
         "accuracy": json.dumps(_kept(plan, study, total(errors), "a posteriori")),
         "cost": json.dumps(cost),
         "taken_back": json.dumps(taken_back),
@@ -286,7 +287,7 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> list[str]:
     if (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
         remedy = "it is the most that a plan takes" if accuracy.slices is None else "raise accuracy.slices"
         found.append(
-            f"{dataset.attrs['slices']} slices leave a relative error of about {error:.1e}, more than "
+            f"{plan.chosen[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
             f"accuracy.tolerance = {accuracy.tolerance:g}; {remedy}"
         )
     return found

@@ -28,6 +28,7 @@ from rollslip.motion_findings import events_table, ledger_table, sentences, smal
 from rollslip.plots import curves, percent
 from rollslip.reading import schema
 from rollslip.regimes import LIGHT, LONG_NAMES
+from rollslip.resolution import error_text
 from rollslip.studies import STUDIES
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS
@@ -184,9 +185,35 @@ def _plan(datasets: "Datasets") -> str:
     for heading, parts in _per_study(datasets, "plan", structured=True):
         body += heading
         for caption, included in (("Modelled", True), ("Left out", False)):
-            rows = [[p["part"], p["choice"], p["resolution"], p["reason"]] for p in parts if p["included"] is included]
-            body += _table(("part", "choice", "resolution", "why"), rows, caption)
+            rows = [
+                [p["part"], p["choice"], p["resolution"], error_text(p.get("errors", {})), _cost(p), p["reason"]]
+                for p in parts
+                if p["included"] is included
+            ]
+            body += _table(("part", "choice", "resolution", "estimated error", "estimated cost", "why"), rows, caption)
+    for heading, rows in _per_study(datasets, "accuracy", structured=True):
+        body += heading + _table(
+            ("result", "tolerance", "estimated error", "error", "found"),
+            [
+                [
+                    row["result"].replace("_", " "),
+                    f"{row['tolerance']:g}",
+                    *("-" if row[which] is None else f"{row[which]:.1e}" for which in ("estimated", "found")),
+                    row["how"],
+                ]
+                for row in rows
+            ],
+            "Whether the plan kept its word",
+        )
+    for _, cost in _per_study(datasets, "cost", structured=True):
+        actual, estimated = (format_quantity(cost[which], "s", 2) for which in ("actual", "estimated"))
+        body += f"<p>Time of the processor: {actual}, estimated {estimated}.</p>"
     return body
+
+
+def _cost(part: Mapping[str, Any]) -> str:
+    seconds = part.get("seconds")
+    return "" if seconds is None else format_quantity(seconds, "s", 2)
 
 
 def _models(datasets: "Datasets") -> str:

@@ -8,6 +8,7 @@
   loaded to its ends; where it parts from its ring before, both converge with the square of the number of slices.
 """
 
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Final
 
@@ -116,3 +117,8 @@ def finest(scene: Scene) -> Resolution:
 def as_stated(scene: Scene) -> Resolution:
     """Return the resolution of a scene that nobody planned: its tolerance for all tables, instants doubled."""
     return Resolution(slices=scene.accuracy.slices or _SLICES, table_tolerance=scene.accuracy.tolerance)
+
+
+def error_text(errors: Mapping[str, float | None]) -> str:
+    """Return estimated errors as text: "friction 3e-04, critical slip 8e-05"."""
+    return ", ".join(f"{name.replace('_', ' ')} {error:.0e}" for name, error in errors.items() if error is not None)
