@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from rollslip.execution import load_distribution as load_distribution
     from rollslip.execution import run as run
     from rollslip.fitting import fit as fit
+    from rollslip.fronts import pareto as pareto
     from rollslip.planning import plan as plan
     from rollslip.reading import evolve as evolve
     from rollslip.reading import load_scene as load_scene
@@ -38,6 +39,7 @@ _HOMES = {
     "load_scene": "rollslip.reading",
     "model": "rollslip.unpackaged",
     "open_result": "rollslip.result",
+    "pareto": "rollslip.fronts",
     "plan": "rollslip.planning",
     "register": "rollslip.unpackaged",
     "run": "rollslip.execution",

@@ -4,6 +4,7 @@ Nothing heavy is imported before a command needs it, so that ``--help`` answers 
 """
 
 import json
+import math
 import shlex
 import shutil
 import signal
@@ -282,6 +283,92 @@ def compare(
 
 
 @cli.command()
+@click.argument("scene")
+@_study
+@_set
+@click.option(
+    "--choices", metavar="A,B", multiple=True, help="What may differ, such as slices,instants; by default all there is."
+)
+@click.option("--traction", metavar="A,B", multiple=True, help="Traction models to choose from.")
+@click.option("--film", metavar="A,B", multiple=True, help="Film models to choose from.")
+@click.option("--rounds", default=5, show_default=True, help="How often each choice is timed.")
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for the results, new or empty.")
+@click.option("--overwrite", is_flag=True, help="Replace what is in the folder.")
+@click.option("--resume", is_flag=True, help="Go on with the interrupted run that --out was to take the results of.")
+@click.option("--report", is_flag=True, help="Write a report in HTML too.")
+@click.option("--no-plots", is_flag=True, help="Write data only.")
+@_json
+def pareto(
+    scene: str,
+    study: str | None,
+    changes: Sequence[str],
+    choices: Sequence[str],
+    traction: Sequence[str],
+    film: Sequence[str],
+    rounds: int,
+    out: Path | None,
+    overwrite: bool,
+    resume: bool,
+    report: bool,
+    no_plots: bool,
+    as_json: bool,
+) -> None:
+    """Hold error against cost for the studies of SCENE: a family of choices, and the front that none of them passes.
+
+    What may differ: slices, quadrature, instants, table_tolerance, integrator, integrator_tolerance, compiled (NumPy in
+    its place), traction, film, friction. Errors of numerical choices are against the finest of the same models;
+    other models differ from the exact one.
+    """
+    from rollslip import console
+    from rollslip.choices import plan_family
+    from rollslip.fronts import run_family
+    from rollslip.result import save
+    from rollslip.writing import whole
+
+    made = plan_family(
+        _scene(scene, changes),
+        study=study,
+        choices=",".join(choices),
+        traction=",".join(traction),
+        film=",".join(film),
+        rounds=rounds,
+    )
+    if not as_json:
+        click.echo(console.headline(made.plan))
+        console.print_family(made)
+    target = out if out is not None else _free_folder(f"{Path(scene).stem}-pareto")
+    kept = _kept(target, resume, given=out is not None)
+    given = {"choices": choices, "traction": traction, "film": film, "set": changes}
+    again = ["rollslip", "pareto", scene, *(["--study", study] if study else [])]
+    again += [f"--{name}={value}" for name, values in given.items() for value in values]
+    go_on = f"interrupted; go on with: {shlex.join([*again, f'--rounds={rounds}', '--out', str(target), '--resume'])}"
+    with _interruptible(kept, go_on), whole(target, overwrite=overwrite or resume) as folder:
+        with _bar("pareto") as progress:
+            dataset = run_family(made, kept, progress)
+        save(dataset, folder / "pareto.nc")
+        if report or not no_plots:
+            from rollslip.plots import plot
+
+            with _progress("plots"):
+                figures = plot(dataset, folder)
+        if report:
+            from rollslip.report import write_report
+
+            write_report({"pareto": dataset}, {"pareto": figures}, folder / "report.html")
+        files = sorted(path.name for path in folder.iterdir())
+    shutil.rmtree(kept, ignore_errors=True)
+    if as_json:
+        _print_json(console.fronts_as_dict(dataset, target, files))
+    else:
+        console.print_fronts(dataset)
+        for warning in json.loads(dataset.attrs["warnings"]):
+            click.echo(f"warning: {warning}", err=True)
+        click.echo(f"written to {target}: {', '.join(files)}")
+    if any(dataset["status"] != "done"):
+        sys.exit(SOME_FAILED)
+
+
+@cli.command()
 @click.argument("what", required=False, metavar="[KIND|NAME]")
 @_json
 def models(what: str | None, as_json: bool) -> None:
@@ -516,6 +603,26 @@ def _progress(what: str) -> Iterator[Callable[[str], None]]:
 
     with Console(stderr=True).status(what) as status:
         yield lambda text: status.update(f"{what}: {text}")
+
+
+@contextmanager
+def _bar(what: str) -> Iterator[Callable[[float, float, str], None]]:
+    """Show how far a run of many parts is and how long it will take: a bar on a terminal, else as `_progress` does."""
+
+    def left(seconds: float) -> str:
+        return "" if math.isnan(seconds) else f", {seconds // 60:.0f} min {seconds % 60:02.0f} s left"
+
+    if not sys.stderr.isatty():
+        with _progress(what) as say:
+            yield lambda share, seconds, text: say(f"{share:.0%}{left(seconds)}, {text}")
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    columns = TextColumn("{task.percentage:3.0f} %"), BarColumn(), TextColumn("{task.description}", markup=False)
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(what, total=1.0)
+        yield lambda share, seconds, text: bar.update(task, completed=share, description=f"{text}{left(seconds)}")
 
 
 def _print_json(value: object) -> None:

@@ -209,6 +209,23 @@ def _listed(models: Sequence[Model] | str) -> Sequence[Model | None]:
     return [*filter(None, map(str.strip, models.split(",")))] or [None] if isinstance(models, str) else models or [None]
 
 
+def choice_of(scene: Scene, kind: str, model: Model | None) -> Choice:
+    """Return what a scene says with a model in it, by default its own.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If a name or a parameter is wrong.
+    """
+    problems, unknown = list[str](), list[str]()
+    made = _choice(scene, kind, model, problems, unknown)
+    if unknown:
+        raise PluginError("\n".join(unknown + problems))
+    if problems:
+        raise SceneError(problems)
+    return made
+
+
 def _choice(scene: Scene, kind: str, model: Model | None, problems: list[str], unknown: list[str]) -> Choice:
     """Return what a scene says with a model in it, by default its own; faults are noted."""
     choice = getattr(scene.models, kind)

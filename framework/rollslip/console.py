@@ -24,6 +24,7 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rollslip.choices import Family
     from rollslip.comparison import Comparison
     from rollslip.planning import Part, Plan
 
@@ -98,7 +99,7 @@ def _results(dataset: "xr.Dataset") -> dict[str, Any]:
 
 def _spoken(study: str) -> Any:
     """Return the module that has the words of a study in which there is more than friction curves, or None."""
-    names = {"dynamics": "motion_findings", "steady-slip": "steady_findings"}
+    names = {"dynamics": "motion_findings", "steady-slip": "steady_findings", "pareto": "front_findings"}
     return importlib.import_module(f"rollslip.{names[study]}") if study in names else None
 
 
@@ -241,6 +242,50 @@ def comparison_as_dict(dataset: "xr.Dataset", target: Path, files: list[str]) ->
         "reference_named": bool(a["reference_named"]),
         "exchanged": a["exchanged"],
         "results": records(dataset),
+        "findings": findings(dataset),
+        "warnings": json.loads(a["warnings"]),
+        "evaluations": int(a["evaluations"]),
+        "wall_time": float(a["wall_time"]),
+        "folder": str(target),
+        "files": files,
+    }
+
+
+def print_family(family: "Family") -> None:
+    """Print what will be run: the number of choices of each study by kind, rounds and references."""
+    for study in family.studies:
+        of = {kind: len(family.of(study, kind)) for kind in ("numerical", "modelling", "film", "reference")}
+        click.echo(
+            f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "
+            f"{family.rounds} round{'s' * (family.rounds != 1)} each, against {of['reference']} references"
+        )
+    for note in family.notes:
+        click.echo(note)
+
+
+def print_fronts(dataset: "xr.Dataset") -> None:
+    """Print error against cost: the tables, in which a star marks what nothing dominates, and what they say."""
+    from rollslip.front_findings import findings, tables
+
+    for name, head, rows in tables(dataset):
+        click.echo(f"{name}:")
+        print_table(head, rows)
+    click.echo("\n".join(findings(dataset)))
+
+
+def fronts_as_dict(dataset: "xr.Dataset", target: Path, files: list[str]) -> dict[str, Any]:
+    """Return what a family of choices found, as plain values; an error that there is not is null, with its status."""
+    from rollslip.front_findings import findings, floors, records
+
+    a = dataset.attrs
+    return {
+        "rollslip": importlib.metadata.version("rollslip"),
+        "scene": a["source"],
+        "scene_hash": a["scene_hash"],
+        "studies": json.loads(a["studies"]),
+        "rounds": int(a["rounds"]),
+        "floors": floors(dataset),
+        "choices": records(dataset),
         "findings": findings(dataset),
         "warnings": json.loads(a["warnings"]),
         "evaluations": int(a["evaluations"]),

@@ -1,7 +1,7 @@
 """Figures of the studies for publication: friction of a contact, effective friction, single rollers, the map.
 
 - Style, sizes and files are those of `rollslip.figure_style`; the figures of motion in time are in
-  `rollslip.motion_figures` and `rollslip.steady_figures`.
+  `rollslip.motion_figures` and `rollslip.steady_figures`, those of error against cost in `rollslip.front_figures`.
 - Everything reads in grey: curves differ in lightness, and dashed is only ever the thermal branch, but where models are
   compared: there dashes tell them apart.
 - What is said in words stands above the curves, in room that is kept free for it, never on them.
@@ -18,7 +18,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip import motion_findings, steady_findings
+from rollslip import front_findings, motion_findings, steady_findings
 from rollslip.comparison_findings import CURVES, curve_names, findings, members
 from rollslip.figure_style import (
     DASHES,
@@ -36,6 +36,7 @@ from rollslip.figure_style import (
     save_figures,
 )
 from rollslip.fit_result import parameter_rows
+from rollslip.front_figures import front_figures
 from rollslip.motion_figures import motion_figures
 from rollslip.regimes import LONG_NAMES, NAMES
 from rollslip.steady_figures import steady_figures
@@ -232,6 +233,8 @@ def _figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
         yield from motion_figures(dataset)
     elif study == "steady-slip":
         yield from steady_figures(dataset)
+    elif study == "pareto":
+        yield from front_figures(dataset)
     elif study == "fit":
         name = Path(attributes["source"]).name
         held = _held(dataset)[0]
@@ -254,6 +257,8 @@ def _findings(dataset: "xr.Dataset") -> str:
         return motion_findings.paragraph(dataset)
     if dataset.attrs.get("study") == "steady-slip":
         return steady_findings.paragraph(dataset)
+    if dataset.attrs.get("study") == "pareto":
+        return front_findings.paragraph(dataset)
     if dataset.attrs.get("study") == "fit":
         rows = parameter_rows(dataset)
         return " ".join(f"{name}: {value}, 95 %: {limits}; {status}." for name, value, _, _, limits, status in rows)

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 
-from rollslip import steady_findings
+from rollslip import front_findings, steady_findings
 from rollslip.comparison_findings import bin_tables, findings, tables
 from rollslip.lubricant import OilTable
 from rollslip.motion_findings import events_table, ledger_table, sentences, smallest_film
@@ -56,6 +56,7 @@ _NUMBERS: Final = {
     "level": ("level of the motion", ""),
     "friction": ("friction of the motion", ""),
     "integrator": ("integrator", ""),
+    "rounds": ("rounds in which choices were timed", ""),
     "steps": ("steps", ""),
     "rejected": ("steps rejected", ""),
     "rate_evaluations": ("evaluations of the rates", ""),
@@ -127,6 +128,8 @@ def _findings(datasets: "Datasets") -> str:
     for name, dataset in datasets.items():
         if dataset.attrs.get("study") == "comparison":
             body += _tag("h3", name) + _comparison(dataset)
+        elif dataset.attrs.get("study") == "pareto":
+            body += _tag("h3", name) + _fronts(dataset)
         elif dataset.attrs.get("study") == "dynamics":
             body += _tag("h3", name) + _motion(dataset)
         elif dataset.attrs.get("study") == "steady-slip":
@@ -140,6 +143,12 @@ def _motion(dataset: "xr.Dataset") -> str:
     """What is said of a motion in time, its energy ledger and its events."""
     body = _list(_capital(text) + "." for text in sentences(dataset))
     return body + _table(*ledger_table(dataset), "Energy ledger") + _table(*events_table(dataset), "Events")
+
+
+def _fronts(dataset: "xr.Dataset") -> str:
+    """What is said of error against cost, and its tables; what nothing dominates has a star."""
+    body = _list(_capital(text) + "." for text in front_findings.findings(dataset))
+    return body + "".join(_table(head, rows, _capital(name)) for name, head, rows in front_findings.tables(dataset))
 
 
 def _comparison(dataset: "xr.Dataset") -> str:

@@ -1,0 +1,160 @@
+"""Figures of error against cost: for each result the numerical choices with their front, and beside them the models.
+
+Style, sizes and files are those of `rollslip.figure_style`. What is dominated is grey; what is not, and the plan's
+choice, has a number, which the legend explains, since names would cover the points. Bars reach from the fastest round to
+the slowest. Errors below what is known are drawn at the edge of what is known, which is shaded.
+"""
+
+import json
+import re
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.figure_style import MM, MODEL_COLOURS, ROW, TWO_COLUMNS
+from rollslip.front_findings import FINEST, NUMBERS, PLANNED, studies, taking_part
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.text import Annotation
+
+__all__ = ["front_figures"]
+
+Array = NDArray[np.float64]
+
+_GREY: Final = "0.62"
+_COLOURS: Final = {"numerical": MODEL_COLOURS[0], "modelling": MODEL_COLOURS[1], "film": MODEL_COLOURS[2]}
+#: Directions in which a number may stand from its point, the best first, and distances [pt] that are tried.
+_DIRECTIONS: Final = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
+_DISTANCES: Final = (5, 9, 14, 20, 28, 40)
+#: Columns of the legend, and letters that fit in one.
+_COLUMNS, _LETTERS = 3, 46
+
+
+def front_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Draw the figures; give name, caption and figure of each result that has an error."""
+    several = len(json.loads(dataset.attrs["studies"])) > 1
+    for study, one in studies(dataset):
+        for j, name in enumerate(one["result"].values):
+            part = one.isel(result=j)
+            if np.isnan(part["error"].to_numpy()[part["label"].to_numpy() == FINEST]).any():
+                continue
+            slug = re.sub(r"[^a-z0-9]+", "-", f"{study} {name}" if several else str(name)).strip("-")
+            caption = f"{study}, {name}: error against processor time; the line is the front that no choice passes."
+            yield f"pareto-{slug}", caption, _figure(part, str(name))
+
+
+def _figure(part: "xr.Dataset", name: str) -> "Figure":
+    from matplotlib.figure import Figure
+
+    shown = {number: kinds for kinds, (number, _) in NUMBERS.items() if taking_part(part, *kinds).size > 1}
+    figure = Figure(layout="constrained")
+    panels = figure.subplots(1, len(shown), squeeze=False, width_ratios=[3, 2][: len(shown)])[0]
+    handles: list[Artist] = []
+    labels: list[tuple[Axes, list[tuple[str, float, float]]]] = []
+    for axes, (number, kinds) in zip(panels, shown.items(), strict=True):
+        numbered = _panel(axes, part, number, kinds, len(handles))
+        handles += [handle for handle, *_ in numbered]
+        labels.append((axes, [(str(handle.get_label()).partition("  ")[0], x, y) for handle, x, y in numbered]))
+    panels[0].set_title(f"{name}: numerical choices" if "error" in shown else f"{name}: models")
+    if len(shown) == 2:
+        panels[1].set_title("models")
+    rows = -(-len(handles) // _COLUMNS)
+    figure.legend(handles=handles, loc="outside lower left", ncols=_COLUMNS, handlelength=1.0, columnspacing=1.2)
+    figure.set_size_inches(TWO_COLUMNS[0], 78 * MM + ROW * rows)
+    figure.draw_without_rendering()  # places the axes, on which it depends what a number covers
+    for axes, points in labels:
+        _write_numbers(axes, points)
+    return figure
+
+
+def _panel(
+    axes: "Axes", part: "xr.Dataset", number: str, kinds: Sequence[str], first: int
+) -> "list[tuple[Artist, float, float]]":
+    """Draw one panel; return what the legend says of each numbered point, and where it is."""
+    from matplotlib.lines import Line2D
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    floor = float(part["floor"])
+    rows = taking_part(part, *kinds)
+    time, low, high = (1e3 * part[name].to_numpy() for name in ("seconds", "seconds_low", "seconds_high"))
+    values, labels = part[number].to_numpy(), part["label"].to_numpy()
+    drawn, on_front = np.maximum(values, floor), part[dict(NUMBERS.values())[number]].to_numpy() == 1
+    rows = rows[np.isfinite(values[rows]) & np.isfinite(time[rows])]
+    chosen = rows[on_front[rows]]
+    axes.loglog()
+    axes.plot(time[chosen], drawn[chosen], color=_COLOURS[kinds[0]], linewidth=1.1, drawstyle="steps-post", zorder=2)
+    numbered: list[tuple[Artist, float, float]] = []
+    for k in rows:
+        kind, planned = str(part["kind"].values[k]), labels[k] == PLANNED
+        emphasised = on_front[k] or planned or kind == "film"
+        colour = _COLOURS[kind if kind in kinds else kinds[0]] if emphasised else _GREY
+        style: dict[str, Any] = {
+            "marker": "D" if planned else "s" if kind == "film" else "o",
+            "markersize": 5 if planned else 3.8,
+            "markerfacecolor": "white" if planned and not on_front[k] else colour,
+            "markeredgecolor": "black" if planned else colour,
+            "markeredgewidth": 0.9,
+            "linestyle": "none",
+        }
+        spread = [[time[k] - low[k]], [high[k] - time[k]]]
+        axes.errorbar(time[k], drawn[k], xerr=spread, ecolor=colour, elinewidth=0.6, zorder=3 + emphasised, **style)
+        if emphasised or kind != "numerical":
+            text = f"{first + len(numbered) + 1}  {labels[k]}"
+            numbered.append((Line2D([], [], label=text, **style), time[k], drawn[k]))
+    everything = drawn[rows]
+    least, most = float(everything.min(initial=1.0)), float(everything.max(initial=0.0))
+    bottom = 10 ** np.floor(np.log10(min(least, floor) if least < 30 * floor else least) - 0.15)
+    axes.set_ylim(bottom, 10 ** np.ceil(np.log10(most) + 0.05))
+    axes.set_xlim(0.75 * np.nanmin(low[rows], initial=np.inf), 1.33 * np.nanmax(high[rows], initial=0.0))
+    if floor > bottom:
+        axes.axhspan(bottom, floor, color="0.93", linewidth=0.0, zorder=0)
+    for axis in (axes.xaxis, axes.yaxis):
+        decades = float(np.ptp(np.log10(axis.get_view_interval())))
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 2.0 else (1,), numticks=99))
+        axis.set_minor_locator(LogLocator(subs=tuple(range(2, 10)) if decades < 4.0 else (1,), numticks=99))
+        axis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_xlabel("Processor time of the study [ms]")
+    axes.set_ylabel(f"Relative {number} [–]")
+    return numbered
+
+
+def _write_numbers(axes: "Axes", points: Sequence[tuple[str, float, float]]) -> None:
+    """Write each number beside its point, where it covers no other number and least of points and lines."""
+    pixels = [axes.transData.transform((x, y)) for _, x, y in points]
+    for line in axes.lines:
+        xy = np.column_stack((np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)))
+        if len(xy):
+            pixels += list(axes.transData.transform(xy))
+    covered, taken = np.array(pixels), list[Any]()
+    for text, x, y in points:
+        label = axes.annotate(text, (x, y), (0, 0), textcoords="offset points", fontsize=6.5, zorder=6)
+
+        def cost(place: tuple[float, tuple[int, int]], label: "Annotation" = label) -> tuple[int, int, float]:
+            distance, (across, up) = place
+            label.set_position((distance * across, distance * up))
+            label.set_horizontalalignment(("right", "center", "left")[across + 1])
+            label.set_verticalalignment(("top", "center_baseline", "bottom")[up + 1])
+            box = label.get_window_extent()
+            inside = np.all((box.min - 1 < covered) & (covered < box.max + 1), axis=1)
+            words = sum(box.overlaps(other) for other in taken)
+            beyond = not (
+                axes.bbox.x0 < box.x0 < box.x1 < axes.bbox.x1 and axes.bbox.y0 < box.y0 < box.y1 < axes.bbox.y1
+            )
+            return words + beyond, int(np.count_nonzero(inside)), distance
+
+        best = min(((distance, towards) for distance in _DISTANCES for towards in _DIRECTIONS), key=cost)
+        cost(best)
+        if best[0] > _DISTANCES[1]:
+            label.arrow_patch = None
+            axes.annotate(
+                "", (x, y), label.get_position(), textcoords="offset points",
+                arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": "0.5", "shrinkA": 0.0, "shrinkB": 2.0},
+            )  # fmt: skip
+        taken.append(label.get_window_extent())
