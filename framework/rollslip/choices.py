@@ -30,7 +30,7 @@ from rollslip.reading import evolve, load_scene, nearest
 from rollslip.registry import get_model
 from rollslip.resolution import Resolution, finest
 from rollslip.scene import Scene
-from rollslip.steady_slip import VARIED, SteadySlip
+from rollslip.steady_slip import SteadySlip
 from rollslip.studies import Study
 
 #: What can be chosen -> what it means, in the order in which it is told.
@@ -201,7 +201,9 @@ def _bare(study: Study) -> Study:
     """Return a study without what is no result here, so that it costs nothing."""
     if isinstance(study, EffectiveFriction):
         return attrs.evolve(study, map_points=0, per_roller=False)
-    return attrs.evolve(study, **dict.fromkeys(VARIED, ())) if isinstance(study, SteadySlip) else study
+    if isinstance(study, SteadySlip):
+        return attrs.evolve(study, radial_load=(), inner_speed=(), temperature=())
+    return study
 
 
 # One study ------------------------------------------------------------------------------------------------------------
@@ -314,7 +316,7 @@ def _modelling(
         for name in laws or (_FORMS if law in _FORMS else (law,)):
             traction = "named" if name == law else name
             # of a law that has no cheaper way they are the same
-            evaluations = {}
+            evaluations = dict[Any, float]()
             for error in (0.0, *_LAW_ERRORS):
                 resolution = attrs.evolve(base, traction=traction, traction_error=error)
                 try:

@@ -1,10 +1,11 @@
 """Figures of error against cost: for each result the numerical choices with their front, and beside them the models.
 
 Style, sizes and files are those of `rollslip.figure_style`. What is dominated is grey; what is not, and the plan's
-choice, has a number, which the legend explains, since names would cover the points. Bars reach from the fastest round to
-the slowest. Errors below what is known are drawn at the edge of what is known, which is shaded.
+choice, has a number, which the legend explains, since names would cover the points. Models all have one. Bars reach from
+the fastest round to the slowest. Errors below what is known are drawn at the edge of what is known, which is shaded.
 """
 
+import itertools
 import json
 import re
 from collections.abc import Iterator, Sequence
@@ -32,8 +33,8 @@ _COLOURS: Final = {"numerical": MODEL_COLOURS[0], "modelling": MODEL_COLOURS[1],
 #: Directions in which a number may stand from its point, the best first, and distances [pt] that are tried.
 _DIRECTIONS: Final = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
 _DISTANCES: Final = (5, 9, 14, 20, 28, 40)
-#: Columns of the legend, and letters that fit in one.
-_COLUMNS, _LETTERS = 3, 46
+#: Columns of the legend.
+_COLUMNS: Final = 3
 
 
 def front_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
@@ -44,13 +45,14 @@ def front_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
             part = one.isel(result=j)
             if np.isnan(part["error"].to_numpy()[part["label"].to_numpy() == FINEST]).any():
                 continue
-            slug = re.sub(r"[^a-z0-9]+", "-", f"{study} {name}" if several else str(name)).strip("-")
+            slug = re.sub(r"[^a-z0-9]+", "-", (f"{study} {name}" if several else str(name)).lower()).strip("-")
             caption = f"{study}, {name}: error against processor time; the line is the front that no choice passes."
             yield f"pareto-{slug}", caption, _figure(part, str(name))
 
 
 def _figure(part: "xr.Dataset", name: str) -> "Figure":
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
     shown = {number: kinds for kinds, (number, _) in NUMBERS.items() if taking_part(part, *kinds).size > 1}
     figure = Figure(layout="constrained")
@@ -64,6 +66,8 @@ def _figure(part: "xr.Dataset", name: str) -> "Figure":
     panels[0].set_title(f"{name}: numerical choices" if "error" in shown else f"{name}: models")
     if len(shown) == 2:
         panels[1].set_title("models")
+    if sum(len(points) for _, points in labels) < sum(len(axes.containers) for axes in panels):
+        handles.append(Line2D([], [], color=_GREY, marker="o", markersize=3.8, linestyle="none", label="dominated"))
     rows = -(-len(handles) // _COLUMNS)
     figure.legend(handles=handles, loc="outside lower left", ncols=_COLUMNS, handlelength=1.0, columnspacing=1.2)
     figure.set_size_inches(TWO_COLUMNS[0], 78 * MM + ROW * rows)
@@ -88,7 +92,14 @@ def _panel(
     rows = rows[np.isfinite(values[rows]) & np.isfinite(time[rows])]
     chosen = rows[on_front[rows]]
     axes.loglog()
-    axes.plot(time[chosen], drawn[chosen], color=_COLOURS[kinds[0]], linewidth=1.1, drawstyle="steps-post", zorder=2)
+    # cheaper than the next one nothing is known to be more exact, hence steps
+    axes.plot(
+        np.repeat(time[chosen], 2)[1:],
+        np.repeat(drawn[chosen], 2)[:-1],
+        color=_COLOURS[kinds[0]],
+        linewidth=1.1,
+        zorder=2,
+    )
     numbered: list[tuple[Artist, float, float]] = []
     for k in rows:
         kind, planned = str(part["kind"].values[k]), labels[k] == PLANNED
@@ -104,7 +115,7 @@ def _panel(
         }
         spread = [[time[k] - low[k]], [high[k] - time[k]]]
         axes.errorbar(time[k], drawn[k], xerr=spread, ecolor=colour, elinewidth=0.6, zorder=3 + emphasised, **style)
-        if emphasised or kind != "numerical":
+        if emphasised or number == "difference":
             text = f"{first + len(numbered) + 1}  {labels[k]}"
             numbered.append((Line2D([], [], label=text, **style), time[k], drawn[k]))
     everything = drawn[rows]
@@ -127,11 +138,16 @@ def _panel(
 
 def _write_numbers(axes: "Axes", points: Sequence[tuple[str, float, float]]) -> None:
     """Write each number beside its point, where it covers no other number and least of points and lines."""
-    pixels = [axes.transData.transform((x, y)) for _, x, y in points]
-    for line in axes.lines:
-        xy = np.column_stack((np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)))
-        if len(xy):
-            pixels += list(axes.transData.transform(xy))
+    from matplotlib.collections import LineCollection
+
+    lines = [np.asarray(line.get_xydata(), dtype=float) for line in axes.lines]
+    lines += [
+        segment for bars in axes.collections if isinstance(bars, LineCollection) for segment in bars.get_segments()
+    ]
+    corners = [axes.transData.transform(line) for line in lines if len(line)]
+    along = np.linspace(0.0, 1.0, 20)[:, None]
+    pixels = [corner for line in corners for corner in line]
+    pixels += [place for line in corners for a, b in itertools.pairwise(line) for place in a + along * (b - a)]
     covered, taken = np.array(pixels), list[Any]()
     for text, x, y in points:
         label = axes.annotate(text, (x, y), (0, 0), textcoords="offset points", fontsize=6.5, zorder=6)
@@ -142,7 +158,8 @@ def _write_numbers(axes: "Axes", points: Sequence[tuple[str, float, float]]) -> 
             label.set_horizontalalignment(("right", "center", "left")[across + 1])
             label.set_verticalalignment(("top", "center_baseline", "bottom")[up + 1])
             box = label.get_window_extent()
-            inside = np.all((box.min - 1 < covered) & (covered < box.max + 1), axis=1)
+            low, high = np.array(box.min) - 1.0, np.array(box.max) + 1.0
+            inside = np.all((low < covered) & (covered < high), axis=1)
             words = sum(box.overlaps(other) for other in taken)
             beyond = not (
                 axes.bbox.x0 < box.x0 < box.x1 < axes.bbox.x1 and axes.bbox.y0 < box.y0 < box.y1 < axes.bbox.y1
@@ -152,7 +169,6 @@ def _write_numbers(axes: "Axes", points: Sequence[tuple[str, float, float]]) -> 
         best = min(((distance, towards) for distance in _DISTANCES for towards in _DIRECTIONS), key=cost)
         cost(best)
         if best[0] > _DISTANCES[1]:
-            label.arrow_patch = None
             axes.annotate(
                 "", (x, y), label.get_position(), textcoords="offset points",
                 arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": "0.5", "shrinkA": 0.0, "shrinkB": 2.0},

@@ -120,7 +120,7 @@ def _cell(value: float, status: str, star: bool) -> str:
     return "failed" if status.startswith("failed") else status.partition(" (")[0]
 
 
-def faster(one: "xr.Dataset", row: int, other: int) -> bool:
+def faster(one: "xr.Dataset", row: Any, other: Any) -> bool:
     """Whether every round of one choice is faster than all rounds of another."""
     return float(one["seconds_high"][row]) < float(one["seconds_low"][other])
 
@@ -153,7 +153,7 @@ def _of_result(one: "xr.Dataset", name: str, tolerance: float, rounds: int) -> l
     if not rows.size:
         return [f"{name}: no numerical choice finds it"]
 
-    def point(row: int) -> str:
+    def point(row: Any) -> str:
         return f"{labels[row]} ({format_quantity(float(time[row]), 's', 3)}, {_percent(error[row], floor)})"
 
     numerical = taking_part(one, "numerical")
@@ -184,7 +184,7 @@ def _of_result(one: "xr.Dataset", name: str, tolerance: float, rounds: int) -> l
 
 
 def _of_models(one: "xr.Dataset", name: str, planned: int, finest: int, rounds: int) -> list[str]:
-    """Say how far other models are from the exact one, films from the scene's, and how their times are to the plan's."""
+    """Say how far other models are from the exact one and films from the scene's, with their times to the plan's."""
     difference, words = one["difference"].to_numpy(), one["difference_status"].to_numpy()
     floor = float(one["floor"])
 
