@@ -60,7 +60,7 @@ _OF_STUDY: Final = {
 _SLICES: Final = (5, 11, 21, 41, 101, 201, 401)
 _GAUSS: Final = (5, 11, 21, 41, 101)
 _INSTANTS: Final = (1, 2, 4, 8, 16, 32, 64)
-_TABLES: Final = (1e-2, 3e-3, 1e-3, 3e-4)
+_TABLES: Final = (10.0, 3.0, 0.3)  # times the plan's
 _STEPS: Final = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 _INTEGRATORS: Final = ("rodas5p", "lsoda", "bdf", "radau", "cvode")
 #: Crossed.
@@ -70,8 +70,8 @@ _CORE_STEPS: Final = (1e-3, 1e-5, 1e-7)
 _FORMS: Final = ("eyring", "muraki", "maxwell-eyring")
 _LAW_ERRORS: Final = (1e-2, 1e-3, 1e-4, 1e-6)
 _FILMS: Final = ("moes", "regime", "dowson-1968", "pan-hamrock")
-#: Loads over the orbit cannot be tabulated more finely than that in a time that anybody waits for.
-_FINEST_LOADS: Final = 1e-4
+#: Tables of the finest, over the plan's: loads over the orbit take time with the inverse of their error, and end.
+_FINEST_TABLES: Final = 0.1
 #: By how much coarser the tolerances are of what tells how exact the finest is; slices and instants are halved.
 _COARSER: Final = 4.0
 
@@ -217,6 +217,7 @@ def _of_study(
     law = made.assembly.traction.full_film.name
     settings = made.studies[study]
     best = finest(scene)
+    tables = max(best.table_tolerance, _FINEST_TABLES * base.table_tolerance)
     if isinstance(settings, Dynamics):
         base = attrs.evolve(
             base,
@@ -227,13 +228,13 @@ def _of_study(
             base,
             slices=best.slices,
             quadrature="equal",
-            table_tolerance=max(best.table_tolerance, _FINEST_LOADS),
+            table_tolerance=tables,
             integrator_tolerance=best.integrator_tolerance,
             traction_error=0.0,
             compiled=True,
         )
     elif study == "steady-slip":
-        best = attrs.evolve(best, table_tolerance=max(best.table_tolerance, _FINEST_LOADS))
+        best = attrs.evolve(best, table_tolerance=tables)
     exact = _exact(made, best, law)
     found = [
         Choice(study=study, label=label, kind="reference", scene=scene, resolution=resolution)
@@ -297,7 +298,7 @@ def _numerical(made: Plan, study: str, base: Resolution, axes: Sequence[str]) ->
     if "instants" in axes:
         yield from ({"instants": m} for m in _INSTANTS)
     if "table_tolerance" in axes:
-        yield from ({"table_tolerance": tolerance} for tolerance in _TABLES)
+        yield from ({"table_tolerance": min(0.5, factor * base.table_tolerance)} for factor in _TABLES)
     integrators = _integrators(made, study) if "integrator" in axes else []
     yield from ({"integrator": name} for name in integrators)
     if "integrator_tolerance" in axes:

@@ -1,8 +1,8 @@
 """Figures of error against cost: for each result the numerical choices with their front, and beside them the models.
 
 Style, sizes and files are those of `rollslip.figure_style`. What is dominated is grey; what is not, and the plan's
-choice, has a number, which the legend explains, since names would cover the points. Models all have one. Bars reach from
-the fastest round to the slowest. Errors below what is known are drawn at the edge of what is known, which is shaded.
+choice, has a number, which the legend explains, since names would cover the points. Models all have one. Bars reach
+from the fastest round to the slowest. Errors below what is known are drawn at its edge; beyond it is shaded.
 """
 
 import itertools
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.text import Annotation
 
 __all__ = ["front_figures"]
 
@@ -32,7 +31,9 @@ _GREY: Final = "0.62"
 _COLOURS: Final = {"numerical": MODEL_COLOURS[0], "modelling": MODEL_COLOURS[1], "film": MODEL_COLOURS[2]}
 #: Directions in which a number may stand from its point, the best first, and distances [pt] that are tried.
 _DIRECTIONS: Final = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
-_DISTANCES: Final = (5, 9, 14, 20, 28, 40)
+_DISTANCES: Final = (3, 6, 10, 16, 24, 36)
+#: Distance [pt] from which on a line leads to the point.
+_LEADER: Final = 10
 #: Columns of the legend.
 _COLUMNS: Final = 3
 
@@ -92,6 +93,7 @@ def _panel(
     rows = rows[np.isfinite(values[rows]) & np.isfinite(time[rows])]
     chosen = rows[on_front[rows]]
     axes.loglog()
+    axes.set_autoscale_on(False)  # of a single value it would make nothing
     # cheaper than the next one nothing is known to be more exact, hence steps
     axes.plot(
         np.repeat(time[chosen], 2)[1:],
@@ -120,7 +122,7 @@ def _panel(
             numbered.append((Line2D([], [], label=text, **style), time[k], drawn[k]))
     everything = drawn[rows]
     least, most = float(everything.min(initial=1.0)), float(everything.max(initial=0.0))
-    bottom = 10 ** np.floor(np.log10(min(least, floor) if least < 30 * floor else least) - 0.15)
+    bottom = 10 ** np.floor(np.log10(min(least, floor) if least < 3 * floor else least) - 0.15)
     axes.set_ylim(bottom, 10 ** np.ceil(np.log10(most) + 0.05))
     axes.set_xlim(0.75 * np.nanmin(low[rows], initial=np.inf), 1.33 * np.nanmax(high[rows], initial=0.0))
     if floor > bottom:
@@ -149,28 +151,36 @@ def _write_numbers(axes: "Axes", points: Sequence[tuple[str, float, float]]) -> 
     pixels = [corner for line in corners for corner in line]
     pixels += [place for line in corners for a, b in itertools.pairwise(line) for place in a + along * (b - a)]
     covered, taken = np.array(pixels), list[Any]()
+    markers = np.array([line[0] for line in corners if len(line) == 1])
+    points_per_pixel = 72.0 / axes.figure.dpi
     for text, x, y in points:
-        label = axes.annotate(text, (x, y), (0, 0), textcoords="offset points", fontsize=6.5, zorder=6)
+        own = axes.transData.transform((x, y))
+        label = axes.annotate(
+            text, (x, y), (0, 0), textcoords="offset points", fontsize=6.5, ha="center", va="center", zorder=6
+        )
+        size = np.array(label.get_window_extent().size)
 
-        def cost(place: tuple[float, tuple[int, int]], label: "Annotation" = label) -> tuple[int, int, float]:
-            distance, (across, up) = place
-            label.set_position((distance * across, distance * up))
-            label.set_horizontalalignment(("right", "center", "left")[across + 1])
-            label.set_verticalalignment(("top", "center_baseline", "bottom")[up + 1])
-            box = label.get_window_extent()
-            low, high = np.array(box.min) - 1.0, np.array(box.max) + 1.0
-            inside = np.all((low < covered) & (covered < high), axis=1)
-            words = sum(box.overlaps(other) for other in taken)
-            beyond = not (
-                axes.bbox.x0 < box.x0 < box.x1 < axes.bbox.x1 and axes.bbox.y0 < box.y0 < box.y1 < axes.bbox.y1
-            )
-            return words + beyond, int(np.count_nonzero(inside)), distance
+        def middle(place: tuple[float, tuple[int, int]], size: Array = size) -> Array:
+            """From the point to the middle of the number, in pixels."""
+            return np.array(place[1]) * (place[0] / points_per_pixel + 0.5 * size)
+
+        def cost(place: tuple[float, tuple[int, int]], size: Array = size, own: Array = own) -> tuple[int, int, float]:
+            at = own + middle(place, size)
+            low, high = at - 0.5 * size - 1.0, at + 0.5 * size + 1.0
+            words = sum(bool(np.all((low < end) & (begin < high))) for begin, end in taken)
+            beyond = not (np.all(low > axes.bbox.min) and np.all(high < axes.bbox.max))
+            inside = int(np.count_nonzero(np.all((low < covered) & (covered < high), axis=1)))
+            # next to another point it would be read as that point's
+            near = np.hypot(*(markers - at).T).min() < np.hypot(*(own - at)) - 1.0
+            return words + beyond, inside + 10 * int(near and place[0] < _LEADER), place[0]
 
         best = min(((distance, towards) for distance in _DISTANCES for towards in _DIRECTIONS), key=cost)
-        cost(best)
-        if best[0] > _DISTANCES[1]:
+        offset = middle(best)
+        label.set_position(tuple(points_per_pixel * offset))
+        taken.append((own + offset - 0.5 * size, own + offset + 0.5 * size))
+        if best[0] >= _LEADER:
             axes.annotate(
-                "", (x, y), label.get_position(), textcoords="offset points",
+                "", (x, y), tuple(points_per_pixel * (offset - 0.5 * size * np.array(best[1]))),
+                textcoords="offset points",
                 arrowprops={"arrowstyle": "-", "linewidth": 0.4, "color": "0.5", "shrinkA": 0.0, "shrinkB": 2.0},
             )  # fmt: skip
-        taken.append(label.get_window_extent())

@@ -160,17 +160,16 @@ def run_family(family: Family, kept: Path | None = None, progress: Progress | No
             progress(done / len(turns), _left(turns[done:], last), f"{choice.study}: {choice.label}")
         started = time.perf_counter()
         _take(family, choice, record)
-        last[k] = time.perf_counter() - started
+        if choice.kind != "reference":  # which says nothing of the others
+            last[k] = time.perf_counter() - started
         if kept is not None:
             _write(family, choice, record, _file(kept, k))
     return _dataset(family, records, time.perf_counter() - begin, resumed)
 
 
 def _left(turns: Sequence[tuple[int, int]], last: Mapping[int, float]) -> float:
-    """Seconds that turns will take: as the last one of the same choice, or as the mean of the others."""
-    if not last:
-        return np.nan
-    mean = sum(last.values()) / len(last)
+    """Seconds that turns will take: each as the last one of the same choice, or as the mean of the others'."""
+    mean = sum(last.values()) / len(last) if last else np.nan
     return sum(last.get(k, mean) for k, _ in turns)
 
 
