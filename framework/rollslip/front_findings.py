@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -79,13 +80,13 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, float) and math.isnan(value) else value
 
 
-def seconds(one: "xr.Dataset", row: int) -> str:
+def milliseconds(one: "xr.Dataset", row: Any) -> str:
     """Return the time of a choice, with its fastest and its slowest round."""
-    median, low, high = (float(one[name][row]) for name in ("seconds", "seconds_low", "seconds_high"))
+    median, low, high = (1e3 * float(one[name][row]) for name in ("seconds", "seconds_low", "seconds_high"))
     if math.isnan(median):
         return "–"
-    said = format_quantity(median, "s", 3)
-    return said if low == high else f"{said} ({format_quantity(low, 's', 3)} to {format_quantity(high, 's', 3)})"
+    shown = [f"{value:.3g}" if value < 999.5 else f"{value:.0f}" for value in (median, low, high)]
+    return shown[0] if low == high else f"{shown[0]} ({shown[1]}–{shown[2]})"
 
 
 def tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[str]]]]:
@@ -104,20 +105,20 @@ def tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[
             table = [
                 [
                     str(one["label"].values[k]),
-                    seconds(one, k),
+                    milliseconds(one, k),
                     f"{int(one['evaluations'][k])}",
                     *(_cell(values[k, j], str(words[k, j]), bool(stars[k, j])) for j in range(len(names))),
                 ]
                 for k in rows
             ]
-            found.append((f"{study}, {_TITLES[number]}", ("choice", "time", "slices", *names), table))
+            found.append((f"{study}, {_TITLES[number]}", ("choice", "time [ms]", "slices", *names), table))
     return found
 
 
 def _cell(value: float, status: str, star: bool) -> str:
     if not np.isnan(value):
         return f"{value:.1e}{' *' * star}"
-    return "failed" if status.startswith("failed") else status.partition(" (")[0]
+    return "failed" if status.startswith("failed") else re.split(r"[ ,]", status)[0]  # "none", or a number
 
 
 def faster(one: "xr.Dataset", row: Any, other: Any) -> bool:
