@@ -439,6 +439,7 @@ def test_the_command_writes_data_figures_and_a_report(capsys, tmp_path):
     assert code == 0, err
     lines = out.splitlines()
     assert "3 numerical and 2 modelling choices and 0 films, 2 rounds each, against 3 references" in lines[1]
+    assert lines[1].endswith("the finest with 15 slices")
     assert "the scene states 15 slices" in lines[2]
     assert any(line.startswith(" 5 slices") for line in lines)
     assert {path.name for path in (tmp_path / "o").iterdir()} >= {"pareto.nc", "pareto-friction.svg", "report.html"}
@@ -606,6 +607,34 @@ def test_progress_is_told_with_the_time_that_is_left():
     assert np.isnan(told[0][1])
     assert 0.0 < told[-1][1] < told[-3][1]
     assert told[-1][2] == "friction-curve: 11 slices"
+
+
+def test_names_of_models_are_choices_beside_those_that_are_narrowed_to():
+    family = plan_family(SCENE, study="friction-curve", choices="slices", traction="carreau")
+    assert [one.label for one in family.choices if one.kind == "modelling"] == ["carreau"]
+    assert not family.of("friction-curve", "film")
+
+
+def test_a_law_that_has_cheaper_evaluations_is_taken_by_them_too(monkeypatch):
+    @attrs.frozen
+    class Cheap(Rising):
+        """A law that knows a cheaper way."""
+
+        name = "cheap"
+        error: float = 0.0
+
+        def evaluated_to(self, error):
+            return attrs.evolve(self, error=error)
+
+    rollslip.register(Cheap)
+    family = plan_family(SCENE, study="friction-curve", choices="traction", traction="cheap")
+    found = {one.label: one.kind for one in family.of("friction-curve", "numerical", "modelling")}
+    assert found == {PLANNED: "numerical", "cheap": "modelling"} | {
+        f"cheap to {error}": "modelling" for error in ("1e-02", "1e-03", "1e-04", "1e-06")
+    }
+    own = evolve(SCENE, {"models.traction": "cheap"})
+    family = plan_family(own, study="friction-curve", choices="traction")
+    assert {one.label for one in family.of("friction-curve", "numerical")} >= {PLANNED, "the law to 1e-04"}
 
 
 def test_errors_have_their_classes():

@@ -159,7 +159,8 @@ def plan_family(
     for law in laws:
         get_class("traction", law)
     made = plan(scene, study)
-    wanted = wanted or tuple(AXES)
+    named = [axis for axis, names in (("traction", laws), ("film", films)) if names]
+    wanted = tuple(dict.fromkeys((*wanted, *named))) if wanted else tuple(AXES)
     varied = {_film_label(scene, name): _with_film(scene, name) for name in films or _others(scene)}
     found: list[Choice] = []
     for name in made.studies:
@@ -214,28 +215,19 @@ def _of_study(
 ) -> list[Choice]:
     """References of a study, the plan's choice, and what departs from it, each once."""
     scene, base = made.scene, made.assembly.resolution
-    law = made.assembly.traction.full_film.name
     settings = made.studies[study]
     best = finest(scene)
-    tables = max(best.table_tolerance, _FINEST_TABLES * base.table_tolerance)
+    law = assemble(scene, best).traction.full_film.name
+    if "table_tolerance" in _OF_STUDY[study]:
+        best = attrs.evolve(best, table_tolerance=max(best.table_tolerance, _FINEST_TABLES * base.table_tolerance))
     if isinstance(settings, Dynamics):
         base = attrs.evolve(
             base,
-            friction=settings.friction,
-            integrator_tolerance=settings.relative_tolerance,
+            friction=base.friction or settings.friction,
+            integrator_tolerance=base.integrator_tolerance or settings.relative_tolerance,
         )
-        best = attrs.evolve(
-            base,
-            slices=best.slices,
-            quadrature="equal",
-            table_tolerance=tables,
-            integrator_tolerance=best.integrator_tolerance,
-            traction_error=0.0,
-            compiled=True,
-        )
-    elif study == "steady-slip":
-        best = attrs.evolve(best, table_tolerance=tables)
-    exact = _exact(made, best, law)
+        best = attrs.evolve(best, instants=base.instants, friction=settings.friction)
+    exact = _exact(best, law)
     found = [
         Choice(study=study, label=label, kind="reference", scene=scene, resolution=resolution)
         for label, resolution in ((FINEST, best), (HALF, _coarser(best)), (EXACT, exact))
@@ -253,7 +245,7 @@ def _of_study(
         resolution = attrs.evolve(base, **changes)
         if resolution not in seen:
             seen.add(resolution)
-            own = resolution.traction == "named" and resolution.friction == base.friction
+            own = (resolution.traction, resolution.friction) == (best.traction, best.friction)
             kind = "numerical" if own else "modelling"
             label = _label(base, resolution)
             found.append(Choice(study=study, label=label, kind=kind, scene=scene, resolution=resolution))
@@ -265,7 +257,7 @@ def _of_study(
     return found
 
 
-def _exact(made: Plan, best: Resolution, law: str) -> Resolution:
+def _exact(best: Resolution, law: str) -> Resolution:
     """Return the finest of the exact model: the equation solved that a law is a form of, friction of every slice."""
     traction = _FORMS[-1] if law in _FORMS and law != _FORMS[-1] else best.traction
     return attrs.evolve(best, traction=traction, friction=best.friction and "conventional")

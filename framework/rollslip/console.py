@@ -255,9 +255,12 @@ def print_family(family: "Family") -> None:
     """Print what will be run: the number of choices of each study by kind, rounds and references."""
     for study in family.studies:
         of = {kind: len(family.of(study, kind)) for kind in ("numerical", "modelling", "film", "reference")}
+        finest = family.of(study, "reference")[0].resolution
+        instants = f" and {finest.instants} instants" if finest.instants else ""
         click.echo(
             f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "
-            f"{family.rounds} round{'s' * (family.rounds != 1)} each, against {of['reference']} references"
+            f"{family.rounds} round{'s' * (family.rounds != 1)} each, against {of['reference']} references, the finest "
+            f"with {finest.slices} slices{instants}"
         )
     for note in family.notes:
         click.echo(note)

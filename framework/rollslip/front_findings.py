@@ -128,7 +128,7 @@ def faster(one: "xr.Dataset", row: Any, other: Any) -> bool:
 
 def findings(dataset: "xr.Dataset") -> list[str]:
     """Say how times were taken, what is on each front, and how the plan's choice does beside it."""
-    rounds, tolerance = int(dataset.attrs["rounds"]), float(dataset.attrs["tolerance"])
+    rounds = int(dataset.attrs["rounds"])
     said = [*json.loads(dataset.attrs["notes"])]
     said.append(
         f"times are those of the processor, medians of {rounds} rounds in turns; a choice is called faster only where "
@@ -138,11 +138,12 @@ def findings(dataset: "xr.Dataset") -> list[str]:
     )
     for study, one in studies(dataset):
         for j, name in enumerate(one["result"].values):
-            said += _of_result(one.isel(result=j), f"{study}, {name}", tolerance, rounds)
+            said += _of_result(one.isel(result=j), f"{study}, {name}", rounds)
     return said
 
 
-def _of_result(one: "xr.Dataset", name: str, tolerance: float, rounds: int) -> list[str]:
+def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
+    tolerance = float(one["tolerance"])
     labels, time = one["label"].to_numpy(), one["seconds"].to_numpy()
     error, floor = np.maximum(one["error"].to_numpy(), float(one["floor"])), float(one["floor"])
     planned = int(np.flatnonzero(labels == PLANNED)[0])

@@ -293,6 +293,7 @@ def _dataset(family: Family, records: Sequence[Record], wall_time: float, resume
     numbers = {name: np.full(shape, np.nan) for name in ("error", "difference")}
     words = {name: np.full(shape, "", dtype=object) for name in numbers}
     floor = np.full(len(results), np.nan)
+    tolerance = np.array([_tolerance(family, name) for _, name in results])
     for j, (study, name) in enumerate(results):
         finest, exact = of[study, FINEST], of.get((study, EXACT), of[study, FINEST])
         floor[j] = max(_compared(of.get((study, HALF), finest), finest, name)[0], _ROUNDING)
@@ -334,6 +335,7 @@ def _dataset(family: Family, records: Sequence[Record], wall_time: float, resume
             },
             "on_front": (both, fronts["error"], about("1", "whether no numerical choice dominates it")),
             "on_model_front": (both, fronts["difference"], about("1", "whether no modelling choice dominates it")),
+            "tolerance": ("result", tolerance, about("1", "error that the scene allows")),
             "floor": ("result", floor, about("1", "difference of the finest from one half as fine")),
             "kind": (each, kinds, about("1", "numerical, modelling, film or reference")),
             "seconds": (each, median, about("s", "processor time of the study, median of the rounds")),
@@ -374,6 +376,13 @@ def _compared(record: Record, reference: Record, name: str) -> tuple[float, str]
         )
     scale = np.abs(b).max(axis=1)
     return float((np.abs(a - b).max(axis=1) / np.where(scale > 0.0, scale, 1.0)).max()), "found"
+
+
+def _tolerance(family: Family, result: str) -> float:
+    """What the scene allows of a result."""
+    accuracy = family.plan.scene.accuracy
+    of = {"friction": "friction", "critical": "critical_slip", "cage": "cage_speed"}.get(result.split()[0])
+    return accuracy.of(of) if of else accuracy.tolerance
 
 
 def _coordinates(family: Family) -> dict[str, Any]:
@@ -427,7 +436,6 @@ def _origin(
         "study": "pareto",
         "studies": json.dumps(list(family.studies)),
         "rounds": family.rounds,
-        "tolerance": family.plan.scene.accuracy.tolerance,
         "notes": json.dumps(family.notes),
         "models": together("models"),
         "citations": together("citations"),
