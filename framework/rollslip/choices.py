@@ -230,7 +230,7 @@ def _of_study(
     exact = _exact(best, law)
     found = [
         Choice(study=study, label=label, kind="reference", scene=scene, resolution=resolution)
-        for label, resolution in ((FINEST, best), (HALF, _coarser(best)), (EXACT, exact))
+        for label, resolution in ((FINEST, best), (HALF, _coarser(scene, best)), (EXACT, exact))
         if label == FINEST or resolution != best
     ]
     found.append(Choice(study=study, label=PLANNED, kind="numerical", scene=scene, resolution=base))
@@ -263,11 +263,12 @@ def _exact(best: Resolution, law: str) -> Resolution:
     return attrs.evolve(best, traction=traction, friction=best.friction and "conventional")
 
 
-def _coarser(best: Resolution) -> Resolution:
+def _coarser(scene: Scene, best: Resolution) -> Resolution:
+    """Return one half as fine; slices that a scene states are what it asks for, and so are not in doubt."""
     step = best.integrator_tolerance
     return attrs.evolve(
         best,
-        slices=max(1, best.slices // 2),
+        slices=scene.accuracy.slices or best.slices // 2,
         instants=best.instants and max(1, best.instants // 2),
         table_tolerance=_COARSER * best.table_tolerance,
         integrator_tolerance=step and _COARSER * step,

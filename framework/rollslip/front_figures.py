@@ -7,6 +7,7 @@ from the fastest round to the slowest. Errors below what is known are drawn at i
 
 import itertools
 import json
+import math
 import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final
@@ -124,7 +125,9 @@ def _panel(
     least, most = float(everything.min(initial=1.0)), float(everything.max(initial=0.0))
     bottom = 10 ** np.floor(np.log10(min(least, floor) if least < 3 * floor else least) - 0.15)
     axes.set_ylim(bottom, 10 ** np.ceil(np.log10(most) + 0.05))
-    axes.set_xlim(0.75 * np.nanmin(low[rows], initial=np.inf), 1.33 * np.nanmax(high[rows], initial=0.0))
+    least, most = float(low[rows].min(initial=np.inf)), float(high[rows].max(initial=0.0))
+    room = max(1.33, 2.5 * math.sqrt(least / most))  # for two marks of the axis at least
+    axes.set_xlim(least / room, most * room)
     if floor > bottom:
         axes.axhspan(bottom, floor, color="0.93", linewidth=0.0, zorder=0)
     for axis in (axes.xaxis, axes.yaxis):
