@@ -220,13 +220,15 @@ def _of_study(
     law = assemble(scene, best).traction.full_film.name
     if "table_tolerance" in _OF_STUDY[study]:
         best = attrs.evolve(best, table_tolerance=max(best.table_tolerance, _FINEST_TABLES * base.table_tolerance))
+    if "instants" not in _OF_STUDY[study]:
+        best = attrs.evolve(best, instants=base.instants)
     if isinstance(settings, Dynamics):
         base = attrs.evolve(
             base,
             friction=base.friction or settings.friction,
             integrator_tolerance=base.integrator_tolerance or settings.relative_tolerance,
         )
-        best = attrs.evolve(best, instants=base.instants, friction=settings.friction)
+        best = attrs.evolve(best, friction=settings.friction)
     exact = _exact(best, law)
     found = [
         Choice(study=study, label=label, kind="reference", scene=scene, resolution=resolution)

@@ -2,7 +2,7 @@
 
 Style, sizes and files are those of `rollslip.figure_style`. What is dominated is grey; what is not, and the plan's
 choice, has a number, which the legend explains, since names would cover the points. Models all have one. Bars reach
-from the fastest round to the slowest. Errors below what is known are drawn at its edge; beyond it is shaded.
+from the fastest round to the slowest. Errors below what is known are drawn at the edge of what is shaded.
 """
 
 import itertools
@@ -90,8 +90,11 @@ def _panel(
     rows = taking_part(part, *kinds)
     time, low, high = (1e3 * part[name].to_numpy() for name in ("seconds", "seconds_low", "seconds_high"))
     values, labels = part[number].to_numpy(), part["label"].to_numpy()
-    drawn, on_front = np.maximum(values, floor), part[dict(NUMBERS.values())[number]].to_numpy() == 1
+    on_front = part[dict(NUMBERS.values())[number]].to_numpy() == 1
     rows = rows[np.isfinite(values[rows]) & np.isfinite(time[rows])]
+    if (above := values[rows][values[rows] > floor]).size:  # many decades down to rounding would be empty
+        floor = max(floor, 0.1 * float(above.min()))
+    drawn = np.maximum(values, floor)
     chosen = rows[on_front[rows]]
     axes.loglog()
     axes.set_autoscale_on(False)  # of a single value it would make nothing

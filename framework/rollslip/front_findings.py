@@ -18,6 +18,8 @@ PLANNED: Final = "as planned"
 FINEST: Final = "finest"
 #: Kinds of choices that stand together -> the variable of their number, and of their front.
 NUMBERS: Final = {("numerical",): ("error", "on_front"), ("modelling", "film"): ("difference", "on_model_front")}
+#: Errors up to this are those of rounding.
+_ROUNDING: Final = 1e-14
 _TITLES: Final = {
     "error": "numerical choices: error against the finest of the same models",
     "difference": "modelling choices: difference from the finest of the exact model, of films from the scene's",
@@ -155,14 +157,15 @@ def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
     if not rows.size:
         return [f"{name}: no numerical choice finds it"]
 
-    def point(row: Any) -> str:
-        return f"{labels[row]} ({format_quantity(float(time[row]), 's', 3)}, {_percent(error[row], floor)})"
+    def point(row: Any, label: str = "") -> str:
+        of = f"{format_quantity(float(time[row]), 's', 3)}, {_percent(error[row], floor)}"
+        return f"{label or labels[row]} ({of})"
 
     numerical = taking_part(one, "numerical")
     said = f"{name}: {rows.size} of {numerical.size} numerical choices are on the front, " + (
         f"from {point(rows[0])} to {point(rows[-1])}" if rows.size > 1 else point(rows[0])
     )
-    sentences = [f"{said}; errors below {floor:.0e} are not known"]
+    sentences = [said if floor <= _ROUNDING else f"{said}; errors below {floor:.0e} are not known"]
     better = [k for k in rows if k != planned and error[k] <= error[planned] and faster(one, k, planned)]
     if np.isnan(error[planned]):
         sentences.append(f"{name}: the plan's choice has no error: {one['error_status'].to_numpy()[planned]}")
@@ -171,11 +174,11 @@ def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
         low = float(one["seconds_low"][planned]) / float(one["seconds_high"][best])
         high = float(one["seconds_high"][planned]) / float(one["seconds_low"][best])
         sentences.append(
-            f"{name}: {point(best)} is {low:.2g} to {high:.2g} times as fast as the plan's choice "
-            f"({format_quantity(float(time[planned]), 's', 3)}, {_percent(error[planned], floor)}) and no less exact"
+            f"{name}: {point(best)} is {low:.2g} to {high:.2g} times as fast as "
+            f"{point(planned, 'the plan')} and no less exact"
         )
     else:
-        sentences.append(f"{name}: no choice is faster than the plan's, {point(planned)}, and no less exact")
+        sentences.append(f"{name}: no choice is faster than {point(planned, 'the plan')} and no less exact")
     within = [k for k in numerical if error[k] <= tolerance and not np.isnan(time[k])]
     sentences.append(
         f"{name}: within the scene's tolerance of {_percent(tolerance)} the fastest is {point(within[0])}"
@@ -211,7 +214,9 @@ def _of_models(one: "xr.Dataset", name: str, planned: int, finest: int, rounds: 
 
 def _percent(share: float, floor: float = 0.0) -> str:
     """Show an error in percent with two digits; below what is known only that."""
-    return f"below {100 * floor:.2g} %" if share <= floor else f"{100 * share:.2g} %"
+    if share > floor:
+        return f"{100 * share:.2g} %"
+    return "as the finest" if floor <= _ROUNDING else f"below {100 * floor:.2g} %"
 
 
 # As the other studies are spoken of -----------------------------------------------------------------------------------

@@ -146,9 +146,8 @@ def run_family(family: Family, kept: Path | None = None, progress: Progress | No
     begin = time.perf_counter()
     records = [_read(family, one, _file(kept, k)) if kept else Record() for k, one in enumerate(family.choices)]
     resumed = any(record.status for record in records)
-    if resumed:  # what is loaded at first use is to be loaded before anything is timed
-        for study in family.studies:
-            _take(family, family.of(study, "numerical")[0], Record())
+    for study in family.studies:  # what is loaded at first use is to be loaded before anything is timed
+        _take(family, family.of(study, "numerical")[0], Record())
     turns = [(k, 0) for k, one in enumerate(family.choices) if one.kind == "reference"]
     turns += [(k, n) for n in range(family.rounds) for k, one in enumerate(family.choices) if one.kind != "reference"]
     last: dict[int, float] = {}
