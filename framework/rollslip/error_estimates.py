@@ -280,16 +280,15 @@ def _laws(chosen: Chosen, probe: Probe, few: "Assembly") -> Chosen:
         found = difference(coarse, fine)
         return found if all(error <= allowed[name] for name, error in found.items()) else None
 
-    if law.closed_form is not None:
-        closed = attrs.evolve(few.resolution, traction=law.closed_form)
-        if (found := serves(closed)) is not None:
-            resolution, errors["law"] = attrs.evolve(resolution, traction=law.closed_form), found
-            most = {name: _MARGIN * value for name, value in extremes.groups.items()}
-            left_out.append(ExactLaw(f"the law {law.name!r}", **most))
-    elif law.evaluated_to(min(allowed.values())) != law:
-        share = min(allowed.values())
-        if (found := serves(attrs.evolve(few.resolution, traction_error=share))) is not None:
-            resolution, errors["law"] = attrs.evolve(resolution, traction_error=share), found
+    share = min(allowed.values())
+    closed = attrs.evolve(few.resolution, traction=law.closed_form or "named")
+    cheaper = attrs.evolve(few.resolution, traction_error=share)
+    if law.closed_form is not None and (found := serves(closed)) is not None:
+        resolution, errors["law"] = attrs.evolve(resolution, traction=law.closed_form), found
+        most = {name: _MARGIN * value for name, value in extremes.groups.items()}
+        left_out.append(ExactLaw(f"the law {law.name!r}", **most))
+    elif law.evaluated_to(share) != law and (found := serves(cheaper)) is not None:
+        resolution, errors["law"] = attrs.evolve(resolution, traction_error=share), found
     return attrs.evolve(chosen, resolution=resolution, errors=errors, left_out=tuple(left_out))
 
 

@@ -19,6 +19,8 @@ from rollslip_plugins.stress import eyring_stress, maxwell_eyring_stress, muraki
 
 Array = NDArray[np.float64]
 
+#: Relative error of the exact law by short series.
+_SHORT_SERIES = 1e-6
 MURAKI = "Muraki M. (1987, 1992), as cited by Klebanov et al. (2022)."
 
 
@@ -116,7 +118,11 @@ class MaxwellEyring(_EyringFluid):
     @property
     def tolerance(self) -> float:  # type: ignore[override]
         """Relative difference allowed between the compiled form and the NumPy form, which is always exact."""
-        return min(max(self.accuracy, _EyringFluid.tolerance), 1e-6)
+        return min(max(self.accuracy, _EyringFluid.tolerance), _SHORT_SERIES)
+
+    def evaluated_to(self, error: float) -> "MaxwellEyring":
+        """Return the same law by short series, where the relative error allows them."""
+        return attrs.evolve(self, accuracy=max(self.accuracy, _SHORT_SERIES)) if error >= _SHORT_SERIES else self
 
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
         """Return S of the exact solution."""
