@@ -326,7 +326,7 @@ class LoadedContacts:
             def mean(rule: Array) -> Array:
                 load, share = rule.T
                 rows = []
-                for some in np.array_split(np.arange(u.size), -(-u.size * load.size // _TABLE)):
+                for some in np.array_split(np.arange(u.size), min(u.size, -(-u.size * load.size // _TABLE))):
                     slices = self.raceway.evaluate(
                         np.tile(load, some.size), np.repeat(u[some], load.size), np.repeat(V[some], load.size)
                     )
