@@ -246,3 +246,21 @@ def test_only_what_a_scene_names_is_loaded():
     assert {"contact", "film", "blend", "boundary", "hydrodynamic", "lubricants"} <= plugins
     assert not plugins & {"reynolds_line", "traction_field", "solvers", "sundials", "measured", "resistance", "drag"}
     assert not {name for name in loaded if name.startswith(("matplotlib", "h5netcdf", "scipy.stats", "sksundae"))}
+
+
+@pytest.mark.slow
+def test_a_followed_branch_is_watched_too():
+    """Slips followed to where the bearing is so hot that its films are thin: what was left out is taken back in."""
+    cool = evolve(
+        BASE,
+        {
+            "bearing.profile": "none",
+            "study.steady-slip": {"points": 6, "max_cage_slip": 0.3, "temperature": ["70 degC", "110 degC"]},
+            **{f"surface.{part}_roughness": "0.19 um" for part in ("inner_raceway", "outer_raceway", "roller")},
+        },
+    )
+    made = plan(cool, "steady-slip")
+    assert not made.chosen["steady-slip"].resolution.boundary
+    result = execute(made, "steady-slip")
+    assert "boundary friction was left out" in json.loads(result.attrs["taken_back"])[0]
+    assert json.loads(result.attrs["resolution"])["boundary"]

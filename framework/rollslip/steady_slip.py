@@ -294,7 +294,7 @@ class SteadySlip:
             if value not in last:
                 last.clear()
                 there = assemble(evolve(scene, {f"operation.{name}": value}), assembly.resolution)
-                last[value] = self._balance(there.resisting(), instants)
+                last[value] = self._balance(there.watched(*assembly.inner.chain.bounds).resisting(), instants)
             return last[value]
 
         def at(value: float) -> list[float]:
