@@ -72,7 +72,7 @@ class EffectiveFriction:
         loads = assembly.load_distribution(1)
         half = loads.psi.size // 2 + 1
         contacts = sum(
-            LoadedContacts(raceway, load[0, :half], 1.0, 1.0).force.size
+            LoadedContacts(raceway, load[0, :half], assembly.widths, 1.0).force.size
             for raceway, load in ((assembly.inner, loads.inner_load), (assembly.outer, loads.outer_load))
         )
         instants = 2 * _FIRST_INSTANTS  # at which most curves stand still

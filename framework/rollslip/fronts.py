@@ -425,7 +425,10 @@ def _origin(
         warned.append("the run was interrupted and gone on with: not all rounds met the same machine")
     others = (_plan_of(family.plan, one) for one in family.choices if one.kind in ("modelling", "film"))
     plans = [family.plan, *filter(None, others)]
-    origins = [provenance(made, warned, sum(r.evaluations for r in records), wall_time) for made in plans]
+    origins = [
+        provenance(made, next(iter(family.studies)), warned, sum(r.evaluations for r in records), wall_time)
+        for made in plans
+    ]
 
     def together(key: str) -> str:
         return json.dumps(list({json.dumps(x): x for one in origins for x in json.loads(one[key])}.values()))
