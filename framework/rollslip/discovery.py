@@ -33,6 +33,7 @@ KINDS: Final = MappingProxyType(
         "traction": "traction_models",
         "drag": "drag_models",
         "integrator": "integrator_models",
+        "engine": "engines",
         "lubricant": "lubricants",
         "bearing": "bearings",
         "surface": "surfaces",
@@ -51,6 +52,7 @@ _BASES: Final = MappingProxyType(
         "traction": ("rollslip.models", "TractionModel"),
         "drag": ("rollslip.models", "Drag"),
         "integrator": ("rollslip.models", "IntegratorModel"),
+        "engine": ("rollslip.engine", "Engine"),
         "lubricant": ("rollslip.lubricant", "Lubricant"),
         "bearing": ("rollslip.datasets", "BearingData"),
         "surface": ("rollslip.datasets", "SurfaceData"),
@@ -175,7 +177,7 @@ def available(kind: str) -> Mapping[str, Offer]:
     Parameters
     ----------
     kind : str
-        "contact", "film", "traction", "drag", "integrator", "lubricant", "bearing" or "surface".
+        "contact", "film", "traction", "drag", "integrator", "engine", "lubricant", "bearing" or "surface".
 
     Raises
     ------

@@ -112,12 +112,30 @@ class EffectiveFriction:
         errors = {"instants_error": error, "slices_error": raceways.slices_error(slip, curves[0])}
         return self._dataset(assembly, raceways, slip, curves, critical).assign_attrs(errors)
 
+    def only(self, assembly: Assembly, names: frozenset[str]) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        """Return what `run` returns of curves and critical slips, with coordinates; None if more than them is asked."""
+        if not names <= {"effective_friction", "critical_cage_slip", "critical_friction", "critical_status"}:
+            return None
+        slip, instants = slip_grid(self.max_cage_slip, self.points), assembly.resolution.instants
+        if instants is None:
+            _, curves, critical, _ = self._converged(assembly, slip)
+        else:
+            _, curves, critical = self._on(assembly, slip, instants)
+        return _curves(slip, curves[0], critical)
+
     def at_instants(self, assembly: Assembly, instants: int) -> "xr.Dataset":
         """Return what `run` does, on a given number of instants, but for the errors that instants and slices leave."""
         slip = slip_grid(self.max_cage_slip, self.points)
+        raceways, curves, critical = self._on(assembly, slip, instants)
+        return self._dataset(assembly, raceways, slip, curves, critical)
+
+    def _on(
+        self, assembly: Assembly, slip: Array, instants: int
+    ) -> "tuple[LoadedRaceways, tuple[Array, Array], tuple[Critical, Critical]]":
+        """Raceways, curves of friction and film, and critical slips on a number of instants."""
         raceways = self.loaded(assembly, instants)
         curves = raceways.evaluated(raceways.speeds(slip))
-        return self._dataset(assembly, raceways, slip, curves, raceways.critical(slip, curves[0]))
+        return raceways, curves, raceways.critical(slip, curves[0])
 
     @property
     def slip_range(self) -> float:
@@ -184,36 +202,18 @@ class EffectiveFriction:
         loads = raceways.distribution
         curve, rollers = ("ring", "cage_slip"), ("ring", "roller")
         forces = np.stack([loads.inner_force[0], loads.outer_force[0]])
+        found, coords = _curves(slip, friction, critical)
         variables: dict[str, Any] = {
-            "effective_friction": (curve, friction, about("1", "effective friction coefficient")),
+            **found,
             "roller_slip": (curve, means["roller_slip"], about("1", "roller slip, mean over the loaded contacts")),
             "sliding_speed": (curve, means["sliding_speed"], about("m/s", "sliding speed, mean over them")),
             "rolling_speed": (curve, means["rolling_speed"], about("m/s", "rolling speed, mean over them")),
             "film_parameter": (curve, film, about("1", "smallest film parameter Lambda")),
-            "critical_cage_slip": (
-                "ring",
-                np.array([c.slip for c in critical]),
-                about("1", "cage slip of the largest effective friction"),
-            ),
-            "critical_friction": (
-                "ring",
-                np.array([c.friction for c in critical]),
-                about("1", "largest effective friction coefficient"),
-            ),
-            "critical_status": (
-                "ring",
-                np.array([c.status for c in critical]),
-                about("1", "what was found of the critical slip"),
-            ),
             **regime_variables(*raceways.regimes(speeds)),
             "normal_force": (rollers, forces, about("N", "normal force at the first instant")),
             "angle": ("roller", loads.psi[0], about("rad", "position from the line of load, first instant")),
         }
-        coords: dict[str, Any] = {
-            "ring": ("ring", np.array(RINGS), about("1", "ring")),
-            "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
-            "roller": ("roller", np.arange(forces.shape[1]), about("1", "roller")),
-        }
+        coords["roller"] = ("roller", np.arange(forces.shape[1]), about("1", "roller"))
         if self.per_roller:
             variables["roller_friction"] = (
                 ("ring", "roller", "cage_slip"),
@@ -241,6 +241,31 @@ class EffectiveFriction:
                 "moment_residual": loads.moment_residual,
             },
         )
+
+
+def _curves(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables of the curves and their maxima, and their coordinates."""
+    return {
+        "effective_friction": (("ring", "cage_slip"), friction, about("1", "effective friction coefficient")),
+        "critical_cage_slip": (
+            "ring",
+            np.array([c.slip for c in critical]),
+            about("1", "cage slip of the largest effective friction"),
+        ),
+        "critical_friction": (
+            "ring",
+            np.array([c.friction for c in critical]),
+            about("1", "largest effective friction coefficient"),
+        ),
+        "critical_status": (
+            "ring",
+            np.array([c.status for c in critical]),
+            about("1", "what was found of the critical slip"),
+        ),
+    }, {
+        "ring": ("ring", np.array(RINGS), about("1", "ring")),
+        "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
+    }
 
 
 def regime_variables(share: Array, load_parameter: Array, light: Array, where: str = "") -> dict[str, Any]:

@@ -30,3 +30,7 @@ class ConvergenceError(RollslipError):
 
 class OutputError(RollslipError):
     """A result cannot be written or read where it was asked."""
+
+
+class EngineError(RollslipError):
+    """An engine cannot compute points: it cannot be started or reached, or its workers do not have what is here."""

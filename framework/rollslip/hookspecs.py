@@ -7,6 +7,7 @@ import pluggy
 
 if TYPE_CHECKING:
     from rollslip.datasets import BearingData, SurfaceData
+    from rollslip.engine import Engine
     from rollslip.lubricant import Lubricant
     from rollslip.models import ContactModel, DragModel, FilmModel, IntegratorModel, TractionModel
 
@@ -37,6 +38,11 @@ def drag_models() -> "Iterable[type[DragModel]]":  # type: ignore[empty-body]
 @hookspec
 def integrator_models() -> "Iterable[type[IntegratorModel]]":  # type: ignore[empty-body]
     """Integrators this plugin offers."""
+
+
+@hookspec
+def engines() -> "Iterable[type[Engine]]":  # type: ignore[empty-body]
+    """Engines of sweeps this plugin offers."""
 
 
 @hookspec

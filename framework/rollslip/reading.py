@@ -21,6 +21,7 @@ import re
 import tomllib
 import types
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -36,6 +37,7 @@ __all__ = [
     "SchemaRow",
     "Where",
     "evolve",
+    "from_raw",
     "load_scene",
     "nearest",
     "parse_scene",
@@ -136,7 +138,7 @@ def structure(cls: type[T], raw: object, where: Where | str, problems: list[str]
     faults: list[str] = []
     values: dict[str, object] = {}
     others: dict[str, object] = {}
-    kinds = get_type_hints(cls)
+    kinds = _hints(cls)  # type: ignore[arg-type]  # mypy takes a class for unhashable
     for key, value in raw.items():
         attribute = by_key.get(key)
         if attribute is not None:
@@ -165,6 +167,12 @@ def structure(cls: type[T], raw: object, where: Where | str, problems: list[str]
 def _attributes(cls: Any) -> "tuple[attrs.Attribute[Any], ...]":
     attributes: tuple[attrs.Attribute[Any], ...] = attrs.fields(cls)
     return attributes
+
+
+@cache
+def _hints(cls: "type[Any]") -> dict[str, Any]:
+    """Types of the fields of a class; working them out takes longer than reading a table by them."""
+    return get_type_hints(cls)
 
 
 def _key(attribute: "attrs.Attribute[Any]") -> str | None:
@@ -386,6 +394,19 @@ def parse_scene(text: str, source: str) -> Scene:
     return _scene(raw, origins, source, text)
 
 
+def from_raw(raw: Mapping[str, object], source: str, text: str = "") -> Scene:
+    """Return the scene of a raw table, such as ``scene.raw`` of another one, checked anew.
+
+    Raises
+    ------
+    SceneError
+        With every fault of the table.
+    PluginError
+        If a bearing or surface that it names is not there.
+    """
+    return _scene(_thawed(raw), {(): source}, source, text)
+
+
 def _scene(raw: dict[str, object], origins: dict[KeyPath, str], source: str, text: str) -> Scene:
     problems: list[str] = []
     complete = _with_named_data(raw, Where(origins), problems)
@@ -592,7 +613,7 @@ def _set(table: dict[Any, Any], path: tuple[str, ...], value: object) -> None:
     kind: Any = Scene
     for part in path[:-1]:
         attribute = next((a for a in _attributes(kind) if _key(a) == part), None) if attrs.has(kind) else None
-        kind = get_type_hints(kind)[attribute.name] if attribute is not None else None
+        kind = _hints(kind)[attribute.name] if attribute is not None else None
         below = table.get(part)
         if not isinstance(below, dict):
             bare = _bare_key(kind) if attrs.has(kind) else None
@@ -657,7 +678,7 @@ def schema() -> list[SchemaRow]:
 
 
 def _rows(cls: type, prefix: str) -> Iterator[SchemaRow]:
-    kinds = get_type_hints(cls)
+    kinds = _hints(cls)
     for attribute in _attributes(cls):
         name = _key(attribute)
         if name is None:

@@ -22,7 +22,7 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
     Parameters
     ----------
     kind : str
-        "contact", "film", "traction", "drag", "integrator", "lubricant", "bearing" or "surface".
+        "contact", "film", "traction", "drag", "integrator", "engine", "lubricant", "bearing" or "surface".
     name : str
         Name as ``rollslip models`` lists it.
     **parameters

@@ -309,6 +309,10 @@ class Scene:
     study: Mapping[str, FrozenTable] = field(default=FrozenTable(), doc="settings of each study, by its name")
     accuracy: Accuracy = field(default=Accuracy(), doc="how exact the result has to be")
     plugins: Plugins = field(default=Plugins(), doc="packages that are required")
+    sweep: FrozenTable | None = field(default=None, doc="what is swept, for rollslip sweep")
+    uncertainty: FrozenTable | None = field(
+        default=None, doc="distributions of uncertain values, for sweeps with samples"
+    )
 
     source: str = attrs.field(default="", eq=False, metadata={"key": None})
     text: str = attrs.field(default="", eq=False, repr=False, metadata={"key": None})

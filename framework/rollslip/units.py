@@ -21,7 +21,7 @@ from typing import TypeAlias
 
 from rollslip.errors import RollslipError
 
-__all__ = ["UnitError", "as_written", "check_unit", "expectation", "format_quantity", "quantity"]
+__all__ = ["UnitError", "as_written", "check_unit", "expectation", "evenly", "format_quantity", "quantity"]
 
 
 class UnitError(RollslipError, ValueError):
@@ -225,6 +225,33 @@ def quantity(value: object, unit: str) -> float:
     if unit == "K" and result < 0:
         raise UnitError(f"{as_written(value)} is below absolute zero, here {expectation(unit)}")
     return result
+
+
+def evenly(low: str, high: str, count: int, unit: str) -> tuple[float, ...]:
+    """Return quantities spread evenly between two, both included; each is correctly rounded.
+
+    So the middle one of "60 degC", "80 degC" is the same float as "70 degC". A text without a unit is taken to be in
+    SI units.
+
+    Raises
+    ------
+    UnitError
+        If an end cannot be read, or one of them has a unit and the other has none.
+
+    Examples
+    --------
+    >>> evenly("0.5 kN", "1.5 kN", 3, "N"), evenly("0.1", "0.3", 3, "N")
+    ((500.0, 1000.0, 1500.0), (0.1, 0.2, 0.3))
+    """
+    ends = [text.strip() for text in (low, high)]
+    bare = [_NUMBER.fullmatch(end) is not None for end in ends]
+    if bare[0] != bare[1] and unit != "1":
+        without = ends[0] if bare[0] else ends[1]
+        raise UnitError(f"{as_written(without)} has no unit, the other end has one; write it at both ends")
+    for end, plain in zip(ends, bare, strict=True):
+        quantity(float(end) if plain else end, unit)  # refuses what no field can hold
+    first, last = (Fraction(end) if plain else _from_text(end, unit) for end, plain in zip(ends, bare, strict=True))
+    return tuple(float(first + (last - first) * k / max(count - 1, 1)) for k in range(count))
 
 
 def _from_text(text: str, unit: str) -> Fraction:

@@ -1,0 +1,249 @@
+"""Computes points of a sweep: what a worker does, wherever it is. A point never raises; it ends with a status.
+
+- A point is computed from its own scene alone, by the same reading, assembly and study as ``rollslip run``: what it
+  gives depends neither on the engine nor on its neighbours, to the last bit.
+- Of the study only the variables asked for are computed and kept (`rollslip.outputs`), as bytes: no dataset a point.
+- The layout of the values (names, dimensions, coordinates) is the same for most points, and is kept beside them.
+- A time limit is held by a thread that raises in the one that computes. That needs no signal, so that it works in
+  threads, on every system, and under any executor; code that never comes back to Python is ended with its process by
+  the sweep, which waits twice as long.
+"""
+
+import ctypes
+import hashlib
+import importlib.metadata
+import json
+import sys
+import threading
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import cache
+from typing import Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.assembly import assemble
+from rollslip.discovery import in_words
+from rollslip.errors import ConvergenceError, DomainError, PluginError, RollslipError, SceneError
+from rollslip.outputs import Variables, evaluate
+from rollslip.reading import evolve
+from rollslip.scene import Scene, scene_hash
+from rollslip.studies import settings
+
+__all__ = ["FAILED", "STATUSES", "Done", "Row", "Work", "compute", "greet", "here", "unpacked"]
+
+#: How a point ends.
+STATUSES: Final = ("ok", "not-converged", "outside-domain", "crashed", "timed-out")
+FAILED: Final = STATUSES[1:]
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Work:
+    """What all points of a sweep share.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene that every point changes.
+    study : str
+        The study.
+    outputs : tuple of str
+        Variables to keep.
+    packages : tuple of str
+        Distributions whose versions belong to the key of a point.
+    time_limit : float or None
+        Longest time for one point [s].
+    """
+
+    scene: Scene
+    study: str
+    outputs: tuple[str, ...]
+    packages: tuple[str, ...]
+    time_limit: float | None = None
+
+
+@attrs.frozen(eq=False)
+class Row:
+    """What became of a point.
+
+    Attributes
+    ----------
+    number : int
+        Which point it is.
+    key : str
+        SHA-256 of its scene, study, outputs and the versions of the packages; empty if there was no scene.
+    status, message : str
+        One of `STATUSES`, and why it is not "ok".
+    seconds : float
+        Time it took.
+    layout : str
+        Names, dimensions and coordinates of the values, as JSON; empty without values.
+    numbers : bytes
+        Values that are numbers, 64-bit floats, one variable after the other.
+    texts : str
+        Values that are words, as JSON.
+    """
+
+    number: int
+    key: str
+    status: str
+    message: str
+    seconds: float
+    layout: str = ""
+    numbers: bytes = b""
+    texts: str = "[]"
+
+
+@attrs.frozen(eq=False)
+class Done:
+    """Some points that are done, and the versions of the packages where they were."""
+
+    rows: tuple[Row, ...]
+    packages: tuple[tuple[str, str], ...]
+
+
+def compute(work: Work, points: Sequence[tuple[int, Mapping[str, object]]]) -> Done:
+    """Compute points, given by number and changes of the scene; an executor calls this, and it does not raise."""
+    return Done(tuple(_point(work, number, changes) for number, changes in points), here(work.packages))
+
+
+def greet(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    """Return the versions of packages where this is called: the first task that an engine is given."""
+    return here(packages)
+
+
+@cache
+def here(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    """Return names and versions of packages in this process, and that of Python."""
+    found = []
+    for name in packages:
+        try:
+            found.append((name, importlib.metadata.version(name)))
+        except importlib.metadata.PackageNotFoundError:
+            found.append((name, "not installed"))
+    return (*found, ("python", sys.version.split()[0]))
+
+
+class _TimeLimit(BaseException):
+    """The time of a point is over; not an Exception, so that no model takes it for one of its own."""
+
+
+@contextmanager
+def _within(seconds: float | None) -> Iterator[None]:
+    """Raise in this thread when the time is over."""
+    if seconds is None:
+        yield
+        return
+    thread, lock, ended = ctypes.c_ulong(threading.get_ident()), threading.Lock(), False
+    interrupt = ctypes.pythonapi.PyThreadState_SetAsyncExc
+
+    def stop() -> None:
+        with lock:
+            if not ended:
+                interrupt(thread, ctypes.py_object(_TimeLimit))
+
+    timer = threading.Timer(seconds, stop)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        with lock:
+            ended = True
+        timer.cancel()
+        interrupt(thread, None)  # one that is on its way belongs to this point, not to the next
+
+
+def _point(work: Work, number: int, changes: Mapping[str, object]) -> Row:
+    begin, key, status, message = time.perf_counter(), "", "crashed", ""
+    layout, numbers, texts = "", b"", "[]"
+    try:
+        with _within(work.time_limit):
+            scene = evolve(work.scene, changes)
+            key = _key(work, scene)
+            study = settings(scene, work.study)[work.study]
+            variables, coords, said = evaluate(study, assemble(scene), work.outputs)
+            status, message = _outcome(said)
+            if status == "ok":
+                layout, numbers, texts = _packed(variables, coords)
+    except _TimeLimit:
+        status, message = "timed-out", f"took longer than the time limit of {work.time_limit:g} s"
+    except ConvergenceError as error:
+        status, message = "not-converged", str(error)
+    except (DomainError, SceneError, ValueError, ArithmeticError) as error:
+        # of a scene whose keys were all checked, an error tells of values that do not go together
+        status, message = "outside-domain", str(error) if isinstance(error, RollslipError) else in_words(error)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # sys.exit() of a model too
+        message = str(error) if isinstance(error, PluginError) else _words(error)
+    return Row(
+        number=number,
+        key=key,
+        status=status,
+        message=message,
+        seconds=time.perf_counter() - begin,
+        layout=layout,
+        numbers=numbers,
+        texts=texts,
+    )
+
+
+def _words(error: BaseException) -> str:
+    return "; ".join((in_words(error), *getattr(error, "__notes__", ())))
+
+
+def _outcome(said: Mapping[str, Any]) -> tuple[str, str]:
+    """Status and message by the attributes of a result; only studies in time end in more than one way."""
+    outcome = said.get("outcome")
+    if outcome == "interrupted":
+        raise KeyboardInterrupt
+    if outcome == "failed":
+        by = {"domain": "outside-domain", "model": "crashed"}
+        return by.get(said["failed_by"], "not-converged"), str(said["outcome_message"])
+    return "ok", ""
+
+
+def _key(work: Work, scene: Scene) -> str:
+    told = json.dumps([scene_hash(scene), work.study, work.outputs, here(work.packages)])
+    return hashlib.sha256(told.encode()).hexdigest()
+
+
+# Values as bytes -----------------------------------------------------------------------------------------------------
+
+
+def _packed(variables: Variables, coords: Variables) -> tuple[str, bytes, str]:
+    """Layout, numbers and texts of some variables."""
+    numbers, texts = [], []
+    for _, values, _ in variables.values():
+        if values.dtype.kind in "fiub":
+            numbers.append(np.ascontiguousarray(values, dtype="<f8").tobytes())
+        else:
+            texts.append([str(text) for text in values.ravel()])
+    layout = {
+        "variables": {name: _laid_out(*of) for name, of in variables.items()},
+        "coords": {name: _laid_out(*of) | {"values": of[1].tolist()} for name, of in coords.items()},
+    }
+    return json.dumps(layout), b"".join(numbers), json.dumps(texts)
+
+
+def _laid_out(dims: tuple[str, ...], values: Any, said: Mapping[str, Any]) -> dict[str, Any]:
+    kept = {name: text for name, text in said.items() if isinstance(text, str)}
+    return {"dims": dims, "shape": values.shape, "text": values.dtype.kind not in "fiub", "attrs": kept}
+
+
+def unpacked(layout: Mapping[str, Any], numbers: bytes, texts: str) -> dict[str, Any]:
+    """Return arrays by the name of their variable, from a layout as JSON gives it and the values of a row."""
+    floats, words = np.frombuffer(numbers, dtype="<f8"), iter(json.loads(texts))
+    found, at = dict[str, Any](), 0
+    for name, about in layout["variables"].items():
+        shape = tuple(about["shape"])
+        if about["text"]:
+            found[name] = np.array(next(words), dtype=object).reshape(shape)
+        else:
+            size = int(np.prod(shape))
+            found[name] = floats[at : at + size].reshape(shape)
+            at += size
+    return found
