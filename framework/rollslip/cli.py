@@ -21,6 +21,7 @@ from rollslip.errors import ConvergenceError, PluginError, RollslipError
 
 if TYPE_CHECKING:
     from rollslip.scene import Scene
+    from rollslip.sweep import Sweep
 
 #: What the shell sees.
 OK, BAD_SCENE, NOT_CONVERGED, SOME_FAILED, BAD_PLUGIN, INTERRUPTED = 0, 2, 3, 4, 5, 130
@@ -279,6 +280,226 @@ def compare(
             click.echo(f"warning: {warning}", err=True)
         click.echo(f"written to {target}: {', '.join(files)}")
     if any(dataset["status"] != "done"):
+        sys.exit(SOME_FAILED)
+
+
+@cli.group()
+def sweep() -> None:
+    """Compute many points of a study: a grid, samples, several models; go on after whatever happens."""
+
+
+_engine = click.option("--engine", metavar="NAME", help="Where: serial, threads, processes, dask; by default chosen.")
+_workers = click.option("--workers", metavar="N", type=click.IntRange(1), help="Points at a time.")
+_scheduler = click.option("--scheduler", metavar="ADDRESS", help="Scheduler of engine dask.")
+_time_limit = click.option("--time-limit", metavar="TIME", help="Longest time for one point, such as '60 s'.")
+
+
+@sweep.command("run")
+@click.argument("scene")
+@click.option(
+    "--over",
+    "overs",
+    metavar="KEY=VALUES",
+    multiple=True,
+    help="What is varied: A,B,C or LOW:HIGH:COUNT, with units, or LOW:HIGH:COUNT:log; LOW:HIGH for samples.",
+)
+@click.option("--samples", metavar="N", type=click.IntRange(1), help="Samples of ranges and of what is uncertain.")
+@click.option("--sampling", metavar="NAME", help="sobol or latin-hypercube.")
+@click.option("--seed", metavar="N", type=click.IntRange(0), help="Seed of the samples.")
+@_study
+@click.option("--output", "outputs", metavar="NAME", multiple=True, help="Variable to keep; may be repeated.")
+@_set
+@_engine
+@_workers
+@_scheduler
+@_time_limit
+@click.option("--shard", metavar="I/N", help="Only piece I of N, for job arrays; see merge.")
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for the sweep, new or empty.")
+@_json
+def sweep_run(
+    scene: str,
+    overs: Sequence[str],
+    samples: int | None,
+    sampling: str | None,
+    seed: int | None,
+    study: str | None,
+    outputs: Sequence[str],
+    changes: Sequence[str],
+    engine: str | None,
+    workers: int | None,
+    scheduler: str | None,
+    time_limit: str | None,
+    shard: str | None,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Compute a study of SCENE at many points, and keep everything in a folder."""
+    from rollslip import sweep_findings
+    from rollslip.sampling import parse_over, parse_shard
+    from rollslip.sweep import plan_sweep
+    from rollslip.sweep_folder import begin
+
+    made = plan_sweep(
+        _scene(scene, changes),
+        dict(map(parse_over, overs)),
+        samples=samples,
+        sampling=sampling,
+        seed=seed,
+        study=study,
+        output=[name.strip() for text in outputs for name in text.split(",")],
+        time_limit=time_limit,
+        engine=_engine_table(engine, workers, scheduler),
+        shard=parse_shard(shard) if shard is not None else (1, 1),
+    )
+    if not as_json:
+        click.echo(sweep_findings.headline(made))
+        click.echo("\n".join(f"  {line}" for line in sweep_findings.planned(made)))
+    _run_sweep(made, begin(made, out if out is not None else _free_folder(f"{Path(scene).stem}-sweep")), (), as_json)
+
+
+@sweep.command("resume")
+@click.argument("folder", type=click.Path(path_type=Path))
+@_engine
+@_workers
+@_scheduler
+@_time_limit
+@_json
+def sweep_resume(
+    folder: Path, engine: str | None, workers: int | None, scheduler: str | None, time_limit: str | None, as_json: bool
+) -> None:
+    """Compute the points of the sweep in FOLDER that are not done yet."""
+    from rollslip.sweep import open_sweep, with_engine
+
+    made = with_engine(open_sweep(folder), _engine_table(engine, workers, scheduler), time_limit)
+    _run_sweep(made, folder, (), as_json)
+
+
+@sweep.command("retry")
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--failed", is_flag=True, help="All points without a result.")
+@click.option("--status", "statuses", metavar="STATUS", multiple=True, help="Those of one status, such as timed-out.")
+@_engine
+@_workers
+@_scheduler
+@_time_limit
+@_json
+def sweep_retry(
+    folder: Path,
+    failed: bool,
+    statuses: Sequence[str],
+    engine: str | None,
+    workers: int | None,
+    scheduler: str | None,
+    time_limit: str | None,
+    as_json: bool,
+) -> None:
+    """Compute points of the sweep in FOLDER again that have failed."""
+    from rollslip.point import FAILED
+    from rollslip.sweep import open_sweep, with_engine
+
+    if failed == bool(statuses):
+        raise click.UsageError("name the points to compute again: --failed, or --status of one kind")
+    if unknown := sorted(set(statuses) - set(FAILED)):
+        raise click.UsageError(f"no point fails as {', '.join(unknown)}; there are: {', '.join(FAILED)}")
+    made = with_engine(open_sweep(folder), _engine_table(engine, workers, scheduler), time_limit)
+    _run_sweep(made, folder, FAILED if failed else tuple(statuses), as_json)
+
+
+@sweep.command("status")
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--errors", metavar="N", default=5, show_default=True, type=click.IntRange(0), help="Last errors shown.")
+@_json
+def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
+    """Show how the sweep in FOLDER stands, also while it runs: points by status, time left, last errors."""
+    from rollslip.sweep_findings import status_lines
+    from rollslip.sweep_folder import status
+
+    found = status(folder, errors)
+    if as_json:
+        _print_json(found.as_dict())
+    else:
+        click.echo("\n".join(status_lines(found)))
+
+
+@sweep.command("merge")
+@click.argument("folders", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for all of it; by default FOLDER.")
+@_json
+def sweep_merge(folders: Sequence[Path], out: Path | None, as_json: bool) -> None:
+    """Put the pieces of a job array together: those in FOLDERS, or the folders shard-I-of-N in one FOLDER."""
+    from rollslip.sweep_folder import merge
+
+    if len(folders) == 1 and (pieces := sorted(folders[0].glob("shard-*-of-*"))):
+        folders, out = pieces, out if out is not None else folders[0]
+    if out is None:
+        raise click.UsageError("--out says where the pieces are put together")
+    _tell_sweep(merge(list(folders), out), out, {}, as_json)
+
+
+def _engine_table(engine: str | None, workers: int | None, scheduler: str | None) -> dict[str, object] | None:
+    """Engine and its parameters as a scene would state them."""
+    if scheduler is not None and engine not in (None, "dask"):
+        raise click.UsageError(f"--scheduler is of engine dask, not of {engine!r}")
+    if engine is None and scheduler is None:
+        if workers is not None:
+            raise click.UsageError("--workers needs an --engine: threads or processes")
+        return None
+    name = engine or "dask"
+    if workers is not None and name in ("serial", "dask"):
+        raise click.UsageError(f"--workers is of engines threads and processes, not of {name!r}")
+    parameters = {"count": workers, "scheduler": scheduler}
+    return {"model": name} | {key: value for key, value in parameters.items() if value is not None}
+
+
+def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool) -> None:
+    """Run a sweep in its folder and tell what came of it."""
+    import os
+
+    from rollslip.sweep_findings import progress
+    from rollslip.sweep_run import described, run_sweep
+
+    go_on = f"go on with: {shlex.join(['rollslip', 'sweep', 'resume', str(folder)])}"
+    try:
+        with _progress("sweep") as show:
+            settled = run_sweep(
+                made,
+                folder,
+                again=tuple(again),
+                said=lambda text: click.echo(f"  {text}", err=as_json),
+                report=lambda now: show(progress(now)),
+            )
+    except KeyboardInterrupt:
+        click.echo(f"interrupted at once; what was done is kept; {go_on}", err=True)
+        sys.stdout.flush()
+        os._exit(INTERRUPTED)  # a thread that still computes would be waited for
+    except RollslipError as error:
+        raise type(error)(f"{error}\nwhat was done is kept; {go_on}") from error
+    if settled.interrupted:
+        click.echo(f"interrupted: {progress(settled.progress)}; {go_on}", err=True)
+        sys.exit(INTERRUPTED)
+    _tell_sweep(made, folder, described(settled), as_json)
+
+
+def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], as_json: bool) -> None:
+    """Write the dataset of a sweep and say what is in it."""
+    from rollslip import sweep_findings
+    from rollslip.sweep_folder import RESULT, finish
+
+    dataset = finish(made, folder)
+    found = sweep_findings.record(dataset)
+    if as_json:
+        _print_json(
+            {"scene": made.given.source, "sweep_hash": made.hash, "study": made.study, "run": run}
+            | found
+            | {"folder": str(folder), "files": [RESULT]}
+        )
+    else:
+        click.echo("\n".join(f"  {line}" for line in sweep_findings.sentences(dataset)))
+        click.echo(f"written to {folder}: {RESULT}")
+    if found["counts"]["ok"] < sum(found["counts"].values()):
+        click.echo(
+            f"some points have no result; see: {shlex.join(['rollslip', 'sweep', 'status', str(folder)])}", err=True
+        )
         sys.exit(SOME_FAILED)
 
 

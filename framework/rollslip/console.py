@@ -99,7 +99,12 @@ def _results(dataset: "xr.Dataset") -> dict[str, Any]:
 
 def _spoken(study: str) -> Any:
     """Return the module that has the words of a study in which there is more than friction curves, or None."""
-    names = {"dynamics": "motion_findings", "steady-slip": "steady_findings", "pareto": "front_findings"}
+    names = {
+        "dynamics": "motion_findings",
+        "steady-slip": "steady_findings",
+        "pareto": "front_findings",
+        "sweep": "sweep_findings",
+    }
     return importlib.import_module(f"rollslip.{names[study]}") if study in names else None
 
 
@@ -518,7 +523,7 @@ def result_info(path: Path) -> Sections:
             ("created", a["created"]),
             ("dimensions", ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())),
             ("variables", ", ".join(map(str, dataset.data_vars))),
-            ("evaluations", f"{a['evaluations']} slices in {a['wall_time']:.2g} s"),
+            *([("evaluations", f"{a['evaluations']} slices in {a['wall_time']:.2g} s")] if "evaluations" in a else []),
             *_found(dataset),
         ],
         "packages": list(json.loads(a["packages"]).items()),

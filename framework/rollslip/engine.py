@@ -8,12 +8,18 @@
 """
 
 import abc
+import os
 from collections.abc import Mapping
 from concurrent.futures import BrokenExecutor, Executor
 from types import MappingProxyType
 from typing import ClassVar
 
-__all__ = ["Engine"]
+__all__ = ["Engine", "cores"]
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class Engine(abc.ABC):

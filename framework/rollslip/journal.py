@@ -11,7 +11,7 @@
 
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from hashlib import sha256
 from pathlib import Path
@@ -22,7 +22,7 @@ import attrs
 from rollslip.errors import OutputError
 from rollslip.point import STATUSES, Row
 
-__all__ = ["Journal", "Record", "Sessions", "journals", "records", "sessions", "states"]
+__all__ = ["Journal", "Record", "Sessions", "copied", "journals", "last_failures", "records", "sessions", "states"]
 
 _TABLES = """
 create table about (name text primary key, value text not null);
@@ -64,10 +64,12 @@ class Journal:
             self._connection.execute("pragma journal_mode = truncate")
             self._connection.execute("pragma synchronous = full")
             self._connection.executescript(f"begin;{_TABLES}commit;")
-            self._note(about | {"started": repr(time.time())})
+        self.note(about | {"started": repr(time.time())})
 
-    def _note(self, facts: dict[str, str]) -> None:
-        self._connection.executemany("insert or replace into about values (?, ?)", facts.items())
+    def note(self, facts: dict[str, str]) -> None:
+        """Note something about the writer."""
+        with _blamed(self.path):
+            self._connection.executemany("insert or replace into about values (?, ?)", facts.items())
 
     def write(self, rows: Iterable[Row]) -> None:
         """Commit rows: when this returns, they are on the disk."""
@@ -109,8 +111,7 @@ class Journal:
     def close(self, how: str) -> None:
         """Note how the writer ended, and close the file."""
         try:
-            with _blamed(self.path):
-                self._note({"ended": how})
+            self.note({"ended": how})
         finally:
             self._connection.close()
 
@@ -151,11 +152,12 @@ class Record:
 
 @attrs.frozen
 class Sessions:
-    """One writer: its file, what it noted, and how many rows it has."""
+    """One writer: its file, what it noted, how many rows it has, and when the last one came."""
 
     path: Path
     about: dict[str, str]
     rows: int
+    last: float
 
 
 @contextmanager
@@ -186,8 +188,8 @@ def sessions(folder: Path) -> list[Sessions]:
         with _opened(path) as connection:
             if _made(connection):
                 about = dict(connection.execute("select name, value from about").fetchall())
-                rows = connection.execute("select count(*) from point").fetchone()[0]
-                found.append(Sessions(path, about, rows))
+                rows, last = connection.execute("select count(*), max(at) from point").fetchone()
+                found.append(Sessions(path, about, rows, last or 0.0))
     return found
 
 
@@ -212,6 +214,28 @@ def states(folder: Path, size: int) -> bytearray:
                 if found[number] != 1:
                     found[number] = codes[status]
     return found
+
+
+def last_failures(folder: Path, failed: Sequence[str], most: int, known: bytearray) -> list[tuple[int, str, str]]:
+    """Return number, status and message of the points that failed last, and have no result since."""
+    found = dict[int, tuple[float, str, str]]()
+    marks = ", ".join("?" for _ in failed)
+    for path in journals(folder):
+        with _opened(path) as connection:
+            if _made(connection):
+                query = f"select number, at, status, message from point where status in ({marks})"
+                rows = connection.execute(f"{query} order by rowid desc limit ?", (*failed, most))
+                found |= {n: (at, status, text) for n, at, status, text in rows if known[n] != 1}
+    latest = sorted(found.items(), key=lambda item: item[1][0])[-most:]
+    return [(n, status, text) for n, (_, status, text) in latest]
+
+
+def copied(path: Path, folder: Path) -> Path:
+    """Put a journal into another folder, as it stands, even while it is being written; return its place there."""
+    target = _new_file(folder)
+    with _opened(path) as source, closing(sqlite3.connect(target)) as new, _blamed(target):
+        source.backup(new)
+    return target
 
 
 def records(folder: Path, where: str = "", *values: Any) -> Iterator[Record]:

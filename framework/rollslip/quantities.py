@@ -4,6 +4,7 @@ They are taken from the fields of the bound bearing, so that defaults, the param
 the models in them are among them. Lists and tables are not: they are no single value.
 """
 
+import contextlib
 import types
 from collections.abc import Iterator
 from typing import Any, Union, get_args, get_origin, get_type_hints
@@ -88,10 +89,8 @@ def quantities(assembly: Assembly, studies: dict[str, Study]) -> dict[str, Quant
         found.append(_choice(f"models.{kind}", attribute, getattr(scene.models, kind).name, kind))
         found += _of(assembly.models[kind], f"models.{kind}")
     if scene.cage is not None:
-        try:
+        with contextlib.suppress(RollslipError):  # the study that needs a cage says so
             found += _of(assembly.cage, "cage")
-        except RollslipError:  # the study that needs a cage says so
-            pass
     for name, study in studies.items():
         found += _of(study, f"study.{name}")
     return {one.key: one for one in found}

@@ -19,12 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.distributions import Distribution, LogUniform, Uniform
-from rollslip.errors import RollslipError
+from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.quantities import Quantity
+from rollslip.reading import parse_set
 from rollslip.units import as_written, evenly, format_quantity
 
-__all__ = ["SAMPLINGS", "Axis", "Design", "label", "probabilities", "read_axis"]
+__all__ = ["SAMPLINGS", "Axis", "Design", "label", "parse_over", "parse_shard", "probabilities", "read_axis"]
 
 Array = NDArray[np.float64]
 
@@ -116,6 +117,34 @@ def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribu
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise FieldError(quantity.key, f"{twice!r} stands twice in the list")
     return Axis(quantity, tuple(values))
+
+
+def parse_over(text: str) -> tuple[str, object]:
+    """Split ``key=values`` of the command line into key and values: a range, or a list with commas between.
+
+    Examples
+    --------
+    >>> parse_over("operation.radial_load=500 N:5 kN:10"), parse_over("models.film=moes, dowson-1968")
+    (('operation.radial_load', '500 N:5 kN:10'), ('models.film', ['moes', 'dowson-1968']))
+    """
+    key, value = parse_set(text)
+    if not isinstance(value, str) or ":" in value:
+        return key, value
+    return key, [parse_set(f"{key}={part}")[1] for part in value.split(",")]
+
+
+def parse_shard(text: str) -> tuple[int, int]:
+    """Return piece and number of pieces of "3/8".
+
+    Raises
+    ------
+    SceneError
+        If it is not written so.
+    """
+    number, _, of = text.partition("/")
+    if not (number.strip().isdecimal() and of.strip().isdecimal()):
+        raise SceneError([f"shard {as_written(text)}: write I/N with I from 1 to N, such as 3/8"])
+    return int(number), int(of)
 
 
 def _checked(quantity: Quantity, value: object, which: str) -> object:

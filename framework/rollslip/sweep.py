@@ -12,7 +12,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -25,21 +25,24 @@ from rollslip.fields import FieldError, at_least, non_negative, one_of, paramete
 from rollslip.inventory import check_required
 from rollslip.outputs import chosen
 from rollslip.point import Work, here
-from rollslip.quantities import Quantity, quantities, unknown
+from rollslip.quantities import quantities, unknown
 from rollslip.reading import Where, evolve, from_raw, load_scene, parse_scene, shipped_scenes, structure
+from rollslip.references import KLEBANOV
 from rollslip.registry import find
+from rollslip.result import references_of
 from rollslip.sampling import SAMPLINGS, Axis, Design, probabilities, read_axis
 from rollslip.scene import FrozenTable, Scene, resolved
 from rollslip.studies import STUDIES, settings
 from rollslip.units import as_written
 from rollslip.writing import whole_file
 
-__all__ = ["Sweep", "SweepTable", "open_sweep", "plan_sweep", "store_sweep"]
+__all__ = ["FILE", "Sweep", "SweepTable", "open_sweep", "plan_sweep", "store_sweep", "with_engine"]
 
-#: Values of an axis that are tried in the scene, each with all others as they are; the rest of a long axis lies between.
+#: Values of an axis that are tried in the scene, each with all others as they are; those of a longer one lie between.
 _TRIED = 1000
 _MOST_POINTS = 10_000_000
-_FILE = "sweep.json"
+#: What the sweep is, in its folder.
+FILE: Final = "sweep.json"
 
 
 @attrs.frozen(kw_only=True)
@@ -85,6 +88,8 @@ class Sweep:
         Distributions that the points need.
     local : tuple of str
         Models that are registered in this process only.
+    citations : tuple of str
+        What to cite for models and oils.
     table : SweepTable
         What was asked for, all together.
     given : Scene
@@ -100,6 +105,7 @@ class Sweep:
     uncertainty: Uncertainty
     packages: tuple[str, ...]
     local: tuple[str, ...]
+    citations: tuple[str, ...]
     table: SweepTable
     given: Scene
     shard: tuple[int, int] = (1, 1)
@@ -213,9 +219,9 @@ def plan_sweep(
     axes, ranges = list[Axis](), dict[str, Distribution]()
     wanted = [
         *_leaves(table.over, "", place.at("over")),
-        *((key, value, Where({}, (key,))) for key, value in (over or {}).items()),
+        *((key.strip(), value, Where({}, tuple(key.strip().split(".")))) for key, value in (over or {}).items()),
     ]
-    for key, raw, at in dict((one[0].strip(), (one[0].strip(), one[1], one[2])) for one in wanted).values():
+    for key, raw, at in {one[0]: one for one in wanted}.values():
         quantity = known.get(key) or known.get(f"{key}.model")
         if quantity is None:
             problems.append(at.says(unknown(key, known)))
@@ -236,8 +242,8 @@ def plan_sweep(
     if sampled and not uncertainty.distributions:
         problems.append(
             place.at("samples").says(
-                "there is nothing to sample; give a range without a count, such as --over operation.radial_load=500:5000, "
-                "or a table [uncertainty]"
+                "there is nothing to sample; give a range without a count, such as --over "
+                "operation.radial_load=500:5000, or a table [uncertainty]"
             )
         )
     if not varied and not problems:
@@ -266,6 +272,7 @@ def plan_sweep(
         uncertainty=uncertainty,
         packages=packages,
         local=local,
+        citations=_citations(tried, name),
         table=attrs.evolve(table, over=FrozenTable({**dict(_flat(table.over)), **(over or {})})),
         given=given,
         shard=_checked_shard(shard),
@@ -339,7 +346,8 @@ def _tried(base: Scene, study: str, design: Design) -> list[Assembly]:
             except SceneError as error:
                 number = axis.values.index(value) + 1
                 problems.append(
-                    f"{axis.key}: value {number} of {len(axis.values)}, {axis.shown(value)}: {'; '.join(error.problems)}"
+                    f"{axis.key}: value {number} of {len(axis.values)}, {axis.shown(value)}: "
+                    f"{'; '.join(error.problems)}"
                 )
                 break
     for of, column in zip(design.sampled, design.samples.T, strict=True):
@@ -350,9 +358,9 @@ def _tried(base: Scene, study: str, design: Design) -> list[Assembly]:
             except (SceneError, FieldError) as error:
                 number = int(np.flatnonzero(column == value)[0])
                 reason = "; ".join(error.problems) if isinstance(error, SceneError) else error.reason
+                shown = Axis(of, ()).shown(float(value))
                 problems.append(
-                    f"{of.key}: sample {number}, {Axis(of, ()).shown(float(value))}: {reason}; cut the distribution off "
-                    "with at_least or at_most"
+                    f"{of.key}: sample {number}, {shown}: {reason}; cut the distribution off with at_least or at_most"
                 )
                 break
     if problems:
@@ -376,6 +384,16 @@ def _packages(assemblies: Sequence[Assembly], study: str) -> tuple[tuple[str, ..
     local = sorted(f"{kind} {name}" for (kind, name), offer in offers.items() if offer.package == THIS_PROCESS)
     packages = {offer.package for offer in offers.values()} - {THIS_PROCESS}
     return tuple(sorted(packages | {"rollslip", "numpy", "scipy"})), tuple(local)
+
+
+def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[str, ...]:
+    texts = [KLEBANOV]
+    for assembly in assemblies:
+        used = [*assembly.models.values(), *(one for _, one in settings(assembly.scene, study)[study].models(assembly))]
+        oil = assembly.lubricant
+        texts += [text for model in used for text in references_of(model)]
+        texts += [*oil.references, *oil.pressure_viscosity_law.references]
+    return tuple(dict.fromkeys(texts))
 
 
 def _with_children(kind: str, model: Any) -> Iterator[tuple[str, str]]:
@@ -414,7 +432,7 @@ def store_sweep(sweep: Sweep, folder: Path) -> None:
         "scene": sweep.given.raw or resolved(sweep.given),
         "table": {key: value for key, value in table.items() if value not in (None, ())},
     }
-    with whole_file(folder / _FILE) as partial:
+    with whole_file(folder / FILE) as partial:
         partial.write_text(json.dumps(stored, default=dict, indent=1), encoding="utf-8")
 
 
@@ -433,10 +451,10 @@ def open_sweep(folder: Path, *, check: bool = True) -> Sweep:
     OutputError
         If it is no folder of a sweep, or what it depends on has changed; the message says what.
     """
-    path = folder / _FILE
+    path = folder / FILE
     if not path.is_file():
-        inner = f"; its pieces do: rollslip sweep merge {folder}" if any(folder.glob(f"shard-*/{_FILE}")) else ""
-        raise OutputError(f"{folder}: holds no sweep, there is no {_FILE}{inner}")
+        inner = f"; its pieces do: rollslip sweep merge {folder}" if any(folder.glob(f"shard-*/{FILE}")) else ""
+        raise OutputError(f"{folder}: holds no sweep, there is no {FILE}{inner}")
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
         table, facts = dict(stored["table"]), stored["facts"]
@@ -446,9 +464,7 @@ def open_sweep(folder: Path, *, check: bool = True) -> Sweep:
         )
         source, text, shard = stored["source"], stored["text"], tuple(stored["shard"])
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise OutputError(
-            f"{path}: cannot be read ({error}); the journals beside it are whole, restore this file"
-        ) from error
+        raise OutputError(f"{path}: cannot be read ({error}); restore it, the journals beside it are whole") from error
     if check:
         _refuse_changes(folder, _changed_file(source, text))
     over = table.pop("over", {})
@@ -456,6 +472,23 @@ def open_sweep(folder: Path, *, check: bool = True) -> Sweep:
     if check:
         _refuse_changes(folder, _differences(facts, sweep.facts))
     return attrs.evolve(sweep, given=attrs.evolve(sweep.given, source=source, text=text))
+
+
+def with_engine(sweep: Sweep, engine: object, time_limit: float | str | None) -> Sweep:
+    """Return a sweep with another engine or time limit, where they are given; they are no part of what it is.
+
+    Raises
+    ------
+    SceneError
+        If the time limit cannot be read.
+    """
+    told = {"engine": engine, "time_limit": time_limit}
+    problems: list[str] = []
+    table = structure(SweepTable, {k: v for k, v in told.items() if v is not None}, Where({}, ("sweep",)), problems)
+    if table is None:
+        raise SceneError(problems)
+    changes = {name: getattr(table, name) for name, value in told.items() if value is not None}
+    return attrs.evolve(sweep, table=attrs.evolve(sweep.table, **changes))
 
 
 def _changed_file(source: str, text: str) -> list[str]:
@@ -494,6 +527,6 @@ def _refuse_changes(folder: Path, lines: list[str]) -> None:
         more = f"\n  and {len(lines) - 10} more" if len(lines) > 10 else ""
         shown = "\n  ".join(lines[:10])
         raise OutputError(
-            f"{folder}: belongs to another sweep, since then has changed:\n  {shown}{more}\nundo that, or start anew with "
-            "another --out"
+            f"{folder}: belongs to another sweep, since then has changed:\n  {shown}{more}\n"
+            "undo that, or start anew with another --out"
         )

@@ -21,7 +21,7 @@ from typing import TypeAlias
 
 from rollslip.errors import RollslipError
 
-__all__ = ["UnitError", "as_written", "check_unit", "expectation", "evenly", "format_quantity", "quantity"]
+__all__ = ["UnitError", "as_written", "check_unit", "evenly", "expectation", "format_quantity", "quantity"]
 
 
 class UnitError(RollslipError, ValueError):

@@ -16,15 +16,10 @@ from typing import Any, ClassVar
 
 import attrs
 
-from rollslip.engine import Engine
+from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError
 from rollslip.fields import at_least, parameter, positive
 from rollslip.hookspecs import hookimpl
-
-
-def cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _count() -> Any:
@@ -139,7 +134,8 @@ class Dask(Engine):
         except TimeoutError as error:
             client.close(timeout=2)
             raise EngineError(
-                f"the dask scheduler {self.scheduler} has had no worker for {self.patience:g} s; start some: dask worker {self.scheduler}"
+                f"the dask scheduler {self.scheduler} has had no worker for {self.patience:g} s; start some: "
+                f"dask worker {self.scheduler}"
             ) from error
         return _OfClient(client, client.get_executor(pure=False))
 
@@ -153,7 +149,8 @@ class Dask(Engine):
             return distributed.Client(**place, timeout=self.patience, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
             raise EngineError(
-                f"the dask scheduler {self.scheduler} cannot be reached ({error or 'no answer'}); start one: dask scheduler"
+                f"the dask scheduler {self.scheduler} cannot be reached ({error or 'no answer'}); start one: "
+                "dask scheduler"
             ) from error
 
     def workers(self, executor: Executor) -> int:

@@ -1,0 +1,164 @@
+"""The folder of a sweep: made once, gone on with, looked at, and put together from the pieces of a job array."""
+
+import json
+import time
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from rollslip.errors import OutputError
+from rollslip.journal import copied, journals, last_failures, sessions, states
+from rollslip.point import FAILED, STATUSES
+from rollslip.result import save
+from rollslip.sweep import FILE, Sweep, open_sweep, store_sweep
+from rollslip.sweep_result import collect
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["RESULT", "Status", "begin", "finish", "merge", "status"]
+
+RESULT = "sweep.nc"
+
+
+def begin(sweep: Sweep, target: Path) -> Path:
+    """Make the folder of a new sweep, for a piece of it one in that folder, and return it.
+
+    Raises
+    ------
+    OutputError
+        If there is something already, or it cannot be written.
+    """
+    number, of = sweep.shard
+    folder = target if of == 1 else target / f"shard-{number}-of-{of}"
+    if (folder / FILE).exists():
+        raise OutputError(
+            f"{folder}: holds a sweep; go on with it by: rollslip sweep resume {folder}, or name another --out"
+        )
+    try:
+        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+            raise OutputError(f"{folder}: exists and holds files; name another --out")
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written ({error.strerror}); name another --out") from error
+    store_sweep(sweep, folder)
+    return folder
+
+
+def finish(sweep: Sweep, folder: Path) -> "xr.Dataset":
+    """Write the dataset of a sweep beside its journals, and return it."""
+    dataset = collect(sweep, folder)
+    save(dataset, folder / RESULT)
+    return dataset
+
+
+@attrs.frozen(eq=False)
+class Status:
+    """How a sweep stands.
+
+    Attributes
+    ----------
+    folder, study, shard : Path, str, tuple
+        Which it is.
+    total : int
+        Its points.
+    counts : Counter
+        Those that are done, by status.
+    writers : list of dict
+        Every run of it: host, process, engine, points, and how it ended; "" if it runs or was killed.
+    left : float or None
+        Seconds to the end at the pace of the last run, None if it has none.
+    quiet : float or None
+        Seconds since the last point.
+    errors : list of tuple
+        Number, status and message of the points that failed last.
+    """
+
+    folder: Path
+    study: str
+    shard: tuple[int, int]
+    total: int
+    counts: Counter[str]
+    writers: list[dict[str, Any]]
+    left: float | None
+    quiet: float | None
+    errors: list[tuple[int, str, str]]
+
+    @property
+    def done(self) -> int:
+        """Points that are done."""
+        return sum(self.counts.values())
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        found = attrs.asdict(self, recurse=False)
+        errors = [{"number": n, "status": status, "message": text} for n, status, text in self.errors]
+        return found | {"folder": str(self.folder), "counts": dict(self.counts), "done": self.done, "errors": errors}
+
+
+def status(folder: Path, errors: int = 5) -> Status:
+    """Return how the sweep of a folder stands; it may be running.
+
+    Raises
+    ------
+    OutputError
+        If it is no folder of a sweep, or a journal cannot be read.
+    """
+    stored = _stored(folder)
+    size, shard = int(stored["facts"]["size"]), (int(stored["shard"][0]), int(stored["shard"][1]))
+    numbers, found = range(shard[0] - 1, size, shard[1]), states(folder, size)
+    counts = Counter(STATUSES[found[number] - 1] for number in numbers if found[number])
+    runs, left, quiet = sessions(folder), None, None
+    writers = [
+        {
+            "host": one.about.get("host", ""),
+            "process": one.about.get("process", ""),
+            "engine": one.about.get("engine", ""),
+            "points": one.rows,
+            "ended": one.about.get("ended", ""),
+        }
+        for one in runs
+    ]
+    if runs and (last := max(runs, key=lambda one: one.last)).rows:
+        quiet = max(0.0, time.time() - last.last)
+        pace = (last.last - float(last.about["started"])) / last.rows
+        left = pace * (len(numbers) - sum(counts.values()))
+    failed = last_failures(folder, FAILED, errors, found)
+    return Status(folder, stored["facts"]["study"], shard, len(numbers), counts, writers, left, quiet, failed)
+
+
+def _stored(folder: Path) -> dict[str, Any]:
+    try:
+        stored: dict[str, Any] = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        open_sweep(folder, check=False)  # says what is wrong with it
+        raise
+    return stored
+
+
+def merge(pieces: list[Path], target: Path) -> Sweep:
+    """Put the pieces of a job array together; pieces that are not complete leave points for a resume.
+
+    Raises
+    ------
+    OutputError
+        If they are not of one sweep, or the target holds one already.
+    """
+    if not pieces:
+        raise OutputError(f"{target}: holds no pieces of a sweep, such as shard-1-of-8")
+    if (target / FILE).exists():
+        raise OutputError(f"{target}: was merged already; finish it by: rollslip sweep resume {target}")
+    hashes = {piece: _stored(piece)["hash"] for piece in pieces}
+    if odd := [str(piece) for piece, one in hashes.items() if one != hashes[pieces[0]]]:
+        raise OutputError(f"{', '.join(odd)}: not of the same sweep as {pieces[0]}; merge pieces of one sweep")
+    sweep = attrs.evolve(open_sweep(pieces[0], check=False), shard=(1, 1))
+    target.mkdir(parents=True, exist_ok=True)
+    if journals(target):
+        raise OutputError(f"{target}: holds journals already; name another --out")
+    for piece in pieces:
+        for path in journals(piece):
+            copied(path, target)
+    store_sweep(sweep, target)
+    return sweep

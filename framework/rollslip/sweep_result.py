@@ -1,0 +1,171 @@
+"""The dataset of a sweep: every variable over the dimensions of the sweep, with the status of every point.
+
+- It is read from the journals row by row, and can be made at any time; a point that is not done yet is "pending".
+- Values are 64-bit floats, NaN where a point has none; its status and message say why. Nothing is left out.
+- A coordinate of the study that is the same for all points, such as its cage slips, is one of the dataset. Where it
+  differs between points it becomes a variable of its own over them, and points with fewer values are filled with NaN.
+"""
+
+import datetime
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollslip.errors import OutputError
+from rollslip.friction_curve import about
+from rollslip.journal import records
+from rollslip.point import STATUSES, unpacked
+from rollslip.scene import resolved, scene_hash
+from rollslip.sweep import Sweep
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["collect"]
+
+
+def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
+    """Return what a sweep has given so far.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions: one for each axis, and "sample"; behind them those of the study. Variables: the outputs; status,
+        message and seconds of every point. Coordinates: values of the axes and of the samples.
+
+    Raises
+    ------
+    OutputError
+        If a journal cannot be read, or holds rows of another sweep.
+    """
+    import xarray as xr
+
+    design, size = sweep.design, sweep.design.size
+    layouts: dict[str, dict[str, Any]] = {}
+    status = np.full(size, "pending", dtype=f"<U{max(map(len, (*STATUSES, 'pending')))}")
+    message, seconds = np.full(size, "", dtype=object), np.full(size, np.nan)
+    for record in records(folder):
+        row = record.row
+        if not 0 <= row.number < size:
+            raise OutputError(f"{folder}: has a point {row.number} that this sweep does not have")
+        if status[row.number] == "ok":
+            continue
+        status[row.number], message[row.number], seconds[row.number] = row.status, row.message, row.seconds
+        if row.status == "ok" and row.layout not in layouts:
+            layouts[row.layout] = json.loads(record.layouts[row.layout])
+    fields = _Fields(layouts, size)
+    filled = np.zeros(size, dtype=bool)
+    for record in records(folder, "where status = ?", "ok"):
+        if not filled[record.row.number]:
+            filled[record.row.number] = True
+            fields.fill(record.row.number, layouts[record.row.layout], record.row.numbers, record.row.texts)
+    variables = fields.variables(design.dims, design.shape)
+    variables |= {
+        "status": (design.dims, status.reshape(design.shape), about("1", "how the point ended")),
+        "message": (design.dims, message.astype(str).reshape(design.shape), about("1", "why it is not ok")),
+        "seconds": (design.dims, seconds.reshape(design.shape), about("s", "time that the point took")),
+    }
+    coords = {axis.key: (axis.key, axis.coordinate, _about(axis.quantity)) for axis in design.axes}
+    if design.has_samples:
+        coords["sample"] = ("sample", np.arange(len(design.samples)), about("1", "sample"))
+        coords |= {of.key: ("sample", design.samples[:, k], _about(of)) for k, of in enumerate(design.sampled)}
+    return xr.Dataset(variables, coords | fields.coords, _attributes(sweep, status))
+
+
+def _about(quantity: Any) -> dict[str, Any]:
+    return about(quantity.unit or "1", quantity.doc)
+
+
+def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
+    own = status[list(sweep.numbers)]
+    found = {name: int((own == name).sum()) for name in (*STATUSES, "pending")}
+    lost = [f"{count} {name}" for name, count in found.items() if count and name != "ok"]
+    warnings = (
+        [f"{sum(found.values()) - found['ok']} of {own.size} points have no result: {', '.join(lost)}"] if lost else []
+    )
+    facts = sweep.facts
+    return {
+        "study": "sweep",
+        "swept": sweep.study,
+        "sweep_hash": sweep.hash,
+        "title": sweep.scene.title,
+        "source": sweep.given.source,
+        "scene": sweep.given.text,
+        "scene_resolved": json.dumps(resolved(sweep.scene)),
+        "scene_hash": scene_hash(sweep.scene),
+        "axes": json.dumps(facts["axes"]),
+        "distributions": json.dumps({k: repr(d) for k, d in sweep.uncertainty.distributions.items()}),
+        "correlation": json.dumps(sweep.uncertainty.correlation.tolist()),
+        "sampling": sweep.table.sampling if sweep.design.has_samples else "",
+        "seed": sweep.table.seed,
+        "shard": f"{sweep.shard[0]}/{sweep.shard[1]}",
+        "counts": json.dumps(found),
+        "packages": json.dumps(facts["packages"]),
+        "citations": json.dumps(list(sweep.citations)),
+        "warnings": json.dumps(warnings),
+        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+    }
+
+
+class _Fields:
+    """The arrays of the outputs, large enough for every layout."""
+
+    def __init__(self, layouts: Mapping[str, Mapping[str, Any]], size: int) -> None:
+        self.shapes: dict[str, dict[str, int]] = {}
+        self.said: dict[str, Mapping[str, Any]] = {}
+        self.text: dict[str, bool] = {}
+        for name, of in (pair for one in layouts.values() for pair in one["variables"].items()):
+            largest = self.shapes.setdefault(name, dict.fromkeys(of["dims"], 0))
+            for dim, length in zip(of["dims"], of["shape"], strict=True):
+                largest[dim] = max(largest.get(dim, 0), length)
+            self.said.setdefault(name, of["attrs"])
+            self.text[name] = self.text.get(name, False) or of["text"]
+        self._same_or_own(layouts)
+        self.arrays = {
+            name: np.full(
+                (size, *dims.values()), "" if self.text[name] else np.nan, dtype=object if self.text[name] else float
+            )
+            for name, dims in self.shapes.items()
+        }
+
+    def _same_or_own(self, layouts: Mapping[str, Mapping[str, Any]]) -> None:
+        """Tell coordinates that all points share from those that become variables."""
+        self.coords: dict[str, Any] = {}
+        self.own: dict[str, str] = {}
+        for dim in dict.fromkeys(dim for dims in self.shapes.values() for dim in dims):
+            found = [one["coords"].get(dim) for one in layouts.values() if dim in _dims(one)]
+            first = found[0]
+            if first is not None and all(other == first for other in found):
+                self.coords[dim] = (dim, np.array(first["values"]), first["attrs"])
+            elif any(found):
+                about_it = next(one for one in found if one)
+                self.own[dim] = f"{dim}_index"
+                self.shapes[dim] = {dim: max(len(one["values"]) for one in found if one)}
+                self.said[dim], self.text[dim] = about_it["attrs"], about_it["text"]
+
+    def fill(self, number: int, layout: Mapping[str, Any], numbers: bytes, texts: str) -> None:
+        """Set the values of a point."""
+        values = unpacked(layout, numbers, texts)
+        dims = _dims(layout)
+        for dim in self.own.keys() & dims:
+            values[dim] = np.array(layout["coords"][dim]["values"]) if dim in layout["coords"] else np.arange(0)
+        for name, array in values.items():
+            self.arrays[name][number][tuple(map(slice, array.shape))] = array
+
+    def variables(self, dims: tuple[str, ...], shape: tuple[int, ...]) -> dict[str, Any]:
+        """Return the arrays over the dimensions of the sweep."""
+        return {
+            name: (
+                (*dims, *(self.own.get(dim, dim) for dim in self.shapes[name])),
+                (array.astype(str) if self.text[name] else array).reshape((*shape, *array.shape[1:])),
+                dict(self.said[name]),
+            )
+            for name, array in self.arrays.items()
+        }
+
+
+def _dims(layout: Mapping[str, Any]) -> set[str]:
+    return {dim for of in layout["variables"].values() for dim in of["dims"]}
