@@ -61,7 +61,7 @@ class Journal:
         self._layouts: set[str] = set()
         with _blamed(self.path):
             self._connection = sqlite3.connect(self.path, timeout=_WAIT, isolation_level=None)
-            self._connection.execute("pragma journal_mode = truncate")
+            self._connection.execute("pragma journal_mode = delete")
             self._connection.execute("pragma synchronous = full")
             self._connection.executescript(f"begin;{_TABLES}commit;")
         self.note(about | {"started": repr(time.time())})
@@ -226,7 +226,7 @@ def last_failures(folder: Path, failed: Sequence[str], most: int, known: bytearr
                 query = f"select number, at, status, message from point where status in ({marks})"
                 rows = connection.execute(f"{query} order by rowid desc limit ?", (*failed, most))
                 found |= {n: (at, status, text) for n, at, status, text in rows if known[n] != 1}
-    latest = sorted(found.items(), key=lambda item: item[1][0])[-most:]
+    latest = sorted(found.items(), key=lambda item: (item[1][0], item[0]))[-most:]
     return [(n, status, text) for n, (_, status, text) in latest]
 
 

@@ -11,6 +11,7 @@
 
 import ctypes
 import hashlib
+import importlib
 import importlib.metadata
 import json
 import sys
@@ -26,7 +27,8 @@ import numpy as np
 
 from rollslip.assembly import assemble
 from rollslip.discovery import in_words
-from rollslip.errors import ConvergenceError, DomainError, PluginError, RollslipError, SceneError
+from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError
+from rollslip.fields import FieldError
 from rollslip.outputs import Variables, evaluate
 from rollslip.reading import evolve
 from rollslip.scene import Scene, scene_hash
@@ -106,7 +108,16 @@ class Done:
 
 def compute(work: Work, points: Sequence[tuple[int, Mapping[str, object]]]) -> Done:
     """Compute points, given by number and changes of the scene; an executor calls this, and it does not raise."""
+    if work.time_limit is not None:
+        _import_all()
     return Done(tuple(_point(work, number, changes) for number, changes in points), here(work.packages))
+
+
+@cache
+def _import_all() -> None:
+    """Import what studies import when they need it, so that a process's first point has as much time as the others."""
+    for name in ("scipy.integrate", "scipy.optimize", "xarray"):
+        importlib.import_module(name)
 
 
 def greet(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
@@ -172,9 +183,9 @@ def _point(work: Work, number: int, changes: Mapping[str, object]) -> Row:
         status, message = "timed-out", f"took longer than the time limit of {work.time_limit:g} s"
     except ConvergenceError as error:
         status, message = "not-converged", str(error)
-    except (DomainError, SceneError, ValueError, ArithmeticError) as error:
-        # of a scene whose keys were all checked, an error tells of values that do not go together
-        status, message = "outside-domain", str(error) if isinstance(error, RollslipError) else in_words(error)
+    except (DomainError, SceneError, FieldError) as error:
+        # of a scene whose keys were all checked, the last two tell of values that do not go together
+        status, message = "outside-domain", str(error)
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # sys.exit() of a model too

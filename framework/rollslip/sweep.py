@@ -239,7 +239,7 @@ def plan_sweep(
     uncertainty = _with_ranges(uncertainty, ranges) if sampled else Uncertainty({}, np.empty((0, 0)))
     varied = [*(axis.key for axis in axes), *uncertainty.distributions]
     problems += _conflicts(varied)
-    if sampled and not uncertainty.distributions:
+    if sampled and not uncertainty.distributions and not problems:
         problems.append(
             place.at("samples").says(
                 "there is nothing to sample; give a range without a count, such as --over "
@@ -468,6 +468,8 @@ def open_sweep(folder: Path, *, check: bool = True) -> Sweep:
     if check:
         _refuse_changes(folder, _changed_file(source, text))
     over = table.pop("over", {})
+    if "samples" not in table:
+        table.pop("sampling", None)
     sweep = plan_sweep(scene, over, shard=(shard[0], shard[1]), **table)
     if check:
         _refuse_changes(folder, _differences(facts, sweep.facts))

@@ -427,7 +427,7 @@ class _Run:
                         text = f"took longer than the time limit of {self.work.time_limit:g} s, and did not stop"
                         done = _ended(number, "timed-out", text, seconds, self.packages)
                     elif engine.killed(error):
-                        text = f"the process that computed it alone died ({in_words(error)})"
+                        text = "its process died, and died again when it was computed alone"
                         done = _ended(number, "crashed", text, seconds, self.packages)
                     else:
                         waiting.appendleft(number)
