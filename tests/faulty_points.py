@@ -49,11 +49,10 @@ class Faulty(TractionModel):
                 time.sleep(0.01)
         elif fault == "stuck":
             time.sleep(1e6)
-        end = time.monotonic() + self.seconds
+        end = time.monotonic() + (self.seconds if len(slices) > 1 else 0.0)  # a curve, not the search of its maximum
         while time.monotonic() < end:
             time.sleep(0.002)
-        u = slices.rolling_speed
-        slices.friction[...] = self.factor * slices.sliding_speed / u
+        slices.friction[...] = self.factor * slices.sliding_speed / slices.rolling_speed
 
 @hookimpl
 def traction_models():

@@ -302,7 +302,7 @@ class _Run:
                 else:
                     pending.extendleft(reversed(numbers))
                     self._count_loss(engine, error)
-                if not asked.times:
+                if pending and not asked.times:
                     executor = self._start(engine, engine.executor)
             at_once = False
         finally:
