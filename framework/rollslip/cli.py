@@ -338,6 +338,7 @@ def sweep_run(
     from rollslip.sampling import parse_over, parse_shard
     from rollslip.sweep import plan_sweep
     from rollslip.sweep_folder import begin
+    from rollslip.sweep_run import asked_engine
 
     made = plan_sweep(
         _scene(scene, changes),
@@ -351,6 +352,7 @@ def sweep_run(
         engine=_engine_table(engine, workers, scheduler),
         shard=parse_shard(shard) if shard is not None else (1, 1),
     )
+    asked_engine(made)  # refused before a folder is made
     if not as_json:
         click.echo(sweep_findings.headline(made))
         click.echo("\n".join(f"  {line}" for line in sweep_findings.planned(made)))
@@ -455,6 +457,7 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool)
     """Run a sweep in its folder and tell what came of it."""
     import os
 
+    from rollslip.errors import EngineError, OutputError
     from rollslip.sweep_findings import progress
     from rollslip.sweep_run import described, run_sweep
 
@@ -472,7 +475,7 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool)
         click.echo(f"interrupted at once; what was done is kept; {go_on}", err=True)
         sys.stdout.flush()
         os._exit(INTERRUPTED)  # a thread that still computes would be waited for
-    except RollslipError as error:
+    except (EngineError, OutputError) as error:
         raise type(error)(f"{error}\nwhat was done is kept; {go_on}") from error
     if settled.interrupted:
         click.echo(f"interrupted: {progress(settled.progress)}; {go_on}", err=True)

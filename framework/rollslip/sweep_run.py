@@ -39,7 +39,7 @@ from rollslip.registry import get_model, structure_model
 from rollslip.studies import settings
 from rollslip.sweep import Sweep
 
-__all__ = ["Progress", "Settled", "counts", "run_sweep"]
+__all__ = ["Progress", "Settled", "asked_engine", "described", "run_sweep"]
 
 #: Losses of an engine, one after the other without a result between them, before a run gives up.
 _PATIENCE: Final = 3
@@ -101,12 +101,6 @@ class Settled:
     interrupted: bool
 
 
-def counts(sweep: Sweep, folder: Path) -> Counter[str]:
-    """Return how many points of a sweep are done, by status."""
-    found = states(folder, sweep.design.size)
-    return Counter(STATUSES[found[number] - 1] for number in sweep.numbers if found[number])
-
-
 def run_sweep(
     sweep: Sweep,
     folder: Path,
@@ -147,7 +141,7 @@ def run_sweep(
     pending = deque(n for n in sweep.numbers if state[n] == 0 or state[n] in redo)
     before = Counter(STATUSES[state[n] - 1] for n in sweep.numbers if state[n] and state[n] not in redo)
     run = _Run(sweep, before, report)
-    chosen = engine if engine is not None else _asked(sweep)
+    chosen = engine if engine is not None else asked_engine(sweep)
     why = "asked for"
     with _interruptible() as asked:
         if chosen is not None:
@@ -177,13 +171,23 @@ def run_sweep(
 # The engine ----------------------------------------------------------------------------------------------------------
 
 
-def _asked(sweep: Sweep) -> Engine | None:
+def asked_engine(sweep: Sweep) -> Engine | None:
+    """Return the engine that a sweep asks for, None if it leaves the choice.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If its parameters are wrong, or it is not there.
+    EngineError
+        If it cannot compute these points.
+    """
     if sweep.table.engine is None:
         return None
     problems: list[str] = []
     made = structure_model("engine", sweep.table.engine, Where(sweep.given.origins, ("sweep", "engine")), problems)
     if problems or not isinstance(made, Engine):
         raise SceneError(problems)
+    _check(sweep, made)
     return made
 
 
