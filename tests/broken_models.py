@@ -15,6 +15,7 @@ import math
 import subprocess
 import sysconfig
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import MappingProxyType
 
@@ -23,6 +24,7 @@ import numpy as np
 
 from foreign_stages import NAME, SIZE, RsModel, _new_capsule, foreign_capsule
 from rollslip import get_include
+from rollslip.engine import Engine
 from rollslip.errors import DomainError
 from rollslip.fields import parameter, positive
 from rollslip.lubricant import Constant, Lubricant, Vogel
@@ -197,7 +199,61 @@ def oil(cls=Lubricant, **changes):
     return cls(**{**sound, **changes})
 
 
-SOUND = [Film(), Traction(), Line(), Drag(), Resistance(), Pocket(), Explicit(), oil()]
+@attrs.frozen(kw_only=True)
+class Threads(Engine):
+    """Two threads."""
+
+    name = "sound-engine"
+    separate = False
+    pool: int = parameter(default=2, doc="points at a time")
+
+    def executor(self):
+        return ThreadPoolExecutor(self.pool)
+
+    def workers(self, executor):
+        return self.pool
+
+
+SOUND = [Film(), Traction(), Line(), Drag(), Resistance(), Pocket(), Explicit(), Threads(), oil()]
+
+
+# Engines -------------------------------------------------------------------------------------------------------------
+
+
+@breaks("check_gives_back_what_its_tasks_return")
+@attrs.frozen(kw_only=True)
+class FirstForAll(Threads):
+    """All tasks get the result of the first."""
+
+    def executor(self):
+        executor, first = ThreadPoolExecutor(1), []
+
+        def submit(fn, /, *arguments):
+            first.append(executor.__class__.submit(executor, fn, *arguments))
+            return first[0]
+
+        executor.submit = submit
+        return executor
+
+
+@breaks("check_hands_on_what_a_task_raises")
+@attrs.frozen(kw_only=True)
+class ErrorsAreLost(Threads):
+    """A task that fails gives nothing instead."""
+
+    def executor(self):
+        executor = ThreadPoolExecutor(1)
+
+        def submit(fn, /, *arguments):
+            def kept():
+                with contextlib.suppress(Exception):
+                    return fn(*arguments)
+                return None
+
+            return executor.__class__.submit(executor, kept)
+
+        executor.submit = submit
+        return executor
 
 
 # Values --------------------------------------------------------------------------------------------------------------

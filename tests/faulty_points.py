@@ -49,7 +49,8 @@ class Faulty(TractionModel):
                 time.sleep(0.01)
         elif fault == "stuck":
             time.sleep(1e6)
-        end = time.monotonic() + (self.seconds if slices.sliding_speed.size > 1 else 0.0)  # a curve, not the search of its maximum
+        curve = slices.sliding_speed.size > 1  # and not the search of its maximum
+        end = time.monotonic() + (self.seconds if curve else 0.0)
         while time.monotonic() < end:
             time.sleep(0.002)
         slices.friction[...] = self.factor * slices.sliding_speed / slices.rolling_speed

@@ -77,12 +77,16 @@ class TestIntegrator(Conformance):
     models = box("integrator")
 
 
+class TestEngine(Conformance):
+    models = (get_model("engine", "serial"), get_model("engine", "threads"), get_model("engine", "processes"))
+
+
 class TestData(Conformance):
     models = box(*DATA)
 
 
 def test_no_kind_is_left_out():
-    assert set(KINDS) == {"contact", "film", "traction", "drag", "integrator", *DATA}
+    assert set(KINDS) == {"contact", "film", "traction", "drag", "integrator", "engine", *DATA}
 
 
 # The function --------------------------------------------------------------------------------------------------------

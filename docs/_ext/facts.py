@@ -58,7 +58,9 @@ def models():
         for name in available(kind):
             thing = get_class(kind, name)
             lines += ["", f".. rubric:: {name}", "", *(model(kind, name) if isinstance(thing, type) else data(thing))]
-            lines += ["", "References:", "", *(f"- {literal_markup(text)}" for text in thing.references), ""]
+            if thing.references:
+                lines += ["", "References:", "", *(f"- {literal_markup(text)}" for text in thing.references)]
+            lines.append("")
         if not available(kind):
             lines += ["None is in the box; a plugin can offer them.", ""]
     return lines
@@ -68,7 +70,9 @@ def model(kind, name):
     """Everything about one model but its references."""
     about = models_as_dict(name)[kind]
     prose = re.split(r"\n\w+\n---", about["description"])[0]  # without sections such as Raises
-    lines = [literal_markup(prose), "", "::", "", f"    {about['equation']}", ""]
+    lines = [literal_markup(prose), ""]
+    if about["equation"]:
+        lines += ["::", "", f"    {about['equation']}", ""]
     if "returns" in about:
         lines += [f"Returns the film thickness: {about['returns']}; regime: {about['regime']}.", ""]
     if about["parameters"]:

@@ -426,7 +426,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
     ]
     about |= {
         "description": "\n".join(_doc(thing)),
-        "equation": thing.equation,
+        "equation": getattr(thing, "equation", ""),  # an engine has none
         "parameters": parameters,
         "references": list(thing.references),
     }
@@ -461,7 +461,7 @@ def _print_model(kind: str, name: str) -> None:
     about = _model_as_dict(kind, name)
     click.echo(f"{name} ({kind}, {about['package']} {about['version']})\n")
     click.echo(about["description"] + "\n")
-    if "equation" in about:
+    if about.get("equation"):
         click.echo(f"equation    {about['equation']}\n")
     for key in ("returns", "regime", "range", "validity", "source"):
         if key in about:

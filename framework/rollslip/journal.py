@@ -22,7 +22,18 @@ import attrs
 from rollslip.errors import OutputError
 from rollslip.point import STATUSES, Row
 
-__all__ = ["Journal", "Record", "Sessions", "copied", "journals", "last_failures", "records", "sessions", "states"]
+__all__ = [
+    "Journal",
+    "Record",
+    "Sessions",
+    "copied",
+    "died",
+    "journals",
+    "last_failures",
+    "records",
+    "sessions",
+    "states",
+]
 
 _TABLES = """
 create table about (name text primary key, value text not null);
@@ -191,6 +202,13 @@ def sessions(folder: Path) -> list[Sessions]:
                 rows, last = connection.execute("select count(*), max(at) from point").fetchone()
                 found.append(Sessions(path, about, rows, last or 0.0))
     return found
+
+
+def died(folder: Path) -> bool:
+    """Return whether a run that computed in its own process has ended without a word, maybe through a point."""
+    return any(
+        "ended" not in one.about and one.about.get("engine") in ("serial", "threads") for one in sessions(folder)
+    )
 
 
 def states(folder: Path, size: int) -> bytearray:

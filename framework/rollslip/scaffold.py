@@ -76,6 +76,13 @@ _FILES: Final = MappingProxyType(
             classes=("IntegratorModel", "HeunSolver", "Any"),
             needs=("attrs>=24.2", "numpy>=2.0", "scipy>=1.15"),
         ),
+        "engine": _Kind(
+            "An engine of sweeps",
+            "the executor that computes the points",
+            "rollslip sweep run 1032930-70C --over operation.radial_load=500:5000:5 --engine ${model}",
+            classes=("Engine", "Executor"),
+            needs=("attrs>=24.2",),
+        ),
         "lubricant": _Kind(
             "A lubricant", "the oil and the sources of its data", _SCENE.format(key="lubricant.name"), needs=()
         ),
@@ -98,7 +105,7 @@ def new(name: str, kind: str, compiled: bool, folder: Path) -> Path:
         Name of the distribution: lower-case letters and digits with single hyphens; the model's is the same without
         a leading "rollslip-".
     kind : str
-        "contact", "film", "traction", "drag", "integrator", "lubricant", "bearing" or "surface".
+        "contact", "film", "traction", "drag", "integrator", "engine", "lubricant", "bearing" or "surface".
     compiled : bool
         With a form compiled against ``rollslip.h`` beside the NumPy form; for contact, film, traction and drag.
     folder : Path

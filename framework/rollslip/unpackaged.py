@@ -31,8 +31,8 @@ def register(thing: T, *, replace: bool = False) -> T:
     Parameters
     ----------
     thing : type or value
-        A class derived from ``ContactModel``, ``FilmModel``, ``TractionModel``, ``DragModel`` or ``IntegratorModel``,
-        or a ``Lubricant``, ``BearingData`` or ``SurfaceData``.
+        A class derived from ``ContactModel``, ``FilmModel``, ``TractionModel``, ``DragModel``, ``IntegratorModel`` or
+        ``Engine``, or a ``Lubricant``, ``BearingData`` or ``SurfaceData``.
     replace : bool
         Whether it may take the place of one with its name, for this process.
 

@@ -7,6 +7,7 @@
 - dask.distributed is imported when its engine is used; ``pip install rollslip[cluster]`` brings it.
 """
 
+import logging
 import multiprocessing
 import os
 import signal
@@ -144,6 +145,8 @@ class Dask(Engine):
             import distributed
         except ModuleNotFoundError as error:
             raise EngineError("engine 'dask' needs dask.distributed: pip install 'rollslip[cluster]'") from error
+        for logger in ("distributed.client", "distributed.utils", "distributed.comm"):
+            logging.getLogger(logger).setLevel(logging.CRITICAL)  # a lost connection is told by the sweep
         place = {"scheduler_file": self.scheduler} if self.scheduler.endswith(".json") else {"address": self.scheduler}
         try:
             return distributed.Client(**place, timeout=self.patience, set_as_default=False)

@@ -31,6 +31,7 @@ from hypothesis import assume
 from hypothesis import strategies as st
 
 from rollslip.chain import Chain, stage
+from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, SliceModel, TractionModel
 from rollslip.registry import catalogue, get_class
@@ -214,7 +215,7 @@ def check_says_what_it_is_and_where_it_comes_from(model: Any) -> None:
     )
 
 
-@rule(*MODELS)
+@rule(*MODELS, Engine)
 def check_every_parameter_has_a_meaning_and_a_unit(model: Any) -> None:
     """What a scene can set is explained there, and read with its unit."""
     for attribute in attrs.fields(attrs.resolve_types(type(model))):

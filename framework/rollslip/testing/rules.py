@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from hypothesis import assume
 
+from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
 from rollslip.lubricant import Lubricant
 from rollslip.models import (
@@ -61,7 +62,7 @@ STAGES: Final = (ContactModel, FilmModel, TractionModel, ResistanceModel)
 def kinds_of(model: object) -> Iterator[type | str]:
     """Yield the kinds whose rules hold for a model, the general ones first."""
     yield "value"
-    yield from (kind for kind in (*MODELS, Lubricant, *STAGES) if isinstance(model, kind))
+    yield from (kind for kind in (*MODELS, Engine, Lubricant, *STAGES) if isinstance(model, kind))
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
         yield "deflection"
 
