@@ -25,10 +25,10 @@ from rollslip.point import STATUSES, compute
 from rollslip.reading import parse_scene
 from rollslip.sampling import parse_over, probabilities
 from rollslip.studies import STUDIES
-from rollslip.sweep import open_sweep, plan_sweep, store_sweep
 from rollslip.sweep_folder import begin, finish, merge, status
 from rollslip.sweep_result import collect
 from rollslip.sweep_run import run_sweep
+from rollslip.sweeping import open_sweep, plan_sweep, store_sweep
 
 SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5})
 OVER = {"operation.temperature": "60 degC:80 degC:3", "models.traction": ["muraki", "maxwell-eyring"]}

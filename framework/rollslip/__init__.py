@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rollslip.registry import available as available
     from rollslip.registry import get_model as get_model
     from rollslip.result import open_result as open_result
+    from rollslip.sweep_folder import sweep as sweep
     from rollslip.unpackaged import model as model
     from rollslip.unpackaged import register as register
     from rollslip_kernels import get_include as get_include
@@ -43,6 +44,7 @@ _HOMES = {
     "plan": "rollslip.planning",
     "register": "rollslip.unpackaged",
     "run": "rollslip.execution",
+    "sweep": "rollslip.sweep_folder",
 }
 __all__ = sorted(_HOMES)
 

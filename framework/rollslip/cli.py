@@ -21,7 +21,7 @@ from rollslip.errors import ConvergenceError, PluginError, RollslipError
 
 if TYPE_CHECKING:
     from rollslip.scene import Scene
-    from rollslip.sweep import Sweep
+    from rollslip.sweeping import Sweep
 
 #: What the shell sees.
 OK, BAD_SCENE, NOT_CONVERGED, SOME_FAILED, BAD_PLUGIN, INTERRUPTED = 0, 2, 3, 4, 5, 130
@@ -336,9 +336,9 @@ def sweep_run(
     """Compute a study of SCENE at many points, and keep everything in a folder."""
     from rollslip import sweep_findings
     from rollslip.sampling import parse_over, parse_shard
-    from rollslip.sweep import plan_sweep
     from rollslip.sweep_folder import begin
     from rollslip.sweep_run import asked_engine
+    from rollslip.sweeping import plan_sweep
 
     made = plan_sweep(
         _scene(scene, changes),
@@ -370,7 +370,7 @@ def sweep_resume(
     folder: Path, engine: str | None, workers: int | None, scheduler: str | None, time_limit: str | None, as_json: bool
 ) -> None:
     """Compute the points of the sweep in FOLDER that are not done yet."""
-    from rollslip.sweep import open_sweep, with_engine
+    from rollslip.sweeping import open_sweep, with_engine
 
     made = with_engine(open_sweep(folder), _engine_table(engine, workers, scheduler), time_limit)
     _run_sweep(made, folder, (), as_json)
@@ -397,7 +397,7 @@ def sweep_retry(
 ) -> None:
     """Compute points of the sweep in FOLDER again that have failed."""
     from rollslip.point import FAILED
-    from rollslip.sweep import open_sweep, with_engine
+    from rollslip.sweeping import open_sweep, with_engine
 
     if failed == bool(statuses):
         raise click.UsageError("name the points to compute again: --failed, or --status of one kind")

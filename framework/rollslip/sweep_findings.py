@@ -14,7 +14,7 @@ from rollslip.sweep_run import Progress
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.sweep import Sweep
+    from rollslip.sweeping import Sweep
 
 __all__ = ["headline", "planned", "progress", "record", "sentences", "status_lines", "topics"]
 

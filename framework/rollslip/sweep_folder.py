@@ -1,8 +1,12 @@
 """The folder of a sweep: made once, gone on with, looked at, and put together from the pieces of a job array."""
 
 import json
+import os
+import tempfile
 import time
 from collections import Counter
+from collections.abc import Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,15 +16,70 @@ from rollslip.errors import OutputError
 from rollslip.journal import copied, journals, last_failures, sessions, states
 from rollslip.point import FAILED, STATUSES
 from rollslip.result import save
-from rollslip.sweep import FILE, Sweep, open_sweep, store_sweep
+from rollslip.scene import Scene
 from rollslip.sweep_result import collect
+from rollslip.sweep_run import asked_engine, run_sweep
+from rollslip.sweeping import FILE, Sweep, open_sweep, plan_sweep, store_sweep
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RESULT", "Status", "begin", "finish", "merge", "status"]
+__all__ = ["RESULT", "Status", "begin", "finish", "merge", "status", "sweep"]
 
 RESULT = "sweep.nc"
+
+
+def sweep(
+    scene: Scene | str,
+    over: Mapping[str, object] | None = None,
+    *,
+    out: str | os.PathLike[str] | None = None,
+    **options: Any,
+) -> "xr.Dataset":
+    """Compute a study at many points.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file; its tables ``[sweep]`` and ``[uncertainty]`` count.
+    over : mapping, optional
+        What is varied, by dotted key: a list of values, "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log", with units; or, to
+        be sampled, "LOW:HIGH" or "LOW:HIGH:log".
+    out : path, optional
+        Folder in which everything is kept, and from which ``rollslip sweep resume`` goes on; by default nothing is.
+    **options
+        ``samples``, ``sampling``, ``seed``, ``study``, ``output``, ``time_limit``, ``engine``: as in
+        `rollslip.sweeping.plan_sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        One dimension for each axis and, with samples, "sample", with their values as coordinates; the outputs of the
+        study; ``status``, ``message`` and ``seconds`` of every point.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If anything is wrong with the scene or the sweep; before anything runs.
+    EngineError, OutputError
+        If the engine or the folder cannot be used.
+
+    Examples
+    --------
+    >>> found = sweep(
+    ...     "1032930-70C",
+    ...     {"operation.temperature": "50 degC:90 degC:3", "models.traction.hydrodynamic": ["muraki", "eyring"]},
+    ...     study="friction-curve", output=["half_width", "friction"],
+    ... )
+    >>> found.friction.sizes["operation.temperature"], set(found.status.values.ravel().tolist())
+    (3, {'ok'})
+    """
+    made = plan_sweep(scene, over, **options)
+    asked_engine(made)
+    with tempfile.TemporaryDirectory() if out is None else nullcontext(out) as folder:
+        kept = begin(made, Path(folder))
+        run_sweep(made, kept)
+        return finish(made, kept)
 
 
 def begin(sweep: Sweep, target: Path) -> Path:

@@ -19,7 +19,7 @@ from rollslip.friction_curve import about
 from rollslip.journal import records
 from rollslip.point import STATUSES, unpacked
 from rollslip.scene import resolved, scene_hash
-from rollslip.sweep import Sweep
+from rollslip.sweeping import Sweep
 
 if TYPE_CHECKING:
     import xarray as xr

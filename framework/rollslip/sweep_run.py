@@ -32,12 +32,12 @@ from rollslip.assembly import assemble
 from rollslip.discovery import in_words
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, SceneError
-from rollslip.journal import Journal, sessions, states
+from rollslip.journal import Journal, died, states
 from rollslip.point import STATUSES, Done, Row, compute, greet, here
 from rollslip.reading import Where
 from rollslip.registry import get_model, structure_model
 from rollslip.studies import settings
-from rollslip.sweep import Sweep
+from rollslip.sweeping import Sweep
 
 __all__ = ["Progress", "Settled", "asked_engine", "described", "run_sweep"]
 
@@ -203,10 +203,7 @@ def _plain_case(sweep: Sweep, folder: Path) -> tuple[Engine | None, str]:
     """Return the engine where it needs no measuring, and why."""
     if sweep.local:
         return get_model("engine", "threads"), f"{', '.join(sweep.local)} is registered in this process only"
-    died = [
-        one for one in sessions(folder) if "ended" not in one.about and one.about.get("engine") in ("serial", "threads")
-    ]
-    if died:
+    if died(folder):
         return get_model("engine", "processes"), "an earlier run died in its own process"
     study = settings(sweep.scene, sweep.study)[sweep.study]
     if sweep.study == "dynamics":

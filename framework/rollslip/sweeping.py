@@ -23,6 +23,7 @@ from rollslip.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip.errors import OutputError, RollslipError, SceneError
 from rollslip.fields import FieldError, at_least, non_negative, one_of, parameter, positive
 from rollslip.inventory import check_required
+from rollslip.journal import died
 from rollslip.outputs import chosen
 from rollslip.point import Work, here
 from rollslip.quantities import quantities, unknown
@@ -470,6 +471,8 @@ def open_sweep(folder: Path, *, check: bool = True) -> Sweep:
     over = table.pop("over", {})
     if "samples" not in table:
         table.pop("sampling", None)
+    if died(folder):
+        table.pop("engine", None)  # chosen anew, since that one did not survive
     sweep = plan_sweep(scene, over, shard=(shard[0], shard[1]), **table)
     if check:
         _refuse_changes(folder, _differences(facts, sweep.facts))
