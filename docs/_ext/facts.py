@@ -10,10 +10,12 @@ import click
 from rollslip.cage import Cage
 from rollslip.cli import cli
 from rollslip.console import models_as_dict
+from rollslip.distributions import DISTRIBUTIONS, Correlation
 from rollslip.lubricant import OilPoint, OilTable
 from rollslip.reading import schema, shown_default
 from rollslip.registry import KINDS, available, get_class
 from rollslip.studies import STUDIES
+from rollslip.sweeping import SweepTable
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
@@ -39,6 +41,24 @@ def cage_keys():
         for key, unit, default, doc in fields(Cage, "cage.")
     ]
     return table(("key", "unit", "default", "meaning"), rows)
+
+
+def sweep_keys():
+    """Keys of the tables ``[sweep]`` and ``[uncertainty]``."""
+    lines = table(("key", "unit", "default", "meaning"), fields(SweepTable, "sweep."))
+    for name, distribution in DISTRIBUTIONS.items():
+        lines += ["", f'.. rubric:: distribution = "{name}"', "", literal_markup(distribution.__doc__), ""]
+        rows = [
+            (key, "that of the value" if key.strip("`") in OWN[name] else unit, default, doc)
+            for key, unit, default, doc in fields(distribution, "")
+        ]
+        lines += table(("key", "unit", "default", "meaning"), rows)
+    lines += ["", ".. rubric:: ``[[uncertainty.correlation]]``", ""]
+    return lines + table(("key", "unit", "default", "meaning"), fields(Correlation, ""))
+
+
+#: Distribution -> its values in the unit of what is uncertain.
+OWN = {name: {a.name for a in attrs.fields(cls) if a.metadata.get("own_unit")} for name, cls in DISTRIBUTIONS.items()}
 
 
 def study_keys():
@@ -107,8 +127,10 @@ def kinds():
 
 def commands():
     """The commands with their options."""
-    lines = []
-    for name, command in sorted(cli.commands.items()):
+    lines, every = [], dict(cli.commands)
+    for name, group in cli.commands.items():
+        every |= {f"{name} {inner}": command for inner, command in getattr(group, "commands", {}).items()}
+    for name, command in sorted(every.items()):
         context = click.Context(command, info_name=f"rollslip {name}")
         usage = " ".join(command.collect_usage_pieces(context))
         lines += ["", f".. rubric:: rollslip {name}", "", literal_markup(command.help or ""), ""]
@@ -159,6 +181,7 @@ PARTS = {
     "oil-keys": oil_keys,
     "cage-keys": cage_keys,
     "study-keys": study_keys,
+    "sweep-keys": sweep_keys,
     "models": models,
     "kinds": kinds,
     "commands": commands,
