@@ -21,7 +21,7 @@ from rollslip.engine import Engine
 from rollslip.errors import EngineError, OutputError, PluginError, SceneError
 from rollslip.journal import Journal, journals, states
 from rollslip.outputs import DEFAULT, OUTPUTS
-from rollslip.point import STATUSES, compute
+from rollslip.point import STATUSES, Row, _packed, compute
 from rollslip.reading import parse_scene
 from rollslip.sampling import parse_over, probabilities
 from rollslip.studies import STUDIES
@@ -271,6 +271,30 @@ def test_a_result_is_stored_whole_and_comes_back(tmp_path):
     assert dataset.attrs["scene"] == SCENE.text
     assert json.loads(dataset.attrs["packages"])["rollslip"]
     assert any("Muraki" in text for text in json.loads(dataset.attrs["citations"]))
+
+
+def test_single_values_words_and_ragged_ones_come_together(tmp_path):
+    """As of a study in which one point has a steady slip, the next one none, and another two."""
+    sweep = planned({"operation.radial_load": [1000, 2000, 3000, 4000]})
+    store_sweep(sweep, tmp_path)
+    journal = Journal(tmp_path, {"engine": "serial"})
+    about = {"units": "1", "long_name": "x"}
+    for number, slips in enumerate(([0.25], [], [0.25, 0.75])):
+        variables = {"largest_drag": ((), np.float64(number), about), "status": ((), np.asarray("found"), about)}
+        if slips:
+            variables["steady_slip"] = (("steady",), np.array(slips), about)
+            variables["stability"] = (("steady",), np.array(["stable", "unstable"][: len(slips)]), about)
+        layout, numbers, texts = _packed(variables, {})
+        journal.write([Row(number, "", "ok", "", 0.0, layout, numbers, texts)])
+    journal.close("complete")
+    found = collect(sweep, tmp_path)
+    assert found["largest_drag"].values[:3].tolist() == [0.0, 1.0, 2.0]
+    assert found["status"].values.tolist() == ["ok", "ok", "ok", "pending"]
+    assert found["study_status"].values.tolist() == ["found", "found", "found", ""]
+    assert np.array_equal(
+        found["steady_slip"], [[0.25, np.nan], [np.nan, np.nan], [0.25, 0.75], [np.nan, np.nan]], equal_nan=True
+    )
+    assert found["stability"].values.tolist() == [["stable", ""], ["", ""], ["stable", "unstable"], ["", ""]]
 
 
 def test_outputs_are_those_of_the_studies():

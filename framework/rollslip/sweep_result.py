@@ -2,6 +2,7 @@
 
 - It is read from the journals row by row, and can be made at any time; a point that is not done yet is "pending".
 - Values are 64-bit floats, NaN where a point has none; its status and message say why. Nothing is left out.
+- ``status`` is that of the point; a study's own variable of this name, such as that of steady-slip, is ``study_status``.
 - A coordinate of the study that is the same for all points, such as its cage slips, is one of the dataset. Where it
   differs between points it becomes a variable of its own over them, and points with fewer values are filled with NaN.
 """
@@ -62,7 +63,9 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
         if not filled[record.row.number]:
             filled[record.row.number] = True
             fields.fill(record.row.number, layouts[record.row.layout], record.row.numbers, record.row.texts)
-    variables = fields.variables(design.dims, design.shape)
+    points = ("status", "message", "seconds")
+    outputs = fields.variables(design.dims, design.shape)
+    variables = {f"study_{name}" if name in points else name: of for name, of in outputs.items()}
     variables |= {
         "status": (design.dims, status.reshape(design.shape), about("1", "how the point ended")),
         "message": (design.dims, message.astype(str).reshape(design.shape), about("1", "why it is not ok")),
@@ -153,7 +156,8 @@ class _Fields:
         for dim in self.own.keys() & dims:
             values[dim] = np.array(layout["coords"][dim]["values"]) if dim in layout["coords"] else np.arange(0)
         for name, array in values.items():
-            self.arrays[name][number][tuple(map(slice, array.shape))] = array
+            place: tuple[Any, ...] = (number, *map(slice, array.shape))
+            self.arrays[name][place] = array
 
     def variables(self, dims: tuple[str, ...], shape: tuple[int, ...]) -> dict[str, Any]:
         """Return the arrays over the dimensions of the sweep."""
