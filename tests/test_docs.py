@@ -79,7 +79,7 @@ def toml_snippets():
 
 def test_there_are_blocks_to_test():
     assert len(toml_snippets()) == 3
-    assert len(console_blocks()) == 6
+    assert len(console_blocks()) == 7
 
 
 @pytest.mark.parametrize("snippet", toml_snippets())

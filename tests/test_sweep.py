@@ -23,7 +23,7 @@ from rollslip.journal import Journal, journals, states
 from rollslip.outputs import DEFAULT, OUTPUTS
 from rollslip.point import STATUSES, Row, _packed, compute
 from rollslip.reading import parse_scene
-from rollslip.sampling import parse_over, probabilities
+from rollslip.sampling import parse_over, parse_overs, probabilities
 from rollslip.studies import STUDIES
 from rollslip.sweep_folder import begin, finish, merge, status
 from rollslip.sweep_result import collect
@@ -89,6 +89,11 @@ def test_the_command_line_writes_lists_with_commas_and_ranges_with_colons():
     )  # fmt: skip
 
 
+def test_a_key_cannot_be_given_twice():
+    with pytest.raises(SceneError, match=r"operation\.radial_load: stands in --over twice"):
+        parse_overs(["operation.radial_load=1 N", "operation.radial_load=2 N"])
+
+
 def test_models_with_parameters_whole_numbers_and_choices_are_axes_like_numbers():
     design = planned(
         {
@@ -151,6 +156,7 @@ def test_samples_are_seeded_and_spread(sampling):
         ({"bearing.rollers": "10:12:4"}, {}, "point 2 of 4: a whole number is expected"),
         ({"models.traction": ["muraki"], "models.traction.exponent": [2, 3]}, {},
          "cannot vary while models.traction does"),
+        ({"bearing.rollers": "10:20"}, {"samples": 4}, "whole numbers are not sampled; give a count or a list"),
         ({}, {}, "there is nothing to sweep"),
         (OVER, {"samples": 8}, "there is nothing to sample"),
         (OVER, {"sampling": "sobol"}, "says how samples are drawn, but none are asked for"),
@@ -425,6 +431,7 @@ def test_a_run_that_is_cut_off_and_gone_on_with_gives_the_same(tasks, serial, tm
             assert np.array_equal(found, wanted)
     settled = run_sweep(open_sweep(folder), folder, engine=engine("threads"))
     assert settled.progress.done == 10
+    assert run_sweep(sweep, folder).why == "all points are done"
     assert same(collect(sweep, folder), serial)
     assert len(journals(folder)) == len(tasks) + 1
 

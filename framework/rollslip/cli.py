@@ -335,14 +335,14 @@ def sweep_run(
 ) -> None:
     """Compute a study of SCENE at many points, and keep everything in a folder."""
     from rollslip import sweep_findings
-    from rollslip.sampling import parse_over, parse_shard
+    from rollslip.sampling import parse_overs, parse_shard
     from rollslip.sweep_folder import begin
     from rollslip.sweep_run import asked_engine
     from rollslip.sweeping import plan_sweep
 
     made = plan_sweep(
         _scene(scene, changes),
-        dict(map(parse_over, overs)),
+        parse_overs(overs),
         samples=samples,
         sampling=sampling,
         seed=seed,
@@ -480,7 +480,11 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool)
     if settled.interrupted:
         click.echo(f"interrupted: {progress(settled.progress)}; {go_on}", err=True)
         sys.exit(INTERRUPTED)
-    _tell_sweep(made, folder, described(settled), as_json)
+    try:
+        _tell_sweep(made, folder, described(settled), as_json)
+    except KeyboardInterrupt:
+        click.echo(f"interrupted; all points are kept; {go_on}", err=True)
+        sys.exit(INTERRUPTED)
 
 
 def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], as_json: bool) -> None:

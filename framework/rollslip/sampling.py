@@ -25,7 +25,17 @@ from rollslip.quantities import Quantity
 from rollslip.reading import parse_set
 from rollslip.units import as_written, evenly, format_quantity
 
-__all__ = ["SAMPLINGS", "Axis", "Design", "label", "parse_over", "parse_shard", "probabilities", "read_axis"]
+__all__ = [
+    "SAMPLINGS",
+    "Axis",
+    "Design",
+    "label",
+    "parse_over",
+    "parse_overs",
+    "parse_shard",
+    "probabilities",
+    "read_axis",
+]
 
 Array = NDArray[np.float64]
 
@@ -133,6 +143,21 @@ def parse_over(text: str) -> tuple[str, object]:
     return key, [parse_set(f"{key}={part}")[1] for part in value.split(",")]
 
 
+def parse_overs(texts: Sequence[str]) -> dict[str, object]:
+    """Return what several ``key=values`` say, by key.
+
+    Raises
+    ------
+    SceneError
+        If one cannot be read, or a key comes twice.
+    """
+    pairs = [parse_over(text) for text in texts]
+    keys = [key for key, _ in pairs]
+    if twice := sorted({key for key in keys if keys.count(key) > 1}):
+        raise SceneError([f"{key}: stands in --over twice; put all its values in one" for key in twice])
+    return dict(pairs)
+
+
 def parse_shard(text: str) -> tuple[int, int]:
     """Return piece and number of pieces of "3/8".
 
@@ -172,6 +197,8 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
     if not count:
         if not sampled:
             raise FieldError(key, f"{as_written(text)} has no count; write LOW:HIGH:COUNT, or ask for samples")
+        if quantity.whole:
+            raise FieldError(key, f"{as_written(text)}: whole numbers are not sampled; give a count or a list")
         for end, value in (("its low end", low), ("its high end", high)):
             _checked(quantity, value, end)
         return LogUniform(low=low, high=high) if logarithmic else Uniform(low=low, high=high)

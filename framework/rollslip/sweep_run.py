@@ -143,18 +143,20 @@ def run_sweep(
     run = _Run(sweep, before, report)
     chosen = engine if engine is not None else asked_engine(sweep)
     why = "asked for"
+    if not pending:
+        return Settled(run.progress(), "", "all points are done", False)
     with _interruptible() as asked:
         if chosen is not None:
             _check(sweep, chosen)
-        elif pending:
+        else:
             chosen, why = _plain_case(sweep, folder)
         about = {"sweep": sweep.hash, "host": platform.node(), "process": str(os.getpid())}
         ended = "interrupted"
         run.journal = Journal(folder, about | {"engine": chosen.name if chosen else "serial"})
         try:
-            if chosen is None and pending:
+            if chosen is None:
                 chosen, why = run.measured(pending, asked)
-            if chosen is not None and pending:
+            if pending and not asked.times:
                 said(f"engine {chosen.name}: {why}")
                 run.journal.note({"engine": chosen.name})
                 run.compute(chosen, pending, asked)
@@ -164,8 +166,7 @@ def run_sweep(
             raise
         finally:
             run.journal.close(ended)
-    name = chosen.name if chosen is not None else ""
-    return Settled(run.progress(), name, why, bool(asked.times) and run.progress().done < len(sweep.numbers))
+    return Settled(run.progress(), chosen.name, why, bool(asked.times) and run.progress().done < len(sweep.numbers))
 
 
 # The engine ----------------------------------------------------------------------------------------------------------
@@ -265,7 +266,7 @@ class _Run:
     def measured(self, pending: deque[int], asked: _Interrupts) -> tuple[Engine, str]:
         """Compute two points in this process, and return the engine that is the fastest for the others."""
         times = list[float]()
-        while pending and len(times) < 2 and not asked.times:
+        while pending and len(times) < 2 and not (times and asked.times):
             done = compute(self.work, self._points((pending.popleft(),)))
             self._take(done)
             times.append(done.rows[0].seconds)
@@ -273,8 +274,8 @@ class _Run:
         here, there = (min(times) * len(pending) / gain for gain in (_GAIN if count > 1 else 1.0, count))
         cheap = here <= _START + there
         said = f"a point takes {min(times) * 1e3:.3g} ms"
-        if count == 1:
-            return get_model("engine", "serial"), f"{said}, and there is one core"
+        if count == 1 or not pending:
+            return get_model("engine", "serial"), f"{said}, and there is {'one core' if pending else 'nothing left'}"
         if cheap:
             return threads, f"{said}: {len(pending)} of them are not worth the start of processes"
         return processes, f"{said}: {len(pending)} of them are worth the start of {count} processes"
