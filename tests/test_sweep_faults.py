@@ -17,7 +17,7 @@ from rollslip.journal import journals, sessions, states
 from rollslip.sweep_folder import status
 
 FACTORS = ["--over", "models.traction.factor=0.01:0.08:8", "--output", "friction"]
-SLOW = ["--set", "models.traction.seconds=0.4"]
+SLOW = ["--set", "models.traction.seconds=0.2"]
 LOADS = ["run", "1032930-70C", "--over", "operation.radial_load=1 kN:2 kN:3"]
 
 
