@@ -481,7 +481,8 @@ def _print_model(kind: str, name: str) -> None:
             ("name", "unit", "domain", "meaning"),
             [(r["name"], r["unit"], r["domain"], r["meaning"]) for r in about["reads"]],
         )
-    click.echo("references")
+    if about["references"]:
+        click.echo("references")
     for text in about["references"]:
         click.echo(f"  {text}")
 

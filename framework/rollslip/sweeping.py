@@ -223,7 +223,7 @@ def plan_sweep(
         *((key.strip(), value, Where({}, tuple(key.strip().split(".")))) for key, value in (over or {}).items()),
     ]
     for key, raw, at in {one[0]: one for one in wanted}.values():
-        quantity = known.get(key) or known.get(f"{key}.model")
+        quantity = known.get(key)
         if quantity is None:
             problems.append(at.says(unknown(key, known)))
             continue
