@@ -37,8 +37,8 @@ def described(one):
 
 
 def share(values):
-    """A share in per cent."""
-    return f"{100.0 * np.mean(values):.0f} %"
+    """A share as numbers."""
+    return f"{np.count_nonzero(values)} of {len(values)}"
 
 
 def middle(values):

@@ -82,7 +82,8 @@ def _effective_friction(study: EffectiveFriction, assembly: "Assembly") -> Mappi
         speeds = raceways.speeds(slip)
         parts["load distribution"].append(_timed(partial(some.load_distribution, m), 1))
         one, regimes = (_timed(partial(work, speeds)) / slip.size for work in (raceways.evaluated, raceways.regimes))
-        parts["friction"].append(one * (study.points + _SEARCH / 2))
+        closure = _timed(partial(raceways.speeds, slip), 1) / slip.size  # a free roller's spin is a root to be found
+        parts["friction"].append(one * (study.points + _SEARCH / 2) + closure * (2 * study.points + _SEARCH / 4))
         parts["film regimes"].append(regimes * study.points)
     more = assembly.slices / some.slices
     found = {part: more * _onwards(_INSTANTS, times, instants) for part, times in parts.items()}

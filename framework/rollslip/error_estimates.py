@@ -12,7 +12,7 @@
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Final, Protocol
 
 import attrs
@@ -45,6 +45,8 @@ _QUADRATURES: Final = ("equal", "gauss")
 #: Slips by which maxima are looked for, over the range and then around the best.
 _GRID, _AROUND = 13, 7
 
+#: How high a maximum must be to be taken for a rival of the largest.
+_RIVAL: Final = 0.7
 #: Differences around a maximum that are rounding, relative to it.
 _LEVEL: Final = 1e-9
 #: How far beyond what was met groups of the rheology may go before a closed form gives way.
@@ -81,18 +83,25 @@ class Probe:
         self.study = study
         grid = slip_grid(study.slip_range, _GRID)
         slips, self._peaks = [*grid[3::3]], list[tuple[int, int, float]]()
-        for k, curve in enumerate(self._curves(assembly, grid)):
-            best = int(np.argmax(curve))
+        for k, best in self._highest(self._curves(assembly, grid)):
             near = np.linspace(grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)], _AROUND + 2)[1:]
             values = self._curves(assembly, near)[k]
             at = max(int(np.argmax(values)), 1)
-            if not curve[best] > 0.0 or at == near.size - 1:
-                continue  # no friction, or it rises up to the end of the range
-            if np.min(np.abs(np.diff(values[at - 1 : at + 2]))) <= _LEVEL * curve[best]:
+            if at == near.size - 1:
+                continue  # it rises up to the end of the range
+            if np.min(np.abs(np.diff(values[at - 1 : at + 2]))) <= _LEVEL * values[at]:
                 continue  # level: no maximum to be found
             self._peaks.append((k, len(slips), float(near[1] - near[0])))
             slips += [*near[at - 1 : at + 2]]
         self._slip = np.array(slips)
+
+    @staticmethod
+    def _highest(curves: "Array") -> Iterator[tuple[int, int]]:
+        """Number of a curve and the place of a maximum, for all that may be the largest at a finer resolution."""
+        for k, curve in enumerate(curves):
+            padded = np.concatenate(([-np.inf], curve, [-np.inf]))
+            peak = (curve >= padded[:-2]) & (curve > padded[2:]) & (curve >= _RIVAL * curve.max()) & (curve > 0.0)
+            yield from ((k, int(at)) for at in np.flatnonzero(peak))
 
     def _curves(self, assembly: "Assembly", slip: "Array") -> "Array":
         return np.asarray(self.study.curves(assembly, slip, (1,))[0])
