@@ -350,12 +350,14 @@ class LoadedContacts:
 
             def mean(rule: Array) -> Array:
                 load, share = rule.T
-                rows = []
-                for some in np.array_split(np.arange(u.size), min(u.size, -(-u.size * load.size // _TABLE))):
+                rows, step = [], max(1, _TABLE // load.size)
+                for k in range(0, u.size, step):
+                    speeds = u[k : k + step], V[k : k + step]
                     slices = self.raceway.evaluate(
-                        np.tile(load, some.size), np.repeat(u[some], load.size), np.repeat(V[some], load.size)
+                        np.tile(load, speeds[0].size), *(np.repeat(speed, load.size) for speed in speeds)
                     )
-                    rows.append(slices.friction.reshape(some.size, -1) @ share)
+                    rows.append(slices.friction.reshape(speeds[0].size, -1) @ share)
+                    del slices  # before the next table is made
                 return self.orbit * np.concatenate(rows)
 
             return mean
