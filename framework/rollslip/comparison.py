@@ -306,7 +306,7 @@ def _combination(scene: Scene, study: str, choices: Mapping[str, Choice]) -> Com
     if study == "effective-friction":  # what nobody compares
         changes |= {f"study.{study}.map_points": 0, f"study.{study}.per_roller": False}
     try:
-        return Combination(choices, plan(evolve(scene, changes), study), None)
+        return Combination(choices, plan(evolve(scene, changes), study, cheaper_laws=False), None)
     except Exception as error:
         return Combination(choices, None, error)
 

@@ -186,7 +186,7 @@ def total(errors: Mapping[str, Errors]) -> Errors:
     return {name: sum(part.get(name, 0.0) for part in errors.values()) for name in names}
 
 
-def choose(study: object, assembly: "Assembly") -> Chosen:
+def choose(study: object, assembly: "Assembly", *, cheaper_laws: bool = True) -> Chosen:
     """Choose the resolution of a study by what a scene asks for.
 
     Parameters
@@ -195,6 +195,8 @@ def choose(study: object, assembly: "Assembly") -> Chosen:
         The study.
     assembly : Assembly
         Its bearing, as the scene states it.
+    cheaper_laws : bool
+        Whether a law may be evaluated more cheaply, or another serve in its place.
 
     Returns
     -------
@@ -213,7 +215,7 @@ def choose(study: object, assembly: "Assembly") -> Chosen:
             return Chosen(resolution=best)
         chosen, probe, few = _curves(curved, assembly, share)
         if not isinstance(study, Dynamics):
-            chosen = _laws(chosen, probe, few)
+            chosen = _laws(chosen, probe, few, cheaper_laws)
         if share < 1.0:
             table = 0.2 * min(accuracy.of("friction"), accuracy.of("cage_speed"))
             resolution = attrs.evolve(chosen.resolution, table_tolerance=table)
@@ -270,7 +272,7 @@ def _whole(number: float, least: int, most: int | None) -> int:
     return int(min(max(math.ceil(min(number, 1e9)), least), most or least))
 
 
-def _laws(chosen: Chosen, probe: Probe, few: "Assembly") -> Chosen:
+def _laws(chosen: Chosen, probe: Probe, few: "Assembly", cheaper_laws: bool) -> Chosen:
     """Leave boundary friction out where films are full, and evaluate laws as cheaply as their share allows."""
     accuracy, law, left_out = few.scene.accuracy, few.traction.full_film, list[LeftOut]()
     resolution, errors = chosen.resolution, dict(chosen.errors)
@@ -292,11 +294,11 @@ def _laws(chosen: Chosen, probe: Probe, few: "Assembly") -> Chosen:
     share = min(allowed.values())
     closed = attrs.evolve(few.resolution, traction=law.closed_form or "named")
     cheaper = attrs.evolve(few.resolution, traction_error=share)
-    if law.closed_form is not None and (found := serves(closed)) is not None:
+    if cheaper_laws and law.closed_form is not None and (found := serves(closed)) is not None:
         resolution, errors["law"] = attrs.evolve(resolution, traction=law.closed_form), found
         most = {name: _MARGIN * value for name, value in extremes.groups.items()}
         left_out.append(ExactLaw(f"the law {law.name!r}", **most))
-    elif law.evaluated_to(share) != law and (found := serves(cheaper)) is not None:
+    elif cheaper_laws and law.evaluated_to(share) != law and (found := serves(cheaper)) is not None:
         resolution, errors["law"] = attrs.evolve(resolution, traction_error=share), found
     return attrs.evolve(chosen, resolution=resolution, errors=errors, left_out=tuple(left_out))
 

@@ -138,7 +138,7 @@ def changed(this: Plan, other: Plan) -> list[tuple[Part | None, Part | None]]:
     return [pair for pair in pairs if said(pair[0]) != said(pair[1])]
 
 
-def plan(scene: Scene | str, study: str | None = None) -> Plan:
+def plan(scene: Scene | str, study: str | None = None, *, cheaper_laws: bool = True) -> Plan:
     """Plan a scene: the cheapest way that keeps the error it states.
 
     Parameters
@@ -147,6 +147,9 @@ def plan(scene: Scene | str, study: str | None = None) -> Plan:
         A scene, the name of a shipped one, or a file.
     study : str, optional
         Only this study, with the scene's settings or its defaults.
+    cheaper_laws : bool
+        Whether a law may be evaluated more cheaply, or another serve in its place, where the error allows it; where
+        models are compared with each other it may not.
 
     Raises
     ------
@@ -161,7 +164,7 @@ def plan(scene: Scene | str, study: str | None = None) -> Plan:
     check_required(scene.plugins.require, Where(scene.origins, ("plugins", "require")))
     studies = settings(scene, study)
     stated = assemble(scene)
-    chosen = {name: choose(one, stated) for name, one in studies.items()}
+    chosen = {name: choose(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()}
     studies = {
         name: one.at(chosen[name].resolution) if isinstance(one, Dynamics) else one for name, one in studies.items()
     }
