@@ -323,23 +323,22 @@ def test_a_friction_that_fails_in_mid_run_leaves_what_was_computed(level, value,
     assert 2 <= n < 11
     assert np.array_equal(found.cage_speed, whole.cage_speed[:n])
     assert np.all(np.isnan(found.traction_force)), "what cannot be known any more"
-    assert np.all(np.isnan(found.load_parameter))
+    assert np.all(np.isfinite(found.load_parameter)), "loads and speeds alone tell of it"
 
 
 @pytest.mark.parametrize("value", [None, math.nan])
-@pytest.mark.parametrize(("before_the_end", "what"), [(10, "forces"), (1, "film regimes")])
-def test_a_friction_that_fails_after_the_run_leaves_what_was_computed(value, before_the_end, what):
+def test_a_friction_that_fails_after_the_run_leaves_what_was_computed(value):
     settings = {"duration": 2e-3, "points": 11, "cage_slip": 0.02}
     model = Breaking()
     whole = started(with_traction(bearing(brake(0.5)), model), "cage-set", "conventional", **settings)
-    model = Breaking(breaks_at=model.calls[0] - before_the_end, value=value)
+    model = Breaking(breaks_at=model.calls[0] - 10, value=value)
     found = started(with_traction(bearing(brake(0.5)), model), "cage-set", "conventional", **settings)
     assert found.attrs["outcome"] == "failed"
     assert found.attrs["failed_by"] == ("model" if value is None else "domain")
-    assert f"Error when {what} of the stored instants were computed: " in found.attrs["outcome_message"]
+    assert "Error when forces of the stored instants were computed: " in found.attrs["outcome_message"]
     assert np.array_equal(found.cage_speed, whole.cage_speed)
-    assert np.all(np.isnan(found.traction_force)) == (what == "forces")
-    assert np.all(np.isnan(found.load_parameter))
+    assert np.all(np.isnan(found.traction_force))
+    assert np.all(np.isfinite(found.load_parameter))
 
 
 @attrs.frozen(eq=False)

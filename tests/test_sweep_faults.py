@@ -113,7 +113,7 @@ def test_a_point_that_kills_its_process_is_the_only_one_lost(folder):
     assert found["status"].values.tolist() == ["ok", "crashed", "crashed"]
     assert "its process died" in str(found["message"].values[1])
     assert "ZeroDivisionError: one over nothing; raised by evaluate()" in str(found["message"].values[2])
-    assert [number for number, *_ in status(folder / "s").errors] == [1, 2]
+    assert sorted(number for number, *_ in status(folder / "s").errors) == [1, 2]  # in the order in which they ended
 
 
 def test_ctrl_c_finishes_what_runs_and_a_later_run_the_rest(folder, reference):
