@@ -194,6 +194,7 @@ def test_choices_are_of_what_acts_on_a_result():
     assert family.of("dynamics", "reference")[-1].resolution.friction == "conventional"
 
 
+@pytest.mark.slow  # plans cage and rollers in motion once for every axis
 def test_everything_that_can_be_chosen_is_chosen_somewhere():
     scene = evolve(load_scene("1032930-50C"), {"accuracy.slices": "auto"})
     for axis in AXES:
