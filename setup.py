@@ -44,6 +44,7 @@ KERNELS = (
     "chain",
     "contact",
     "drag",
+    "equilibrium",
     "film",
     "planar",
     "raceway",

@@ -17,6 +17,7 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache, partial
+from types import SimpleNamespace
 
 import attrs
 import numpy as np
@@ -561,17 +562,13 @@ LARGE = 0.014  # clearance that leaves one roller even at yield [m]
 
 
 def bearing_law(subject, radii=(INNER, OUTER)):
-    """The contact law of a bearing, from a stage of deflection."""
-    chain = subject.forms[0]
-
-    def deflection(approach, ring):
-        radius = radii[0] if ring == "inner" else radii[1]
-        conditions = Conditions(length=LENGTH, radius=radius, modulus=BASE["modulus"])
-        slices = Slices(approach.size, conditions, approach=approach.ravel())
-        chain(slices)
-        return slices.load.reshape(approach.shape), slices.stiffness.reshape(approach.shape)
-
-    return deflection
+    """Contacts of a bearing with both rings, after a stage of deflection."""
+    return tuple(
+        SimpleNamespace(
+            conditions=Conditions(length=LENGTH, radius=radius, modulus=BASE["modulus"]), deflection=subject.forms[0]
+        )
+        for radius in radii
+    )
 
 
 def exact_law(subject, radius):

@@ -405,7 +405,7 @@ def test_a_contact_carries_the_force_that_the_library_finds(exponent, profile):
 
 
 def evaluated(**changes):
-    """Slices through the chain for a study of 21 points at two instants of a pitch."""
+    """Slices per pass of a chain for a study of 21 points at two instants of a pitch."""
     small = {
         "bearing.roller_diameter": "1 mm",
         "bearing.inner_raceway_diameter": "165 mm",
@@ -413,9 +413,12 @@ def evaluated(**changes):
         "accuracy.slices": 21,
     }
     scene = evolve(load_scene("1032930-70C"), small | changes)
-    assembly = assemble(scene)
+    passes = []
+    assembly = assemble(scene).watched(lambda slices: passes.append(len(slices)))
     EffectiveFriction(points=21, map_points=0).at_instants(assembly, 2)
-    return assembly.inner.chain.evaluated
+    # how many locating the maximum takes is up to the rounding of the loads, but for its bound on each ring
+    assert len(passes) <= 2 * (21 + 60)
+    return sum(passes) / len(passes)
 
 
 def test_work_grows_as_rollers_and_slices_do():

@@ -45,7 +45,7 @@ def equilibrium(assembly, angle, force):
         misalignment=o.misalignment,
         centrifugal_force=force,
     )
-    found = solve_equilibrium(case, assembly.deflect)
+    found = solve_equilibrium(case, assembly.raceways)
     return case.psi[0], np.stack((found.inner_load[0], found.outer_load[0]))
 
 

@@ -529,7 +529,7 @@ def test_a_ring_that_was_pushed_away_settles_in_the_equilibrium():
     b = planar.assembly.scene.bearing
     case = LoadCase(psi[None], b.roller_length, planar.assembly.drop, radial_clearance=b.radial_clearance,
                     radial_load=planar.assembly.scene.operation.radial_load)  # fmt: skip
-    held = solve_equilibrium(case, planar.assembly.deflect)
+    held = solve_equilibrium(case, planar.assembly.raceways)
     # as rollers drift out of the load it creeps on, 2e-7 m/s, against which the damping holds 6e-6 of the force
     assert head[0] == pytest.approx(held.displacement[0, 0], rel=5e-6)
     assert abs(found.y[2, -1]) < 3e-7 < 1e-4 * np.abs(found.y[2]).max()

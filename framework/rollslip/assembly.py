@@ -183,7 +183,7 @@ class Assembly:
             position=self.position,
             widths=self.widths,
         )
-        return solve_pitch(case, self.deflect, known)
+        return solve_pitch(case, self.raceways, known)
 
     def deflect(self, approach: Array, ring: Ring) -> tuple[Array, Array]:
         """Return load per length [N/m] and stiffness [N/m2] of the contacts with a ring, by approach [m]."""

@@ -4,9 +4,9 @@ How it is solved, and why:
 
 - Rigid rings and rollers on elastic contacts are at rest where a convex potential is least. Unknown are the inner
   ring's displacement and, per roller, its radial shift and its tilt. Newton's method with the exact Hessian finds them.
-- Rollers meet only through the ring, so the Hessian is an arrow of 2x2 blocks: each roller is eliminated onto the ring,
-  and all instants, rollers and slices advance in the same array operations. Instants do not know of each other; those
-  at rest leave the iteration.
+- Rollers meet only through the ring, so the Hessian is an arrow of 2x2 blocks: each roller is eliminated onto the ring.
+  Instants do not know of each other and are solved one after the other, compiled, without the GIL; the contact law is
+  asked, as by any other kernel, for all touching contacts of a ring at once.
 - The ring moves while all rollers are fairly balanced, and they move with it; otherwise it waits until they are. A
   hardly loaded roller that is about to find its seat cannot hold up the ring.
 - The potential is never evaluated (a contact law need not have it in closed form). Along a step its slope rises
@@ -20,34 +20,35 @@ How it is solved, and why:
   the other does, and over a pitch the instants m and M - m mirror each other in the line of load (`solve_pitch`).
 """
 
-from collections.abc import Callable, Collection
-from typing import Any, Literal, TypeAlias, get_args
+from collections.abc import Collection
+from typing import Any, Protocol, TypeAlias
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.chain import Chain
 from rollslip.errors import ConvergenceError
 from rollslip.profile import slice_positions
+from rollslip_kernels import equilibrium as kernels
+from rollslip_kernels.slices import Conditions, Slices
 
 Floats: TypeAlias = NDArray[np.float64]
-Mask: TypeAlias = NDArray[np.bool_]
-Ring: TypeAlias = Literal["inner", "outer"]
-Deflection: TypeAlias = Callable[[Floats, Ring], tuple[Floats, Floats]]
-"""Contact law: approach [m] of any shape and ring -> load per length w [N/m], dw/dapproach [N/m^2]; zero if open."""
 
-_AIM = 1e-13  # relative residual at which an instant leaves the iteration
-_ROUNDING = 1e-12  # relative residual below which one that no longer falls is taken for rounding
 _REQUIRED = 1e-10  # relative residual a result must keep
-_SETTLED = 0.1  # unbalanced force of a roller with which the ring still moves, relative to its own and to the ring's
-_OVERSHOOT = 0.3  # a step may end where the slope is opposite and at most this share of the one it began with
-_DEPTH = 3.0  # how deep a step may close an open contact, relative to the approach the unbalanced force would cause,
-_SHALLOWER = 0.9  # and from pass to pass: deep steps find many contacts fast, shallow ones end any going to and fro
-_TRACE = 1e-14  # stiffness of an open contact in the Hessian, relative to the stiffest
-_LIMIT = 200  # passes; usual are 5 to 10
-_TOGETHER = 32768  # contacts of slices that are solved for together: what they need beside the result stays small
-_APPROACH = np.logspace(-24, -3, 211)  # [m], where a contact law is sampled to estimate deflections
 _REMEDY = "check the load, the clearance, the misalignment and the speed: rollers and rings must be able to bear them"
+
+
+class Contacts(Protocol):
+    """Contacts of all rollers with one ring: what they share, and their law."""
+
+    @property
+    def conditions(self) -> Conditions:
+        """Geometry, steel and oil."""
+
+    @property
+    def deflection(self) -> Chain:
+        """Approach -> load per length w and stiffness dw/dapproach; w rises."""
 
 
 def angular_positions(rollers: int, instants: int) -> Floats:
@@ -205,252 +206,7 @@ class LoadDistribution:
     iterations: int
 
 
-@attrs.frozen(eq=False)
-class _State:
-    """Where the bearing is; the first axis is that of the instants, m."""
-
-    ring: Floats  # displacement of the ring (m, 2)
-    shift: Floats  # radial shift of the rollers (m, Z)
-    tip: Floats  # rise of the roller's end by its tilt, phi l / 2 (m, Z)
-    inner: Floats  # approaches of the contacts (m, Z, n)
-    outer: Floats
-
-    def arrays(self) -> tuple[Floats, ...]:
-        return self.ring, self.shift, self.tip, self.inner, self.outer
-
-    def keep(self, kept: Mask) -> "_State":
-        return _State(*(a[kept] for a in self.arrays()))
-
-
-@attrs.frozen(eq=False)
-class _Forces:
-    """What acts in a state. Moments are divided by half the roller length, so that all are forces [N]."""
-
-    inner_load: Floats  # per length (m, Z, n)
-    outer_load: Floats
-    inner_force: Floats  # (m, Z)
-    outer_force: Floats
-    ring: Floats  # unbalanced force on the ring (2, m)
-    roller: Floats  # unbalanced force and moment on the rollers (2, m, Z)
-    inner_stiffness: Floats  # moments of order 0, 1, 2 of the stiffness along the roller (3, m, Z)
-    outer_stiffness: Floats
-    scale: Floats  # largest force of the instant (m,)
-
-    def residuals(self) -> tuple[Floats, Floats]:
-        """Largest unbalanced force and moment at every instant, relative to the largest force and it times l (m,)."""
-        force, moment = np.abs(self.roller).max(axis=2)
-        return np.maximum(force, np.abs(self.ring).max(axis=0)) / self.scale, 0.5 * moment / self.scale
-
-
-class _Search:
-    """Newton steps of many problems of two unknowns, each kept from overshooting by the slope of its potential.
-
-    Where a step went too far it is taken back by Newton's rule along it: forces rise ever more steeply as contacts
-    close, so coming from there it does not overshoot again. Otherwise a new step sets out.
-    """
-
-    def __init__(self, *shape: int) -> None:
-        self.step, self.share = np.zeros((2, *shape)), np.zeros(shape)
-        self.descent = np.full(shape, np.inf)  # slope at which the step set out; infinite: wherever it ended is right
-
-    def advance(self, force: Floats, stiffness: Floats, step: Floats, share: Floats, now: Mask, fresh: Mask) -> Floats:
-        """Move (2, ...) from where the unbalanced force and the stiffness (3, ...) are these.
-
-        A new step goes to this share. Only those `now` move; a `fresh` one takes nothing back.
-        """
-        climb = -np.sum(force * self.step, axis=0)
-        x, y = self.step
-        curvature = stiffness[0] * x * x + 2.0 * stiffness[1] * x * y + stiffness[2] * y * y
-        reduced = self.share - climb / np.maximum(curvature, np.finfo(float).tiny)
-        fresh = now & (fresh | (climb <= _OVERSHOOT * self.descent) | (reduced <= 0.0))
-        share = np.where(fresh, share, np.where(now, reduced, self.share))
-        move: Floats = np.where(fresh, share * step, (share - self.share) * self.step)
-        self.descent = np.where(fresh, np.sum(force * step, axis=0), self.descent)
-        self.step, self.share = np.where(fresh, step, self.step), share
-        return move
-
-    def forget(self, chosen: Mask) -> None:
-        """Let the chosen set out anew: they were moved otherwise."""
-        self.descent[chosen] = np.inf
-
-    def keep(self, kept: Mask) -> None:
-        self.step, self.share, self.descent = self.step[:, kept], self.share[kept], self.descent[kept]
-
-
-def _first_contact(approach: Floats, step: Floats, depth: Floats) -> Floats:
-    """Share of a step, at most 1, after which no open contact of the last axis is closed deeper than this."""
-    closing = (approach < 0.0) & (approach + step > depth)
-    if not closing.any():
-        return np.ones(approach.shape[:-1])
-    shares = np.where(closing, depth - approach, 1.0) / np.where(closing, step, 1.0)
-    nearest: Floats = shares.min(axis=-1)
-    return nearest
-
-
-def _solve(stiffness: Floats, force: Floats) -> Floats:
-    """Solve symmetric 2x2 systems, the matrices (a, b; b, c) given as (a, b, c) on the first axis."""
-    a, b, c = stiffness
-    solution: Floats = np.stack((c * force[0] - b * force[1], a * force[1] - b * force[0])) / (a * c - b * b)
-    return solution
-
-
-class _Problem:
-    """A load case and its contact law, made ready for the iteration."""
-
-    def __init__(self, case: LoadCase, deflection: Deflection) -> None:
-        self.case, self.deflection = case, deflection
-        self.direction = np.stack((np.cos(case.psi), np.sin(case.psi)))
-        slices = case.drop.size
-        # Of a roller that is symmetric and does not tilt only the half with x >= 0 is carried along, for both.
-        mirrored = case.misalignment == 0.0 and all(
-            np.array_equal(one, other[::-1])
-            for one, other in ((case.drop, case.drop), (case.widths, case.widths), (case.position, -case.position))
-        )
-        half = slices // 2 if mirrored else 0
-        #: where each slice of the whole roller is among those carried along
-        self.place = np.abs(np.arange(1 - slices, slices, 2)) // 2 if mirrored else np.arange(slices)
-        self.xi, self.drop = case.position[half:] / (0.5 * case.roller_length), case.drop[half:]
-        moments = np.stack(
-            (np.ones_like(self.xi), np.zeros_like(self.xi) if mirrored else self.xi, self.xi**2), axis=-1
-        )
-        self.powers = (case.widths[half:] * np.bincount(self.place))[:, None] * moments
-        self.sample = np.maximum(deflection(_APPROACH, "outer")[0], np.finfo(float).tiny)
-
-        # Deeper than the solution: from there Newton's steps in a potential of rising stiffness do not overshoot.
-        self.centrifugal = float(self.approach_for(np.array(case.centrifugal_force)))
-        loaded = float(self.approach_for(np.array(5.0 * case.radial_load / case.psi.shape[1])))
-        self.rest = self.centrifugal + max(float(case.drop.min()), 0.0)
-        nearest = np.maximum(self.direction[0].max(axis=1), 0.1)
-        play = max(case.radial_clearance, 0.0) + 4.0 * self.rest
-        self.depth = (case.radial_load > 0.0) * (0.5 * play / nearest + 2.0 * loaded)
-        tilt = case.roller_length * abs(case.misalignment)
-        self.reach = 2.0 * (self.depth.max() + abs(case.radial_clearance) + np.ptp(case.drop) + tilt + self.rest + 1e-9)
-        typical = np.array([self.centrifugal + self.depth.max() + abs(case.radial_clearance) + 1e-12])
-        self.stiffness = case.roller_length * max(float(deflection(typical, ring)[1][0]) for ring in get_args(Ring))
-
-        self.scale = max(case.radial_load, case.centrifugal_force)
-        if self.scale == 0.0:  # what presses at first may vanish altogether
-            pressing = self.forces(self.start(), np.arange(case.psi.shape[0])).scale
-            self.scale = max(float(pressing.max()), float(np.finfo(float).tiny))
-
-    def approach_for(self, force: Floats) -> Floats:
-        """Approach of a contact evenly loaded by a force: an estimate, to start from and to measure steps by."""
-        load = np.maximum(force / self.case.roller_length, self.sample[0])
-        approach: Floats = np.exp(np.interp(np.log(load), np.log(self.sample), np.log(_APPROACH))) * (force > 0.0)
-        return approach
-
-    def start(self) -> _State:
-        """Rollers under the ring, or free, half-way between the rings at half its tilt; the rest pressed outwards."""
-        case = self.case
-        gap = self.depth[:, None] * self.direction[0] - 0.5 * case.radial_clearance
-        rise = 0.5 * case.roller_length * case.misalignment * self.direction[0]
-        shift, tip = 0.5 * (gap + self.centrifugal), 0.5 * rise
-        if case.centrifugal_force > 0.0:
-            shift, tip = np.maximum(shift, self.rest), np.where(shift > self.rest, tip, 0.0)
-        return _State(
-            ring=np.stack((self.depth, np.zeros_like(self.depth)), axis=-1),
-            shift=shift,
-            tip=tip,
-            inner=(gap - shift)[..., None] + (rise - tip)[..., None] * self.xi - self.drop,
-            outer=shift[..., None] + tip[..., None] * self.xi - self.drop,
-        )
-
-    def moved(self, state: _State, ring: Floats, roller: Floats, active: NDArray[np.intp]) -> _State:
-        """State after moves of the ring (2, m) and the rollers (2, m, Z)."""
-        shift, tip = roller
-        gap = np.sum(ring[..., None] * self.direction[:, active], axis=0)
-        outer = shift[..., None] + tip[..., None] * self.xi
-        return _State(
-            state.ring + ring.T,
-            state.shift + shift,
-            state.tip + tip,
-            state.inner + (gap[..., None] - outer),
-            state.outer + outer,
-        )
-
-    def forces(self, state: _State, active: NDArray[np.intp]) -> _Forces:
-        if not (np.all(np.isfinite(state.inner)) and np.all(np.isfinite(state.outer))):
-            raise ConvergenceError(f"the bearing found no equilibrium in the range of floats; {_REMEDY}")
-        inner_load, inner_stiffness = self.deflection(state.inner, "inner")
-        outer_load, outer_stiffness = self.deflection(state.outer, "outer")
-        inner, outer = (np.moveaxis(load @ self.powers[:, :2], -1, 0) for load in (inner_load, outer_load))
-        roller = inner - outer
-        roller[0] += self.case.centrifugal_force
-        ring = -np.sum(inner[0] * self.direction[:, active], axis=-1)
-        ring[0] += self.case.radial_load
-        return _Forces(
-            inner_load=inner_load,
-            outer_load=outer_load,
-            inner_force=inner[0],
-            outer_force=outer[0],
-            ring=ring,
-            roller=roller,
-            inner_stiffness=np.moveaxis(inner_stiffness @ self.powers, -1, 0),
-            outer_stiffness=np.moveaxis(outer_stiffness @ self.powers, -1, 0),
-            scale=np.maximum(np.maximum(inner[0], outer[0]).max(axis=1), self.scale),
-        )
-
-    def settled(self, forces: _Forces) -> Mask:
-        """Rollers balanced well enough to move the ring (m, Z): by their own forces, or by what the ring lacks."""
-        own = np.maximum(np.maximum(forces.inner_force, forces.outer_force), self.case.centrifugal_force)
-        largest = np.maximum(own, np.abs(forces.ring).max(axis=0)[:, None])
-        allowed = np.maximum(_SETTLED * largest, _AIM * forces.scale[:, None])
-        settled: Mask = np.abs(forces.roller).max(axis=0) <= allowed
-        return settled
-
-    def advance(
-        self,
-        state: _State,
-        forces: _Forces,
-        rings: _Search,
-        rollers: _Search,
-        active: NDArray[np.intp],
-        depth: float,
-    ) -> _State:
-        """Next state: rings whose rollers are settled move, with them; elsewhere rollers move alone."""
-        direction = self.direction[:, active]
-        trace = _TRACE * np.maximum(
-            np.maximum(forces.inner_stiffness[0], forces.outer_stiffness[0]).max(axis=1), self.stiffness
-        )
-        open_contact = trace[:, None] * np.array([1.0, 0.0, 1.0])[:, None, None]
-        ki, ko = forces.inner_stiffness + open_contact, forces.outer_stiffness + open_contact
-        k = ki + ko
-        settled = self.settled(forces)
-        free: Mask = np.all(settled, axis=1)
-
-        step = _solve(k, forces.roller)
-        outward = step[0][..., None] + step[1][..., None] * self.xi
-        deep = depth * self.approach_for(np.abs(forces.roller).max(axis=0))[..., None]
-        share = np.minimum(_first_contact(state.outer, outward, deep), _first_contact(state.inner, -outward, deep))
-        share = np.minimum(share, self.reach / np.maximum(np.abs(step).max(axis=0), self.reach))
-        roller = rollers.advance(forces.roller, k, step, share, now=np.ones_like(settled), fresh=settled)
-
-        # Each roller eliminated onto the ring: how it follows, the force it passes on, its contacts in series,
-        # [ki (ki + ko)^-1 ko]_00, which is free of cancellation.
-        follow = _solve(k, ki[:2])
-        passed = np.sum(follow * forces.roller, axis=0)
-        series = np.sum(follow * ko[:2], axis=0)
-        cos, sin = direction
-        stiffness = np.stack([np.sum(series * product, axis=1) for product in (cos * cos, cos * sin, sin * sin)])
-        stiffness += trace * np.array([1.0, 0.0, 1.0])[:, None]
-        force = forces.ring + np.sum(passed * direction, axis=-1)
-        step = _solve(stiffness, force)
-        closing = np.sum(step[..., None] * direction, axis=0)
-        shift, tip = follow * closing
-        outward = shift[..., None] + tip[..., None] * self.xi
-        deep = depth * self.approach_for(np.abs(force).max(axis=0))[:, None, None]
-        inward = closing[..., None] - outward
-        share = np.minimum(_first_contact(state.outer, outward, deep), _first_contact(state.inner, inward, deep))
-        share = share.min(axis=-1)
-        share = np.minimum(share, self.reach / np.maximum(np.abs(step).max(axis=0), self.reach))
-        ring = rings.advance(force, stiffness, step, share, now=free, fresh=np.zeros_like(free))
-
-        rollers.forget(free)
-        roller = roller + follow * np.sum(ring[..., None] * direction, axis=0)
-        return self.moved(state, ring, roller, active)
-
-
-def solve_equilibrium(case: LoadCase, deflection: Deflection) -> LoadDistribution:
+def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> LoadDistribution:
     """Load distribution of a radially loaded cylindrical roller bearing with clearance, after slices of its rollers.
 
     With the ring displaced by (dx, dy), tilted by gamma, the roller j shifted by y_j and tilted by phi_j, the
@@ -470,9 +226,10 @@ def solve_equilibrium(case: LoadCase, deflection: Deflection) -> LoadDistributio
     ----------
     case : LoadCase
         Bearing and load.
-    deflection : callable
-        Contact law ``deflection(approach, ring) -> (load_per_length, stiffness)``: approach [m] of any shape, ring
-        "inner" or "outer", load per length w [N/m] and dw/dapproach [N/m^2]. Both zero for approach <= 0, w rising.
+    contacts : pair
+        With inner and outer ring; each has the ``conditions`` of its slices and, as ``deflection``, a bound `Chain`
+        that fills load per length w [N/m] and stiffness dw/dapproach [N/m2] from the approach [m]. w must rise with it;
+        the law is asked for contacts that touch only.
 
     Returns
     -------
@@ -485,15 +242,17 @@ def solve_equilibrium(case: LoadCase, deflection: Deflection) -> LoadDistributio
         Forces or moments do not balance to 1e-10; the message says how far it came. So it is when no roller can carry
         the load, or when it presses contacts many millimetres deep; it has also been seen, once in thousands, with a
         misaligned ring under less than 0.01 N.
+    DomainError
+        The contact law refuses an approach, or gives what is not finite.
 
     Examples
     --------
-    >>> def iso16281(approach, ring, length=0.014):
-    ...     d = np.maximum(approach, 0.0) * 1e3
-    ...     k = 35948e3 * 2 ** (10 / 9) * (length * 1e3) ** (-1 / 9)
-    ...     return k * d ** (10 / 9), k * (10 / 9) * 1e3 * d ** (1 / 9)
+    >>> from types import SimpleNamespace
+    >>> from rollslip import Chain, Conditions, get_model
+    >>> law = Chain(get_model("contact", "iso16281").deflection())
+    >>> ring = SimpleNamespace(conditions=Conditions(length=0.014), deflection=law)
     >>> case = LoadCase(angular_positions(14, 1), 0.014, [0.0], radial_clearance=2e-5, radial_load=5000.0)
-    >>> solve_equilibrium(case, iso16281).inner_force[0, :4].round(1)
+    >>> solve_equilibrium(case, (ring, ring)).inner_force[0, :4].round(1)
     array([1936.5, 1485.3,  310.4,    0. ])
 
     References
@@ -501,16 +260,78 @@ def solve_equilibrium(case: LoadCase, deflection: Deflection) -> LoadDistributio
     ISO/TS 16281:2008; ISO 5593 (clearance); T. A. Harris, M. N. Kotzalas, Essential Concepts of Bearing Technology.
     """
     instants, rollers = case.psi.shape
-    some = max(1, _TOGETHER // (rollers * case.drop.size))
-    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused, or does not balance
-        parts = [
-            _solved(attrs.evolve(case, psi=case.psi[begin : begin + some]), deflection)
-            for begin in range(0, instants, some)
-        ]
-    if len(parts) == 1:
-        return parts[0]
-    together: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _BY_INSTANT}
-    return attrs.evolve(parts[0], psi=case.psi, **together, **_worst(parts))
+    slices, half_length = case.drop.size, 0.5 * case.roller_length
+    # Of a roller that is symmetric and does not tilt only the half with x >= 0 is carried along, for both.
+    mirrored = case.misalignment == 0.0 and all(
+        np.array_equal(one, other[::-1])
+        for one, other in ((case.drop, case.drop), (case.widths, case.widths), (case.position, -case.position))
+    )
+    half = slices // 2 if mirrored else 0
+    xi, widths = case.position[half:] / half_length, case.widths[half:].copy()
+    widths[slices % 2 if mirrored else slices :] *= 2.0
+    found = {
+        "load": np.empty((2, instants, rollers, slices)),
+        "force": np.empty((2, instants, rollers)),
+        "ring": np.empty((instants, 2)),
+        "residual": np.empty((instants, 2)),
+        "shift": np.empty((instants, rollers)),
+        "tip": np.empty((instants, rollers)),
+        "moment": np.empty(instants),
+        "passes": np.empty(instants),
+    }
+    stages = [ring.deflection.kernel.as_stage() for ring in contacts]
+    tables = [Slices(max(rollers * xi.size, kernels.ROWS), ring.conditions) for ring in contacts]
+    refused = kernels.solve(
+        stages,
+        tables,
+        np.stack((np.cos(case.psi), np.sin(case.psi))),
+        xi,
+        np.ascontiguousarray(case.drop[half:]),
+        widths * np.stack((np.ones_like(xi), np.zeros_like(xi) if mirrored else xi, xi * xi)),
+        length=case.roller_length,
+        clearance=case.radial_clearance,
+        rise=half_length * case.misalignment,
+        load=case.radial_load,
+        centrifugal=case.centrifugal_force,
+        reach=abs(case.radial_clearance) + float(np.ptp(case.drop)) + case.roller_length * abs(case.misalignment),
+        found=found,
+    )
+    if refused == "range":
+        raise ConvergenceError(f"the bearing found no equilibrium in the range of floats; {_REMEDY}")
+    if refused:
+        at = ("inner", "outer").index(refused)
+        law = contacts[at].deflection
+        refusal = law.kernel.refusal(stages[at])
+        assert refusal is not None
+        error = law.error(refusal, tables[at])
+        error.add_note(f"in a contact with the {refused} ring")
+        raise error
+    force_residual, moment_residual = (float(worst) for worst in found["residual"].max(axis=0))
+    iterations = int(found["passes"].max())
+    if not max(force_residual, moment_residual) <= _REQUIRED:
+        slowest = np.count_nonzero(found["passes"] == iterations)
+        raise ConvergenceError(
+            f"the bearing found no equilibrium in {iterations} iterations at {slowest} of {instants} instants: "
+            f"relative residual of the forces {force_residual:.1e}, of the moments {moment_residual:.1e}, "
+            f"required {_REQUIRED:.0e}; {_REMEDY}"
+        )
+    inner_load, outer_load = found["load"]
+    inner_force, outer_force = found["force"]
+    return LoadDistribution(
+        psi=case.psi,
+        position=case.position,
+        inner_load=inner_load,
+        outer_load=outer_load,
+        inner_force=inner_force,
+        outer_force=outer_force,
+        displacement=found["ring"],
+        roller_shift=found["shift"],
+        roller_tilt=found["tip"] / half_length,
+        moment=found["moment"],
+        force_residual=force_residual,
+        moment_residual=moment_residual,
+        iterations=iterations,
+    )
 
 
 #: Arrays of a `LoadDistribution` whose first axis is that of the instants, beside psi.
@@ -524,56 +345,9 @@ def _worst(parts: Collection[LoadDistribution]) -> dict[str, Any]:
     return {name: max(getattr(part, name) for part in parts) for name in names}
 
 
-def _solved(case: LoadCase, deflection: Deflection) -> LoadDistribution:
-    problem = _Problem(case, deflection)
-    result = state = problem.start()
-    everyone = active = np.arange(case.psi.shape[0])
-    rings, rollers = _Search(active.size), _Search(*case.psi.shape)
-    before = np.full(active.size, np.inf)
-
-    for iteration in range(1, _LIMIT + 1):
-        forces = problem.forces(state, active)
-        residual = np.maximum(*forces.residuals())
-        stalled = (residual <= _ROUNDING) & (residual > 0.5 * before)
-        done = (residual <= _AIM) | stalled | (iteration == _LIMIT)
-        for target, found in zip(result.arrays(), state.arrays(), strict=True):
-            target[active[done]] = found[done]
-        if done.all():
-            break
-        state = problem.advance(state, forces, rings, rollers, active, _DEPTH * _SHALLOWER**iteration)
-        going = ~done
-        active, before, state = active[going], residual[going], state.keep(going)
-        rings.keep(going)
-        rollers.keep(going)
-
-    forces = problem.forces(result, everyone)
-    force_residual, moment_residual = (float(residual.max()) for residual in forces.residuals())
-    if not max(force_residual, moment_residual) <= _REQUIRED:
-        raise ConvergenceError(
-            f"the bearing found no equilibrium in {iteration} iterations at {active.size} of {everyone.size} instants: "
-            f"relative residual of the forces {force_residual:.1e}, of the moments {moment_residual:.1e}, "
-            f"required {_REQUIRED:.0e}; {_REMEDY}"
-        )
-    half = 0.5 * case.roller_length
-    moment = (forces.inner_load @ problem.powers[:, 1] * half * problem.direction[0]).sum(axis=1)
-    return LoadDistribution(
-        psi=case.psi,
-        position=case.position,
-        inner_load=forces.inner_load[..., problem.place],
-        outer_load=forces.outer_load[..., problem.place],
-        inner_force=forces.inner_force,
-        outer_force=forces.outer_force,
-        displacement=result.ring,
-        roller_shift=result.shift,
-        roller_tilt=result.tip / half,
-        moment=moment,
-        force_residual=force_residual,
-        moment_residual=moment_residual,
-        iterations=iteration,
-    )
-
-
-def solve_pitch(case: LoadCase, deflection: Deflection, known: LoadDistribution | None = None) -> LoadDistribution:
+def solve_pitch(
+    case: LoadCase, contacts: tuple[Contacts, Contacts], known: LoadDistribution | None = None
+) -> LoadDistribution:
     """Load distribution at instants spread over one roller pitch, of which half are mirror images of the others.
 
     Roller j at instant m is the mirror image, in the line of load, of roller Z - 1 - j at instant M - m, and carries
@@ -583,8 +357,8 @@ def solve_pitch(case: LoadCase, deflection: Deflection, known: LoadDistribution 
     ----------
     case : LoadCase
         Bearing and load, psi as `angular_positions` gives it.
-    deflection : callable
-        Contact law, as for `solve_equilibrium`.
+    contacts : pair
+        With inner and outer ring, as for `solve_equilibrium`.
     known : LoadDistribution, optional
         What this function gave for half as many instants of the same bearing.
 
@@ -595,7 +369,7 @@ def solve_pitch(case: LoadCase, deflection: Deflection, known: LoadDistribution 
 
     Raises
     ------
-    ConvergenceError
+    ConvergenceError, DomainError
         As `solve_equilibrium`.
     ValueError
         ``known`` has another number of instants than half.
@@ -606,7 +380,9 @@ def solve_pitch(case: LoadCase, deflection: Deflection, known: LoadDistribution 
     new = np.arange(instants) if known is None else np.arange(1, instants, 2)
     solved = new[new <= instants // 2]
     images = new[new > instants // 2]
-    found = solve_equilibrium(attrs.evolve(case, psi=case.psi[solved]), deflection)
+    if known is None and not images.size:
+        return solve_equilibrium(case, contacts)
+    found = solve_equilibrium(attrs.evolve(case, psi=case.psi[solved]), contacts)
 
     def over_pitch(name: str) -> Floats:
         part: Floats = getattr(found, name)

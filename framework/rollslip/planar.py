@@ -179,7 +179,7 @@ class PlanarMotion(MovingBearing):
                 radial_load=math.hypot(x, y),
                 centrifugal_force=self.assembly.roller_mass * k.orbit_radius * (cage_speed * cage_speed),
             ),
-            self.assembly.deflect,
+            self.assembly.raceways,
         )
         state = np.zeros(self.system.n)
         head, rollers, _ = self.parts(state)

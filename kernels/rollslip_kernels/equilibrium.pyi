@@ -1,0 +1,25 @@
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip_kernels.slices import Slices
+
+ROWS: int
+
+def solve(
+    stages: Sequence[object],
+    tables: Sequence[Slices],
+    direction: NDArray[np.float64],
+    xi: NDArray[np.float64],
+    drop: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    length: float,
+    clearance: float,
+    rise: float,
+    load: float,
+    centrifugal: float,
+    reach: float,
+    found: dict[str, NDArray[np.float64]],
+) -> Literal["", "inner", "outer", "range"]: ...

@@ -1,0 +1,466 @@
+"""Balance of the forces in a bearing at rest, one instant after the other; why so is said in the framework's module.
+
+- Contacts lie roller by roller, slice by slice. Those of a ring that touch are gathered into one table, so that the
+  contact law runs in full blocks and never sees an open contact.
+- Moments are divided by half the roller's length: all unbalanced quantities are forces, all moves are lengths.
+- A NaN falls through every comparison to where the approaches are looked at, and ends there.
+"""
+
+import numpy as np
+
+from cpython.exc cimport PyErr_Occurred
+from cpython.pycapsule cimport PyCapsule_GetPointer
+from libc.math cimport INFINITY, M_LN10, exp, fabs, log
+
+from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
+
+from rollslip_kernels.chain import bound
+
+cdef enum:
+    INNER
+    OUTER
+
+cdef enum:   # how the way to an instant's equilibrium ended; below, the ring whose contact law refused
+    ARRIVED = 2
+    BEYOND_FLOATS
+
+cdef enum:
+    SAMPLES = 211        # of the contact law, ten a decade from 1e-24 m to 1e-3 m, to estimate deflections
+    LIMIT = 200          # passes; usual are 5 to 10
+
+cdef double AIM = 1e-13         # relative residual at which an instant is left
+cdef double ROUNDING = 1e-12    # relative residual below which one that no longer falls is taken for rounding
+cdef double SETTLED = 0.1       # unbalanced force of a roller with which the ring still moves, relative to what acts
+cdef double OVERSHOOT = 0.3     # a step may end where the slope is opposite and at most this share of its first
+cdef double DEPTH = 3.0         # how deep a step may close an open contact, to the approach for the unbalanced force,
+cdef double SHALLOWER = 0.9     # and from pass to pass: deep steps find contacts fast, shallow ones end a to and fro
+cdef double TRACE = 1e-14       # stiffness of an open contact in the Hessian, relative to the stiffest
+cdef double TINY = 2.2250738585072014e-308
+cdef double LARGEST = 1.7976931348623157e308
+
+#: Rows that each table of `solve` must have at least.
+ROWS = SAMPLES
+
+
+# Newton steps of a problem of two unknowns, kept from overshooting by the slope of the potential.  A step that went
+# too far is taken back by Newton's rule along it: forces rise ever more steeply as contacts close, so coming from
+# there it does not overshoot again.
+cdef struct search_t:
+    double step[2]
+    double share
+    double descent       # slope at which the step set out; infinite: wherever it ended is right
+
+cdef struct contact_t:   # of a roller and a ring
+    double force[2]      # moments of order 0, 1 of the load along the roller
+    double stiffness[3]  # 0, 1, 2
+
+cdef struct roller_t:
+    double direction[2]  # cos psi, sin psi
+    double at[2]         # radial shift, rise of its end by its tilt
+    contact_t contact[2]
+    double force[2]      # unbalanced
+    double follow[2]     # how it follows the ring
+    double move[2]
+    search_t search
+
+cdef struct bearing_t:
+    size_t rollers, slices
+    const double *xi      # places of the slices over half the roller's length
+    const double *drop
+    const double *weights  # [3 x slices] of the moments of order 0, 1, 2
+    double length, half_clearance, rise, load, centrifugal
+    double seat, rest     # approach under the centrifugal force, shift of a straight roller under it
+    double reach          # longest move
+    double stiffness      # typical of a contact
+    double log_load[SAMPLES]
+    rs_model law[2]
+    rs_slices table[2]
+    double *approach[2]   # [rollers x slices]
+    roller_t *roller
+    double at[2]          # displacement of the ring
+    double force[2]       # unbalanced on the ring
+    double least, scale   # scale of the residuals, at least and of this state
+    search_t search
+
+
+def solve(stages, tables, const double[:, :, ::1] direction, const double[::1] xi, const double[::1] drop,
+          const double[:, ::1] weights, double length, double clearance, double rise, double load, double centrifugal,
+          double reach, dict found):
+    """Fill ``found`` with the equilibrium at every instant; return "", or "inner", "outer" or "range" of a refusal.
+
+    ``stages`` and ``tables`` are the contact laws of both rings and the slices they work in, with room for all of one
+    instant; ``direction`` holds cos psi and sin psi (2, M, Z). Of the slices carried along, all of a roller or its
+    half that mirrors the other, ``xi`` are the places over half the roller's length, ``weights`` (3, h) those of the
+    moments. ``rise`` is that of the roller's end by the ring's tilt, ``reach`` the longest move due to clearance,
+    profile and tilt. The arrays of ``found`` are load (2, M, Z, n), force (2, M, Z), ring, residual (M, 2), shift,
+    tip (M, Z), moment, passes (M,).
+    """
+    cdef Py_ssize_t instants = direction.shape[1], Z = direction.shape[2], h = xi.shape[0]
+    cdef Py_ssize_t n = found["load"].shape[3], m, j, i, ring
+    cdef bearing_t b
+    cdef double[:, ::1] approach = np.empty((2, Z * h))
+    cdef double[::1] work = np.zeros(Z * sizeof(roller_t) // sizeof(double))
+    cdef double[:, :, :, ::1] loads = found["load"]
+    cdef double[:, :, ::1] forces = found["force"]
+    cdef double[:, ::1] rings = found["ring"], residuals = found["residual"]
+    cdef double[:, ::1] shifts = found["shift"], tips = found["tip"]
+    cdef double[::1] moments = found["moment"], passes = found["passes"]
+    cdef double nearest, least_nearest = 1.0, least_drop = INFINITY
+    cdef const double *touching
+    cdef roller_t *r
+    cdef int ended
+
+    if not (weights.shape[1] == drop.shape[0] == h <= n <= 2 * h):
+        raise ValueError(f"{drop.shape[0]} drops, {weights.shape[1]} weights for {h} of {n} slices")
+    gathered = []
+    for ring in range(2):
+        if len(tables[ring]) < max(Z * h, SAMPLES):
+            raise ValueError(f"a table of {len(tables[ring])} slices, needed are {max(Z * h, SAMPLES)}")
+        gathered.append(bound(tables[ring]))
+        b.law[ring] = (<rs_model *>PyCapsule_GetPointer(stages[ring], ROLLSLIP_MODEL))[0]
+        b.table[ring] = (<rs_slices *>PyCapsule_GetPointer(gathered[ring], "rollslip.slices"))[0]
+        b.approach[ring] = &approach[ring, 0]
+    b.rollers, b.slices, b.roller = Z, h, <roller_t *>&work[0]
+    b.xi, b.drop, b.weights = &xi[0], &drop[0], &weights[0, 0]
+    b.length, b.half_clearance, b.rise, b.load, b.centrifugal = length, 0.5 * clearance, rise, load, centrifugal
+    for i in range(h):
+        least_drop = min(least_drop, drop[i])
+
+    with nogil:
+        for m in range(instants):
+            nearest = _nearest(&direction[0, m, 0], Z)
+            least_nearest = min(least_nearest, nearest)
+        ended = _measure(&b, max(least_drop, 0.0), least_nearest, reach)
+        m = 0
+        while ended == ARRIVED and m < instants:
+            for j in range(Z):
+                b.roller[j].direction[0], b.roller[j].direction[1] = direction[0, m, j], direction[1, m, j]
+            _start(&b, _depth(&b, _nearest(&direction[0, m, 0], Z)))
+            ended = _settle(&b, &passes[m], &residuals[m, 0])
+            rings[m, 0], rings[m, 1] = b.at[0], b.at[1]
+            moments[m] = 0.0
+            for j in range(Z):
+                r = &b.roller[j]
+                shifts[m, j], tips[m, j] = r.at[0], r.at[1]
+                moments[m] += 0.5 * length * r.contact[INNER].force[1] * r.direction[0]
+            for ring in range(2):
+                touching = b.table[ring].load
+                for j in range(Z):
+                    forces[ring, m, j] = b.roller[j].contact[ring].force[0]
+                    for i in range(h):
+                        loads[ring, m, j, n - h + i] = 0.0
+                        if approach[ring, j * h + i] > 0.0:
+                            loads[ring, m, j, n - h + i] = touching[0]
+                            touching += 1
+                    for i in range(n - h):   # the half that mirrors it
+                        loads[ring, m, j, i] = loads[ring, m, j, n - 1 - i]
+            m += 1
+    if PyErr_Occurred() != NULL:
+        _raise_pending()
+    return {INNER: "inner", OUTER: "outer", ARRIVED: "", BEYOND_FLOATS: "range"}[ended]
+
+
+cdef extern from *:
+    """
+    static int rs_equilibrium_pending(void) { return -1; }   /* the error is already set */
+    """
+    int _raise_pending "rs_equilibrium_pending"() except -1
+
+
+cdef inline double _larger(double a, double b) noexcept nogil:
+    """The larger of two, or the one that is NaN."""
+    return a if a >= b or a != a else b
+
+
+cdef double _nearest(const double *cosines, size_t n) noexcept nogil:
+    """Cosine of the roller nearest to the line of load, at least 0.1."""
+    cdef double nearest = 0.1
+    cdef size_t j
+    for j in range(n):
+        nearest = max(nearest, cosines[j])
+    return nearest
+
+
+cdef double _approach_for(const bearing_t *b, double force) noexcept nogil:
+    """Approach of a contact evenly loaded by a force: an estimate, to start from and to measure steps by."""
+    cdef double x
+    cdef size_t low = 0, high = SAMPLES - 1, middle
+    if not force > 0.0:
+        return force * 0.0
+    x = log(force / b.length)
+    if x <= b.log_load[0]:
+        x = 0.0
+    elif not x < b.log_load[high]:
+        x = high
+    else:
+        while high - low > 1:
+            middle = (low + high) // 2
+            if b.log_load[middle] <= x:
+                low = middle
+            else:
+                high = middle
+        x = low + (x - b.log_load[low]) / (b.log_load[high] - b.log_load[low])
+    return exp(M_LN10 * (0.1 * x - 24.0))
+
+
+cdef int _ask(bearing_t *b, int ring, size_t n) noexcept nogil:
+    """Evaluate the contact law of a ring on the first rows of its table."""
+    b.table[ring].n = n
+    return ARRIVED if n == 0 or b.law[ring].evaluate(&b.table[ring], b.law[ring].params) == 0 else ring
+
+
+cdef int _measure(bearing_t *b, double least_drop, double nearest, double reach) noexcept nogil:
+    """Find the lengths and the stiffness that steps are measured by."""
+    cdef double typical, depth
+    cdef int i
+    for i in range(SAMPLES):
+        b.table[OUTER].approach[i] = exp(M_LN10 * (0.1 * i - 24.0))
+    if _ask(b, OUTER, SAMPLES) != ARRIVED:
+        return OUTER
+    for i in range(SAMPLES):
+        b.log_load[i] = log(max(b.table[OUTER].load[i], TINY))
+    b.seat = _approach_for(b, b.centrifugal)
+    b.rest = b.seat + least_drop
+    depth = _depth(b, nearest)
+    b.reach = 2.0 * (depth + reach + b.rest + 1e-9)
+    typical = b.seat + depth + 2.0 * fabs(b.half_clearance) + 1e-12
+    b.stiffness = 0.0
+    for i in range(2):
+        b.table[i].approach[0] = typical
+        if _ask(b, i, 1) != ARRIVED:
+            return i
+        b.stiffness = max(b.stiffness, b.length * b.table[i].stiffness[0])
+    return ARRIVED
+
+
+cdef double _depth(const bearing_t *b, double nearest) noexcept nogil:
+    """Displacement of the ring deeper than the solution: from there, in a potential of rising stiffness, Newton's steps
+    do not overshoot."""
+    cdef double play = max(2.0 * b.half_clearance, 0.0) + 4.0 * b.rest
+    if not b.load > 0.0:
+        return 0.0
+    return 0.5 * play / nearest + 2.0 * _approach_for(b, 5.0 * b.load / b.rollers)
+
+
+cdef void _start(bearing_t *b, double depth) noexcept nogil:
+    """Rollers under the ring, or free, half-way between the rings at half its tilt; the rest pressed outwards."""
+    cdef double gap, rise
+    cdef size_t i, j, h = b.slices
+    cdef roller_t *r
+    b.least = max(b.load, b.centrifugal)
+    b.at[0], b.at[1] = depth, 0.0
+    b.search.descent = INFINITY
+    b.search.share = b.search.step[0] = b.search.step[1] = 0.0
+    for j in range(b.rollers):
+        r = &b.roller[j]
+        gap, rise = depth * r.direction[0] - b.half_clearance, b.rise * r.direction[0]
+        r.at[0], r.at[1] = 0.5 * (gap + b.seat), 0.5 * rise
+        if b.centrifugal > 0.0 and not r.at[0] > b.rest:
+            r.at[0], r.at[1] = b.rest, 0.0
+        r.search.descent = INFINITY
+        r.search.share = r.search.step[0] = r.search.step[1] = 0.0
+        for i in range(h):
+            b.approach[INNER][j * h + i] = (gap - r.at[0]) + (rise - r.at[1]) * b.xi[i] - b.drop[i]
+            b.approach[OUTER][j * h + i] = r.at[0] + r.at[1] * b.xi[i] - b.drop[i]
+
+
+cdef int _settle(bearing_t *b, double *passes, double *residual) noexcept nogil:
+    """Iterate from where the bearing is; the residuals are those of forces and moments."""
+    cdef double largest, before = INFINITY, depth = DEPTH
+    cdef int pass_, ended
+    for pass_ in range(1, LIMIT + 1):
+        ended = _evaluate(b)
+        if ended != ARRIVED:
+            return ended
+        _residuals(b, residual)
+        largest = _larger(residual[0], residual[1])
+        passes[0] = pass_
+        if largest <= AIM or (largest <= ROUNDING and largest > 0.5 * before):
+            break
+        if pass_ < LIMIT:
+            depth *= SHALLOWER
+            _advance(b, depth)
+        before = largest
+    return ARRIVED
+
+
+cdef int _evaluate(bearing_t *b) noexcept nogil:
+    """Forces and stiffnesses of all contacts, and what is unbalanced."""
+    cdef size_t i, j, n[2], h = b.slices
+    cdef int ring
+    cdef double x, largest = 0.0
+    cdef const double *a
+    cdef const double *w
+    cdef const double *k
+    cdef double *gathered
+    cdef contact_t *c
+    cdef roller_t *r
+    for ring in range(2):
+        a, gathered, n[ring] = b.approach[ring], b.table[ring].approach, 0
+        for i in range(b.rollers * h):
+            x = a[i]
+            if not fabs(x) <= LARGEST:
+                return BEYOND_FLOATS
+            gathered[n[ring]] = x   # without a branch: is overwritten unless it touches
+            n[ring] += x > 0.0
+    b.force[0], b.force[1] = b.load, 0.0
+    for ring in range(2):
+        if _ask(b, ring, n[ring]) != ARRIVED:
+            return ring
+        a, w, k = b.approach[ring], b.table[ring].load, b.table[ring].stiffness
+        for j in range(b.rollers):
+            c = &b.roller[j].contact[ring]
+            c.force[0] = c.force[1] = c.stiffness[0] = c.stiffness[1] = c.stiffness[2] = 0.0
+            for i in range(h):
+                if a[j * h + i] > 0.0:
+                    c.force[0] += w[0] * b.weights[i]
+                    c.force[1] += w[0] * b.weights[h + i]
+                    c.stiffness[0] += k[0] * b.weights[i]
+                    c.stiffness[1] += k[0] * b.weights[h + i]
+                    c.stiffness[2] += k[0] * b.weights[2 * h + i]
+                    w, k = w + 1, k + 1
+            largest = _larger(largest, c.force[0])
+    for j in range(b.rollers):
+        r = &b.roller[j]
+        r.force[0] = r.contact[INNER].force[0] - r.contact[OUTER].force[0] + b.centrifugal
+        r.force[1] = r.contact[INNER].force[1] - r.contact[OUTER].force[1]
+        b.force[0] -= r.contact[INNER].force[0] * r.direction[0]
+        b.force[1] -= r.contact[INNER].force[0] * r.direction[1]
+    if b.least == 0.0:   # what presses at first may vanish altogether
+        b.least = max(largest, TINY)
+    b.scale = _larger(largest, b.least)
+    return ARRIVED
+
+
+cdef void _residuals(const bearing_t *b, double *residual) noexcept nogil:
+    """Largest unbalanced force and moment, relative to the largest force and it times the roller's length."""
+    cdef double force = _larger(fabs(b.force[0]), fabs(b.force[1])), moment = 0.0
+    cdef size_t j
+    for j in range(b.rollers):
+        force = _larger(force, fabs(b.roller[j].force[0]))
+        moment = _larger(moment, fabs(b.roller[j].force[1]))
+    residual[0], residual[1] = force / b.scale, 0.5 * moment / b.scale
+
+
+cdef inline void _divide(const double *k, const double *force, double *step) noexcept nogil:
+    """Solve a symmetric 2x2 system, its matrix (a, b; b, c) given as a, b, c."""
+    cdef double determinant = k[0] * k[2] - k[1] * k[1]
+    step[0] = (k[2] * force[0] - k[1] * force[1]) / determinant
+    step[1] = (k[0] * force[1] - k[1] * force[0]) / determinant
+
+
+cdef inline bint _taken_back(search_t *s, const double *force, const double *k, double *move) noexcept nogil:
+    """Move back where the last step went too far; False if it did not, and a new one is due."""
+    cdef double *d = s.step
+    cdef double climb = -(force[0] * d[0] + force[1] * d[1])
+    cdef double curvature = k[0] * d[0] * d[0] + 2.0 * k[1] * d[0] * d[1] + k[2] * d[1] * d[1]
+    cdef double share = s.share - climb / max(curvature, TINY)
+    if climb <= OVERSHOOT * s.descent or share <= 0.0:
+        return False
+    move[0], move[1] = (share - s.share) * d[0], (share - s.share) * d[1]
+    s.share = share
+    return True
+
+
+cdef inline void _set_out(
+    search_t *s, const double *force, const double *step, double share, double *move
+) noexcept nogil:
+    """Move by a share of a new step."""
+    move[0], move[1] = share * step[0], share * step[1]
+    s.step[0], s.step[1], s.share = step[0], step[1], share
+    s.descent = force[0] * step[0] + force[1] * step[1]
+
+
+cdef double _share(const bearing_t *b, size_t j, double gap, const double *step, double depth) noexcept nogil:
+    """Share of a step of a roller, and of a ring by ``gap``, after which no open contact is closed deeper than this."""
+    cdef const double *inner = b.approach[INNER] + j * b.slices
+    cdef const double *outer = b.approach[OUTER] + j * b.slices
+    cdef double share = 1.0, outward, inward
+    cdef size_t i
+    for i in range(b.slices):
+        outward = step[0] + step[1] * b.xi[i]
+        inward = gap - outward
+        if outer[i] < 0.0 and outer[i] + outward > depth:
+            share = min(share, (depth - outer[i]) / outward)
+        if inner[i] < 0.0 and inner[i] + inward > depth:
+            share = min(share, (depth - inner[i]) / inward)
+    return share
+
+
+cdef inline double _within(double reach, double share, const double *step) noexcept nogil:
+    return min(share, reach / max(max(fabs(step[0]), fabs(step[1])), reach))
+
+
+cdef void _advance(bearing_t *b, double depth) noexcept nogil:
+    """Move the ring, and the rollers with it, if all rollers are settled; and each roller alone."""
+    cdef double trace = b.stiffness, own, unbalanced, passed, series, share, deep, gap, shift, tip, outward
+    cdef double lacking = max(fabs(b.force[0]), fabs(b.force[1]))
+    cdef double *ki
+    cdef double *ko
+    cdef double k[3]
+    cdef double step[2]
+    cdef double move[2]    # of the ring
+    cdef double force[2]
+    cdef double stiffness[3]
+    cdef bint free = True, settled
+    cdef size_t i, j, h = b.slices
+    cdef roller_t *r
+    for j in range(b.rollers):
+        r = &b.roller[j]
+        trace = max(trace, max(r.contact[INNER].stiffness[0], r.contact[OUTER].stiffness[0]))
+    trace *= TRACE
+    move[0] = move[1] = 0.0
+    force[0], force[1] = b.force[0], b.force[1]
+    stiffness[0], stiffness[1], stiffness[2] = trace, 0.0, trace
+    for j in range(b.rollers):
+        r = &b.roller[j]
+        ki, ko = r.contact[INNER].stiffness, r.contact[OUTER].stiffness
+        ki[0] += trace
+        ki[2] += trace
+        ko[0] += trace
+        ko[2] += trace
+        for i in range(3):
+            k[i] = ki[i] + ko[i]
+        # balanced well enough to move the ring: by its own forces, or by what the ring lacks
+        own = max(max(r.contact[INNER].force[0], r.contact[OUTER].force[0]), b.centrifugal)
+        unbalanced = _larger(fabs(r.force[0]), fabs(r.force[1]))
+        settled = unbalanced <= max(SETTLED * max(own, lacking), AIM * b.scale)
+        free = free and settled
+        if settled or not _taken_back(&r.search, r.force, k, r.move):
+            _divide(k, r.force, step)
+            share = _share(b, j, 0.0, step, depth * _approach_for(b, unbalanced))
+            _set_out(&r.search, r.force, step, _within(b.reach, share, step), r.move)
+        # the roller eliminated onto the ring: how it follows, the force it passes on, its contacts in series,
+        # [ki (ki + ko)^-1 ko]_00, which is free of cancellation
+        _divide(k, ki, r.follow)
+        passed = r.follow[0] * r.force[0] + r.follow[1] * r.force[1]
+        series = r.follow[0] * ko[0] + r.follow[1] * ko[1]
+        force[0] += passed * r.direction[0]
+        force[1] += passed * r.direction[1]
+        stiffness[0] += series * r.direction[0] * r.direction[0]
+        stiffness[1] += series * r.direction[0] * r.direction[1]
+        stiffness[2] += series * r.direction[1] * r.direction[1]
+
+    if free and not _taken_back(&b.search, force, stiffness, move):
+        _divide(stiffness, force, step)
+        share, deep = 1.0, depth * _approach_for(b, _larger(fabs(force[0]), fabs(force[1])))
+        for j in range(b.rollers):
+            r = &b.roller[j]
+            gap = step[0] * r.direction[0] + step[1] * r.direction[1]
+            k[0], k[1] = r.follow[0] * gap, r.follow[1] * gap
+            share = min(share, _share(b, j, gap, k, deep))
+        _set_out(&b.search, force, step, _within(b.reach, share, step), move)
+    b.at[0] += move[0]
+    b.at[1] += move[1]
+    for j in range(b.rollers):
+        r = &b.roller[j]
+        gap = move[0] * r.direction[0] + move[1] * r.direction[1]
+        if free:
+            r.search.descent = INFINITY   # it was moved otherwise
+        shift, tip = r.move[0] + r.follow[0] * gap, r.move[1] + r.follow[1] * gap
+        r.at[0] += shift
+        r.at[1] += tip
+        for i in range(h):
+            outward = shift + tip * b.xi[i]
+            b.approach[OUTER][j * h + i] += outward
+            b.approach[INNER][j * h + i] += gap - outward
