@@ -390,9 +390,9 @@ def test_passes_do_not_grow_with_the_bearing(Z, instants):
     some = case(Z=Z, instants=instants, slices=11, shape="iso16281", radial_load=100.0 * Z)
     found = solve_pitch(some, rings(Counted(1e10, 10 / 9)))
     assert found.iterations <= 12
-    # passes, both rings; half the instants and half of a roller, and 213 to estimate with
+    # passes, both rings; half the instants and half of a roller, and 45 to estimate with
     solved = instants // 2 + 1
-    assert sum(Counted.asked) <= 2 * found.iterations * solved * Z * 6 + 213
+    assert sum(Counted.asked) <= 2 * found.iterations * solved * Z * 6 + 45
     assert len(Counted.asked) <= 2 * found.iterations * solved + 3
 
 

@@ -263,7 +263,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     slices, half_length = case.drop.size, 0.5 * case.roller_length
     # Of a roller that is symmetric and does not tilt only the half with x >= 0 is carried along, for both.
     mirrored = case.misalignment == 0.0 and all(
-        np.array_equal(one, other[::-1])
+        np.all(one == other[::-1])
         for one, other in ((case.drop, case.drop), (case.widths, case.widths), (case.position, -case.position))
     )
     half = slices // 2 if mirrored else 0
@@ -284,10 +284,10 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     refused = kernels.solve(
         stages,
         tables,
-        np.stack((np.cos(case.psi), np.sin(case.psi))),
+        np.array((np.cos(case.psi), np.sin(case.psi))),
         xi,
         np.ascontiguousarray(case.drop[half:]),
-        widths * np.stack((np.ones_like(xi), np.zeros_like(xi) if mirrored else xi, xi * xi)),
+        widths * np.array((xi**0, xi * (not mirrored), xi**2)),
         length=case.roller_length,
         clearance=case.radial_clearance,
         rise=half_length * case.misalignment,

@@ -25,7 +25,7 @@ cdef enum:   # how the way to an instant's equilibrium ended; below, the ring wh
     BEYOND_FLOATS
 
 cdef enum:
-    SAMPLES = 211        # of the contact law, ten a decade from 1e-24 m to 1e-3 m, to estimate deflections
+    SAMPLES = 43         # of the contact law, two a decade from 1e-24 m to 1e-3 m, to estimate deflections
     LIMIT = 200          # passes; usual are 5 to 10
 
 cdef double AIM = 1e-13         # relative residual at which an instant is left
@@ -200,7 +200,7 @@ cdef double _approach_for(const bearing_t *b, double force) noexcept nogil:
             else:
                 high = middle
         x = low + (x - b.log_load[low]) / (b.log_load[high] - b.log_load[low])
-    return exp(M_LN10 * (0.1 * x - 24.0))
+    return exp(M_LN10 * (0.5 * x - 24.0))
 
 
 cdef int _ask(bearing_t *b, int ring, size_t n) noexcept nogil:
@@ -214,7 +214,7 @@ cdef int _measure(bearing_t *b, double least_drop, double nearest, double reach)
     cdef double typical, depth
     cdef int i
     for i in range(SAMPLES):
-        b.table[OUTER].approach[i] = exp(M_LN10 * (0.1 * i - 24.0))
+        b.table[OUTER].approach[i] = exp(M_LN10 * (0.5 * i - 24.0))
     if _ask(b, OUTER, SAMPLES) != ARRIVED:
         return OUTER
     for i in range(SAMPLES):
@@ -267,17 +267,17 @@ cdef void _start(bearing_t *b, double depth) noexcept nogil:
 cdef int _settle(bearing_t *b, double *passes, double *residual) noexcept nogil:
     """Iterate from where the bearing is; the residuals are those of forces and moments."""
     cdef double largest, before = INFINITY, depth = DEPTH
-    cdef int pass_, ended
-    for pass_ in range(1, LIMIT + 1):
+    cdef int number, ended
+    for number in range(1, LIMIT + 1):
         ended = _evaluate(b)
         if ended != ARRIVED:
             return ended
         _residuals(b, residual)
         largest = _larger(residual[0], residual[1])
-        passes[0] = pass_
+        passes[0] = number
         if largest <= AIM or (largest <= ROUNDING and largest > 0.5 * before):
             break
-        if pass_ < LIMIT:
+        if number < LIMIT:
             depth *= SHALLOWER
             _advance(b, depth)
         before = largest
@@ -286,9 +286,10 @@ cdef int _settle(bearing_t *b, double *passes, double *residual) noexcept nogil:
 
 cdef int _evaluate(bearing_t *b) noexcept nogil:
     """Forces and stiffnesses of all contacts, and what is unbalanced."""
-    cdef size_t i, j, n[2], h = b.slices
+    cdef size_t n[2]
+    cdef size_t i, j, h = b.slices
     cdef int ring
-    cdef double x, largest = 0.0
+    cdef double x, force, moment, k0, k1, k2, largest = 0.0
     cdef const double *a
     cdef const double *w
     cdef const double *k
@@ -310,15 +311,17 @@ cdef int _evaluate(bearing_t *b) noexcept nogil:
         a, w, k = b.approach[ring], b.table[ring].load, b.table[ring].stiffness
         for j in range(b.rollers):
             c = &b.roller[j].contact[ring]
-            c.force[0] = c.force[1] = c.stiffness[0] = c.stiffness[1] = c.stiffness[2] = 0.0
+            force = moment = k0 = k1 = k2 = 0.0
             for i in range(h):
                 if a[j * h + i] > 0.0:
-                    c.force[0] += w[0] * b.weights[i]
-                    c.force[1] += w[0] * b.weights[h + i]
-                    c.stiffness[0] += k[0] * b.weights[i]
-                    c.stiffness[1] += k[0] * b.weights[h + i]
-                    c.stiffness[2] += k[0] * b.weights[2 * h + i]
+                    force += w[0] * b.weights[i]
+                    moment += w[0] * b.weights[h + i]
+                    k0 += k[0] * b.weights[i]
+                    k1 += k[0] * b.weights[h + i]
+                    k2 += k[0] * b.weights[2 * h + i]
                     w, k = w + 1, k + 1
+            c.force[0], c.force[1] = force, moment
+            c.stiffness[0], c.stiffness[1], c.stiffness[2] = k0, k1, k2
             largest = _larger(largest, c.force[0])
     for j in range(b.rollers):
         r = &b.roller[j]
