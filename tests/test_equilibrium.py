@@ -40,9 +40,9 @@ class PowerLaw(SliceModel):
         slices.stiffness[:] = self.coefficient * self.exponent * d ** (self.exponent - 1.0)
 
 
-def rings(model, block=None):
+def rings(model):
     """Contacts of both rings by the same law."""
-    ring = SimpleNamespace(conditions=Conditions(length=LENGTH), deflection=Chain(model, block=block))
+    ring = SimpleNamespace(conditions=Conditions(length=LENGTH), deflection=Chain(model))
     return ring, ring
 
 

@@ -268,7 +268,8 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     )
     half = slices // 2 if mirrored else 0
     xi, widths = case.position[half:] / half_length, case.widths[half:].copy()
-    widths[slices % 2 if mirrored else slices :] *= 2.0
+    if mirrored:
+        widths[slices % 2 :] *= 2.0
     found = {
         "load": np.empty((2, instants, rollers, slices)),
         "force": np.empty((2, instants, rollers)),
@@ -308,7 +309,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         raise error
     force_residual, moment_residual = (float(worst) for worst in found["residual"].max(axis=0))
     iterations = int(found["passes"].max())
-    if not max(force_residual, moment_residual) <= _REQUIRED:
+    if not found["residual"].max() <= _REQUIRED:  # nor if it is NaN
         slowest = np.count_nonzero(found["passes"] == iterations)
         raise ConvergenceError(
             f"the bearing found no equilibrium in {iterations} iterations at {slowest} of {instants} instants: "
