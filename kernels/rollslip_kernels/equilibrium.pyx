@@ -105,7 +105,7 @@ def solve(stages, tables, const double[:, :, ::1] direction, const double[::1] x
     cdef double[:, ::1] rings = found["ring"], residuals = found["residual"]
     cdef double[:, ::1] shifts = found["shift"], tips = found["tip"]
     cdef double[::1] moments = found["moment"], passes = found["passes"]
-    cdef double nearest, least_nearest = 1.0, least_drop = INFINITY
+    cdef double nearest = 1.0, least_drop = INFINITY
     cdef const double *touching
     cdef roller_t *r
     cdef int ended
@@ -128,9 +128,8 @@ def solve(stages, tables, const double[:, :, ::1] direction, const double[::1] x
 
     with nogil:
         for m in range(instants):
-            nearest = _nearest(&direction[0, m, 0], Z)
-            least_nearest = min(least_nearest, nearest)
-        ended = _measure(&b, max(least_drop, 0.0), least_nearest, reach)
+            nearest = min(nearest, _nearest(&direction[0, m, 0], Z))
+        ended = _measure(&b, max(least_drop, 0.0), nearest, reach)
         m = 0
         while ended == ARRIVED and m < instants:
             for j in range(Z):
