@@ -229,7 +229,7 @@ def test_rollers_are_free(friction):
     """What the rings do to the spin of a roller over an orbit is what its spin gains; drag and pockets do nothing."""
     orbit = 2.0 * np.pi / 305.8 / (1.0 - 0.005)
     assembly = bearing(brake(0.2))
-    found = run(assembly, friction=friction, duration=2.0 * orbit, points=4001, relative_tolerance=1e-7)
+    found = run(assembly, friction=friction, duration=2.0 * orbit, points=4001, relative_tolerance=1e-8)
     last = found.isel(time=slice(2000, None))
     inner, outer = last.traction_force.sel(ring="inner", drop=True), last.traction_force.sel(ring="outer", drop=True)
     time, spin = last.time.values, (last.roller_speed - last.cage_speed).values
