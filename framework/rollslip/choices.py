@@ -13,6 +13,7 @@
 """
 
 import contextlib
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
@@ -316,7 +317,9 @@ def _modelling(
             for error in (0.0, *_LAW_ERRORS):
                 resolution = attrs.evolve(base, traction=traction, traction_error=error)
                 try:
-                    evaluations.setdefault(assemble(made.scene, resolution).traction, error)
+                    evaluated = assemble(made.scene, resolution).traction
+                    if evaluations.get(evaluated, math.inf) > 0.0:
+                        evaluations[evaluated] = error  # the least that it keeps
                 except Exception:  # a plugin that breaks is run, too, and its error told
                     evaluations.setdefault(name, 0.0)
             yield from ({"traction": traction, "traction_error": error} for error in evaluations.values())
