@@ -24,8 +24,8 @@ def chain(sizes, rounds):
 
 def equilibrium(name, sizes, rounds):
     """Return the times of a load distribution against one of its sizes."""
-    deflect = bearing().deflect
-    return best_of({n: partial(solve_equilibrium, case(2e-5, 2e-4, **{name: n}), deflect) for n in sizes}, rounds)
+    contacts = bearing().raceways
+    return best_of({n: partial(solve_equilibrium, case(2e-5, 2e-4, **{name: n}), contacts) for n in sizes}, rounds)
 
 
 def run(quick=False):

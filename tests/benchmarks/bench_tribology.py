@@ -113,14 +113,14 @@ def case(clearance, tilt=0.0, *, rollers=ROLLERS, slices=SLICES, instants=1, loa
 
 def loads(rounds):
     """Return the table of one load distribution in both."""
-    theirs, deflect, rows = tribology("roller_bearings").fcylrolbear, bearing().deflect, []
+    theirs, contacts, rows = tribology("roller_bearings").fcylrolbear, bearing().raceways, []
     for clearance in (0.0, 2e-5):
         given = case(clearance)
         axis = 1e3 * LENGTH * np.linspace(-0.5, 0.5, SLICES)
         arguments = given.psi[0], 1e3 * given.drop, axis, given.radial_load, 1e3 * clearance
         ways = {
-            "rollslip": partial(solve_equilibrium, given, deflect),
-            "rollslip, tilt 0.5 mrad": partial(solve_equilibrium, case(clearance, 5e-4), deflect),
+            "rollslip": partial(solve_equilibrium, given, contacts),
+            "rollslip, tilt 0.5 mrad": partial(solve_equilibrium, case(clearance, 5e-4), contacts),
             "tribology, as it comes": partial(theirs, *arguments),
             "tribology, residual 1e-10": partial(theirs, *arguments, max_dif=1e-10),
         }
