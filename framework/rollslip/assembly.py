@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 Ring = Literal["inner", "outer"]
 RINGS: tuple[Ring, Ring] = ("inner", "outer")
 _PIECE = 2048  # slices whose deflection is found at a time
+_KEPT = 1 << 14  # loads in a distribution that is kept, at most
 
 
 @attrs.frozen(eq=False)
@@ -63,6 +64,8 @@ class Assembly:
     drop: Array
     inner: Raceway
     outer: Raceway
+    #: Load distributions of few slices at few instants, which a plan asks for again and again.
+    known_loads: dict[tuple[Any, ...], LoadDistribution] = attrs.field(factory=dict, repr=False)
 
     @property
     def models(self) -> dict[str, SliceModel]:
@@ -171,6 +174,18 @@ class Assembly:
         DomainError
             If a force is more than the contact law, or a float, can hold.
         """
+        few = known is None and cage_speed is None and self.scene.bearing.rollers * instants * self.slices <= _KEPT
+        if not few:
+            return self._solved_loads(instants, cage_speed, known)
+        sides = ((raceway.deflection, raceway.conditions) for raceway in self.raceways)
+        key = (instants, self.slices, self.resolution.quadrature, *sides)
+        if key not in self.known_loads:
+            self.known_loads[key] = self._solved_loads(instants, cage_speed, known)
+        return self.known_loads[key]
+
+    def _solved_loads(
+        self, instants: int, cage_speed: float | None, known: LoadDistribution | None
+    ) -> LoadDistribution:
         b, o = self.scene.bearing, self.scene.operation
         case = LoadCase(
             angular_positions(b.rollers, instants),
