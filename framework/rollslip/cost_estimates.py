@@ -11,6 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import attrs
+import numpy as np
 
 from rollslip.dynamics import Dynamics
 from rollslip.effective_friction import EffectiveFriction
@@ -78,9 +79,10 @@ def _effective_friction(study: EffectiveFriction, assembly: "Assembly") -> Mappi
     some = assembly.at(attrs.evolve(resolution, slices=min(resolution.slices, _MANY)))
     parts: dict[str, list[float]] = {"load distribution": [], "friction": [], "film regimes": []}
     for m in _INSTANTS:
-        raceways = study.loaded(some, m)
+        anew = attrs.evolve(some, known_loads={})
+        parts["load distribution"].append(_timed(partial(anew.load_distribution, m), 1))
+        raceways = study.loaded(anew, m)
         speeds = raceways.speeds(slip)
-        parts["load distribution"].append(_timed(partial(some.load_distribution, m), 1))
         one, regimes = (_timed(partial(work, speeds)) / slip.size for work in (raceways.evaluated, raceways.regimes))
         closure = _timed(partial(raceways.speeds, slip), 1) / slip.size  # a free roller's spin is a root to be found
         parts["friction"].append(one * (study.points + _SEARCH / 2) + closure * (2 * study.points + _SEARCH / 4))
@@ -112,9 +114,12 @@ def _dynamics(study: Dynamics, assembly: "Assembly") -> Mapping[str, float]:
     few = assembly.at(attrs.evolve(resolution, slices=min(_FEW, resolution.slices), quadrature="equal"))
     more = assembly.slices / few.slices
     begin = time.process_time()
-    motion = study.beginning(few)
+    moving = study.moving(few)
     tables, span = time.process_time() - begin, min(_SHORT, study.duration)
     # the beginning is the most abrupt: what goes on is taken from its second half
-    begins, half = (_timed(partial(motion, share * span, study.relative_tolerance), 1) for share in (1.0, 0.5))
+    begins, half = (
+        _timed(partial(study.tried, moving, np.array([0.0, share * span]), study.relative_tolerance), 1)
+        for share in (1.0, 0.5)
+    )
     whole = begins + 2.0 * max(begins - half, 0.0) * (study.duration / span - 1.0)
     return {"tables": tables * more, "motion": whole * (more if study.friction == "conventional" else 1.0)}

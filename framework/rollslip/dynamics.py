@@ -1,7 +1,7 @@
 """Study dynamics: cage and rollers in time, with constant, effective or conventional friction.
 
-- The scene chooses the level of detail (`LEVELS`) and the friction by name; each level is one compiled right-hand side
-  (`rollslip.motion`, `rollslip.planar`), which an integrator of the scene's choice steps through.
+- The scene names the level of detail (`LEVELS`), the friction and the integrator, or leaves them to the plan
+  (`rollslip.motion_estimates`); each level is one compiled right-hand side (`rollslip.motion`, `rollslip.planar`).
 - Beside the motion a ledger is integrated: what the rings give, what each group of contacts takes. What it leaves of
   the energy is stored, as the plainest measure of how far a result can be trusted.
 - Slip past the critical value means that friction falls as slip rises. It is an event, located in time, and ends the
@@ -25,6 +25,7 @@ from rollslip.effective_table import table_records
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
 from rollslip.friction_curve import about, slip_grid
+from rollslip.load_map import LoadMap
 from rollslip.models import IntegratorModel
 from rollslip.motion import carried_motion
 from rollslip.moving_bearing import MovingBearing
@@ -69,10 +70,13 @@ _LEAST_TOLERANCE: Final = 2.3e-14
 class Dynamics:
     """Settings of the study."""
 
-    level: str = parameter(default="cage-set", doc="what moves", validator=one_of(*LEVELS))
+    level: str = parameter(
+        default="cage-set", doc="what moves; a plan chooses where it is not given", validator=one_of(*LEVELS)
+    )
     friction: str = parameter(
         default="effective",
-        doc="of every slice at every step (conventional), effective friction of the raceways, or a constant",
+        doc="of every slice at every step (conventional), effective friction of the raceways, or a constant; a plan "
+        "chooses between the first two where it is not given",
         validator=one_of(*FRICTION),
     )
     effective_over: str = parameter(
@@ -90,7 +94,10 @@ class Dynamics:
     points: int = parameter(default=1001, doc="instants stored, evenly spread with both ends", validator=at_least(2))
     cage_slip: float = parameter(default=0.0, unit="1", doc="slip of the cage at the start: 1 at rest, 2 backwards")
     roller_slip: float = parameter(default=0.0, unit="1", doc="slip of the rollers at the start: 1 at rest")
-    integrator: Any = parameter(default="rodas5p", doc="integrator, by name or as a table with its parameters")
+    integrator: Any = parameter(
+        default="rodas5p",
+        doc="integrator, by name or as a table with its parameters; a plan chooses where it is not given",
+    )
     relative_tolerance: float = parameter(
         default=1e-5,
         unit="1",
@@ -180,21 +187,13 @@ class Dynamics:
     def _kept_in(
         self, assembly: Assembly, store: RunStore | None, progress: Callable[[str], None] | None
     ) -> "xr.Dataset":
-        where = Where(assembly.scene.origins, ("study", "dynamics"))
         integrator = self.method(assembly)
-        if self.level == "planar" and self.planar is None:
-            raise SceneError(
-                [
-                    where.at("planar").says(
-                        "missing, but required for level = 'planar'; give [study.dynamics.planar] with the mass that "
-                        "moves with the inner ring, such as inner_ring_mass = '5 kg'"
-                    )
-                ]
-            )
+        if self.level == "planar":
+            self._of_planar(assembly)
         settings = averaging(assembly.scene)
         raceways = settings.loaded(assembly, assembly.resolution.instants or _INSTANTS)
         critical = _critical(settings, raceways)
-        moving = self._motion(assembly, critical.slip)
+        moving = self.moving(assembly, critical_slip=critical.slip)
         system = moving.system
         times = np.linspace(0.0, self.duration, self.points)
         start, first_step, before = moving.initial(self.cage_slip, self.roller_slip), 0.0, None
@@ -234,25 +233,22 @@ class Dynamics:
         regimes, found = _regimes(raceways, np.clip(slip, 0.0, settings.max_cage_slip), found)
         return self._dataset(assembly, moving, found, outputs, critical, integrator).assign(regimes)
 
-    def beginning(self, assembly: Assembly) -> Callable[[float, float], tuple[float, Trajectory]]:
-        """Return how the motion begins: of a time [s] and a relative tolerance, the cage speed then and all of it."""
-        moving, integrator = self._motion(assembly, math.nan), self.method(assembly)
+    def tried(self, moving: MovingBearing, times: Array, tolerance: float) -> Trajectory:
+        """Return the motion from its start, at some times [s] and a relative tolerance, nothing watched or kept."""
+        problem = InitialValueProblem(
+            rates=moving.system,
+            y=moving.initial(self.cage_slip, self.roller_slip),
+            t=0.0,
+            atol=tolerance * moving.system.scale,
+            jacobian=moving.system.jacobian,
+            breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
+        )
+        return integrate(problem, self.method(moving.assembly), times, rtol=tolerance)
 
-        def motion(span: float, tolerance: float) -> tuple[float, Trajectory]:
-            problem = InitialValueProblem(
-                rates=moving.system,
-                y=moving.initial(self.cage_slip, self.roller_slip),
-                t=0.0,
-                atol=tolerance * moving.system.scale,
-                jacobian=moving.system.jacobian,
-                breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
-            )
-            found = integrate(problem, integrator, np.array([0.0, span]), rtol=tolerance)
-            return float(moving.split(found.y)["cage_speed"][-1]), found
-
-        return motion
-
-    def _motion(self, assembly: Assembly, critical_slip: float) -> MovingBearing:
+    def moving(
+        self, assembly: Assembly, loads: LoadMap | None = None, *, critical_slip: float = math.nan
+    ) -> MovingBearing:
+        """Return the bearing in motion; its loads over the orbit may be known, but for level planar."""
         options: dict[str, Any] = {
             "friction": self.friction,
             "effective_over": self.effective_over,
@@ -261,9 +257,23 @@ class Dynamics:
             "critical_slip": critical_slip,
             "film_limit": self.film_limit or math.nan,
         }
-        if self.planar is not None and self.level == "planar":
-            return planar_motion(assembly, self.planar, **options)
-        return carried_motion(assembly, level=self.level, **options)
+        if self.level == "planar":
+            return planar_motion(assembly, self._of_planar(assembly), **options)
+        return carried_motion(assembly, level=self.level, loads=loads, **options)
+
+    def _of_planar(self, assembly: Assembly) -> PlanarSettings:
+        """Settings of level planar, which a scene that names it must give."""
+        if self.planar is None:
+            where = Where(assembly.scene.origins, ("study", "dynamics"))
+            raise SceneError(
+                [
+                    where.at("planar").says(
+                        "missing, but required for level = 'planar'; give [study.dynamics.planar] with the mass that "
+                        "moves with the inner ring, such as inner_ring_mass = '5 kg'"
+                    )
+                ]
+            )
+        return self.planar
 
     def method(self, assembly: Assembly) -> IntegratorModel:
         """Return the integrator.

@@ -23,6 +23,7 @@ from rollslip.effective_friction import EffectiveFriction
 from rollslip.errors import RollslipError
 from rollslip.friction_curve import FrictionCurve, slip_grid
 from rollslip.leaving_out import BoundaryFriction, ExactLaw, Extremes, LeftOut
+from rollslip.motion_estimates import choose_motion
 from rollslip.resolution import Resolution, finest
 from rollslip.steady_slip import SteadySlip
 
@@ -165,6 +166,8 @@ class Chosen:
         Part -> result -> estimated relative error.
     left_out : tuple of LeftOut
         What is left out under a bound.
+    reasons : mapping
+        Setting of study dynamics that the scene does not name -> why it was chosen.
     failed : str
         Why there are no estimates; empty if there are.
     """
@@ -172,6 +175,7 @@ class Chosen:
     resolution: Resolution
     errors: Mapping[str, Errors] = attrs.field(factory=dict)
     left_out: tuple[LeftOut, ...] = ()
+    reasons: Mapping[str, str] = attrs.field(factory=dict)
     failed: str = ""
 
     @property
@@ -212,6 +216,8 @@ def choose(study: object, assembly: "Assembly", *, cheaper_laws: bool = True) ->
         assert isinstance(curved, EffectiveFriction | FrictionCurve | SteadySlip)
         if accuracy.exact:
             best = attrs.evolve(best, instants=best.instants if curved.averaged else 1)
+            if isinstance(study, Dynamics):
+                return _motion(Chosen(resolution=best), study, assembly)
             return Chosen(resolution=best)
         chosen, probe, few = _curves(curved, assembly, share)
         if not isinstance(study, Dynamics):
@@ -222,8 +228,10 @@ def choose(study: object, assembly: "Assembly", *, cheaper_laws: bool = True) ->
             chosen = attrs.evolve(
                 chosen, resolution=resolution, errors={**chosen.errors, "tables": {"friction": table}}
             )
-        if isinstance(study, Dynamics) and "relative_tolerance" not in scene.study.get("dynamics", {}):
-            chosen = _steps(chosen, study, few)
+        if isinstance(study, Dynamics):
+            chosen = _motion(chosen, study, assembly)
+            if "relative_tolerance" not in scene.study.get("dynamics", {}):
+                chosen = _steps(chosen, study.at(chosen.resolution), few)
         return chosen
     except RollslipError as error:
         return Chosen(resolution=assembly.resolution, failed=str(error))
@@ -303,12 +311,24 @@ def _laws(chosen: Chosen, probe: Probe, few: "Assembly", cheaper_laws: bool) -> 
     return attrs.evolve(chosen, resolution=resolution, errors=errors, left_out=tuple(left_out))
 
 
+def _motion(chosen: Chosen, study: Dynamics, assembly: "Assembly") -> Chosen:
+    """Friction, level and integrator, where the scene does not name them."""
+    found = choose_motion(study, assembly.at(chosen.resolution), [*assembly.scene.study.get("dynamics", {})])
+    return attrs.evolve(
+        chosen,
+        resolution=attrs.evolve(chosen.resolution, **found.settings),
+        errors={**chosen.errors, **found.errors},
+        reasons=found.reasons,
+    )
+
+
 def _steps(chosen: Chosen, study: Dynamics, few: "Assembly") -> Chosen:
     """Tolerance of a step: errors of the speeds over a short time go with it, in proportion at most."""
     accuracy = few.scene.accuracy
-    motion = study.beginning(few.at(attrs.evolve(few.resolution, table_tolerance=_ROUGH)))
+    moving = study.moving(few.at(attrs.evolve(few.resolution, table_tolerance=_ROUGH)))
     span = min(_SHORT, study.duration)
-    rough, fine = (motion(span, tolerance)[0] for tolerance in (_STEP, 1e-3 * _STEP))
+    motions = (study.tried(moving, np.array([0.0, span]), tolerance) for tolerance in (_STEP, 1e-3 * _STEP))
+    rough, fine = (float(moving.split(found.y)["cage_speed"][-1]) for found in motions)
     error = abs(rough - fine) / abs(few.kinematics.epicyclic_cage_speed) * study.duration / span
     share = 0.2 * accuracy.of("cage_speed")
     # nobody has seen a step of more than the typical tolerance do well where a contact opens

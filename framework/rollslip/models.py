@@ -343,6 +343,8 @@ class IntegratorModel(abc.ABC):
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Order of convergence of a method that has a fixed one.
     order: ClassVar[int | None] = None
+    #: Whether its steps solve no equations; a plan then tries it where motions are not stiff.
+    explicit: ClassVar[bool] = False
     name: ClassVar[str]
     equation: ClassVar[str]
     references: ClassVar[tuple[str, ...]]

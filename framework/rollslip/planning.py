@@ -20,6 +20,7 @@ from rollslip.errors import RollslipError
 from rollslip.inventory import check_required
 from rollslip.leaving_out import LeftOut
 from rollslip.models import FilmModel, SliceModel
+from rollslip.named_friction import FRICTION
 from rollslip.reading import Where, load_scene
 from rollslip.registry import find
 from rollslip.resolution import Resolution
@@ -183,7 +184,7 @@ def plan(scene: Scene | str, study: str | None = None, *, cheaper_laws: bool = T
     parts.append(_inlet(stated.film))
     for name, one in studies.items():
         parts += _parts_of(name, one, stated.at(chosen[name].resolution), chosen[name])
-    parts += _motion(stated, studies)
+    parts += _motion(stated, studies, chosen)
     return Plan(
         scene=scene,
         assembly=stated,
@@ -343,7 +344,7 @@ def _degrees_of_freedom(assembly: Assembly, studies: Mapping[str, Study]) -> int
     return 0
 
 
-def _motion(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
+def _motion(assembly: Assembly, studies: Mapping[str, Study], made: Mapping[str, Chosen]) -> list[Part]:
     """Cage, drags and integrator, where a study asks for them."""
     dynamics = studies.get("dynamics")
     if dynamics is None and "steady-slip" not in studies:
@@ -353,21 +354,35 @@ def _motion(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
         ]
     parts = []
     if isinstance(dynamics, Dynamics):
-        offer = find("integrator", dynamics.method(assembly).name)
+        offer, chosen = find("integrator", dynamics.method(assembly).name), made["dynamics"]
+
+        def why(setting: str) -> str:
+            named = setting in assembly.scene.study.get("dynamics", {})
+            return "study.dynamics names it" if named else chosen.reasons.get(setting, "default")
+
         parts += [
+            Part(
+                part="friction of the raceways",
+                included=True,
+                choice=dynamics.friction,
+                resolution=FRICTION[dynamics.friction],
+                reason=why("friction"),
+                errors=chosen.errors.get("friction", {}),
+            ),
             Part(
                 part="motion",
                 included=True,
-                choice=f"level {dynamics.level}, friction {dynamics.friction}",
+                choice=f"level {dynamics.level}: {LEVELS[dynamics.level]}",
                 resolution=f"{dynamics.degrees_of_freedom(assembly)} unknowns for {dynamics.duration:g} s",
-                reason=LEVELS[dynamics.level],
+                reason=why("level"),
+                errors=chosen.errors.get("level", {}),
             ),
             Part(
                 part="integrator",
                 included=True,
                 choice=f"{offer.name} ({offer.package} {offer.version})",
                 resolution=f"relative tolerance {dynamics.relative_tolerance:g}",
-                reason="study.dynamics",
+                reason=why("integrator"),
             ),
         ]
     drags = list(assembly.cage.drags)

@@ -31,6 +31,7 @@ class Rk23(_SciPy):
 
     name: ClassVar[str] = "rk23"
     order: ClassVar[int] = 3
+    explicit: ClassVar[bool] = True
     solver_name: ClassVar[str] = "RK23"
     equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 3, error estimate of order 2"
     references: ClassVar[tuple[str, ...]] = (
@@ -44,6 +45,7 @@ class Rk45(_SciPy):
 
     name: ClassVar[str] = "rk45"
     order: ClassVar[int] = 5
+    explicit: ClassVar[bool] = True
     solver_name: ClassVar[str] = "RK45"
     equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 5, error estimate of order 4"
     references: ClassVar[tuple[str, ...]] = (
@@ -57,6 +59,7 @@ class Dop853(_SciPy):
 
     name: ClassVar[str] = "dop853"
     order: ClassVar[int] = 8
+    explicit: ClassVar[bool] = True
     solver_name: ClassVar[str] = "DOP853"
     equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 8, error estimates of order 5 and 3"
     references: ClassVar[tuple[str, ...]] = (HAIRER,)
