@@ -2,6 +2,7 @@
 
 import ast
 import graphlib
+import json
 import re
 import subprocess
 import sys
@@ -123,6 +124,79 @@ def test_a_run_without_plots_loads_neither_matplotlib_nor_scipy_nor_an_integrato
         [sys.executable, "-c", code, str(tmp_path / "o")], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
+
+
+MINIMAL = """
+[bearing]
+rollers = 14
+roller_diameter = "12 mm"
+roller_length = "14 mm"
+inner_raceway_diameter = "60 mm"
+outer_raceway_diameter = "84 mm"
+[operation]
+inner_speed = "3000 rpm"
+radial_load = "5 kN"
+temperature = "60 degC"
+[lubricant]
+name = "mil-prf-7808"
+"""
+FULL = (
+    MINIMAL
+    + """eyring_stress = "4 MPa"
+[cage]
+mass = "0.4 kg"
+inertia = "3.3e-3 kg m2"
+drag = ["petroff-land"]
+guidance = "outer"
+[study.effective-friction]
+points = 6
+map_points = 3
+max_cage_slip = 0.3
+[study.friction-curve]
+points = 5
+[study.steady-slip]
+points = 6
+max_cage_slip = 0.3
+[study.dynamics]
+duration = "2 ms"
+points = 3
+"""
+)
+#: What no scene above names: other models, integrators and engines, and packages for tables, graphs and statistics.
+UNNAMED = {
+    "measured", "reynolds_line", "traction_field", "solvers", "sundials", "resistance", "integrators", "engines",
+}  # fmt: skip
+#: Modules that a minimal run, and one of all studies with plots, may load: a tenth more than the 868 and 1492 that
+#: they did, of which pandas, xarray, NumPy, SciPy and Matplotlib are the most.
+MOST = {"minimal": 955, "full": 1640}
+
+
+@pytest.mark.parametrize("name", ["minimal", "full"])
+def test_only_what_a_scene_names_is_loaded(name, tmp_path):
+    """Modules of a run are counted in a fresh process."""
+    (tmp_path / "own.toml").write_text({"minimal": MINIMAL, "full": FULL}[name])
+    code = (
+        "import json, sys\n"
+        "before = set(sys.modules)\n"
+        "from rollslip.cli import main\n"
+        "try:\n    main(sys.argv[1:])\n"
+        "except SystemExit as leave:\n    assert leave.code == 0\n"
+        "print(); print(json.dumps(sorted(set(sys.modules) - before)))"
+    )
+    command = ["run", str(tmp_path / "own.toml"), "--out", str(tmp_path / "o")]
+    command += ["--no-plots"] if name == "minimal" else []
+    done = subprocess.run([sys.executable, "-c", code, *command], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    loaded = set(json.loads(done.stdout.splitlines()[-1]))
+    plugins = {module.rpartition(".")[2] for module in loaded if module.startswith("rollslip_plugins.")}
+    packages = {module.partition(".")[0] for module in loaded}
+    assert {"contact", "film", "lubricants"} <= plugins
+    assert not plugins & UNNAMED
+    assert ({"drag", "rosenbrock"} <= plugins) == ("drag" in plugins) == (name == "full")
+    assert ("scipy" in packages) == ("matplotlib" in packages) == (name == "full")
+    assert not packages & {"sksundae", "dask", "optuna", "numba", "sympy"}
+    assert not loaded & {"scipy.integrate", "scipy.stats", "scipy.signal", "scipy.io"}
+    assert len(loaded) < MOST[name], sorted(loaded)
 
 
 def test_promised_names_exist():
