@@ -1,5 +1,6 @@
 """What a plan chooses of friction, level and integrator is what the motion itself bears out."""
 
+import functools
 import math
 
 import attrs
@@ -39,6 +40,13 @@ def moved(assembly, one, other):
     return np.subtract(*both) / abs(assembly.kinematics.epicyclic_cage_speed)
 
 
+@functools.cache
+def friction_moves():
+    """How far conventional friction moves the cage of the shipped bearing in a second."""
+    study = Dynamics(duration=1.0, points=65)
+    return float(np.abs(moved(bearing(), study, attrs.evolve(study, friction="conventional"))).max())
+
+
 def others(name):
     """All settings but one."""
     return NAMED.keys() - {name}
@@ -46,10 +54,9 @@ def others(name):
 
 @pytest.mark.parametrize(("tolerance", "chosen"), [(1e-2, "effective"), (1e-3, "conventional")])
 def test_friction_is_effective_where_it_moves_the_cage_as_conventional_friction_does(tolerance, chosen):
-    assembly, study = bearing(accuracy__cage_speed=tolerance), Dynamics(duration=1.0, points=65)
-    found = choose_motion(study, assembly, others("friction"))
+    found = choose_motion(Dynamics(duration=1.0), bearing(accuracy__cage_speed=tolerance), others("friction"))
     assert found.settings == {"friction": chosen}
-    true = np.abs(moved(assembly, study, attrs.evolve(study, friction="conventional"))).max()
+    true = friction_moves()
     assert (true <= 0.3 * tolerance) == (chosen == "effective")
     if chosen == "effective":
         assert found.errors["friction"]["cage_speed"] == pytest.approx(true, rel=0.25)
