@@ -160,7 +160,7 @@ def test_samples_are_seeded_and_spread(sampling):
         ({}, {}, "there is nothing to sweep"),
         (OVER, {"samples": 8}, "there is nothing to sample"),
         (OVER, {"sampling": "sobol"}, "says how samples are drawn, but none are asked for"),
-        (OVER, {"sampling": "sobel", "samples": 4}, "must be one of 'sobol', 'latin-hypercube', not 'sobel'"),
+        (OVER, {"sampling": "sobel", "samples": 4}, "must be one of 'sobol', 'latin-hypercube', 'saltelli', not 'sobel'"),
         (OVER, {"output": ["critical_slop"]},
          "has no 'critical_slop'; did you mean 'critical_slip'? There are: friction,"),
         (OVER, {"study": "friction-curves"}, "no study is called 'friction-curves'; did you mean 'friction-curve'?"),
@@ -197,7 +197,7 @@ def test_tables_of_the_scene_count_and_all_their_faults_are_said_with_lines():
         plan_sweep(parse_scene(text + bad, "own.toml"))
     assert error.value.problems == [
         f"own.toml:{line + 2}: sweep.sampels: unknown key, did you mean 'samples'?",
-        f"own.toml:{line + 3}: sweep.sampling: must be one of 'sobol', 'latin-hypercube', not 'sobel'",
+        f"own.toml:{line + 3}: sweep.sampling: must be one of 'sobol', 'latin-hypercube', 'saltelli', not 'sobel'",
         f"own.toml:{line + 4}: sweep.seed: must be at least 0, not -1",
     ]
     bad = '\n[sweep]\nsamples = 4\n[sweep.over.operation]\nradial_laod = "1:2:3"\nradial_load = "1 N:2 mm:3"\n'

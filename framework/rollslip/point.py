@@ -1,7 +1,7 @@
 """Computes points of a sweep: what a worker does, wherever it is. A point never raises; it ends with a status.
 
-- A point is computed from its own scene alone, by the same reading, assembly and study as ``rollslip run``: what it
-  gives depends neither on the engine nor on its neighbours, to the last bit.
+- A point is computed from its own scene and the resolution of the sweep alone, by the same reading, assembly and study
+  as ``rollslip run``: what it gives depends neither on the engine nor on its neighbours, to the last bit.
 - Of the study only the variables asked for are computed and kept (`rollslip.outputs`), as bytes: no dataset a point.
 - The layout of the values (names, dimensions, coordinates) is the same for most points, and is kept beside them.
 - A time limit is held by a thread that raises in the one that computes. That needs no signal, so that it works in
@@ -31,8 +31,10 @@ from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneErr
 from rollslip.fields import FieldError
 from rollslip.outputs import Variables, evaluate
 from rollslip.reading import evolve
+from rollslip.resolution import Resolution
 from rollslip.scene import Scene, scene_hash
 from rollslip.studies import settings
+from rollslip.sweep_resolution import Resolutions
 
 __all__ = ["FAILED", "STATUSES", "Done", "Row", "Work", "compute", "greet", "here", "unpacked"]
 
@@ -55,6 +57,8 @@ class Work:
         Variables to keep.
     packages : tuple of str
         Distributions whose versions belong to the key of a point.
+    resolutions : Resolutions
+        How finely the points are computed.
     time_limit : float or None
         Longest time for one point [s].
     """
@@ -63,6 +67,7 @@ class Work:
     study: str
     outputs: tuple[str, ...]
     packages: tuple[str, ...]
+    resolutions: Resolutions = attrs.field(factory=Resolutions)
     time_limit: float | None = None
 
 
@@ -75,7 +80,7 @@ class Row:
     number : int
         Which point it is.
     key : str
-        SHA-256 of its scene, study, outputs and the versions of the packages; empty if there was no scene.
+        SHA-256 of its scene, study, outputs, resolution and the versions of the packages; empty if there was no scene.
     status, message : str
         One of `STATUSES`, and why it is not "ok".
     seconds : float
@@ -173,9 +178,10 @@ def _point(work: Work, number: int, changes: Mapping[str, object]) -> Row:
     try:
         with _within(work.time_limit):
             scene = evolve(work.scene, changes)
-            key = _key(work, scene)
+            resolution = work.resolutions.of(changes)
+            key = _key(work, scene, resolution)
             study = settings(scene, work.study)[work.study]
-            variables, coords, said = evaluate(study, assemble(scene), work.outputs)
+            variables, coords, said = evaluate(study, assemble(scene, resolution), work.outputs)
             status, message = _outcome(said)
             if status == "ok":
                 layout, numbers, texts = _packed(variables, coords)
@@ -217,8 +223,9 @@ def _outcome(said: Mapping[str, Any]) -> tuple[str, str]:
     return "ok", ""
 
 
-def _key(work: Work, scene: Scene) -> str:
-    told = json.dumps([scene_hash(scene), work.study, work.outputs, here(work.packages)])
+def _key(work: Work, scene: Scene, resolution: Resolution | None) -> str:
+    finely = None if resolution is None else attrs.asdict(resolution)
+    told = json.dumps([scene_hash(scene), work.study, work.outputs, finely, here(work.packages)])
     return hashlib.sha256(told.encode()).hexdigest()
 
 

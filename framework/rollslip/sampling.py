@@ -5,6 +5,8 @@
 - A point is its number, counted with the samples running fastest; its values follow from the number alone. Nobody
   needs to keep the points, and a piece of them can be computed anywhere.
 - Samples are quasi-random (scrambled Sobol sequence) or stratified (Latin hypercube) from SciPy, always seeded.
+- The samples after Saltelli, for Sobol indices, are those of a Sobol sequence of twice the dimensions, A and B, and for
+  each dimension A with this one from B. They stand sample by sample, so that the first ones are a design too.
 """
 
 import hashlib
@@ -39,7 +41,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-SAMPLINGS: Final = ("sobol", "latin-hypercube")
+SAMPLINGS: Final = ("sobol", "latin-hypercube", "saltelli")
 _MOST = 10_000_000
 
 
@@ -51,13 +53,22 @@ def probabilities(sampling: str, samples: int, dimensions: int, seed: int) -> Ar
     sampling : str
         "sobol": a Sobol sequence, scrambled after Owen; its balance needs a power of two samples.
         "latin-hypercube": each of the n strata of every dimension holds one sample.
+        "saltelli": for each of n samples A and B, of d dimensions each, d + 2 rows: A, B, and A with one dimension
+        after the other from B (Saltelli et al. 2010, doi:10.1016/j.cpc.2009.09.018).
     samples, dimensions : int
-        Shape of what is returned.
+        Shape of what is returned; samples times (dimensions + 2) rows after Saltelli.
     seed : int
         Same seed and same version of SciPy, same points.
     """
     from scipy.stats import qmc
 
+    if sampling == "saltelli":
+        both = probabilities("sobol", samples, 2 * dimensions, seed)
+        rows = np.repeat(both[:, None, :dimensions], dimensions + 2, axis=1)
+        rows[:, 1] = both[:, dimensions:]
+        for k in range(dimensions):
+            rows[:, 2 + k, k] = both[:, dimensions + k]
+        return rows.reshape(-1, dimensions)
     if sampling == "sobol":
         power = max(0, math.ceil(math.log2(samples)))
         drawn = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(power)[:samples]

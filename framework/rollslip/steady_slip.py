@@ -180,6 +180,22 @@ class SteadySlip:
             },
         )
 
+    def only(self, assembly: Assembly, names: frozenset[str]) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        """Return steady slips and status as `run` finds them; None if more is asked than these."""
+        if not names <= {"steady_slip", "status"}:
+            return None
+        assembly = _loaded(assembly).resisting()
+        instants = assembly.resolution.instants
+        balance = self._balance(assembly, instants) if instants is not None else self._doubled(assembly)[0]
+        curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
+        slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
+        largest = locate(balance.torque, curve.slip, curve.torque, "max_cage_slip")
+        found: dict[str, Any] = {
+            "status": ((), _status(balance, curve, largest, slips), about("1", "what was found")),
+            "steady_slip": ("steady", np.array(slips), about("1", "steady cage slip")),
+        }
+        return found, {"steady": ("steady", np.arange(len(slips)), about("1", "steady cage slip"))}
+
     def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
         return TorqueBalance(
             assembly,
@@ -190,12 +206,14 @@ class SteadySlip:
         )
 
     def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
-        """Balance at the instants of the resolution, or at those that settle it, then with the errors that are left.
-
-        They are doubled until the torque moves by less than the tolerance, relative to its largest value.
-        """
+        """Balance at the instants of the resolution, or at those that settle it, then with the errors that are left."""
         if assembly.resolution.instants is not None:
             return self._balance(assembly, assembly.resolution.instants), {}
+        balance, moved = self._doubled(assembly)
+        return balance, {"instants_error": moved, "slices_error": self._slices_error(balance)}
+
+    def _doubled(self, assembly: Assembly) -> tuple[TorqueBalance, float]:
+        """Double the instants until the torque moves by less than the tolerance, relative to its largest value."""
         tolerance, before = assembly.scene.accuracy.tolerance, None
         instants, moved = -(-_FIRST_POSITIONS // assembly.scene.bearing.rollers), np.inf
         while instants <= _MOST_INSTANTS:
@@ -204,7 +222,7 @@ class SteadySlip:
             if before is not None:
                 moved = _moved(before, torque)
                 if moved <= tolerance:
-                    return balance, {"instants_error": moved, "slices_error": self._slices_error(balance)}
+                    return balance, moved
             before, instants = torque, 2 * instants
         raise ConvergenceError(
             f"the driving torque still moves by {moved:.1e} (relative) from {instants // 4} to {instants // 2} "

@@ -49,6 +49,12 @@ def planned(sweep: "Sweep") -> list[str]:
         lines.append(f"{n} samples, {sweep.table.sampling}, seed {sweep.table.seed}{balance}")
     elif sweep.given.uncertainty:
         lines.append("the table [uncertainty] of the scene is not used: no samples are asked for")
+    for name, one in sweep.resolutions.chosen.items():
+        laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""
+        lines.append(
+            f"{laws}computed at {one.slices} slices ({one.quadrature}) and {one.instants} instants of a pitch, what "
+            f"scene and points far apart need for the error of {sweep.scene.accuracy.tolerance:g} it states"
+        )
     own = len(sweep.numbers)
     piece = f" of {sweep.design.size}, piece {sweep.shard[0]} of {sweep.shard[1]}" if sweep.shard[1] > 1 else ""
     lines.append(f"{own} points{piece}; of each {', '.join(sweep.outputs)}")

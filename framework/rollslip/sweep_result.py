@@ -100,6 +100,7 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
         "scene_resolved": json.dumps(resolved(sweep.scene)),
         "scene_hash": scene_hash(sweep.scene),
         "axes": json.dumps(facts["axes"]),
+        "resolutions": json.dumps(facts["resolutions"]),
         "distributions": json.dumps({k: repr(d) for k, d in sweep.uncertainty.distributions.items()}),
         "correlation": json.dumps(sweep.uncertainty.correlation.tolist()),
         "sampling": sweep.table.sampling if sweep.design.has_samples else "",

@@ -1,8 +1,9 @@
 """What a sweep is: the points of a study, checked as a whole before anything runs, and kept so that it can go on.
 
 - What is swept comes from the scene's tables ``[sweep]`` and ``[uncertainty]``; a call or the command line adds to it.
-- A sweep is told from another by its facts: the resolved scene, the study, its outputs, the design and the versions of
-  the packages. A folder belongs to one sweep; who goes on with it under other facts is told what has changed.
+- A sweep is told from another by its facts: the resolved scene, the study, its outputs, the design, its
+  resolution and the versions of the packages. A folder belongs to one sweep; who goes on with it under other facts is
+  told what has changed.
 - Values are checked one by one, and every value of an axis once in the scene, so that a wrong one in the middle of a
   grid is found before the first point. What goes wrong only for a combination ends that point as "outside-domain".
 - Neither engine nor time limit belong to the facts: they change when a result is there, not what it is.
@@ -34,6 +35,7 @@ from rollslip.result import references_of
 from rollslip.sampling import SAMPLINGS, Axis, Design, probabilities, read_axis
 from rollslip.scene import FrozenTable, Scene, resolved
 from rollslip.studies import STUDIES, settings
+from rollslip.sweep_resolution import Resolutions, chosen_resolutions
 from rollslip.units import as_written
 from rollslip.writing import whole_file
 
@@ -85,6 +87,8 @@ class Sweep:
         The points.
     uncertainty : Uncertainty
         What the samples are of.
+    resolutions : Resolutions
+        How finely the points are computed.
     packages : tuple of str
         Distributions that the points need.
     local : tuple of str
@@ -97,6 +101,8 @@ class Sweep:
         The scene as it was given.
     shard : tuple of int
         Which piece of how many this is, (1, 1) for all.
+    first : int or None
+        How many of the samples are computed in this run, None for all; the design has the others all the same.
     """
 
     scene: Scene
@@ -104,12 +110,14 @@ class Sweep:
     outputs: tuple[str, ...]
     design: Design
     uncertainty: Uncertainty
+    resolutions: Resolutions
     packages: tuple[str, ...]
     local: tuple[str, ...]
     citations: tuple[str, ...]
     table: SweepTable
     given: Scene
     shard: tuple[int, int] = (1, 1)
+    first: int | None = None
 
     @property
     def work(self) -> Work:
@@ -119,13 +127,17 @@ class Sweep:
             study=self.study,
             outputs=self.outputs,
             packages=self.packages,
+            resolutions=self.resolutions,
             time_limit=self.table.time_limit,
         )
 
     @property
-    def numbers(self) -> range:
+    def numbers(self) -> Sequence[int]:
         """Numbers of the points of this piece."""
-        return range(self.shard[0] - 1, self.design.size, self.shard[1])
+        own = range(self.shard[0] - 1, self.design.size, self.shard[1])
+        if self.first is None:
+            return own
+        return [number for number in own if number % len(self.design.samples) < self.first]
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -135,6 +147,7 @@ class Sweep:
             "study": self.study,
             "outputs": list(self.outputs),
             **self.design.facts,
+            "resolutions": self.resolutions.facts,
             "packages": dict(here(self.packages)),
         }
         return json.loads(json.dumps(facts))  # type: ignore[no-any-return]
@@ -271,6 +284,7 @@ def plan_sweep(
         outputs=names,
         design=design,
         uncertainty=uncertainty,
+        resolutions=chosen_resolutions(base, name, design),
         packages=packages,
         local=local,
         citations=_citations(tried, name),
