@@ -7,6 +7,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rollslip.allowable import uncertainty as uncertainty
     from rollslip.chain import Chain as Chain
     from rollslip.comparison import compare as compare
     from rollslip.execution import load_distribution as load_distribution
@@ -45,6 +46,7 @@ _HOMES = {
     "register": "rollslip.unpackaged",
     "run": "rollslip.execution",
     "sweep": "rollslip.sweep_folder",
+    "uncertainty": "rollslip.allowable",
 }
 __all__ = sorted(_HOMES)
 

@@ -669,6 +669,107 @@ def doctor(as_json: bool) -> None:
         sys.exit(BAD_PLUGIN)
 
 
+@cli.command()
+@click.argument("scene")
+@click.option("--samples", metavar="N", type=click.IntRange(2), help="Samples of the critical slip.  [default: 1024]")
+@click.option("--until", metavar="H", type=float, help="Double samples until the interval's half width is H, a slip.")
+@click.option("--probability", metavar="P", type=float, default=0.99, show_default=True, help="Of the allowable slip.")
+@click.option("--steady", metavar="N", type=click.IntRange(0), help="Samples of the steady slip.  [default: 128]")
+@click.option("--indices", metavar="N", type=click.IntRange(0), default=0, help="Rows for Sobol indices, 2^k.")
+@click.option("--seed", metavar="N", type=click.IntRange(0), default=0, help="Seed of the samples.")
+@_set
+@_engine
+@_workers
+@_scheduler
+@_time_limit
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder; goes on with what is in it.")
+@click.option("--report", is_flag=True, help="Write a report in HTML too.")
+@click.option("--no-plots", is_flag=True, help="Write data only.")
+@_json
+def uncertainty(
+    scene: str,
+    samples: int | None,
+    until: float | None,
+    probability: float,
+    steady: int | None,
+    indices: int,
+    seed: int,
+    changes: Sequence[str],
+    engine: str | None,
+    workers: int | None,
+    scheduler: str | None,
+    time_limit: str | None,
+    out: Path | None,
+    report: bool,
+    no_plots: bool,
+    as_json: bool,
+) -> None:
+    """Tell the allowable slip of SCENE and the margin to it, where its data scatter.
+
+    What scatters is in the scene's table [uncertainty]; without one it is the scatter that its oil comes with.
+    """
+    from rollslip import sweep_findings, uncertainty_findings
+    from rollslip.allowable import RESULT, plan_margin, run_margin
+    from rollslip.errors import EngineError, OutputError
+    from rollslip.sweep_run import asked_engine
+
+    made = plan_margin(
+        _scene(scene, changes),
+        samples=samples,
+        until=until,
+        probability=probability,
+        steady=steady,
+        indices=indices,
+        seed=seed,
+        engine=_engine_table(engine, workers, scheduler),
+        time_limit=time_limit,
+    )
+    asked_engine(made.critical)  # refused before a folder is made
+    target = out if out is not None else _free_folder(f"{Path(scene).stem}-uncertainty")
+    if not as_json:
+        click.echo(sweep_findings.headline(made.critical))
+        sweeps = filter(None, (made.critical, made.steady, made.varied))
+        click.echo("\n".join(dict.fromkeys(f"  {line}" for one in sweeps for line in sweep_findings.planned(one))))
+    go_on = f"go on by the same command with --out {shlex.quote(str(target))}"
+    try:
+        with _progress("uncertainty") as show:
+            dataset = run_margin(
+                made,
+                target,
+                said=lambda text: click.echo(f"  {text}", err=as_json),
+                report=lambda now: show(sweep_findings.progress(now)),
+            )
+    except KeyboardInterrupt:
+        click.echo(f"interrupted; what was done is kept; {go_on}", err=True)
+        sys.exit(INTERRUPTED)
+    except (EngineError, OutputError) as error:
+        raise type(error)(f"{error}\nwhat was done is kept; {go_on}") from error
+    files, figures = [RESULT], list[Path]()
+    if report or not no_plots:
+        from rollslip.plots import plot
+
+        figures = plot(dataset, target)
+        files += [path.name for path in figures]
+    if report:
+        from rollslip.report import write_report
+
+        write_report({"uncertainty": dataset}, {"uncertainty": figures}, target / "report.html")
+        files.append("report.html")
+    if as_json:
+        _print_json(
+            {"scene": made.critical.given.source}
+            | uncertainty_findings.record(dataset)
+            | {"warnings": json.loads(dataset.attrs["warnings"]), "folder": str(target), "files": files}
+        )
+    else:
+        click.echo("\n".join(f"  {line}" for line in uncertainty_findings.sentences(dataset)))
+        for warning in json.loads(dataset.attrs["warnings"]):
+            click.echo(f"warning: {warning}", err=True)
+        click.echo(f"written to {target}: {', '.join(files)}")
+    if uncertainty_findings.failed(dataset):
+        sys.exit(SOME_FAILED)
+
+
 @cli.group()
 def plugins() -> None:
     """List, check and start packages that offer models."""

@@ -105,6 +105,7 @@ def _spoken(study: str) -> Any:
         "steady-slip": "steady_findings",
         "pareto": "front_findings",
         "sweep": "sweep_findings",
+        "uncertainty": "uncertainty_findings",
     }
     return importlib.import_module(f"rollslip.{names[study]}") if study in names else None
 

@@ -11,7 +11,7 @@
 """
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -128,7 +128,7 @@ def indices(a: Array, b: Array, ab: Array, seed: int, confidence: float = 0.95) 
         return None
 
     def of(some: "NDArray[np.int64]") -> Array:
-        func = {"f_A": a[some][None], "f_B": b[some][None], "f_AB": ab[:, some][:, None]}
+        func: Any = {"f_A": a[some][None], "f_B": b[some][None], "f_AB": ab[:, some][:, None]}
         found = sobol_indices(func=func, n=some.size)
         return np.array([np.atleast_1d(found.first_order), np.atleast_1d(found.total_order)])
 

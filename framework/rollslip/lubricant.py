@@ -333,6 +333,31 @@ def _positive(unit: str, doc: str, default: object = NOTHING) -> Any:
 
 
 @frozen(kw_only=True)
+class Scatter:
+    """How uncertain a datum of an oil is, and who says so.
+
+    Parameters
+    ----------
+    quantity : str
+        Key of the table ``[lubricant]`` of a scene that scatters.
+    distribution : str
+        Name of its distribution, as in the table ``[uncertainty]`` of a scene.
+    parameters : mapping
+        Its parameters there, with units; a centre that is left out is the value of the scene.
+    grade : str
+        "(B)" for a standard reference, "(C)" with doubt, "(D)" an estimate.
+    source : str
+        Where it comes from, in a sentence.
+    """
+
+    quantity: str
+    distribution: str
+    parameters: Mapping[str, object]
+    grade: str
+    source: str
+
+
+@frozen(kw_only=True)
 class Lubricant:
     """An oil: its temperature laws, its shear properties, and where each of them comes from.
 
@@ -365,6 +390,8 @@ class Lubricant:
         Keys of the bibliography.
     viscosity_factor, pressure_viscosity_factor, pressure_thermoviscosity_factor : float
         Factors on eta0, alpha and gamma [-].
+    scatter : tuple of Scatter
+        How uncertain its data are: what ``rollslip uncertainty`` takes where the scene states nothing.
 
     Raises
     ------
@@ -387,6 +414,7 @@ class Lubricant:
     viscosity_factor: float = _positive("1", "factor on the viscosity", 1.0)
     pressure_viscosity_factor: float = _positive("1", "factor on the pressure-viscosity coefficient", 1.0)
     pressure_thermoviscosity_factor: float = _positive("1", "factor on the slope of that coefficient", 1.0)
+    scatter: tuple[Scatter, ...] = ()
 
     def __attrs_post_init__(self) -> None:
         low, high = self.minimum_temperature, self.maximum_temperature

@@ -3,12 +3,23 @@
 The temperature laws are published fits; what stands beside them in scenes of slip, Eyring stress and shear modulus, is
 rarely measured for a named oil. Each ``source`` says so, with a grade: (B) a standard reference, (C) with doubt,
 (D) an estimate. Where no value with a source was found the oil lacks it, and a scene that needs it gives its own.
+``scatter`` says how uncertain the data are, with grades of its own.
 """
 
 from math import exp, log
 
 from rollslip.hookspecs import hookimpl
-from rollslip.lubricant import Andrade, Constant, Exponential, Hyperbola, Lubricant, PowerOfViscosity, Table, Walther
+from rollslip.lubricant import (
+    Andrade,
+    Constant,
+    Exponential,
+    Hyperbola,
+    Lubricant,
+    PowerOfViscosity,
+    Scatter,
+    Table,
+    Walther,
+)
 
 _EYRING_STRESS = 4e6  # Pa
 _SHEAR_MODULUS = 0.3e9  # Pa
@@ -23,6 +34,40 @@ _RANGE_SOURCE = (
     "Range 0 to 200 degC (D): the service range of such oils; over it the laws are finite and fall, but the "
     "temperatures behind the fits are not published."
 )
+
+
+def _scatter(viscosity: float, grade: str, source: str) -> tuple[Scatter, ...]:
+    """Scatter of an oil: that of its viscosity, uniform over a relative half width, and what is common to all."""
+    return (
+        Scatter(
+            quantity="viscosity_factor",
+            distribution="uniform",
+            parameters={"scatter": viscosity},
+            grade=grade,
+            source=source,
+        ),
+        Scatter(
+            quantity="pressure_viscosity_factor",
+            distribution="uniform",
+            parameters={"scatter": 0.25},
+            grade="(C)",
+            source="correlations of the coefficient after So and Klaus, Wu, Klaus and Duda, and Gold differ by 25 %",
+        ),
+        Scatter(
+            quantity="eyring_stress",
+            distribution="log-uniform",
+            parameters={"low": "1 MPa", "high": "10 MPa"},
+            grade="(D)",
+            source="range of published traction curves",
+        ),
+        Scatter(
+            quantity="shear_modulus",
+            distribution="log-uniform",
+            parameters={"low": "0.05 GPa", "high": "1 GPa"},
+            grade="(C)",
+            source="range of published values of fluid films",
+        ),
+    )
 
 
 mil_prf_7808 = Lubricant(
@@ -44,6 +89,9 @@ mil_prf_7808 = Lubricant(
     shear_modulus=_SHEAR_MODULUS,
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
+    scatter=_scatter(
+        0.1, "(D)", "the specification sets a least viscosity only; as wide as a grade of ISO 3448, 10 % either way"
+    ),
 )
 
 _VISCOSITY_23699 = Andrade(reference_viscosity=0.0276, reference_temperature=311.111, slope=3609.6, curvature=7.7657e5)
@@ -63,6 +111,7 @@ mil_prf_23699 = Lubricant(
     shear_modulus=_SHEAR_MODULUS,
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
+    scatter=_scatter(0.05, "(B)", "the specification allows 4.90 to 5.40 mm2/s at 100 degC"),
 )
 
 santotrac_50 = Lubricant(
@@ -80,6 +129,9 @@ santotrac_50 = Lubricant(
     shear_modulus=_SHEAR_MODULUS,
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
+    scatter=_scatter(
+        0.1, "(D)", "no tolerance of the maker was found; as wide as a grade of ISO 3448, 10 % either way"
+    ),
 )
 
 sae_30 = Lubricant(
@@ -96,6 +148,7 @@ sae_30 = Lubricant(
     shear_modulus=_SHEAR_MODULUS,
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
+    scatter=_scatter(0.15, "(B)", "SAE J300 allows 9.3 to 12.5 mm2/s at 100 degC"),
 )
 
 

@@ -1,0 +1,140 @@
+"""What scattering data do to slips, in sentences and plain values."""
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["failed", "margin", "paragraph", "record", "sentences", "topics"]
+
+
+def failed(dataset: "xr.Dataset") -> int:
+    """Return how many points have no result."""
+    points = json.loads(dataset.attrs["points"])
+    return sum(count for counts in points.values() for status, count in counts.items() if status != "ok")
+
+
+def sentences(dataset: "xr.Dataset") -> list[str]:
+    """Return what was found, line by line: allowable slip, margin, distributions, indices."""
+    return [line for lines in topics(dataset).values() for line in lines]
+
+
+def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+    """Return what was found, by what it is about."""
+    found = {"allowable slip": [_allowable(dataset)]}
+    if "margin" in dataset:
+        found["margin"] = [margin(dataset)]
+    found["distributions"] = [_distribution(dataset.sel(quantity=name)) for name in dataset["quantity"].to_numpy()]
+    if "indexed" in dataset.coords:
+        found["indices"] = [_shares(dataset.sel(indexed=name)) for name in dataset["indexed"].to_numpy()]
+    return found
+
+
+def paragraph(dataset: "xr.Dataset") -> str:
+    """Return what was found as a paragraph."""
+    return " ".join(f"{line[0].upper()}{line[1:]}." for line in sentences(dataset))
+
+
+def record(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return what was found as plain values; what the samples cannot tell is null."""
+    quantities = {
+        str(name): {
+            "samples": int(one["samples"]),
+            "known": int(one["known"]),
+            "beyond_the_range": int(one["beyond"]),
+            "unknown": int(one["unknown"]),
+            "quantiles": [
+                {
+                    "probability": float(p),
+                    "value": _plain(one["quantile_value"].to_numpy()[k]),
+                    "low": _plain(one["quantile_low"].to_numpy()[k]),
+                    "high": _plain(one["quantile_high"].to_numpy()[k]),
+                }
+                for k, p in enumerate(one["probability"].to_numpy())
+            ],
+        }
+        for name, one in ((name, dataset.sel(quantity=name)) for name in dataset["quantity"].to_numpy())
+    }
+    found: dict[str, Any] = {
+        "probability": float(dataset.attrs["probability"]),
+        "allowable_slip": _ends(dataset, "allowable", "_slip"),
+        "margin": _ends(dataset, "margin") if "margin" in dataset else None,
+        "points": json.loads(dataset.attrs["points"]),
+        "quantities": quantities,
+    }
+    if "indexed" in dataset.coords:
+        found["indices"] = {
+            str(name): {
+                str(key): {order: _ends(one.sel(input=key), order) for order in ("first_order", "total_order")}
+                for key in dataset["input"].to_numpy()
+            }
+            for name, one in ((name, dataset.sel(indexed=name)) for name in dataset["indexed"].to_numpy())
+        }
+    return found
+
+
+def _ends(dataset: "xr.Dataset", name: str, suffix: str = "") -> dict[str, float | None]:
+    names = {"value": f"{name}{suffix}", "low": f"{name}_low", "high": f"{name}_high"}
+    return {what: _plain(dataset[variable]) for what, variable in names.items()}
+
+
+def _plain(value: Any) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _allowable(dataset: "xr.Dataset") -> str:
+    value, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
+    p, n = float(dataset.attrs["probability"]), int(dataset["samples"].sel(quantity="critical slip"))
+    if math.isnan(value):
+        return "there is no allowable slip: no sample has a critical slip"
+    what = f"a cage that slips by at most {_percent(value)} is below its critical slip with probability {p:g}"
+    if math.isinf(low):
+        needed = math.ceil(math.log(0.025) / math.log(p))
+        return (
+            f"{what}; {n} samples are too few to tell how much less it may be, which takes {needed} and more where all "
+            "points have a result"
+        )
+    return f"{what} (95 % interval of this slip: {_percent(low)} to {_percent(high)}, {n} samples)"
+
+
+def margin(dataset: "xr.Dataset") -> str:
+    """Return the probability that the steady slip is below the critical one, in a sentence."""
+    value, low, high = (float(dataset[f"margin{end}"]) for end in ("", "_low", "_high"))
+    n = int(dataset["samples"].sel(quantity="steady slip"))
+    if math.isnan(value):
+        return f"none of {n} samples tells both the steady and the critical slip"
+    return (
+        f"the cage runs below its critical slip in {value:.4g} of {n} samples (95 % interval: {low:.4g} to {high:.4g})"
+    )
+
+
+def _distribution(one: "xr.Dataset") -> str:
+    counts = {word: int(one[word]) for word in ("beyond", "unknown")}
+    words = {"beyond": "beyond the range or without end", "unknown": "without a value"}
+    said = "".join(f", {count} {words[word]}" for word, count in counts.items() if count)
+    name = str(one["quantity"].item())
+    if not int(one["known"]):
+        return f"{name}: no values{said}"
+    shown = _percent if "slip" in name else lambda value: f"{value:.4g}"
+    low, middle, high = (one["quantile_value"].sel(probability=p).item() for p in (0.05, 0.5, 0.95))
+    return f"{name}: median {shown(middle)}, 5 to 95 %: {shown(low)} to {shown(high)}; {int(one['known'])} values{said}"
+
+
+def _shares(one: "xr.Dataset") -> str:
+    order = np.argsort(-one["total_order"].to_numpy())
+    parts = [
+        f"{one['input'].to_numpy()[k]} {one['total_order'].to_numpy()[k]:.2f} "
+        f"({one['total_order_low'].to_numpy()[k]:.2f} to {one['total_order_high'].to_numpy()[k]:.2f})"
+        for k in order
+    ]
+    beyond = int(one["indexed_beyond"])
+    said = f"; {beyond} samples beyond the range count as at its end" if beyond else ""
+    return f"share of the variance of {one['indexed'].item()}, total Sobol index: {', '.join(parts)}{said}"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %" if math.isfinite(share) else "more than the range"
