@@ -108,7 +108,8 @@ def margin(dataset: "xr.Dataset") -> str:
     if math.isnan(value):
         return f"none of {n} samples tells both the steady and the critical slip"
     return (
-        f"the cage runs below its critical slip in {value:.4g} of {n} samples (95 % interval: {low:.4g} to {high:.4g})"
+        f"the cage runs below its critical slip with probability {value:.4g} "
+        f"(95 % interval: {low:.4g} to {high:.4g}, {n} samples)"
     )
 
 
