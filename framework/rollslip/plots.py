@@ -18,7 +18,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip import front_findings, motion_findings, steady_findings, uncertainty_findings
+from rollslip import front_findings, motion_findings, steady_findings, sweep_findings, uncertainty_findings
 from rollslip.comparison_findings import CURVES, curve_names, findings, members
 from rollslip.figure_style import (
     DASHES,
@@ -40,6 +40,7 @@ from rollslip.front_figures import front_figures
 from rollslip.motion_figures import motion_figures
 from rollslip.regimes import LONG_NAMES, NAMES
 from rollslip.steady_figures import steady_figures
+from rollslip.sweep_figures import sweep_figures
 from rollslip.uncertainty_figures import uncertainty_figures
 from rollslip.units import format_quantity, quantity
 
@@ -236,6 +237,8 @@ def _figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
         yield from steady_figures(dataset)
     elif study == "pareto":
         yield from front_figures(dataset)
+    elif study == "sweep":
+        yield from sweep_figures(dataset)
     elif study == "uncertainty":
         yield from uncertainty_figures(dataset)
     elif study == "fit":
@@ -262,6 +265,8 @@ def _findings(dataset: "xr.Dataset") -> str:
         return steady_findings.paragraph(dataset)
     if dataset.attrs.get("study") == "pareto":
         return front_findings.paragraph(dataset)
+    if dataset.attrs.get("study") == "sweep":
+        return ". ".join(sweep_findings.sentences(dataset)) + "."
     if dataset.attrs.get("study") == "uncertainty":
         return uncertainty_findings.paragraph(dataset)
     if dataset.attrs.get("study") == "fit":

@@ -51,8 +51,9 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
         known, unknown = np.sort(values[np.isfinite(values)]), int(one["unknown"])
         if not known.size:
             continue
+        known = np.append(known[0], known)  # from no sample on
         ends += [float(known[0]), float(known[-1])]
-        below = np.arange(1, known.size + 1) / n
+        below = np.arange(known.size) / n
         least, most = (below, below + unknown / n) if side == "below" else (1 - below - unknown / n, 1 - below)
         label = f"{name}: share of {n} samples {side}"
         axes.plot(

@@ -1,0 +1,206 @@
+"""Allowable slip and margin: what is asked for, what samples give, what failed ones do, and going on."""
+
+import json
+
+import attrs
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+
+import rollslip
+from rollslip import allowable
+from rollslip.allowable import plan_margin, run_margin, uncertainty
+from rollslip.cli import cli
+from rollslip.errors import OutputError, SceneError
+from rollslip.plots import plot
+from rollslip.reading import load_scene
+from rollslip.scene import FrozenTable
+from rollslip.sweep_run import Progress, Settled
+from rollslip.uncertainty_findings import record, sentences
+
+#: Few slices and slips: what is tested is what is made of the points.
+SCENE = rollslip.evolve(load_scene("1032930-70C"), {"accuracy.slices": 3, "study.effective-friction.points": 9})
+
+
+def uncertain(**table):
+    raw = {**SCENE.raw, "uncertainty": table}
+    return attrs.evolve(SCENE, uncertainty=FrozenTable(table), raw=FrozenTable(raw))
+
+
+ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", "scatter": 0.2}}}
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "said"),
+    [
+        (SCENE, {"probability": 1.0}, "probability: must be from 0.5 to below 1, not 1"),
+        (SCENE, {"until": 0.0}, "until: a half width above 0 is expected"),
+        (SCENE, {"samples": 1}, "samples: a distribution needs 2 at least, not 1"),
+        (SCENE, {"samples": 8, "steady": 9}, "steady: the samples of the steady slip are the first of all 8, not 9"),
+        (SCENE, {"indices": 12}, "indices: the design after Saltelli needs a power of two, 4 or more rows, not 12"),
+        (
+            uncertain(
+                lubricant={
+                    "pressure_viscosity_factor": {"distribution": "uniform", "scatter": 0.2},
+                    "eyring_stress": {"distribution": "lognormal", "scatter": 0.2},
+                },
+                correlation=[
+                    {"between": ["lubricant.pressure_viscosity_factor", "lubricant.eyring_stress"], "coefficient": 0.5}
+                ],
+            ),
+            {"samples": 8, "steady": 0, "indices": 4},
+            "Sobol indices need independent inputs, and these are correlated",
+        ),
+    ],
+)
+def test_what_is_wrong_is_said_before_anything_runs(scene, options, said):
+    with pytest.raises(SceneError) as error:
+        plan_margin(scene, **options)
+    assert said in str(error.value)
+
+
+def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
+    made = plan_margin(SCENE, samples=8, steady=0)
+    assert list(made.critical.uncertainty.distributions) == [
+        "lubricant.viscosity_factor",
+        "lubricant.pressure_viscosity_factor",
+        "lubricant.eyring_stress",
+        "lubricant.shear_modulus",
+    ]
+    found = uncertainty(SCENE, samples=8, steady=0)
+    (warning,) = json.loads(found.attrs["warnings"])
+    assert "the scatter is the one that the oil comes with" in warning
+    assert "So and Klaus" in warning
+    assert not plan_margin(uncertain(**ALPHA), samples=8, steady=0).scatter
+
+
+def test_data_of_the_scene_do_not_scatter_like_those_of_the_oil():
+    scene = rollslip.evolve(SCENE, {"lubricant.pressure_viscosity": "12 1/GPa"})
+    assert (
+        "lubricant.pressure_viscosity_factor"
+        not in plan_margin(scene, samples=8, steady=0).critical.uncertainty.distributions
+    )
+
+
+def test_every_shipped_oil_says_how_uncertain_it_is():
+    from rollslip_plugins.lubricants import lubricants
+
+    for oil in lubricants():
+        assert {one.quantity for one in oil.scatter} >= {"pressure_viscosity_factor", "eyring_stress"}
+        for one in oil.scatter:
+            assert one.grade in ("(B)", "(C)", "(D)")
+            assert one.source
+
+
+def test_the_distribution_is_that_of_the_points(tmp_path):
+    # the critical slip falls with the coefficient, of which each 32nd of the distribution holds one sample: the k-th
+    # smallest slip is that of a factor between two known ones
+    found = uncertainty(uncertain(**ALPHA), samples=32, steady=3, probability=0.9, out=tmp_path / "kept")
+    factors = [0.8 + 0.4 * share for share in (29 / 32, 28 / 32, 17 / 32, 16 / 32)]
+    swept = rollslip.sweep(SCENE, {"lubricant.pressure_viscosity_factor": factors}, study="effective-friction")
+    slips = swept.critical_cage_slip.sel(ring="inner").to_numpy()
+    told = found.quantile_value.sel(quantity="critical slip")
+    assert slips[0] <= told.sel(probability=0.1).item() <= slips[1]
+    assert slips[2] <= told.sel(probability=0.5).item() <= slips[3]
+    assert found.allowable_slip == told.sel(probability=0.1)
+    assert found.margin == 1.0
+    assert found.margin_low == pytest.approx(0.025 ** (1 / 3))  # Clopper and Pearson where all of three hold
+    assert rollslip.open_result(tmp_path / "kept" / "uncertainty.nc").identical(found)
+    json.dumps(record(found), allow_nan=False)
+
+
+def _points(status, slips):
+    return xr.Dataset(
+        {
+            "critical_cage_slip": (("sample", "ring"), np.stack([slips, np.full(len(slips), np.nan)], axis=1)),
+            "critical_friction": (("sample", "ring"), np.full((len(slips), 2), 0.01)),
+            "status": ("sample", np.array(status)),
+        },
+        {"ring": ["inner", "outer"], "sample": np.arange(len(slips))},
+    )
+
+
+def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatch):
+    slips = np.linspace(0.1, 0.2, 64)
+    slips[::16] = np.nan
+    slips[5] = np.nan
+    status = ["crashed" if k % 16 == 0 else "ok" for k in range(64)]  # number 5 has none in the range
+    made = plan_margin(uncertain(**ALPHA), samples=64, steady=0, probability=0.9)
+    monkeypatch.setattr(
+        allowable, "run_sweep", lambda *args, **options: Settled(Progress(64, {}, 0, 0.0), "", "", False)
+    )
+    monkeypatch.setattr(allowable, "collect", lambda sweep, folder: _points(status, slips))
+    found = run_margin(made, tmp_path / "failed")
+    one = found.sel(quantity="critical slip")
+    assert [int(one[name]) for name in ("samples", "known", "beyond", "unknown")] == [64, 59, 1, 4]
+    assert "4 of 64 points are crashed; they count as the worst and as the best" in found.attrs["warnings"]
+    assert "1 beyond the range or without end, 4 without a value" in " ".join(sentences(found))
+    whole = np.where(np.isnan(slips), np.inf, slips)
+    for treated in (-np.inf, np.inf):
+        values = np.where(np.array(status) == "ok", whole, treated)
+        exact = allowable.quantile(values, 0.1)
+        assert found.allowable_low <= exact.low
+        assert exact.high <= found.allowable_high
+    assert np.isfinite(found.allowable_slip)
+
+
+def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(allowable, "_FIRST", 32)
+    options = {"samples": 48, "steady": 0, "probability": 0.95}
+    made = plan_margin(uncertain(**ALPHA), **options)
+    whole = run_margin(made, tmp_path / "whole")
+
+    class StopError(Exception):
+        pass
+
+    def stop(progress):
+        if progress.done > 20:
+            raise StopError
+
+    with pytest.raises(StopError):
+        run_margin(made, tmp_path / "cut", report=stop)
+    again = run_margin(plan_margin(uncertain(**ALPHA), **options, engine="serial"), tmp_path / "cut")
+    assert again.drop_attrs().identical(whole.drop_attrs())
+    assert list(whole.batch_samples.values) == [32, 48]
+    with pytest.raises(OutputError, match="holds samples of another scene"):
+        run_margin(plan_margin(uncertain(**ALPHA), **options | {"seed": 1}), tmp_path / "cut")
+
+
+def test_batches_end_when_the_interval_is_narrow_enough(monkeypatch):
+    monkeypatch.setattr(allowable, "_FIRST", 32)
+    wide = uncertainty(uncertain(**ALPHA), samples=256, steady=0, probability=0.8, until=0.5)
+    assert list(wide.batch_samples.values) == [32]
+    assert wide.sizes["sample"] == 32
+    width = 0.5 * float(wide.allowable_high - wide.allowable_low)
+    narrow = uncertainty(uncertain(**ALPHA), samples=256, steady=0, probability=0.8, until=0.75 * width)
+    assert narrow.sizes["batch"] > 1
+    assert 0.5 * float(narrow.allowable_high - narrow.allowable_low) <= 0.75 * width
+    assert np.array_equal(narrow.value[:, :32], wide.value, equal_nan=True)
+
+
+def test_the_command_writes_result_figures_and_report(tmp_path):
+    out = tmp_path / "made"
+    arguments = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8", "--steady", "0"]
+    done = CliRunner().invoke(
+        cli, [*arguments, "--indices", "4", "--probability", "0.5", "--out", str(out), "--report"]
+    )
+    assert done.exit_code == 0, done.output
+    assert "is below its critical slip with probability 0.5" in done.output
+    assert {path.name for path in out.glob("*.*")} >= {
+        "uncertainty.nc", "uncertainty.svg", "uncertainty-indices.svg", "report.html",
+    }  # fmt: skip
+    assert "total Sobol index: lubricant.pressure_viscosity_factor" in (out / "report.html").read_text()
+    plain = CliRunner().invoke(cli, [*arguments, "--out", str(out / "plain"), "--no-plots", "--json"])
+    assert json.loads(plain.stdout)["allowable_slip"]["value"] > 0.0
+
+
+def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
+    over = {"operation.radial_load": "2 kN:6 kN:2", "operation.inner_speed": "4000 rpm:8000 rpm:2"}
+    grid = rollslip.sweep(SCENE, over, study="effective-friction")
+    assert [path.name for path in plot(grid, tmp_path)] == ["sweep-map.svg"]
+    over = {"lubricant.eyring_stress": "3 MPa:6 MPa", "models.film": ["moes", "dowson-1968"]}
+    models = rollslip.sweep(SCENE, over, samples=4, study="effective-friction")
+    (file,) = plot(models, tmp_path)
+    assert file.name == "sweep-models.svg"
+    assert "the medians are up to" in file.read_text()
