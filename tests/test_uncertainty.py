@@ -60,6 +60,10 @@ def test_what_is_wrong_is_said_before_anything_runs(scene, options, said):
     assert said in str(error.value)
 
 
+def test_steady_slips_are_never_more_than_samples():
+    assert len(plan_margin(SCENE, samples=4).steady.design.samples) == 4
+
+
 def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
     made = plan_margin(SCENE, samples=8, steady=0)
     assert list(made.critical.uncertainty.distributions) == [

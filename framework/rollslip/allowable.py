@@ -163,7 +163,7 @@ def plan_margin(
     """
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     samples = samples if samples is not None else _SAMPLES if until is None else _MOST
-    steady = steady if steady is not None else _STEADY if scene.cage is not None else 0
+    steady = steady if steady is not None else min(_STEADY, samples) if scene.cage is not None else 0
     problems = []
     if not 0.5 <= probability < 1.0:
         problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")

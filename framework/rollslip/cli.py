@@ -710,7 +710,7 @@ def uncertainty(
     """
     from rollslip import sweep_findings, uncertainty_findings
     from rollslip.allowable import RESULT, plan_margin, run_margin
-    from rollslip.errors import EngineError, OutputError
+    from rollslip.errors import EngineError
     from rollslip.sweep_run import asked_engine
 
     made = plan_margin(
@@ -742,8 +742,8 @@ def uncertainty(
     except KeyboardInterrupt:
         click.echo(f"interrupted; what was done is kept; {go_on}", err=True)
         sys.exit(INTERRUPTED)
-    except (EngineError, OutputError) as error:
-        raise type(error)(f"{error}\nwhat was done is kept; {go_on}") from error
+    except EngineError as error:
+        raise EngineError(f"{error}\nwhat was done is kept; {go_on}") from error
     files, figures = [RESULT], list[Path]()
     if report or not no_plots:
         from rollslip.plots import plot

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 
-from rollslip import front_findings, steady_findings, uncertainty_findings
+from rollslip import front_findings, steady_findings, sweep_findings, uncertainty_findings
 from rollslip.comparison_findings import bin_tables, findings, tables
 from rollslip.lubricant import OilTable
 from rollslip.motion_findings import events_table, ledger_table, sentences, smallest_film
@@ -132,6 +132,8 @@ def _findings(datasets: "Datasets") -> str:
             body += _tag("h3", name) + _fronts(dataset)
         elif dataset.attrs.get("study") == "dynamics":
             body += _tag("h3", name) + _motion(dataset)
+        elif dataset.attrs.get("study") == "sweep":
+            body += _tag("h3", name) + _list(_capital(text) + "." for text in sweep_findings.sentences(dataset))
         elif dataset.attrs.get("study") == "uncertainty":
             body += _tag("h3", name) + _list(_capital(text) + "." for text in uncertainty_findings.sentences(dataset))
         elif dataset.attrs.get("study") == "steady-slip":
