@@ -100,3 +100,10 @@ def test_rows_with_unknown_results_are_not_used_and_nothing_is_made_of_a_constan
     assert indices(values[:, 0], values[:, 1], values[:, 2:].T, seed=0).used == 32
     flat = np.ones((64, 5))
     assert indices(flat[:, 0], flat[:, 1], flat[:, 2:].T, seed=0) is None
+
+
+def test_one_input_makes_all_of_the_variance():
+    values = probabilities("saltelli", 256, 1, 11).reshape(-1, 3)
+    found = indices(values[:, 0], values[:, 1], values[:, 2:].T, seed=0)
+    assert found.first[0] == pytest.approx([1.0], abs=0.02)
+    assert found.total[0] == pytest.approx([1.0], abs=0.02)

@@ -208,3 +208,23 @@ def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
     (file,) = plot(models, tmp_path)
     assert file.name == "sweep-models.svg"
     assert "the medians are up to" in file.read_text()
+
+
+def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
+    made = plan_margin(uncertain(**ALPHA), samples=8, steady=0, indices=16)
+
+    def points(sweep, folder):
+        n = len(sweep.design.samples)
+        lost = np.arange(n) == 4
+        slips = np.where(lost, np.nan, sweep.design.samples[:, 0])
+        return _points(np.where(lost, "crashed", "ok"), slips)
+
+    monkeypatch.setattr(
+        allowable, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+    )
+    monkeypatch.setattr(allowable, "collect", points)
+    found = run_margin(made, tmp_path / "made")
+    assert int(found.indexed_rows.sel(indexed="critical slip")) == 8
+    assert found.first_order.sel(indexed="critical slip").item() == pytest.approx(1.0, abs=0.5)
+    assert "made of 8 of 16 rows" in " ".join(sentences(found))
+    assert "indices: 1 of 48 points are crashed" in found.attrs["warnings"]

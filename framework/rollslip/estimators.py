@@ -128,9 +128,12 @@ def indices(a: Array, b: Array, ab: Array, seed: int, confidence: float = 0.95) 
         return None
 
     def of(some: "NDArray[np.int64]") -> Array:
-        func: Any = {"f_A": a[some][None], "f_B": b[some][None], "f_AB": ab[:, some][:, None]}
+        mixed = ab[:, some][:, None]
+        if len(ab) == 1:
+            mixed = np.repeat(mixed, 2, axis=0)  # of one input SciPy makes a scalar, on which it fails
+        func: Any = {"f_A": a[some][None], "f_B": b[some][None], "f_AB": mixed}
         found = sobol_indices(func=func, n=some.size)
-        return np.array([np.atleast_1d(found.first_order), np.atleast_1d(found.total_order)])
+        return np.array([found.first_order, found.total_order])[:, : len(ab)]
 
     rng, tail = np.random.default_rng(seed), 50.0 * (1.0 - confidence)
     again = np.array([of(rows[rng.integers(rows.size, size=rows.size)]) for _ in range(_RESAMPLES)])
