@@ -107,3 +107,14 @@ def test_one_input_makes_all_of_the_variance():
     found = indices(values[:, 0], values[:, 1], values[:, 2:].T, seed=0)
     assert found.first[0] == pytest.approx([1.0], abs=0.02)
     assert found.total[0] == pytest.approx([1.0], abs=0.02)
+
+
+@pytest.mark.parametrize("p", [0.05, 0.5])
+def test_intervals_hold_for_samples_of_a_sobol_sequence_and_are_rather_too_wide(p):
+    exact = math.exp(math.hypot(0.3, 0.2) * stats.norm.ppf(p))
+    found = []
+    for seed in range(60):
+        z = stats.norm.ppf(probabilities("sobol", 512, 2, seed))
+        found.append(quantile(np.exp(z @ [0.3, 0.2]), p))
+    assert sum(one.low <= exact <= one.high for one in found) >= 57  # 95 % of them
+    assert 1.96 * np.std([one.value for one in found]) < np.mean([one.half_width for one in found])
