@@ -16,12 +16,14 @@ from itertools import pairwise
 from typing import Any, Protocol
 
 from attrs import NOTHING, Factory, asdict, evolve, fields_dict, frozen
+from attrs import field as attrib
 from attrs.validators import optional
 
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError, field, one_of, positive
 from rollslip.pressure_viscosity import Barus, PressureViscosity, Roelands, Yasutomi
 from rollslip.reading import Where, structure
+from rollslip.scene import FrozenTable
 from rollslip.units import format_quantity
 
 _MARGIN = 20.0  # K, by which the validity of a fitted law reaches beyond its points
@@ -352,7 +354,7 @@ class Scatter:
 
     quantity: str
     distribution: str
-    parameters: Mapping[str, object]
+    parameters: Mapping[str, object] = attrib(converter=FrozenTable)
     grade: str
     source: str
 
