@@ -189,7 +189,8 @@ def test_choices_are_of_what_acts_on_a_result():
             varied |= {key for key in here if here[key] != there[key]} | ({"film"} if one.kind == "film" else set())
         assert varied == axes
     moving = {one.label: one for one in family.of("dynamics", "numerical", "modelling")}
-    assert {"lsoda, steps to 1e-07", "tables to 3e-04", "effective friction"} <= set(moving)
+    assert {"lsoda, steps to 1e-07", "effective friction"} <= set(moving)
+    assert any(label.startswith("tables to ") for label in moving)
     assert moving["effective friction"].kind == "modelling"
     assert family.of("dynamics", "reference")[-1].resolution.friction == "conventional"
 
@@ -440,7 +441,7 @@ def test_the_command_writes_data_figures_and_a_report(capsys, tmp_path):
     assert code == 0, err
     lines = out.splitlines()
     assert "3 numerical and 3 modelling choices and 0 films, 2 rounds each, against 3 references" in lines[1]
-    assert lines[1].endswith("the finest with 15 slices")
+    assert "the finest with 15 slices" in lines[1]
     assert "the scene states 15 slices" in lines[2]
     assert any(line.startswith(" 5 slices") for line in lines)
     assert {path.name for path in (tmp_path / "o").iterdir()} >= {"pareto.nc", "pareto-friction.svg", "report.html"}
@@ -635,7 +636,7 @@ def test_a_law_that_has_cheaper_evaluations_is_taken_by_them_too(monkeypatch):
     }
     own = evolve(SCENE, {"models.traction": "cheap"})
     family = plan_family(own, study="friction-curve", choices="traction")
-    assert {one.label for one in family.of("friction-curve", "numerical")} >= {PLANNED, "the law to 1e-04"}
+    assert {one.label for one in family.of("friction-curve", "numerical")} >= {PLANNED, "the law to 1e-06"}
 
 
 def test_errors_have_their_classes():

@@ -215,7 +215,7 @@ def _of_study(
     made: Plan, study: str, axes: Sequence[str], laws: Sequence[str], films: Mapping[str, Scene]
 ) -> list[Choice]:
     """References of a study, the plan's choice, and what departs from it, each once."""
-    scene, base = made.scene, made.assembly.resolution
+    scene, base = made.scene, made.chosen[study].resolution
     settings = made.studies[study]
     best = finest(scene)
     law = assemble(scene, best).traction.full_film.name

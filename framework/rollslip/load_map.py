@@ -23,7 +23,7 @@ from rollslip.assembly import RINGS, Array, Assembly, Raceway
 from rollslip.errors import ConvergenceError
 from rollslip.kinematics import Kinematics
 
-_FIRST_INSTANTS, _MOST_INSTANTS = 2, 64
+_FIRST_INSTANTS, _MOST_INSTANTS = 2, 256
 _MOST_FORCES = 257
 
 
