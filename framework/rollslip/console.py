@@ -263,7 +263,7 @@ def print_family(family: "Family") -> None:
     for study in family.studies:
         of = {kind: len(family.of(study, kind)) for kind in ("numerical", "modelling", "film", "reference")}
         finest = family.of(study, "reference")[0].resolution
-        instants = f" and {finest.instants} instants" if finest.instants else ""
+        instants = f" and {finest.instants} instants" if (finest.instants or 1) > 1 else ""
         click.echo(
             f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "
             f"{family.rounds} round{'s' * (family.rounds != 1)} each, against {of['reference']} references, the finest "

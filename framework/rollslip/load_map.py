@@ -24,7 +24,7 @@ from rollslip.errors import ConvergenceError
 from rollslip.kinematics import Kinematics
 
 _FIRST_INSTANTS, _MOST_INSTANTS = 2, 256
-_MOST_FORCES = 257
+_MOST_FORCES = 1025
 
 
 @attrs.frozen(eq=False)
