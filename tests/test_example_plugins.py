@@ -341,8 +341,8 @@ def test_the_page_your_first_model_runs_as_written(place: Place) -> None:
     before, after = (open_result(folder / name / "friction-curve.nc") for name in ("before", "after"))
     compiled = open_result(folder / "compiled" / "friction-curve.nc")
     np.testing.assert_allclose(compiled["friction"], before["friction"], rtol=1e-11)  # the same law twice
-    # A hyperbolic tangent lies below its tangent and its limit.
-    assert (after["friction"] <= before["friction"] * (1 + 1e-12)).all()
+    # A hyperbolic tangent lies below its tangent and its limit; each run errs by the tolerance of the scene at most.
+    assert (after["friction"] <= before["friction"] + 2e-3 * before["friction"].max()).all()
     assert float(abs(after["friction"] - before["friction"]).max()) > 1e-4
     assert printed.count(" passed") == 3
     assert "gecim-winer" in printed

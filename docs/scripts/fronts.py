@@ -4,9 +4,9 @@
   all models, as ``rollslip pareto`` finds them;
 - pareto_*.svg: the figures of ``rollslip pareto``, one or two of each.
 
-Slices are left open, so that the finest has 801; a motion has 25, to have a finest that ends. Every turn that is done is
-kept in build/fronts, from where the script goes on; remove it to measure anew. Names of tables as arguments make only
-those. Times are those of one core of a machine that others used, too.
+Slices are left open, so that the finest has 801; a motion has 25, to have a finest that ends. Every turn that is done
+is kept in build/fronts, from where the script goes on; remove it to measure anew. Names of tables as arguments make
+only those. Times are those of one core of a machine that others used, too.
 """
 
 import shutil
