@@ -609,9 +609,11 @@ def test_two_writers_of_a_folder_have_files_of_their_own(tmp_path):
 
 
 def test_a_time_limit_ends_a_point_in_any_thread():
-    sweep = planned(
-        {"operation.radial_load": "1 kN:4 kN:4"}, rollslip.load_scene("1032930-70C"), "effective-friction", ()
+    # some tenths of a second a point
+    scene = rollslip.evolve(
+        rollslip.load_scene("1032930-70C"), {"accuracy.slices": 1001, "study.effective-friction.points": 401}
     )
+    sweep = planned({"operation.radial_load": "1 kN:4 kN:4"}, scene, "effective-friction", ())
     points, short = [(n, sweep.design.changes(n)) for n in range(3)], attrs.evolve(sweep.work, time_limit=0.01)
     with ThreadPoolExecutor(2) as threads:
         done = [compute(short, points), *threads.map(compute, [short, short], [points, points])]
