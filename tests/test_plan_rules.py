@@ -2,8 +2,6 @@
 
 import itertools
 import json
-import subprocess
-import sys
 
 import attrs
 import numpy as np
@@ -18,7 +16,6 @@ from rollslip.error_estimates import Bound, difference
 from rollslip.execution import execute, verify
 from rollslip.leaving_out import BoundaryFriction, BoundBrokenError, ExactLaw
 from rollslip.planning import changed, plan
-from rollslip.reading import parse_scene
 from rollslip.resolution import Resolution, finest
 
 BASE = evolve(
@@ -211,41 +208,6 @@ def test_a_bound_is_that_of_the_largest_error():
     one, two = (np.array([[1.0, 2.0]]), np.array([0.1])), (np.array([[1.0, 2.2]]), np.array([np.nan]))
     assert difference(one, one) == {"friction": 0.0, "critical_slip": 0.0}
     assert difference(two, one) == {"friction": pytest.approx(0.1), "critical_slip": np.inf}
-
-
-MINIMAL = """
-[bearing]
-rollers = 14
-roller_diameter = "12 mm"
-roller_length = "14 mm"
-inner_raceway_diameter = "60 mm"
-outer_raceway_diameter = "84 mm"
-[operation]
-inner_speed = "3000 rpm"
-radial_load = "5 kN"
-temperature = "60 degC"
-[lubricant]
-name = "mil-prf-7808"
-"""
-
-
-def test_only_what_a_scene_names_is_loaded():
-    """Modules of plugins, and heavy ones of others, by what the scene asks for."""
-    assert parse_scene(MINIMAL, "minimal.toml").accuracy.slices is None
-    code = (
-        "import sys, json; from rollslip.reading import parse_scene, evolve; from rollslip.planning import plan;"
-        "from rollslip.execution import execute;"
-        f"scene = evolve(parse_scene({MINIMAL!r}, 'minimal.toml'), {{}});"
-        "made = plan(evolve(scene, {'study.friction-curve.points': 11}), 'friction-curve');"
-        "execute(made, 'friction-curve');"
-        "print(json.dumps(sorted(sys.modules)))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    loaded = set(json.loads(done.stdout))
-    plugins = {name.rpartition(".")[2] for name in loaded if name.startswith("rollslip_plugins.")}
-    assert {"contact", "film", "blend", "boundary", "hydrodynamic", "lubricants"} <= plugins
-    assert not plugins & {"reynolds_line", "traction_field", "solvers", "sundials", "measured", "resistance", "drag"}
-    assert not {name for name in loaded if name.startswith(("matplotlib", "h5netcdf", "scipy.stats", "sksundae"))}
 
 
 @pytest.mark.slow

@@ -28,6 +28,7 @@ import attrs
 import numpy as np
 
 from rollslip.assembly import RINGS, Array, assemble
+from rollslip.effective_friction import EffectiveFriction
 from rollslip.errors import OutputError, SceneError
 from rollslip.estimators import Estimate, indices, quantile, share
 from rollslip.friction_curve import about
@@ -409,12 +410,13 @@ def _indices(made: Margin, varied: "xr.Dataset") -> tuple[dict[str, Any], dict[s
     """Sobol indices of what varies, and how many samples of it lie beyond the range; these count as at its end."""
     assert made.varied is not None
     study = settings(made.varied.scene, made.varied.study)[made.varied.study]
+    assert isinstance(study, EffectiveFriction)
     slips, friction = _rings(varied, "critical_cage_slip"), _rings(varied, "critical_friction")
     results = {LOWEST: slips.min(axis=0)}
     results |= {f"peak friction, {ring} ring": row for ring, row in zip(RINGS, friction, strict=True)}
     d, rows, beyond = len(made.varied.design.sampled), list[Any](), dict[str, int]()
     for name, values in results.items():
-        table = np.where(np.isinf(values), study.largest_cage_slip, values).reshape(-1, d + 2)
+        table = np.where(np.isinf(values), study.max_cage_slip, values).reshape(-1, d + 2)
         found = indices(table[:, 0], table[:, 1], table[:, 2:].T, made.varied.table.seed, CONFIDENCE)
         if found is not None:
             rows.append((found.first, found.total, found.used))

@@ -10,7 +10,7 @@ import shutil
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -20,6 +20,8 @@ import click
 from rollslip.errors import ConvergenceError, PluginError, RollslipError
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from rollslip.scene import Scene
     from rollslip.sweeping import Sweep
 
@@ -88,17 +90,7 @@ def run(
             save(datasets[name], folder / f"{name}.nc")
             if datasets[name].attrs.get("outcome") == "interrupted":
                 break
-        figures: dict[str, list[Path]] = {name: [] for name in datasets}
-        if report or not no_plots:
-            from rollslip.plots import plot
-
-            with _progress("plots"):
-                figures = {name: plot(dataset, folder) for name, dataset in datasets.items()}
-        if report:
-            from rollslip.report import write_report
-
-            write_report(datasets, figures, folder / "report.html")
-        files = sorted(path.name for path in folder.iterdir())
+        files = _shown(datasets, folder, plots=not no_plots, report=report)
     outcomes = {dataset.attrs.get("outcome"): dataset for dataset in datasets.values()}
     if "interrupted" not in outcomes:
         shutil.rmtree(kept, ignore_errors=True)
@@ -108,9 +100,7 @@ def run(
         for dataset in datasets.values():
             click.echo(console.findings(dataset))
             click.echo(console.kept(dataset))
-        for warning in dict.fromkeys(w for dataset in datasets.values() for w in json.loads(dataset.attrs["warnings"])):
-            click.echo(f"warning: {warning}", err=True)
-        click.echo(f"written to {target}: {', '.join(files)}")
+        _told(target, files, *datasets.values())
     if "interrupted" in outcomes:
         click.echo(go_on, err=True)
         sys.exit(INTERRUPTED)
@@ -184,12 +174,7 @@ def fit(
             found = fit(data, parameters=parameters, traction=traction, film=film, rig=rig)
         save(found, folder / "fit.nc")
         fit_result.write_oil(found, folder / f"{data.stem}.toml")
-        if not no_plots:
-            from rollslip.plots import plot
-
-            with _progress("plots"):
-                plot(found, folder)
-        files = sorted(path.name for path in folder.iterdir())
+        files = _shown({"fit": found}, folder, plots=not no_plots, report=False)
     if as_json:
         _print_json(fit_result.as_dict(found) | {"folder": str(target), "files": files})
         return
@@ -198,9 +183,7 @@ def fit(
         ("parameter", "value", "error", "68 %", "95 %", "what the data tell"), fit_result.parameter_rows(found)
     )
     click.echo("\n".join(fit_result.notes(found)))
-    for warning in json.loads(found.attrs["warnings"]):
-        click.echo(f"warning: {warning}", err=True)
-    click.echo(f"written to {target}: {', '.join(files)}")
+    _told(target, files, found)
 
 
 @cli.command()
@@ -262,23 +245,12 @@ def compare(
         with _progress("compare"):
             dataset = run_comparison(made)
         save(dataset, folder / "compare.nc")
-        if report or not no_plots:
-            from rollslip.plots import plot
-
-            with _progress("plots"):
-                figures = plot(dataset, folder)
-        if report:
-            from rollslip.report import write_report
-
-            write_report({"comparison": dataset}, {"comparison": figures}, folder / "report.html")
-        files = sorted(path.name for path in folder.iterdir())
+        files = _shown({"comparison": dataset}, folder, plots=not no_plots, report=report)
     if as_json:
         _print_json(console.comparison_as_dict(dataset, target, files))
     else:
-        console.print_comparison(dataset)
-        for warning in json.loads(dataset.attrs["warnings"]):
-            click.echo(f"warning: {warning}", err=True)
-        click.echo(f"written to {target}: {', '.join(files)}")
+        console.print_found(dataset)
+        _told(target, files, dataset)
     if any(dataset["status"] != "done"):
         sys.exit(SOME_FAILED)
 
@@ -574,24 +546,13 @@ def pareto(
         with _bar("pareto") as progress:
             dataset = run_family(made, kept, progress)
         save(dataset, folder / "pareto.nc")
-        if report or not no_plots:
-            from rollslip.plots import plot
-
-            with _progress("plots"):
-                figures = plot(dataset, folder)
-        if report:
-            from rollslip.report import write_report
-
-            write_report({"pareto": dataset}, {"pareto": figures}, folder / "report.html")
-        files = sorted(path.name for path in folder.iterdir())
+        files = _shown({"pareto": dataset}, folder, plots=not no_plots, report=report)
     shutil.rmtree(kept, ignore_errors=True)
     if as_json:
         _print_json(console.fronts_as_dict(dataset, target, files))
     else:
-        console.print_fronts(dataset)
-        for warning in json.loads(dataset.attrs["warnings"]):
-            click.echo(f"warning: {warning}", err=True)
-        click.echo(f"written to {target}: {', '.join(files)}")
+        console.print_found(dataset)
+        _told(target, files, dataset)
     if any(dataset["status"] != "done"):
         sys.exit(SOME_FAILED)
 
@@ -709,7 +670,7 @@ def uncertainty(
     What scatters is in the scene's table [uncertainty]; without one it is the scatter that its oil comes with.
     """
     from rollslip import sweep_findings, uncertainty_findings
-    from rollslip.allowable import RESULT, plan_margin, run_margin
+    from rollslip.allowable import plan_margin, run_margin
     from rollslip.errors import EngineError
     from rollslip.sweep_run import asked_engine
 
@@ -744,17 +705,7 @@ def uncertainty(
         sys.exit(INTERRUPTED)
     except EngineError as error:
         raise EngineError(f"{error}\nwhat was done is kept; {go_on}") from error
-    files, figures = [RESULT], list[Path]()
-    if report or not no_plots:
-        from rollslip.plots import plot
-
-        figures = plot(dataset, target)
-        files += [path.name for path in figures]
-    if report:
-        from rollslip.report import write_report
-
-        write_report({"uncertainty": dataset}, {"uncertainty": figures}, target / "report.html")
-        files.append("report.html")
+    files = _shown({"uncertainty": dataset}, target, plots=not no_plots, report=report)
     if as_json:
         _print_json(
             {"scene": made.critical.given.source}
@@ -763,9 +714,7 @@ def uncertainty(
         )
     else:
         click.echo("\n".join(f"  {line}" for line in uncertainty_findings.sentences(dataset)))
-        for warning in json.loads(dataset.attrs["warnings"]):
-            click.echo(f"warning: {warning}", err=True)
-        click.echo(f"written to {target}: {', '.join(files)}")
+        _told(target, files, dataset)
     if uncertainty_findings.failed(dataset):
         sys.exit(SOME_FAILED)
 
@@ -878,6 +827,28 @@ def _scene(name: str, changes: Sequence[str]) -> "Scene":
 
     scene = load_scene(name)
     return evolve(scene, dict(map(parse_set, changes))) if changes else scene
+
+
+def _shown(datasets: "Mapping[str, xr.Dataset]", folder: Path, *, plots: bool, report: bool) -> list[str]:
+    """Draw results into the folder that they are stored in, with a report if asked for; return the files there."""
+    figures: dict[str, list[Path]] = {name: [] for name in datasets}
+    if report or plots:
+        from rollslip.plots import plot
+
+        with _progress("plots"):
+            figures = {name: plot(dataset, folder) for name, dataset in datasets.items()}
+    if report:
+        from rollslip.report import write_report
+
+        write_report(datasets, figures, folder / "report.html")
+    return sorted(path.name for path in folder.iterdir() if path.is_file())
+
+
+def _told(target: Path, files: Sequence[str], *datasets: "xr.Dataset") -> None:
+    """Print the warnings of results, each once, and where everything was written to."""
+    for warning in dict.fromkeys(text for dataset in datasets for text in json.loads(dataset.attrs["warnings"])):
+        click.echo(f"warning: {warning}", err=True)
+    click.echo(f"written to {target}: {', '.join(files)}")
 
 
 def _free_folder(name: str) -> Path:

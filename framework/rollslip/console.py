@@ -225,14 +225,15 @@ def print_comparison_plan(comparison: "Comparison") -> None:
     click.echo(f"about {slices} slices to evaluate, {seconds:.2g} s")
 
 
-def print_comparison(dataset: "xr.Dataset") -> None:
-    """Print what a comparison found: a table for each curve, and where the differences are."""
-    from rollslip.comparison_findings import findings, tables
-
-    for name, head, rows in tables(dataset):
+def print_found(dataset: "xr.Dataset") -> None:
+    """Print what a comparison or a family of choices found: a table for each curve or study, and what they say."""
+    said = importlib.import_module(
+        f"rollslip.{'comparison' if dataset.attrs['study'] == 'comparison' else 'front'}_findings"
+    )
+    for name, head, rows in said.tables(dataset):
         click.echo(f"{name}:")
         print_table(head, rows)
-    click.echo("\n".join(findings(dataset)))
+    click.echo("\n".join(said.findings(dataset)))
 
 
 def comparison_as_dict(dataset: "xr.Dataset", target: Path, files: list[str]) -> dict[str, Any]:
@@ -271,16 +272,6 @@ def print_family(family: "Family") -> None:
         )
     for note in family.notes:
         click.echo(note)
-
-
-def print_fronts(dataset: "xr.Dataset") -> None:
-    """Print error against cost: the tables, in which a star marks what nothing dominates, and what they say."""
-    from rollslip.front_findings import findings, tables
-
-    for name, head, rows in tables(dataset):
-        click.echo(f"{name}:")
-        print_table(head, rows)
-    click.echo("\n".join(findings(dataset)))
 
 
 def fronts_as_dict(dataset: "xr.Dataset", target: Path, files: list[str]) -> dict[str, Any]:

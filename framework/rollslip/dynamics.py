@@ -116,11 +116,6 @@ class Dynamics:
         if self.film_limit > 0.0 and self.friction != "conventional":
             raise FieldError("film_limit", f"only known to friction = 'conventional', not to {self.friction!r}")
 
-    @property
-    def largest_cage_slip(self) -> float:
-        """Cage slip up to which the study is expected to go."""
-        return max(self.cage_slip, 0.4)
-
     def at(self, resolution: Resolution) -> "Dynamics":
         """Return the settings with what a resolution says of friction, level, integrator and its tolerance."""
         said: dict[str, Any] = {

@@ -62,11 +62,6 @@ class EffectiveFriction:
     )
     per_roller: bool = parameter(default=False, doc="store the friction of every roller at the first instant")
 
-    @property
-    def largest_cage_slip(self) -> float:
-        """Cage slip up to which the study goes."""
-        return self.max_cage_slip
-
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate: curve, maximum, error of the slices, and map."""
         loads = assembly.load_distribution(1)

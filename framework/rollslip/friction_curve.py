@@ -32,11 +32,6 @@ class FrictionCurve:
     max_slip: float = parameter(default=0.3, unit="1", doc="largest slide-roll ratio V/u", validator=positive)
     points: int = parameter(default=201, doc="points of the curve, denser towards zero", validator=at_least(5))
 
-    @property
-    def largest_cage_slip(self) -> float:
-        """Cage slip up to which the study goes: it rolls at the speed of a bearing without slip."""
-        return 0.0
-
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate."""
         return len(self.normal_force) * self.points * assembly.slices

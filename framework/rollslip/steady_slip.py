@@ -80,11 +80,6 @@ class SteadySlip:
             if limits and not (len(limits) == 2 and limits[0] < limits[1]):
                 raise FieldError(name, f"must be two values that ascend, or empty, not {list(limits)}")
 
-    @property
-    def largest_cage_slip(self) -> float:
-        """Cage slip up to which the study goes."""
-        return self.max_cage_slip
-
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate."""
         loads = assembly.load_distribution(1)

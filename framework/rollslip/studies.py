@@ -27,11 +27,6 @@ class Study(attrs.AttrsInstance, Protocol):
         """Return the result."""
         ...
 
-    @property
-    def largest_cage_slip(self) -> float:
-        """Cage slip up to which the study goes."""
-        ...
-
     def evaluations(self, assembly: "Assembly") -> int:
         """Return about how many slices the study will evaluate."""
         ...
