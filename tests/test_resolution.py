@@ -9,6 +9,7 @@ from rollslip import evolve, load_scene
 from rollslip.assembly import assemble
 from rollslip.dynamics import Dynamics
 from rollslip.effective_friction import EffectiveFriction
+from rollslip.errors import SceneError
 from rollslip.fields import FieldError
 from rollslip.friction_curve import FrictionCurve
 from rollslip.load_map import build_load_map
@@ -135,3 +136,9 @@ def test_a_map_takes_more_slices_than_a_table_holds():
     fine = study.run(assemble(SCENE, Resolution(slices=2001, instants=8)))
     coarse = study.run(assemble(SCENE, Resolution(slices=301, instants=8)))
     np.testing.assert_allclose(fine.friction_map, coarse.friction_map, rtol=1e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize(("key", "word"), [("tolerance", "exact"), ("slices", "auto")])
+def test_a_word_that_is_not_known_is_answered_with_the_one_that_is(key, word):
+    with pytest.raises(SceneError, match=f"accuracy.{key}: .*'exakt'.*; or write '{word}'"):
+        evolve(load_scene("1032930-70C"), {f"accuracy.{key}": "exakt"})

@@ -205,7 +205,10 @@ def _checked(kind: Any, raw: object, attribute: "attrs.Attribute[Any]", where: W
     words = attribute.metadata.get("words", {})
     if isinstance(raw, str) and raw in words:
         return words[raw]
+    before = len(faults)
     value = _converted(kind, raw, attribute.metadata.get("unit") or "1", where, faults)
+    if words and isinstance(raw, str):
+        faults[before:] = [f"{fault}; or write {' or '.join(map(repr, words))}" for fault in faults[before:]]
     if value is not _MISSING and attribute.validator is not None:
         try:
             attribute.validator(None, attribute, value)
