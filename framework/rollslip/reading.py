@@ -103,7 +103,9 @@ class _Missing:
 _MISSING = _Missing()
 
 
-def structure(cls: type[T], raw: object, where: Where | str, problems: list[str]) -> T | None:
+def structure(
+    cls: type[T], raw: object, where: Where | str, problems: list[str], known: Mapping[str, object] | None = None
+) -> T | None:
     """Convert a raw table to an instance of an attrs class, strictly.
 
     A float field takes what `rollslip.units.quantity` takes, an int field whole numbers, a bool field true and false, a
@@ -119,6 +121,8 @@ def structure(cls: type[T], raw: object, where: Where | str, problems: list[str]
         Place of the table; a plain key if nothing is known about the file.
     problems
         Takes one sentence for every fault found.
+    known
+        Values of keys of the table that are read already.
 
     Returns
     -------
@@ -141,7 +145,9 @@ def structure(cls: type[T], raw: object, where: Where | str, problems: list[str]
     kinds = _hints(cls)  # type: ignore[arg-type]  # mypy takes a class for unhashable
     for key, value in raw.items():
         attribute = by_key.get(key)
-        if attribute is not None:
+        if attribute is not None and known is not None and key in known:
+            values[attribute.name] = known[key]
+        elif attribute is not None:
             values[attribute.name] = _checked(kinds[attribute.name], value, attribute, where.at(key), faults)
         elif rest is not None:
             others[key] = value
@@ -410,10 +416,16 @@ def from_raw(raw: Mapping[str, object], source: str, text: str = "") -> Scene:
     return _scene(_thawed(raw), {(): source}, source, text)
 
 
-def _scene(raw: dict[str, object], origins: dict[KeyPath, str], source: str, text: str) -> Scene:
+def _scene(
+    raw: dict[str, object],
+    origins: dict[KeyPath, str],
+    source: str,
+    text: str,
+    known: Mapping[str, object] | None = None,
+) -> Scene:
     problems: list[str] = []
     complete = _with_named_data(raw, Where(origins), problems)
-    scene = structure(Scene, complete, Where(origins), problems)
+    scene = structure(Scene, complete, Where(origins), problems, known)
     if scene is None or problems:
         raise SceneError(problems)
     return attrs.evolve(scene, source=source, text=text, raw=FrozenTable(raw), origins=origins)
@@ -568,7 +580,7 @@ def _split_key(text: str) -> list[str]:
 
 
 def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
-    """Return a scene with some values changed, checked anew as a whole.
+    """Return a scene with some values changed; the tables that they stand in are checked anew, as is the whole.
 
     Parameters
     ----------
@@ -590,12 +602,15 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
     PluginError
         If a bearing or surface that it names is not there.
     """
-    raw = _thawed(resolved(scene) if scene.raw is None else scene.raw)
+    raw: dict[str, Any] = dict(resolved(scene) if scene.raw is None else scene.raw)
     origins = dict(scene.origins)
-    problems = []
+    problems, changed = [], set[str]()
     for key, value in changes.items():
         try:
             path = tuple(_split_key(key.strip()))
+            if path[0] not in changed and path[0] in raw:
+                raw[path[0]] = _thawed(raw[path[0]])
+            changed.add(path[0])
             _set(raw, path, _thawed(value))
         except (ValueError, RecursionError) as error:
             reason = "is nested too deeply" if isinstance(error, RecursionError) else str(error)
@@ -608,7 +623,8 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
         origins[path] = _CHANGES
     if problems:
         raise SceneError(problems)
-    return _scene(raw, origins, scene.source, scene.text)
+    kept = {key: getattr(scene, key) for key in raw.keys() - changed}
+    return _scene(raw, origins, scene.source, scene.text, kept)
 
 
 def _set(table: dict[Any, Any], path: tuple[str, ...], value: object) -> None:

@@ -13,6 +13,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Any, Final
 
 import attrs
@@ -63,7 +64,7 @@ class FrozenTable(Mapping[str, object]):
 
 
 def _freeze(value: object) -> object:
-    if isinstance(value, FrozenTable):
+    if isinstance(value, FrozenTable | str | float | int):
         return value
     if isinstance(value, Mapping):
         return FrozenTable(value)
@@ -328,20 +329,28 @@ def resolved(scene: Any) -> dict[str, object]:
     It reads as the same scene again. Optional values that are not set are left out, because TOML has no null.
     """
     table: dict[str, object] = {}
-    for attribute in attrs.fields(type(scene)):
-        key = attribute.metadata.get("key", attribute.name)
-        value = getattr(scene, attribute.name)
-        if key is None or value is None:
+    for name, key, rest in _keys(type(scene)):  # type: ignore[arg-type]  # mypy takes a class for unhashable
+        value = getattr(scene, name)
+        if value is None:
             continue
         plain = _plain(value)
-        if attribute.metadata.get("rest") and isinstance(plain, dict):
+        if rest and isinstance(plain, dict):
             table.update(plain)
         else:
             table[key] = plain
     return table
 
 
+@cache
+def _keys(cls: Any) -> list[tuple[str, str, bool]]:
+    """Name of every field that has a key in a scene, the key, and whether it takes the rest of the table."""
+    every = [(a.name, a.metadata.get("key", a.name), bool(a.metadata.get("rest"))) for a in attrs.fields(cls)]
+    return [(name, key, rest) for name, key, rest in every if key is not None]
+
+
 def _plain(value: object) -> object:
+    if isinstance(value, str | float | int):
+        return value
     if isinstance(value, Mapping):
         return {key: _plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
