@@ -2,6 +2,7 @@
 
 import ctypes
 import gc
+import math
 import sys
 import threading
 import time
@@ -15,6 +16,7 @@ from hypothesis import strategies as st
 
 from foreign_stages import PYTHON_RAISED, RsModel, RsSlices, Stage, foreign_capsule
 from rollslip import Chain, Conditions, Slices
+from rollslip.chain import along
 from rollslip.errors import DomainError, PluginError
 from rollslip.models import interval
 from rollslip.pressure_viscosity import Barus, Roelands, Yasutomi
@@ -278,6 +280,59 @@ def test_compiled_blocks_run_without_the_gil():
         sys.setswitchinterval(interval)
         ticker.join()
     assert advanced
+
+
+@pytest.mark.parametrize("rollers", [1, 3])
+@pytest.mark.parametrize("size", [0, 1, 13, 700])
+def test_rows_of_speeds_are_as_the_table_at_each_of_them(rollers, size):
+    """Compiled, mixed and guarded tables in one go; sums within the rounding of as many terms."""
+    rng = np.random.default_rng(size)
+    u, V, weight, owner = 10 + rng.random((9, rollers)), rng.random((9, rollers)), rng.random(size), np.arange(size) % 3
+    chains = [Chain(Moes(), Muraki()), Chain(*mixed()), Chain(Moes(), Muraki(), bounds=[lambda slices: None])]
+    tables = [bearing_slices(size) for _ in chains]
+    jobs = [(chain.bind(table), u, V, owner, weight) for chain, table in zip(chains, tables, strict=True)]
+    found = along(jobs)
+    assert np.array_equal(found[0][0], found[2][0])  # bounds change no bit
+    for chain, (sums, films) in zip(chains, found, strict=True):
+        assert chain.evaluated == 9 * size
+        expected = bearing_slices(size)
+        for k in range(9):
+            of = owner if rollers > 1 else 0 * owner
+            expected.rolling_speed[:], expected.sliding_speed[:] = u[k][of], V[k][of]
+            chain(expected)
+            true = math.fsum(expected.friction * weight)
+            assert abs(sums[k] - true) <= 4.0 * max(size, 1) * np.finfo(float).eps * true
+            assert films[k] == expected.film_thickness.min(initial=np.inf)
+
+
+def test_of_rows_of_speeds_the_first_that_is_refused_is_named():
+    u = np.array([[10.0], [12.0], [-7.0], [-8.0]])
+    chain, owner = Chain(Moes(), Muraki()), np.zeros(5, dtype=np.intp)
+    jobs = [(chain.bind(bearing_slices()), speeds, 0.1 * speeds, owner, np.ones(5)) for speeds in (u[:2], u)]
+    with pytest.raises(DomainError, match=r"moes: rolling_speed = -7 m/s at slice 0"):
+        along(jobs)
+    assert chain.evaluated == 25
+    python = Chain(Stage(lambda part: 1 / 0))
+    with pytest.raises(ZeroDivisionError):
+        along([jobs[0], (python.bind(bearing_slices()), u, u, owner, np.ones(5))])
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({1: np.ones((2, 2))}, "one shape"),
+        ({1: np.ones((3, 0)), 2: np.ones((3, 0))}, "of 0 rollers"),
+        ({1: np.ones((3, 2)), 2: np.ones((3, 2))}, "of 2 rollers, and slices belong to others"),
+        ({3: np.zeros(4, dtype=np.intp)}, "owners and weights are expected of 5 slices"),
+        ({4: np.zeros(6)}, "owners and weights are expected of 5 slices"),
+    ],
+)
+def test_rows_of_speeds_that_do_not_fit_the_table_are_refused(changed, said):
+    given = [Chain(Moes()).bind(bearing_slices()), np.ones((3, 1)), np.ones((3, 1)), np.arange(5), np.ones(5)]
+    for k, value in changed.items():
+        given[k] = value
+    with pytest.raises(ValueError, match=said):
+        along([tuple(given)])
 
 
 def test_a_python_stage_makes_one_call_of_all_slices_by_default():

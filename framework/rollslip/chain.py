@@ -12,8 +12,11 @@ import os
 import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from functools import cache, partial
-from typing import TYPE_CHECKING, Any, Final
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rollslip.discovery import in_words, origin
 from rollslip.errors import DomainError, PluginError, RollslipError
@@ -23,6 +26,8 @@ from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 
 if TYPE_CHECKING:
     from concurrent.futures import Future, ThreadPoolExecutor
+
+Array = NDArray[np.float64]
 
 #: Slices that a thread takes at a time, some 0.1 ms, and with which a table is large: waking a thread takes as long.
 _PART: Final = 4096
@@ -197,10 +202,10 @@ class Chain:
         for bound in self.bounds:
             bound(slices)
 
-    def bind(self, slices: Slices) -> Callable[[], None]:
+    def bind(self, slices: Slices) -> "kernels.Bound | Guarded":
         """Return a call that evaluates ``slices`` again, as they are then, with less to do for a small table.
 
-        Chain and table live as long as it does. It raises what the chain raises.
+        Chain and table live as long as it does. It raises what the chain raises. `along` takes it too.
 
         Examples
         --------
@@ -216,7 +221,7 @@ class Chain:
         """
         if len(slices) < _LARGE and not self.bounds:
             return self._chain.bind(slices, self.error)
-        return partial(self, slices)
+        return Guarded(self, slices)
 
     def _run_large(self, slices: Slices) -> "kernels.Refusal | None":
         """Evaluate a table in threads, of which this is one; return the refusal of the first part that has any."""
@@ -227,11 +232,12 @@ class Chain:
         step = -(-_PART // block) * block
         starts, outcomes = iter(range(0, n, step)), dict[int, Any]()
         others: list[Future[None]] = []
+        held = [slices]  # what is taken back below waits in its queue, and is not to keep the table
 
         def work() -> None:
             while not outcomes and (start := next(starts, None)) is not None:
                 try:
-                    outcome = self._chain.run(slices, start, min(n, start + step))
+                    outcome = self._chain.run(held[0], start, min(n, start + step))
                 except BaseException as error:
                     outcomes[start] = error
                 else:
@@ -247,6 +253,7 @@ class Chain:
             starts = iter(())
             for other in others:  # no part goes on behind the back of the caller
                 other.cancel() or other.exception()
+            held.clear()
         first: kernels.Refusal | BaseException | None = outcomes[min(outcomes)] if outcomes else None
         if isinstance(first, BaseException):
             raise first
@@ -271,6 +278,60 @@ class Chain:
                 f"the kernel of {model.name!r} returned a status that rollslip.h does not define; {origin(type(model))}"
             )
         return DomainError(_refusal_text(model, what, member, index, slices))
+
+
+class Guarded:
+    """A chain and a table that threads share, or that bounds look at: what `Chain.bind` returns of it."""
+
+    def __init__(self, chain: Chain, slices: Slices) -> None:
+        self._chain, self.slices = chain, slices
+
+    def __call__(self) -> None:
+        """Evaluate the table."""
+        self._chain(self.slices)
+
+
+#: A bound table, rolling and sliding speeds (n, k), the roller of each slice and its weight, (N,).
+Job: TypeAlias = "tuple[kernels.Bound | Guarded, Array, Array, NDArray[np.intp], Array]"
+
+
+def along(jobs: Sequence[Job]) -> list[tuple[Array, Array]]:
+    """Evaluate bound tables at one row of speeds after the other, the small ones in one go without the GIL.
+
+    Parameters
+    ----------
+    jobs : sequence
+        Tables from `Chain.bind`; for each of them rolling and sliding speeds [m/s] of k rollers, or of all slices if k
+        is 1, (n, k), the roller that each slice belongs to and a weight, (N,).
+
+    Returns
+    -------
+    list
+        Sums of the friction by weight and smallest films [m] of every row, (n,) each.
+
+    Raises
+    ------
+    DomainError, PluginError
+        As the chain does, for the first table that fails.
+    """
+    small = [(bound, u, V, owner, weight) for bound, u, V, owner, weight in jobs if isinstance(bound, kernels.Bound)]
+    found = iter(kernels.along(small))
+    return [
+        next(found) if isinstance(bound, kernels.Bound) else _along(bound, u, V, owner, weight)
+        for bound, u, V, owner, weight in jobs
+    ]
+
+
+def _along(
+    bound: Guarded, rolling: Array, sliding: Array, owner: "NDArray[np.intp]", weight: Array
+) -> tuple[Array, Array]:
+    slices, of = bound.slices, owner if rolling.shape[1] > 1 else np.zeros_like(owner)
+    sums, films = np.empty((2, len(rolling)))
+    for k, (u, V) in enumerate(zip(rolling, sliding, strict=True)):
+        slices.rolling_speed[:], slices.sliding_speed[:] = u[of], V[of]
+        bound()
+        sums[k], films[k] = kernels.weighted(slices.friction, weight), slices.film_thickness.min(initial=np.inf)
+    return sums, films
 
 
 def _refusal_text(model: SliceModel, what: str, member: str, index: int, slices: Slices) -> str:

@@ -17,12 +17,13 @@
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import attrs
 import numpy as np
 
 from rollslip.assembly import RINGS, Array, Assembly, Raceway
+from rollslip.chain import Job, along
 from rollslip.critical import Critical, locate
 from rollslip.equilibrium import LoadDistribution
 from rollslip.errors import ConvergenceError, DomainError, SceneError
@@ -36,6 +37,9 @@ from rollslip_kernels.slices import Slices
 
 if TYPE_CHECKING:
     import xarray as xr
+
+#: Some variables of a result, and their coordinates.
+Only: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 
 #: Doublings start here and give up there.
 _FIRST_INSTANTS, _MOST_INSTANTS = 2, 1024
@@ -107,16 +111,30 @@ class EffectiveFriction:
         errors = {"instants_error": error, "slices_error": raceways.slices_error(slip, curves[0])}
         return self._dataset(assembly, raceways, slip, curves, critical).assign_attrs(errors)
 
-    def only(self, assembly: Assembly, names: frozenset[str]) -> tuple[dict[str, Any], dict[str, Any]] | None:
+    def only(self, assembly: Assembly, names: frozenset[str]) -> Only | None:
         """Return what `run` returns of curves and critical slips, with coordinates; None if more than them is asked."""
+        found = self.together([(self, assembly)], names)
+        return None if found is None else found[0]
+
+    @staticmethod
+    def together(cases: "Sequence[tuple[EffectiveFriction, Assembly]]", names: frozenset[str]) -> list[Only] | None:
+        """Return what `only` does for several bearings, whose curves are evaluated in one go."""
         if not names <= {"effective_friction", "critical_cage_slip", "critical_friction", "critical_status"}:
             return None
-        slip, instants = slip_grid(self.max_cage_slip, self.points), assembly.resolution.instants
-        if instants is None:
-            _, curves, critical, _ = self._converged(assembly, slip)
-        else:
-            _, curves, critical = self._on(assembly, slip, instants)
-        return _curves(slip, curves[0], critical)
+        found = dict[int, tuple[Array, Array, tuple[Critical, Critical]]]()
+        begun = list[tuple[int, Array, LoadedRaceways, SurfaceSpeeds]]()
+        for k, (study, assembly) in enumerate(cases):
+            slip, instants = slip_grid(study.max_cage_slip, study.points), assembly.resolution.instants
+            if instants is None:
+                _, (friction, _), critical, _ = study._converged(assembly, slip)
+                found[k] = slip, friction, critical
+            else:
+                raceways = study.loaded(assembly, instants)
+                begun.append((k, slip, raceways, raceways.speeds(slip)))
+        curves = evaluated_together([(raceways, speeds) for *_, raceways, speeds in begun])
+        for (k, slip, raceways, _), (friction, _) in zip(begun, curves, strict=True):
+            found[k] = slip, friction, raceways.critical(slip, friction)
+        return [_curves(*found[k]) for k in range(len(cases))]
 
     def at_instants(self, assembly: Assembly, instants: int) -> "xr.Dataset":
         """Return what `run` does, on a given number of instants, but for the errors that instants and slices leave."""
@@ -238,7 +256,7 @@ class EffectiveFriction:
         )
 
 
-def _curves(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -> tuple[dict[str, Any], dict[str, Any]]:
+def _curves(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -> Only:
     """Variables of the curves and their maxima, and their coordinates."""
     return {
         "effective_friction": (("ring", "cage_slip"), friction, about("1", "effective friction coefficient")),
@@ -314,7 +332,7 @@ class LoadedContacts:
         self.raceway = raceway
         self.rollers = load.shape[0]
         #: number of the roller that each slice belongs to
-        self.owner, column = np.nonzero(loaded)
+        self.owner, column = map(np.ascontiguousarray, np.nonzero(loaded))
         #: width [m] of all that each slice stands for
         self.width = widths[column] if count is None else widths[column] * count[self.owner]
         self.force = load[loaded] * self.width
@@ -329,13 +347,18 @@ class LoadedContacts:
         self._evaluate()
         return self.orbit * self.slices.friction
 
+    def job(self, rolling: Array, sliding: Array) -> Job:
+        """What `rollslip.chain.along` takes, for speeds [m/s] (n,) of all rollers, or (n, rollers) of each."""
+        u, V = (np.ascontiguousarray(speed.reshape(len(speed), -1)) for speed in (rolling, sliding))
+        return self._evaluate, u, V, self.owner, self.force
+
+    def mean(self, pull: Array) -> Array:
+        """Mean friction by force along the orbit, of its sums by force [N]; NaN if there is no load."""
+        return self.orbit * pull / self.total if self.total > 0.0 else np.full_like(pull, np.nan)
+
     def per_roller(self, values: Array) -> Array:
         """Sum of values of slices for every roller, (rollers,)."""
         return np.asarray(np.bincount(self.owner, weights=values, minlength=self.rollers), dtype=float)
-
-    def mean(self, values: Array) -> float:
-        """Mean by force over the loaded slices, NaN if there are none."""
-        return float(values @ self.force) / self.total if self.total > 0.0 else np.nan
 
     def means(self, rolling: Array, sliding: Array, tolerance: float) -> Array:
         """Mean friction at many speeds [m/s], (n,), over as few loads as leave an error below the tolerance."""
@@ -428,7 +451,7 @@ class LoadedRaceways:
         """Speeds by the closure at cage slips (n,): alike for all rollers, (n,), or for each of them, (n, rollers)."""
         kinematics = self.assembly.kinematics
         if self.closure == "epicyclic" or not np.any(cage_slip):
-            return kinematics.surface_speeds(cage_slip, 0.0)
+            return kinematics.surface_speeds(cage_slip, np.zeros_like(cage_slip))
         outer_rolling = kinematics.roller_slip_outer_rolling(cage_slip)
         if self.closure == "outer-rolling":
             speeds = kinematics.surface_speeds(cage_slip, outer_rolling)
@@ -484,18 +507,28 @@ class LoadedRaceways:
         DomainError
             If a contact draws no oil in; before the first row.
         """
-        rings = (
-            (self.inner, speeds.inner_rolling, speeds.inner_sliding),
-            (self.outer, speeds.outer_rolling, speeds.outer_sliding),
-        )
-        self._require_entrainment(speeds)
+        self.require_entrainment(speeds)
         for k in range(speeds.cage_speed.shape[0]):
             yield [
                 (contacts, u[k], V[k]) if u.ndim == 1 else (contacts, u[k][contacts.owner], V[k][contacts.owner])
-                for contacts, u, V in rings
+                for contacts, u, V in self.rings(speeds)
             ]
 
-    def _require_entrainment(self, speeds: SurfaceSpeeds) -> None:
+    def rings(self, speeds: SurfaceSpeeds) -> list[tuple[LoadedContacts, Array, Array]]:
+        """Contacts, rolling and sliding speeds of both rings."""
+        return [
+            (self.inner, speeds.inner_rolling, speeds.inner_sliding),
+            (self.outer, speeds.outer_rolling, speeds.outer_sliding),
+        ]
+
+    def require_entrainment(self, speeds: SurfaceSpeeds) -> None:
+        """Refuse speeds at which a contact draws no oil in.
+
+        Raises
+        ------
+        DomainError
+            With the first of them.
+        """
         for ring, rolling in (("inner", speeds.inner_rolling), ("outer", speeds.outer_rolling)):
             if not np.all(rolling > 0.0):
                 row = np.unravel_index(np.argmin(rolling > 0.0), rolling.shape)[0]
@@ -508,12 +541,8 @@ class LoadedRaceways:
 
     def evaluated(self, speeds: SurfaceSpeeds) -> tuple[Array, Array]:
         """Effective friction and smallest film parameter of both rings at every row of speeds, (2, n) each."""
-        friction, film = (np.full((2, speeds.cage_speed.shape[0]), np.nan) for _ in range(2))
-        for k, both in enumerate(self.contacts(speeds)):
-            for i, (contacts, u, V) in enumerate(both):
-                friction[i, k] = contacts.mean(contacts.friction(u, V))
-                film[i, k] = contacts.slices.film_thickness.min(initial=np.inf) / contacts.raceway.conditions.roughness
-        return friction, film
+        (found,) = evaluated_together([(self, speeds)])
+        return found
 
     def curve(self, slip: Array) -> Array:
         """Effective friction of both rings, (2, n)."""
@@ -524,9 +553,9 @@ class LoadedRaceways:
 
         def of(ring: int) -> Critical:
             def at(one: float) -> float:
-                (both,) = self.contacts(self.speeds(np.array([one])))
-                contacts, u, V = both[ring]
-                return contacts.mean(contacts.friction(u, V))
+                contacts, u, V = self.rings(self.speeds(np.array([one])))[ring]
+                ((pull, _),) = along([contacts.job(u, V)])
+                return float(contacts.mean(pull)[0])
 
             return locate(at, slip, friction[ring], "max_cage_slip")
 
@@ -586,7 +615,7 @@ class LoadedRaceways:
         half = slip_grid(float(kinematics.roller_slip_outer_rolling(largest)), points)
         roller = np.concatenate((-half[:0:-1], half))
         speeds = kinematics.surface_speeds(np.repeat(cage, roller.size), np.tile(roller, cage.size))
-        self._require_entrainment(speeds)
+        self.require_entrainment(speeds)
         tolerance = _MAP_SHARE * self.assembly.scene.accuracy.tolerance
         surface = np.array(
             [
@@ -595,6 +624,24 @@ class LoadedRaceways:
             ]
         )
         return cage, roller, surface.reshape(2, cage.size, roller.size)
+
+
+def evaluated_together(cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]]) -> list[tuple[Array, Array]]:
+    """Return effective friction and smallest film parameter of both rings, (2, n) each, of bearings at their speeds.
+
+    All are evaluated in one go without the GIL; each is what it is alone, to the last bit.
+    """
+    for raceways, speeds in cases:
+        raceways.require_entrainment(speeds)
+    rings = [ring for raceways, speeds in cases for ring in raceways.rings(speeds)]
+    found = [
+        (contacts.mean(pull), film / contacts.raceway.conditions.roughness)
+        for (contacts, *_), (pull, film) in zip(rings, along([c.job(u, V) for c, u, V in rings]), strict=True)
+    ]
+    return [
+        (np.array([inner[0], outer[0]]), np.array([inner[1], outer[1]]))
+        for inner, outer in zip(found[::2], found[1::2], strict=True)
+    ]
 
 
 def _moved(before: Array, after: Array) -> float:

@@ -154,7 +154,9 @@ class Kinematics:
             There is a cage slip, and the epicyclic cage speed that it refers to is zero (rings turning against each
             other).
         """
-        Sc, Sr = np.broadcast_arrays(np.asarray(cage_slip, dtype=float), np.asarray(roller_slip, dtype=float))
+        Sc, Sr = np.asarray(cage_slip, dtype=float), np.asarray(roller_slip, dtype=float)
+        if Sc.shape != Sr.shape:
+            Sc, Sr = np.broadcast_arrays(Sc, Sr)
         u = self.roller_radius * self.epicyclic_roller_speed
         cage_lag = self._slip_reference() * Sc if np.any(Sc) else np.zeros_like(Sc)  # no slip refers to nothing
         inner, outer, spin = self.inner_radius * cage_lag, self.outer_radius * cage_lag, u * Sr

@@ -19,6 +19,7 @@ from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.memoryview cimport PyMemoryView_FromMemory
 from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid, PyCapsule_New, PyCapsule_SetContext
 from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
+from libc.math cimport INFINITY
 from libc.stdlib cimport free, malloc
 
 from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, rs_model, rs_slices
@@ -31,6 +32,7 @@ cdef enum:
     MAX_STAGES = 8
     MAX_CHECKS = 128
     BLOCK = 256          # 13 columns x 256 x 8 B = 26 KiB: one block stays in a 32 KiB L1 cache
+    RELEASE = 4096       # slices from which on the GIL is released: who gives it up may wait 5 ms to get it back
     PYTHON_RAISED = -1   # the Python error is set in this thread
     N_COLUMNS = 13
 
@@ -129,16 +131,23 @@ cdef class Chain:
     cdef object _evaluate(self, const rs_slices *table, Py_ssize_t start):
         cdef refusal_t refusal
         cdef int status
-        with nogil:
+        if table.n < RELEASE:
             status = _run(&self.chain, table, &refusal)
+        else:
+            with nogil:
+                status = _run(&self.chain, table, &refusal)
         self.evaluated += table.n
+        return self._outcome(status, &refusal, start)
+
+    cdef object _outcome(self, int status, refusal_t *refusal, Py_ssize_t start):
+        """Return None, or what was refused in words; raise what a Python stage has raised."""
         if status == 0:
             return None
         if status == PYTHON_RAISED and PyErr_Occurred() != NULL:
             _raise_pending()
         if refusal.column and refusal.slice >= 0:
             refusal.slice += start
-        return self._words(&refusal)
+        return self._words(refusal)
 
     def bind(self, slices, error):
         """Return a callable that evaluates this table again; ``error`` makes an exception of a refusal and a table."""
@@ -190,12 +199,152 @@ cdef class Bound:
         return 0
 
     def __call__(self):
-        if self.slices.conditions is not self.conditions:
-            self._bind()
-        cdef rs_slices table = self.bound   # another thread may bind other conditions
+        cdef rs_slices table = self._table()
         refusal = self.chain._evaluate(&table, 0)
         if refusal is not None:
             raise self.error(refusal, self.slices)
+
+    cdef rs_slices _table(self) except *:
+        """The table with its conditions of now; a copy, since another thread may bind others."""
+        if self.slices.conditions is not self.conditions:
+            self._bind()
+        return self.bound
+
+
+cdef struct job_t:
+    const chain_t *chain
+    rs_slices table
+    const double *rolling
+    const double *sliding
+    const Py_ssize_t *owner
+    const double *weight
+    double *sums
+    double *films
+    size_t rows, columns, done
+    int status
+    refusal_t refusal
+
+
+def along(jobs):
+    """Evaluate tables at one row of speeds after the other, all of them in one go without the GIL.
+
+    A job is (bound, rolling, sliding, owner, weight): a `Bound`, rolling and sliding speeds [m/s] (n, k) of the k
+    rollers that ``owner`` (N,) gives each slice to, or of all slices if k is 1, and weights (N,). Return for each the
+    sums of the friction by weight and the smallest films [m], (n,) each. The first job that fails raises its error.
+    """
+    cdef size_t count = len(jobs), k, work = 0
+    cdef job_t *made = <job_t *>malloc(max(count, 1) * sizeof(job_t))
+    cdef Bound bound
+    if made == NULL:
+        raise MemoryError
+    try:
+        results = [_lay_out(&made[k], jobs[k]) for k in range(count)]
+        for k in range(count):
+            work += made[k].rows * made[k].table.n
+        if work < RELEASE:
+            _all_along(made, count)
+        else:
+            with nogil:
+                _all_along(made, count)
+        for k in range(count):
+            bound = jobs[k][0]
+            bound.chain.evaluated += made[k].done * made[k].table.n
+            refusal = bound.chain._outcome(made[k].status, &made[k].refusal, 0)
+            if refusal is not None:
+                raise bound.error(refusal, bound.slices)
+    finally:
+        free(made)
+    return results
+
+
+cdef tuple _lay_out(job_t *job, given):
+    """Fill in a job, and return its results to be."""
+    cdef Bound bound = given[0]
+    cdef const double[:, ::1] rolling = given[1], sliding = given[2]
+    cdef const Py_ssize_t[::1] owner = given[3]
+    cdef const double[::1] weight = given[4]
+    cdef size_t n, rows = rolling.shape[0], columns = rolling.shape[1]
+    job.table = bound._table()
+    n = job.table.n
+    if <size_t>sliding.shape[0] != rows or <size_t>sliding.shape[1] != columns:
+        raise ValueError("rolling and sliding speeds must have one shape")
+    if <size_t>owner.shape[0] != n or <size_t>weight.shape[0] != n:
+        raise ValueError(f"owners and weights are expected of {n} slices")
+    if columns == 0 or columns > 1 and n and not 0 <= np.min(owner) <= np.max(owner) < columns:
+        raise ValueError(f"the speeds are of {columns} rollers, and slices belong to others")
+    sums, films = np.empty(rows), np.empty(rows)
+    cdef double[::1] pulls = sums, thinnest = films
+    job.chain = &bound.chain.chain
+    job.rows, job.columns, job.done, job.status = rows, columns, 0, 0
+    if n:
+        job.owner, job.weight = &owner[0], &weight[0]
+    if rows:
+        job.rolling, job.sliding, job.sums, job.films = &rolling[0, 0], &sliding[0, 0], &pulls[0], &thinnest[0]
+    return sums, films
+
+
+cdef void _all_along(job_t *jobs, size_t count) noexcept nogil:
+    """Do all jobs, up to one that fails."""
+    cdef size_t k
+    for k in range(count):
+        _along(&jobs[k])
+        if jobs[k].status != 0:
+            return
+
+
+cdef void _along(job_t *job) noexcept nogil:
+    cdef size_t row, i, n = job.table.n, own = 1 if job.columns > 1 else 0
+    cdef const double *rolling
+    cdef const double *sliding
+    for row in range(job.rows):
+        rolling, sliding = job.rolling + row * job.columns, job.sliding + row * job.columns
+        for i in range(n):
+            job.table.rolling_speed[i] = rolling[own * job.owner[i]]
+            job.table.sliding_speed[i] = sliding[own * job.owner[i]]
+        job.done = row + 1
+        job.status = _run(job.chain, &job.table, &job.refusal)
+        if job.status != 0:
+            return
+        job.sums[row] = _dot(n, job.table.friction, job.weight)
+        job.films[row] = _smallest(n, job.table.film_thickness)
+
+
+def weighted(const double[::1] x, const double[::1] weight):
+    """Return the sum of x by weight with the bits that `along` gives."""
+    if x.shape[0] != weight.shape[0]:
+        raise ValueError("values and weights must have one shape")
+    return _dot(x.shape[0], &x[0], &weight[0]) if x.shape[0] else 0.0
+
+
+cdef double _dot(size_t n, const double *x, const double *weight) noexcept nogil:
+    """Sum of products, in lanes that the compiler can take together."""
+    cdef double lanes[8]
+    cdef size_t i, whole = n - n % 8
+    cdef int lane
+    for lane in range(8):
+        lanes[lane] = 0.0
+    for i in range(0, whole, 8):
+        for lane in range(8):
+            lanes[lane] += x[i + lane] * weight[i + lane]
+    for i in range(whole, n):
+        lanes[0] += x[i] * weight[i]
+    return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
+
+
+cdef double _smallest(size_t n, const double *x) noexcept nogil:
+    cdef double lanes[8]
+    cdef size_t i, whole = n - n % 8
+    cdef int lane
+    for lane in range(8):
+        lanes[lane] = INFINITY
+    for i in range(0, whole, 8):
+        for lane in range(8):
+            lanes[lane] = x[i + lane] if x[i + lane] < lanes[lane] else lanes[lane]
+    for i in range(whole, n):
+        lanes[0] = min(lanes[0], x[i])
+    for lane in range(1, 8):
+        lanes[0] = min(lanes[0], lanes[lane])
+    return lanes[0]
 
 
 cdef list _filters(list stages):
