@@ -8,6 +8,7 @@ import queue
 import random
 import threading
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from types import MappingProxyType
 
 import attrs
 import numpy as np
@@ -22,12 +23,15 @@ from rollslip.discovery import get_class
 from rollslip.engine import Engine
 from rollslip.errors import EngineError, OutputError, PluginError, SceneError
 from rollslip.journal import Journal, journals, states
+from rollslip.models import TractionModel
 from rollslip.outputs import DEFAULT, OUTPUTS
 from rollslip.point import STATUSES, Row, _packed, compute
 from rollslip.reading import parse_scene
+from rollslip.resolution import Resolution
 from rollslip.sampling import parse_over, parse_overs, probabilities
 from rollslip.studies import STUDIES
 from rollslip.sweep_folder import begin, finish, merge, status
+from rollslip.sweep_resolution import Resolutions
 from rollslip.sweep_result import collect
 from rollslip.sweep_run import run_sweep
 from rollslip.sweeping import open_sweep, plan_sweep, store_sweep
@@ -251,6 +255,52 @@ def test_the_short_way_to_an_output_gives_the_bits_of_a_run(name, tmp_path):
     )
     alone = as_stated(rollslip.evolve(scene, {"operation.radial_load": 3000.0}), "effective-friction")
     assert np.array_equal(result[name].isel({"operation.radial_load": 0}), alone[name], equal_nan=True)
+
+
+@attrs.frozen
+class Sometimes(TractionModel):
+    """Friction of a constant, but for loads at which it ends in other ways."""
+
+    name = "sometimes"
+    equation = "mu = 0.02 V/(1 + V^2)"
+    references = ("none",)
+    kind = "hydrodynamic"
+    reads = frozenset({"load", "sliding_speed"})
+    domain = MappingProxyType({"load": (0.0, 1e9), "sliding_speed": (0.0, 1e9)})
+
+    def evaluate(self, slices):
+        if slices.load.max() > 2.5e5:
+            raise SystemExit(3)
+        slices.friction[:] = 0.02 * slices.sliding_speed / (1.0 + slices.sliding_speed**2)
+
+
+def test_points_that_are_evaluated_together_are_as_each_alone(monkeypatch):
+    """Whatever ends one of them: its scene, its oil, its contacts, or a model that leaves."""
+    monkeypatch.setattr("rollslip.discovery._registered", {})
+    rollslip.register(Sometimes)
+    over = {
+        "models.traction": ["lambda-blend", "sometimes"],
+        "study.effective-friction.closure": ["epicyclic", "outer-rolling", "free-roller"],
+        "study.effective-friction.max_cage_slip": [0.3, 0.95],
+        "study.effective-friction.points": [5, 8],
+        "operation.radial_load": ["500 N", "5 kN", "50 kN"],
+        "lubricant.eyring_stress": ["4 MPa", "9 MPa"],
+        "operation.inner_speed": ["1000 rpm", "2000 rpm"],
+        "operation.outer_speed": [0, "2000 rpm"],
+    }
+    sweep = planned(over, study="effective-friction", output=("effective_friction", "critical_cage_slip"))
+    points = [(n, sweep.design.changes(n)) for n in random.Random(0).sample(range(sweep.design.size), 32)]
+    work = attrs.evolve(sweep.work, resolutions=Resolutions(chosen={"[]": Resolution(slices=9, instants=2)}))
+
+    def rows(*tasks):
+        return [attrs.asdict(row) | {"seconds": 0.0} for task in tasks for row in compute(work, task).rows]
+
+    alone = rows(*([point] for point in points))
+    assert {"ok", "outside-domain", "crashed"} <= {row["status"] for row in alone}
+    assert rows(points) == alone
+    good = [(point, row) for point, row in zip(points, alone, strict=True) if row["status"] == "ok"]
+    monkeypatch.delattr("rollslip.point.evaluate")  # by which points are evaluated alone
+    assert rows([point for point, _ in good]) == [row for _, row in good]
 
 
 def test_curves_over_their_own_abscissa_keep_it_beside_them(tmp_path):

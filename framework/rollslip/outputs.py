@@ -1,13 +1,14 @@
 """What a point of a sweep returns: the variables of its study that were asked for, and nothing else.
 
 - The names stand here, so that an unknown one is refused before anything runs; a test holds them against the studies.
-- A study may offer `only`, a shorter way to some of its variables; what it cannot give so, a whole run gives.
+- A study may offer `only`, a shorter way to some of its variables, and `together`, that way for many points in one go;
+  what it cannot give so, a whole run gives.
 - What says in words whether a value was found goes with the value.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -19,10 +20,12 @@ from rollslip.friction_curve import about
 from rollslip.reading import nearest
 from rollslip.studies import Study
 
-__all__ = ["DEFAULT", "OUTPUTS", "Variables", "chosen", "evaluate"]
+__all__ = ["DEFAULT", "OUTPUTS", "Values", "Variables", "chosen", "evaluate", "evaluate_together"]
 
 #: Name -> dimensions, values and attributes.
-Variables = Mapping[str, tuple[tuple[str, ...], Any, Mapping[str, Any]]]
+Variables: TypeAlias = Mapping[str, tuple[tuple[str, ...], Any, Mapping[str, Any]]]
+#: Variables, coordinates of their dimensions, and attributes of the result.
+Values: TypeAlias = tuple[Variables, Variables, dict[str, Any]]
 
 _REGIMES: Final = ("regime_share", "load_parameter", "light_share")
 _FOLLOWED: Final = tuple(
@@ -101,7 +104,7 @@ def chosen(study: str, names: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*asked, *(_SAID_BY[name] for name in asked if name in _SAID_BY))))
 
 
-def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> tuple[Variables, Variables, dict[str, Any]]:
+def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> Values:
     """Return the variables of these names, the coordinates of their dimensions and the attributes of the result.
 
     A variable that the study has only sometimes, such as the slips of a cage that runs away, is left out where it has
@@ -109,16 +112,27 @@ def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> tuple[Va
     """
     only = getattr(study, "only", None)
     if only is not None and (found := only(assembly, frozenset(names))) is not None:
-        variables, coords = found
-        wanted = {name: _plain(*variables[name]) for name in names}
-        dims = {dim for of, *_ in wanted.values() for dim in of}
-        return wanted, {dim: _plain(*coords[dim]) for dim in dims}, {}
+        return _picked(found, names)
     dataset = _without_map(study, names).run(assembly)
     wanted = {name: _plain(dataset[name].dims, dataset[name], dataset[name].attrs) for name in names if name in dataset}
     for name in set(names) & dataset.attrs.keys():  # a single value about the whole run
         wanted[name] = _plain((), dataset.attrs[name], about("1", name.replace("_", " ")))
     dims = {dim for of, *_ in wanted.values() for dim in of if dim in dataset.coords}
     return wanted, {dim: _plain((dim,), dataset[dim], dataset[dim].attrs) for dim in dims}, dict(dataset.attrs)
+
+
+def evaluate_together(cases: Sequence[tuple[Study, Assembly]], names: Sequence[str]) -> list[Values] | None:
+    """Return what `evaluate` does for several points in one go; None where their study has no way to."""
+    together = getattr(cases[0][0], "together", None) if cases else None
+    if together is None or (found := together(cases, frozenset(names))) is None:
+        return None
+    return [_picked(one, names) for one in found]
+
+
+def _picked(found: tuple[Variables, Variables], names: Sequence[str]) -> Values:
+    variables, coords = found
+    wanted = {name: _plain(*variables[name]) for name in names}
+    return wanted, {dim: _plain(*coords[dim]) for of, *_ in wanted.values() for dim in of}, {}
 
 
 def _without_map(study: Study, names: Sequence[str]) -> Study:

@@ -43,8 +43,9 @@ __all__ = ["Progress", "Settled", "asked_engine", "described", "run_sweep"]
 
 #: Losses of an engine, one after the other without a result between them, before a run gives up.
 _PATIENCE: Final = 3
-#: Start of a pool of processes, with all imports [s], and what threads gain on this process alone.
-_START, _GAIN = 2.0, 1.2
+#: Start of a pool of processes, with all imports [s], and what threads gain on this process alone, with points that are
+#: evaluated together without the GIL; others gain nothing.
+_START, _GAIN = 2.0, 1.4
 #: A point of more than this is worth a process without measuring [s].
 _DEAR: Final = 0.25
 _MOST_IN_TASK: Final = 1000
@@ -271,7 +272,8 @@ class _Run:
             self._take(done)
             times.append(done.rows[0].seconds)
         threads, processes, count = get_model("engine", "threads"), get_model("engine", "processes"), cores()
-        here, there = (min(times) * len(pending) / gain for gain in (_GAIN if count > 1 else 1.0, count))
+        together = hasattr(settings(self.sweep.scene, self.sweep.study)[self.sweep.study], "together")
+        here, there = (min(times) * len(pending) / gain for gain in (min(_GAIN if together else 1.0, count), count))
         cheap = here <= _START + there
         said = f"a point takes {min(times) * 1e3:.3g} ms"
         if count == 1 or not pending:
