@@ -17,7 +17,7 @@ import numpy as np
 
 from rollslip.assembly import RINGS, Array, Ring
 from rollslip.effective_friction import EffectiveFriction
-from rollslip.friction_curve import FrictionCurve, about, contact_loads
+from rollslip.friction_curve import FrictionCurve, about
 from rollslip.planning import Plan
 from rollslip.regimes import LONG_NAMES, NAMES, film_by_regime, groups
 from rollslip_kernels.slices import Slices
@@ -65,13 +65,13 @@ class Work:
         """Return the slices of a plan's study, with its result."""
         assembly, own = made.assemblies[study], made.studies[study]
         if isinstance(own, FrictionCurve):
-            ring: Ring = "inner" if own.ring == "inner" else "outer"
-            raceway, u, slip = getattr(assembly, ring), result.attrs["rolling_speed"], result["slip"].to_numpy()
+            u, slip = result.attrs["rolling_speed"], result["slip"].to_numpy()
             parts = []
-            for k, (load, force) in enumerate(contact_loads(assembly, raceway, np.array(own.normal_force))):
+            for k, contacts in enumerate(own.contacts(assembly)):
+                load, force = contacts.slices.load, contacts.force
                 for some in np.array_split(slip, -(-slip.size * load.size // _PART)):
                     loads, V = np.tile(load, some.size), np.repeat(some * u, load.size)
-                    parts.append(_Part(k, ring, loads, u, V, np.tile(force, some.size)))
+                    parts.append(_Part(k, contacts.raceway.ring, loads, u, V, np.tile(force, some.size)))
             return cls(parts)
         assert isinstance(own, EffectiveFriction)
         raceways = own.loaded(assembly, result.attrs["instants"])

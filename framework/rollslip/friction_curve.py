@@ -1,21 +1,24 @@
 """Study friction-curve: friction of one contact against its slide-roll ratio, for given normal forces."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import attrs
 import numpy as np
 
 from rollslip.assembly import Array, Assembly, Raceway
+from rollslip.chain import along
 from rollslip.critical import locate
 from rollslip.errors import DomainError
 from rollslip.fields import at_least, one_of, parameter, positive
+from rollslip.loaded_contacts import LoadedContacts
 from rollslip.regimes import NAMES, film_by_regime, groups, moes_groups
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip_kernels.slices import Slices
+#: Some variables of a result, and their coordinates.
+Only: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 
 
 @attrs.frozen(kw_only=True)
@@ -34,7 +37,8 @@ class FrictionCurve:
 
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate."""
-        return len(self.normal_force) * self.points * assembly.slices
+        half = -(-assembly.slices // 2)  # the other carries the same
+        return len(self.normal_force) * self.points * (half + 1)
 
     @property
     def slip_range(self) -> float:
@@ -48,17 +52,22 @@ class FrictionCurve:
 
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return friction for each normal force, which no instant changes, (k, forces, n)."""
-        raceway, u = self._contact(assembly)
-        loads = contact_loads(assembly, raceway, np.array(self.normal_force))
-        found = [_friction(raceway, *load, u, slip)[1] for load in loads]
+        contacts = self.contacts(assembly)
+        found = _friction([(one, self.rolling_speed(assembly), slip) for one in contacts])
         return np.broadcast_to(found, (len(instants), len(found), slip.size))
 
-    def _contact(self, assembly: Assembly) -> tuple[Raceway, float]:
-        """The raceway and its entrainment speed [m/s] without slip."""
+    def rolling_speed(self, assembly: Assembly) -> float:
+        """Return the entrainment speed of the contact [m/s], that of the bearing without slip."""
         speeds = assembly.kinematics.surface_speeds(0.0, 0.0)
-        if self.ring == "inner":
-            return assembly.inner, float(speeds.inner_rolling)
-        return assembly.outer, float(speeds.outer_rolling)
+        return float(speeds.inner_rolling if self.ring == "inner" else speeds.outer_rolling)
+
+    def contacts(self, assembly: Assembly) -> list[LoadedContacts]:
+        """Return the loaded slices of the contact, for each normal force."""
+        raceway = assembly.inner if self.ring == "inner" else assembly.outer
+        return [
+            LoadedContacts(raceway, balanced_load(assembly, raceway, force)[None], assembly.widths, 1.0)
+            for force in self.normal_force
+        ]
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return nothing: contacts are all there is."""
@@ -78,19 +87,18 @@ class FrictionCurve:
         """
         import xarray as xr
 
-        raceway, u = self._contact(assembly)
-        slip = slip_grid(self.max_slip, self.points)
-        forces = np.array(self.normal_force)
-        rows = [_curve(assembly, raceway, *loads, u, slip) for loads in contact_loads(assembly, raceway, forces)]
+        slip, u, contacts = slip_grid(self.max_slip, self.points), self.rolling_speed(assembly), self.contacts(assembly)
+        friction = _friction([(one, u, slip) for one in contacts])
+        found, coords = self._found(slip, u, contacts, friction)
+        rows = [_most_loaded(one, u, slip) for one in contacts]
 
         def stacked(name: str) -> Array:
             return np.stack([row[name] for row in rows])
 
-        critical = [row["critical"] for row in rows]
         both, force = ("normal_force", "slip"), ("normal_force",)
         return xr.Dataset(
             {
-                "friction": (both, stacked("friction"), about("1", "friction coefficient")),
+                "friction": found["friction"],
                 "film_thickness": (
                     both,
                     stacked("film_thickness"),
@@ -106,28 +114,54 @@ class FrictionCurve:
                 "pressure": (force, stacked("pressure"), about("Pa", "mean Hertz pressure")),
                 "load_parameter": (force, stacked("M"), about("1", "Moes load parameter M")),
                 "lubricant_parameter": (force, stacked("L"), about("1", "Moes lubricant parameter L")),
-                "critical_slip": (
-                    force,
-                    np.array([c.slip for c in critical]),
-                    about("1", "slide-roll ratio of the largest friction"),
-                ),
-                "critical_friction": (
-                    force,
-                    np.array([c.friction for c in critical]),
-                    about("1", "largest friction coefficient"),
-                ),
-                "critical_status": (
-                    force,
-                    np.array([c.status for c in critical]),
-                    about("1", "what was found of the critical slip"),
-                ),
+                **found,
             },
-            coords={
-                "normal_force": ("normal_force", forces, about("N", "normal force of the contact")),
-                "slip": ("slip", slip, about("1", "slide-roll ratio V/u")),
-            },
+            coords=coords,
             attrs={"study": "friction-curve", "ring": self.ring, "rolling_speed": u},
         )
+
+    def only(self, assembly: Assembly, names: frozenset[str]) -> Only | None:
+        """Return what `run` returns of curves and critical slips, with coordinates; None if more than them is asked."""
+        found = self.together([(self, assembly)], names)
+        return None if found is None else found[0]
+
+    @staticmethod
+    def together(cases: "Sequence[tuple[FrictionCurve, Assembly]]", names: frozenset[str]) -> list[Only] | None:
+        """Return what `only` does for several contacts, whose curves are evaluated in one go."""
+        if not names <= {"friction", "critical_slip", "critical_friction", "critical_status"}:
+            return None
+        made = [
+            (study, slip_grid(study.max_slip, study.points), study.rolling_speed(assembly), study.contacts(assembly))
+            for study, assembly in cases
+        ]
+        curves = iter(_friction([(one, u, slip) for _, slip, u, contacts in made for one in contacts]))
+        return [study._found(slip, u, contacts, [next(curves) for _ in contacts]) for study, slip, u, contacts in made]
+
+    def _found(self, slip: Array, u: float, contacts: list[LoadedContacts], friction: list[Array]) -> Only:
+        """Variables of the curves and their maxima, and their coordinates."""
+        critical = [locate(_at(one, u), slip, curve, "max_slip") for one, curve in zip(contacts, friction, strict=True)]
+        force = ("normal_force",)
+        return {
+            "friction": (("normal_force", "slip"), np.stack(friction), about("1", "friction coefficient")),
+            "critical_slip": (
+                force,
+                np.array([c.slip for c in critical]),
+                about("1", "slide-roll ratio of the largest friction"),
+            ),
+            "critical_friction": (
+                force,
+                np.array([c.friction for c in critical]),
+                about("1", "largest friction coefficient"),
+            ),
+            "critical_status": (
+                force,
+                np.array([c.status for c in critical]),
+                about("1", "what was found of the critical slip"),
+            ),
+        }, {
+            "normal_force": ("normal_force", np.array(self.normal_force), about("N", "normal force of the contact")),
+            "slip": ("slip", slip, about("1", "slide-roll ratio V/u")),
+        }
 
 
 def slip_grid(largest: float, points: int) -> Array:
@@ -140,23 +174,20 @@ def about(unit: str, long_name: str) -> dict[str, Any]:
     return {"units": unit, "long_name": long_name}
 
 
-def contact_loads(assembly: Assembly, raceway: Raceway, forces: Array) -> list[tuple[Array, Array]]:
-    """Loads per length [N/m] and forces [N] of the loaded slices of an aligned contact, for each normal force."""
+def balanced_load(assembly: Assembly, raceway: Raceway, force: float) -> Array:
+    """Load per length [N/m] of the slices of an aligned contact that carries a normal force [N], (slices,)."""
     if assembly.slices == 1:
-        return [(force / assembly.scene.bearing.roller_length, force) for force in forces[:, None]]
+        return np.array([force / assembly.scene.bearing.roller_length])
     drop = (
         assembly.drop - assembly.drop.min()
     )  # approaches are measured from the first touch, else small ones round off
-    rows = []
-    for force in forces:
-        row = _balanced(lambda approach: assembly.deflect(approach - drop, raceway.ring), assembly.widths, force)
-        if not np.any(row > 0.0):
-            raise DomainError(
-                f"a normal force of {force:g} N is lost along a roller of {assembly.scene.bearing.roller_length:g} m: "
-                "its load per length is below all floats; give more of it"
-            )
-        rows.append((row[row > 0.0], (row * assembly.widths)[row > 0.0]))
-    return rows
+    load = _balanced(lambda approach: assembly.deflect(approach - drop, raceway.ring), assembly.widths, force)
+    if not np.any(load > 0.0):
+        raise DomainError(
+            f"a normal force of {force:g} N is lost along a roller of {assembly.scene.bearing.roller_length:g} m: "
+            "its load per length is below all floats; give more of it"
+        )
+    return load
 
 
 def _balanced(deflection: Callable[[float], tuple[Array, Array]], widths: Array, force: float) -> Array:
@@ -176,26 +207,28 @@ def _balanced(deflection: Callable[[float], tuple[Array, Array]], widths: Array,
         approach = guess
 
 
-def _friction(raceway: Raceway, load: Array, force: Array, u: float, slip: Array) -> "tuple[Slices, Array]":
-    """Evaluated slices and friction coefficient at some slide-roll ratios."""
-    slices = raceway.evaluate(np.tile(load, slip.size), u, np.repeat(slip, load.size) * u)
-    return slices, slices.friction.reshape(slip.size, load.size) @ force / force.sum()
+def _friction(cases: Sequence[tuple[LoadedContacts, float, Array]]) -> list[Array]:
+    """Friction coefficients of contacts at their entrainment speeds [m/s] and slide-roll ratios, (n,) each."""
+    found = along([contacts.job(np.full_like(slip, u), slip * u) for contacts, u, slip in cases])
+    return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(cases, found, strict=True)]
 
 
-def _curve(assembly: Assembly, raceway: Raceway, load: Array, force: Array, u: float, slip: Array) -> dict[str, Any]:
-    slices, friction = _friction(raceway, load, force, u, slip)
-    most = int(np.argmax(load)) + load.size * np.arange(slip.size)
+def _at(contacts: LoadedContacts, u: float) -> Callable[[float], float]:
+    """Friction coefficient at one slide-roll ratio."""
+    return lambda slip: float(_friction([(contacts, u, np.array([slip]))])[0][0])
+
+
+def _most_loaded(contacts: LoadedContacts, u: float, slip: Array) -> dict[str, Any]:
+    """Film, pressure and regime of the most loaded slice at some slide-roll ratios."""
+    raceway = contacts.raceway
+    slices = raceway.evaluate(np.full(slip.size, contacts.slices.load.max()), u, slip * u)
     M, L = moes_groups(slices)
     return {
-        "friction": friction,
-        "film_thickness": slices.film_thickness[most],
-        "film_parameter": slices.film_thickness[most] / raceway.conditions.roughness,
-        "regime": film_by_regime(*groups(slices))[1][most].astype(np.int8),
-        "half_width": slices.half_width[most[0]],
-        "pressure": slices.pressure[most[0]],
-        "M": M[most[0]],
-        "L": L[most[0]],
-        "critical": locate(
-            lambda s: float(_friction(raceway, load, force, u, np.array([s]))[1][0]), slip, friction, "max_slip"
-        ),
+        "film_thickness": slices.film_thickness,
+        "film_parameter": slices.film_thickness / raceway.conditions.roughness,
+        "regime": film_by_regime(*groups(slices))[1].astype(np.int8),
+        "half_width": slices.half_width[0],
+        "pressure": slices.pressure[0],
+        "M": M[0],
+        "L": L[0],
     }

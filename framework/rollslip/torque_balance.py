@@ -29,10 +29,10 @@ import numpy as np
 
 from rollslip.assembly import Array, Assembly, Raceway
 from rollslip.cage import Drags
-from rollslip.effective_friction import LoadedContacts
 from rollslip.effective_table import EffectiveTable, effective_table
 from rollslip.errors import ConvergenceError
 from rollslip.kinematics import SurfaceSpeeds
+from rollslip.loaded_contacts import LoadedContacts
 
 #: Entrainment speed that is never fallen below in the film [m/s]: u_film = sqrt(u^2 + SLOW^2).
 SLOW: Final = 1e-3
