@@ -376,6 +376,27 @@ def test_a_steady_slip_is_the_last_one_of_dynamics(friction):
 # What is known of it ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("oil", "known"),
+    [
+        ((1.08502, 1.17077, 1.20519e6, 870.306e6), ()),
+        ((1.088868754170835, 1.2020119060762227, 1740659.7942070286, 65347008.008416615), (0.018, 0.135, 0.45)),
+    ],
+)
+def test_a_motion_that_leaves_the_maximum_of_its_torque_is_found_from_afar(oil, known):
+    """Where rollers enter the loaded zone they let go of one ring; steps along the slip come there one by one."""
+    keys = ("viscosity_factor", "pressure_viscosity_factor", "eyring_stress", "shear_modulus")
+    changes = {f"lubricant.{key}": value for key, value in zip(keys, oil, strict=True)}
+    assembly = assemble(evolve(load_scene("1032930-70C"), changes)).resisting()
+    afar, near = (TorqueBalance(assembly, assembly.cage.drags, instants=2) for _ in range(2))
+    for slip in known:
+        afar.orbit(slip)
+    for slip in (0.5, 0.7, 0.8, 0.85, 0.88, 0.89):
+        near.orbit(slip)
+    assert afar.torque(0.9) == pytest.approx(near.torque(0.9), rel=1e-9)
+    assert afar.orbit(0.9).multiplier < 1.0
+
+
 def test_without_inertia_it_is_the_free_roller_of_effective_friction():
     """The closure free-roller is another program for the same balance; without mass centrifugal forces are alike."""
     scene = evolve(STRAIGHT, {"bearing.material": {"density": 1e-9}, "bearing.radial_clearance": "-5 um"})

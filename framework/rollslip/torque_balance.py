@@ -346,7 +346,10 @@ class _Spin:
             worse = np.abs(residual_there).max() / np.abs(residual).max()
             if settled or worse <= _WORSE or damping >= 4.0 * steepest:
                 slip, torque, residual = slip + step, torque_there, residual_there
-                damping = damping / (4.0 if worse <= 1.0 else 1.5) if damping > _LEAST_DAMPING * steepest else 0.0
+                if damping > _LEAST_DAMPING * steepest:
+                    damping /= 4.0 if worse <= 1.0 else 1.5
+                elif worse <= 1.0:  # while it gets worse a torque is past its maximum: undamped steps would go back
+                    damping = 0.0
             else:
                 damping = max(4.0 * damping, _LEAST_DAMPING * steepest)
         raise ConvergenceError(
