@@ -129,14 +129,23 @@ def test_samples_are_a_dimension_that_every_model_sees_alike():
     assert all(500.0 <= load <= 5000.0 for load in loads)
 
 
-@pytest.mark.parametrize("sampling", ["sobol", "latin-hypercube"])
-def test_samples_are_seeded_and_spread(sampling):
+@pytest.mark.parametrize(("sampling", "sets"), [("sobol", 1), ("replicated-sobol", 8), ("latin-hypercube", 1)])
+def test_samples_are_seeded_and_spread(sampling, sets):
     one = probabilities(sampling, 64, 3, 7)
     assert np.array_equal(one, probabilities(sampling, 64, 3, 7))
     assert not np.array_equal(one, probabilities(sampling, 64, 3, 8))
     assert ((one > 0.0) & (one < 1.0)).all()
-    # each sixty-fourth part of every dimension holds one
-    assert all(sorted((one[:, k] * 64).astype(int)) == list(range(64)) for k in range(3))
+    # each part of every dimension holds one of every set
+    strata = (one.reshape(-1, sets, 3) * (64 // sets)).astype(int)
+    assert np.all(np.sort(strata, axis=0) == np.arange(64 // sets)[:, None, None])
+
+
+@pytest.mark.parametrize("sampling", ["sobol", "replicated-sobol"])
+def test_more_samples_of_a_sobol_sequence_begin_with_the_first_ones(sampling):
+    many = probabilities(sampling, 512, 3, 7)
+    for n in (2, 100, 256):
+        assert np.array_equal(probabilities(sampling, n, 3, 7), many[:n])
+    assert len(np.unique(many, axis=0)) == 512
 
 
 # Refusals ------------------------------------------------------------------------------------------------------------
@@ -171,7 +180,8 @@ def test_samples_are_seeded_and_spread(sampling):
         ({}, {}, "there is nothing to sweep"),
         (OVER, {"samples": 8}, "there is nothing to sample"),
         (OVER, {"sampling": "sobol"}, "says how samples are drawn, but none are asked for"),
-        (OVER, {"sampling": "sobel", "samples": 4}, "must be one of 'sobol', 'latin-hypercube', 'saltelli', not"),
+        (OVER, {"sampling": "sobel", "samples": 4}, "must be one of 'sobol', 'replicated-sobol', 'latin-hypercube', "
+         "'saltelli', not"),
         (OVER, {"output": ["critical_slop"]},
          "has no 'critical_slop'; did you mean 'critical_slip'? There are: friction,"),
         (OVER, {"study": "friction-curves"}, "no study is called 'friction-curves'; did you mean 'friction-curve'?"),
@@ -208,7 +218,8 @@ def test_tables_of_the_scene_count_and_all_their_faults_are_said_with_lines():
         plan_sweep(parse_scene(text + bad, "own.toml"))
     assert error.value.problems == [
         f"own.toml:{line + 2}: sweep.sampels: unknown key, did you mean 'samples'?",
-        f"own.toml:{line + 3}: sweep.sampling: must be one of 'sobol', 'latin-hypercube', 'saltelli', not 'sobel'",
+        f"own.toml:{line + 3}: sweep.sampling: must be one of 'sobol', 'replicated-sobol', 'latin-hypercube', "
+        "'saltelli', not 'sobel'",
         f"own.toml:{line + 4}: sweep.seed: must be at least 0, not -1",
     ]
     bad = '\n[sweep]\nsamples = 4\n[sweep.over.operation]\nradial_laod = "1:2:3"\nradial_load = "1 N:2 mm:3"\n'

@@ -8,8 +8,10 @@
   that is better for both counts once. A cage whose slip runs away is not below any critical slip.
 - A critical slip beyond the range of the study is larger than all in it, and counts so. A point that failed is unknown,
   and counts as the worst and as the best that it could have been (`rollslip.estimators`).
-- All is a set of sweeps in one folder, so that the same command goes on where it was stopped. Samples are computed in
-  batches, each as many as all before: a Sobol sequence of 2^k points begins with that of 2^(k-1).
+- Samples are those of eight Sobol sequences in turn, with scramblings of their own, whose differences tell how exact
+  the quantiles are. They are computed in batches, each as many as all before: a sequence of 2^k points begins with that
+  of 2^(k-1).
+- All is a set of sweeps in one folder, so that the same command goes on where it was stopped.
 - Data that scatter are those of the scene's table ``[uncertainty]``; without one those that its oil comes with.
 - Sobol indices share a variance among independent inputs. With correlated ones their sums mean nothing: refused.
 """
@@ -33,6 +35,7 @@ from rollslip.errors import OutputError, SceneError
 from rollslip.estimators import Estimate, indices, quantile, share
 from rollslip.friction_curve import about
 from rollslip.reading import load_scene
+from rollslip.sampling import REPLICATES
 from rollslip.scene import FrozenTable, Scene, resolved, scene_hash
 from rollslip.studies import settings
 from rollslip.sweep_folder import begin
@@ -183,7 +186,7 @@ def plan_margin(
     scene, scatter = _with_scatter(scene)
     shared: dict[str, Any] = {"seed": seed, "engine": engine, "time_limit": time_limit}
     friction = {"study": "effective-friction", "output": _CRITICAL, **shared}
-    critical = plan_sweep(scene, samples=samples, sampling="sobol", **friction)
+    critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
     if critical.design.axes:
         keys = ", ".join(axis.key for axis in critical.design.axes)
         raise SceneError([f"sweep.over: {keys} is swept, but margins are of one bearing; take rollslip sweep run"])
@@ -197,7 +200,7 @@ def plan_margin(
     return Margin(
         critical=critical,
         steady=plan_sweep(
-            scene, samples=steady, sampling="sobol", study="steady-slip", output=["steady_slip"], **shared
+            scene, samples=steady, sampling="replicated-sobol", study="steady-slip", output=["steady_slip"], **shared
         )
         if steady
         else None,
@@ -270,7 +273,7 @@ def run_margin(
     count = min(_FIRST, total)
     while True:
         critical = computed("critical", attrs.evolve(made.critical, first=count)).isel(sample=slice(count))
-        allowed = quantile(_lowest(critical), 1.0 - made.probability, CONFIDENCE)
+        allowed = _quantile(_lowest(critical), 1.0 - made.probability)
         batches.append((count, allowed))
         said(f"{count} samples: allowable slip {allowed.value:.4g}, 95 %: {allowed.low:.4g} to {allowed.high:.4g}")
         if count == total or (made.until is not None and allowed.half_width <= made.until):
@@ -303,6 +306,10 @@ def _place(sweep: Sweep, folder: Path) -> Path:
 
 
 # What the samples say ------------------------------------------------------------------------------------------------
+
+
+def _quantile(values: Array, probability: float) -> Estimate:
+    return quantile(values, probability, replicates=REPLICATES, confidence=CONFIDENCE)
 
 
 def _rings(points: "xr.Dataset", name: str) -> Array:
@@ -363,12 +370,14 @@ def _dataset(
     for row, one in zip(table, values.values(), strict=True):
         row[: one.size] = one
     probabilities = tuple(sorted({*_TOLD, round(1.0 - made.probability, 12), made.probability}))
-    quantiles = np.array(
-        [[attrs.astuple(quantile(one, p, CONFIDENCE)) for p in probabilities] for one in values.values()]
-    )
+    quantiles = np.array([[attrs.astuple(_quantile(one, p)) for p in probabilities] for one in values.values()])
     over = ("quantity", "probability")
     variables |= {
-        "value": (("quantity", "sample"), table, about("1", "value of a sample")),
+        "value": (
+            ("quantity", "sample"),
+            table,
+            about("1", f"value of a sample, number k of scrambling k mod {REPLICATES}"),
+        ),
         "quantile_value": (over, quantiles[..., 0], about("1", "quantile of the known samples")),
         "quantile_low": (over, quantiles[..., 1], about("1", "low end of its 95 % interval")),
         "quantile_high": (over, quantiles[..., 2], about("1", "high end of its 95 % interval")),

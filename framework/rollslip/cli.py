@@ -276,7 +276,7 @@ _time_limit = click.option("--time-limit", metavar="TIME", help="Longest time fo
     help="What is varied: A,B,C or LOW:HIGH:COUNT, with units, or LOW:HIGH:COUNT:log; LOW:HIGH for samples.",
 )
 @click.option("--samples", metavar="N", type=click.IntRange(1), help="Samples of ranges and of what is uncertain.")
-@click.option("--sampling", metavar="NAME", help="sobol, latin-hypercube, or saltelli for Sobol indices.")
+@click.option("--sampling", metavar="NAME", help="sobol, replicated-sobol, latin-hypercube, saltelli.")
 @click.option("--seed", metavar="N", type=click.IntRange(0), help="Seed of the samples.")
 @_study
 @click.option("--output", "outputs", metavar="NAME", multiple=True, help="Variable to keep; may be repeated.")

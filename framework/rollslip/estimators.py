@@ -3,9 +3,10 @@
 - Samples may be unknown (NaN), because their point failed, or beyond a range (infinite), which says on which side they
   are. Nothing is left out: an unknown sample counts as the worst for one end of an interval and as the best for the
   other, so that an interval holds whatever the failed points would have given.
-- Quantiles are order statistics, with the interval between two of them that holds whatever the distribution is
-  (binomial); probabilities have the interval of Clopper and Pearson. Both are those of independent samples: samples of
-  a Sobol sequence lie more evenly, so that these intervals are rather too wide.
+- Quantiles are order statistics. Of independent samples their interval lies between two of them and holds whatever the
+  distribution is (binomial). Samples of a Sobol sequence lie more evenly; how much is told by several scramblings.
+- Probabilities have the interval of Clopper and Pearson, which is that of independent samples and rather too wide for
+  others: the spread of replicates says nothing of a probability that was one in all of them.
 - Sobol indices are Saltelli's estimators as SciPy has them; their intervals are a percentile bootstrap over the rows
   of the design, with a seed.
 """
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 
 #: Resamplings of the bootstrap.
 _RESAMPLES: Final = 999
+#: What sums of shares may be off.
+_ROUNDING: Final = 1e-12
 
 
 @attrs.frozen
@@ -39,8 +42,8 @@ class Estimate:
         return 0.5 * (self.high - self.low)
 
 
-def quantile(values: Array, probability: float, confidence: float = 0.95) -> Estimate:
-    """Return a quantile, and the order statistics between which it lies with a confidence.
+def quantile(values: Array, probability: float, *, replicates: int = 1, confidence: float = 0.95) -> Estimate:
+    """Return a quantile, and the interval in which it lies with a confidence.
 
     Parameters
     ----------
@@ -48,28 +51,77 @@ def quantile(values: Array, probability: float, confidence: float = 0.95) -> Est
         Samples, (n,): NaN where unknown, infinite where beyond a range.
     probability : float
         Share of the distribution below the quantile.
+    replicates : int
+        Independent sets of samples, one sample of each in turn; 1 if all samples are independent.
     confidence : float
         Of the interval; the value itself is that of the known samples, NaN if there are none.
 
     Notes
     -----
-    With the number of samples below the quantile binomial, X_(l) and X_(u) enclose it if P(B < l) and P(B >= u) are
-    each at most (1 - confidence)/2; Conover, Practical Nonparametric Statistics, 3rd ed., 1999, section 3.2.
-    """
-    from scipy.stats import binom
+    Of independent samples the number below the quantile is binomial: X_(l) and X_(u) enclose it if P(B < l) and
+    P(B >= u) are each at most (1 - confidence)/2; Conover, Practical Nonparametric Statistics, 3rd ed., 1999, section
+    3.2.
 
+    Of R replicates, each has a share F_r(x) of its m samples up to x, whose expectation is the distribution F(x), and
+    which are independent of each other. The interval holds every x for which::
+
+        |mean F_r(x) - p| <= t s(x) / sqrt(R),   s^2(x) = max(sum (F_r(x) - mean F_r(x))^2 / (R - 1), f (1 - f) / m^2)
+
+    with Student's t of R - 1 degrees and f the fraction of m p: no whole number of samples below the quantile varies
+    less, however the samples of a replicate hang together. Where each replicate has one sample only, all samples are
+    independent.
+
+    References
+    ----------
+    Z. T. Kaplan, Y. Li, M. K. Nakayama, B. Tuffin, "Randomized quasi-Monte Carlo for quantile estimation", Proc. Winter
+    Simulation Conference (2019): one quantile of all replicates instead of the mean of theirs, which is biased.
+    C. A. Francisco, W. A. Fuller, "Quantile estimation with a complex survey design", Ann. Statist. 19 (1991) 454: the
+    interval.
+    P. L'Ecuyer, M. K. Nakayama, A. B. Owen, B. Tuffin, "Confidence intervals for randomized quasi-Monte Carlo
+    estimators", Proc. Winter Simulation Conference (2023): Student's t of few replicates.
+    """
     known = np.sort(values[~np.isnan(values)])
-    n, unknown = values.size, values.size - known.size
     if not known.size:
         return Estimate(math.nan, -math.inf, math.inf)
+    value = float(known[max(math.ceil(probability * known.size - 1e-9), 1) - 1])
+    if replicates == 1 or values.size < 2 * replicates:
+        low, high = _binomial(known, values.size, probability, confidence)
+    else:
+        low, high = _replicated(values, probability, replicates, confidence)
+    return Estimate(value, min(low, value), max(high, value))
+
+
+def _binomial(known: Array, n: int, probability: float, confidence: float) -> tuple[float, float]:
+    """Order statistics of those known of n independent samples that enclose a quantile."""
+    from scipy.stats import binom
+
     tail = 0.5 * (1.0 - confidence)
-    low = int(binom.ppf(tail, n, probability)) - unknown  # the unknown ones may lie below all others
+    # the unknown ones may lie below all others
+    low = int(binom.ppf(tail, n, probability)) - (n - known.size)
     high = int(binom.isf(tail, n, probability)) + 1
-    return Estimate(
-        float(known[max(math.ceil(probability * known.size - 1e-9), 1) - 1]),
-        float(known[low - 1]) if low >= 1 else -math.inf,
-        float(known[high - 1]) if high <= known.size else math.inf,
-    )
+    return float(known[low - 1]) if low >= 1 else -math.inf, float(known[high - 1]) if high <= known.size else math.inf
+
+
+def _replicated(values: Array, probability: float, replicates: int, confidence: float) -> tuple[float, float]:
+    """Ends of a quantile of independent sets of samples."""
+    from scipy.stats import t
+
+    places = np.unique(values[~np.isnan(values)])
+    sets = [np.sort(values[k::replicates]) for k in range(replicates)]
+    sizes = np.array([one.size for one in sets], dtype=float)
+    # shares up to each place and, first, below all of them; NaN is sorted last
+    least = np.array([[0, *np.searchsorted(one, places, side="right")] for one in sets]) / sizes[:, None]
+    unknown = np.array([np.isnan(one).sum() for one in sets]) / sizes
+    # unknown samples move the shares, and so their spread, by no more than this
+    spread = least.std(axis=0, ddof=1) + np.linalg.norm(unknown) / math.sqrt(replicates - 1)
+    part = np.mod(sizes * probability, 1.0)
+    spread = np.maximum(spread, math.sqrt(np.mean(part * (1.0 - part) / sizes**2)))
+    wide = float(t.isf(0.5 * (1.0 - confidence), replicates - 1)) / math.sqrt(replicates) * spread
+    mean = least.mean(axis=0)
+    ends = np.concatenate(([-math.inf], places, [math.inf]))
+    first = int(np.argmax(mean + unknown.mean() + wide >= probability - _ROUNDING))
+    last = int(np.flatnonzero(mean - wide <= probability + _ROUNDING)[-1])
+    return float(ends[first]), float(ends[last + 1])
 
 
 def share(true: int, unknown: int, n: int, confidence: float = 0.95) -> Estimate:

@@ -5,6 +5,8 @@
 - A point is its number, counted with the samples running fastest; its values follow from the number alone. Nobody
   needs to keep the points, and a piece of them can be computed anywhere.
 - Samples are quasi-random (scrambled Sobol sequence) or stratified (Latin hypercube) from SciPy, always seeded.
+- One scrambled sequence does not tell how exact it is. Several scramblings do: they are independent of each other. One
+  sample of each in turn makes a sequence whose first samples are several whole ones too.
 - The samples after Saltelli, for Sobol indices, are those of a Sobol sequence of twice the dimensions, A and B, and for
   each dimension A with this one from B. They stand sample by sample, so that the first ones are a design too.
 """
@@ -28,6 +30,7 @@ from rollslip.reading import parse_set
 from rollslip.units import as_written, evenly, format_quantity
 
 __all__ = [
+    "REPLICATES",
     "SAMPLINGS",
     "Axis",
     "Design",
@@ -41,7 +44,9 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-SAMPLINGS: Final = ("sobol", "latin-hypercube", "saltelli")
+SAMPLINGS: Final = ("sobol", "replicated-sobol", "latin-hypercube", "saltelli")
+#: Independent scramblings of a replicated Sobol sequence; of a power of two of samples each is a whole one.
+REPLICATES: Final = 8
 _MOST = 10_000_000
 
 
@@ -52,6 +57,7 @@ def probabilities(sampling: str, samples: int, dimensions: int, seed: int) -> Ar
     ----------
     sampling : str
         "sobol": a Sobol sequence, scrambled after Owen; its balance needs a power of two samples.
+        "replicated-sobol": eight such sequences, each with a scrambling of its own, one sample of each in turn.
         "latin-hypercube": each of the n strata of every dimension holds one sample.
         "saltelli": for each of n samples A and B, of d dimensions each, d + 2 rows: A, B, and A with one dimension
         after the other from B (Saltelli et al. 2010, doi:10.1016/j.cpc.2009.09.018).
@@ -69,9 +75,12 @@ def probabilities(sampling: str, samples: int, dimensions: int, seed: int) -> Ar
         for k in range(dimensions):
             rows[:, 2 + k, k] = both[:, dimensions + k]
         return rows.reshape(-1, dimensions)
-    if sampling == "sobol":
-        power = max(0, math.ceil(math.log2(samples)))
-        drawn = qmc.Sobol(dimensions, rng=np.random.default_rng(seed)).random_base2(power)[:samples]
+    if sampling in ("sobol", "replicated-sobol"):
+        rng = np.random.default_rng(seed)
+        streams = [rng] if sampling == "sobol" else rng.spawn(REPLICATES)
+        power = max(0, math.ceil(math.log2(samples / len(streams))))
+        each = [qmc.Sobol(dimensions, rng=one).random_base2(power) for one in streams]
+        drawn = np.stack(each, axis=1).reshape(-1, dimensions)[:samples]
     else:
         drawn = qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(samples)
     return np.clip(drawn, 2.0**-54, 1.0 - 2.0**-53)

@@ -44,7 +44,9 @@ def planned(sweep: "Sweep") -> list[str]:
     if sweep.design.has_samples:
         n = len(sweep.design.samples)
         balance = (
-            "; a Sobol sequence is balanced at powers of two" if sweep.table.sampling == "sobol" and n & (n - 1) else ""
+            "; a Sobol sequence is balanced at powers of two"
+            if sweep.table.sampling.endswith("sobol") and n & (n - 1)
+            else ""
         )
         lines.append(f"{n} samples, {sweep.table.sampling}, seed {sweep.table.seed}{balance}")
     elif sweep.given.uncertainty:

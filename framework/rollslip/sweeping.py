@@ -183,7 +183,7 @@ def plan_sweep(
     samples : int, optional
         Number of samples of ranges without a count and of what the scene calls uncertain.
     sampling : str, optional
-        "sobol" or "latin-hypercube".
+        One of `rollslip.sampling.SAMPLINGS`; by default "sobol".
     seed : int, optional
         Seed of the samples.
     study : str, optional
