@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import optimize, stats
 
-from rollslip.estimators import Estimate, indices, quantile, share
+from rollslip.estimators import Estimate, fewest, indices, quantile, share
 from rollslip.sampling import REPLICATES, probabilities
 
 
@@ -176,6 +176,16 @@ def test_replicates_of_one_value_have_no_width_and_those_beyond_a_range_keep_the
     assert quantile(beyond, 0.3, replicates=REPLICATES) == quantile(values, 0.3, replicates=REPLICATES)
     assert quantile(beyond, 0.59, replicates=REPLICATES).high == math.inf
     assert quantile(beyond, 0.9, replicates=REPLICATES).low == math.inf
+
+
+@pytest.mark.parametrize("p", [0.01, 0.05, 0.1, 0.3, 0.9, 0.99])
+@pytest.mark.parametrize("confidence", [0.95, 0.975])
+def test_from_the_fewest_samples_on_an_interval_has_two_ends(p, confidence):
+    n, low = fewest(p, REPLICATES, confidence), p < 0.5
+    for count, told in ((n, True), (n - REPLICATES, False)):
+        values = np.sort(probabilities("replicated-sobol", count, 1, 0)[:, 0])
+        found = quantile(values, p, replicates=REPLICATES, confidence=confidence)
+        assert math.isfinite(found.low if low else found.high) is told
 
 
 @given(

@@ -18,7 +18,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Estimate", "Indices", "indices", "quantile", "share"]
+__all__ = ["Estimate", "Indices", "fewest", "indices", "quantile", "share"]
 
 Array = NDArray[np.float64]
 
@@ -89,6 +89,17 @@ def quantile(values: Array, probability: float, *, replicates: int = 1, confiden
     else:
         low, high = _replicated(values, probability, replicates, confidence)
     return Estimate(value, min(low, value), max(high, value))
+
+
+def fewest(probability: float, replicates: int, confidence: float = 0.95) -> int:
+    """Return from how many samples of replicates on a quantile towards either end has an interval with two ends.
+
+    Below all samples mean and spread are zero, so that p m > t^2/(t^2 + R) is needed, with m samples of a replicate.
+    """
+    from scipy.stats import t
+
+    square = float(t.isf(0.5 * (1.0 - confidence), replicates - 1)) ** 2
+    return replicates * (math.floor(square / (square + replicates) / min(probability, 1.0 - probability)) + 1)
 
 
 def _binomial(known: Array, n: int, probability: float, confidence: float) -> tuple[float, float]:

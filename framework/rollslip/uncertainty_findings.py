@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.sampling import REPLICATES
-
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -95,10 +93,9 @@ def _allowable(dataset: "xr.Dataset") -> str:
         return "there is no allowable slip: no sample has a critical slip"
     what = f"a cage that slips by at most {_percent(value)} is below its critical slip with probability {p:g}"
     if math.isinf(low):
-        needed = REPLICATES * math.ceil(math.log(0.025) / math.log(p) / REPLICATES)
         return (
-            f"{what}; {n} samples are too few to tell how much less it may be, which takes {needed} and more where all "
-            "points have a result"
+            f"{what}; {n} samples are too few to tell how much less it may be, which takes "
+            f"{dataset.attrs['fewest_samples']} and more where all points have a result"
         )
     return f"{what} (95 % interval of this slip: {_percent(low)} to {_percent(high)}, {n} samples)"
 
