@@ -9,8 +9,8 @@ import xarray as xr
 from click.testing import CliRunner
 
 import rollslip
-from rollslip import allowable
-from rollslip.allowable import plan_margin, run_margin, uncertainty
+from rollslip import allowable, estimators
+from rollslip.allowable import expected_seconds, plan_margin, run_margin, uncertainty
 from rollslip.cli import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.plots import plot
@@ -39,6 +39,12 @@ ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", 
         (SCENE, {"samples": 1}, "samples: a distribution needs 2 at least, not 1"),
         (SCENE, {"samples": 8, "steady": 9}, "steady: the samples of the steady slip are the first of all 8, not 9"),
         (SCENE, {"indices": 12}, "indices: the design after Saltelli needs a power of two, 4 or more rows, not 12"),
+        (SCENE, {"steady_indices": 2}, "steady_indices: the design after Saltelli needs a power of two"),
+        (
+            attrs.evolve(SCENE, cage=None),
+            {"samples": 8, "steady_indices": 4},
+            "steady_indices: the scene has no table [cage], so there is no steady slip",
+        ),
         (
             uncertain(
                 lubricant={
@@ -226,3 +232,51 @@ def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
     assert found.first_order.sel(indexed="critical slip").item() == pytest.approx(1.0, abs=0.5)
     assert "made of 8 of 16 rows" in " ".join(sentences(found))
     assert "indices: 1 of 48 points are crashed" in found.attrs["warnings"]
+
+
+def test_the_steady_slip_has_indices_where_they_are_asked_for(tmp_path, monkeypatch):
+    scatter = {
+        "pressure_viscosity_factor": {"distribution": "uniform", "scatter": 0.2},
+        "viscosity_factor": {"distribution": "uniform", "scatter": 0.2},
+    }
+    made = plan_margin(uncertain(lubricant=scatter), samples=8, steady=0, steady_indices=256)
+    assert list(made.sweeps) == ["critical", "steady-indices"]
+
+    def points(sweep, folder):
+        n, (alpha, viscosity) = len(sweep.design.samples), sweep.design.samples.T
+        if sweep.study == "effective-friction":
+            return _points(["ok"] * n, alpha)
+        # two slips of which the smallest counts: a linear one, of which each part of the variance is known
+        slips = 0.1 * np.stack([2.0 * alpha + viscosity, 2.0 * alpha + viscosity + 1.0], axis=1)
+        away = alpha > 1.19
+        slips[away] = np.nan
+        words = np.where(away, "the drag is larger than the cage can carry: slip runs away", "found")
+        return xr.Dataset(
+            {
+                "steady_slip": (("sample", "steady"), slips),
+                "study_status": ("sample", words),
+                "status": ("sample", ["ok"] * n),
+            }
+        )
+
+    monkeypatch.setattr(
+        allowable, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+    )
+    monkeypatch.setattr(allowable, "collect", points)
+    found = run_margin(made, tmp_path / "made").sel(indexed=["steady slip"])
+    assert int(found.indexed_asked.item()) == int(found.indexed_rows.item()) == 256
+    # what runs away counts as at the end of the range, 0.9, far from all others
+    values = points(made.steady_varied, None)
+    slips = np.where(np.isnan(values.steady_slip[:, 0]), 0.9, values.steady_slip[:, 0]).reshape(-1, 4)
+    exact = estimators.indices(slips[:, 0], slips[:, 1], slips[:, 2:].T, seed=0)
+    assert found.total_order.to_numpy()[0] == pytest.approx(exact.total[0], rel=1e-12)
+    assert int(found.indexed_beyond.item()) == int(np.isnan(values.steady_slip[:, 0]).sum()) > 0
+    assert json.loads(found.attrs["points"])["steady-indices"] == {"ok": 1024}
+    assert "share of the variance of steady slip" in " ".join(sentences(found))
+
+
+def test_what_it_will_take_is_told_beforehand():
+    made = plan_margin(uncertain(**ALPHA), samples=8, steady=4, steady_indices=8)
+    told = expected_seconds(made)
+    assert list(told) == ["critical", "steady", "steady-indices"]
+    assert 0.0 < told["critical"] < told["steady"] < told["steady-indices"]

@@ -34,9 +34,11 @@ from rollslip.effective_friction import EffectiveFriction
 from rollslip.errors import OutputError, SceneError
 from rollslip.estimators import Estimate, fewest, indices, quantile, share
 from rollslip.friction_curve import about
+from rollslip.point import compute
 from rollslip.reading import load_scene
 from rollslip.sampling import REPLICATES
 from rollslip.scene import FrozenTable, Scene, resolved, scene_hash
+from rollslip.steady_slip import SteadySlip
 from rollslip.studies import settings
 from rollslip.sweep_folder import begin
 from rollslip.sweep_result import collect
@@ -46,7 +48,7 @@ from rollslip.sweeping import FILE, Sweep, plan_sweep
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RESULT", "Margin", "plan_margin", "run_margin", "uncertainty"]
+__all__ = ["RESULT", "Margin", "expected_seconds", "plan_margin", "run_margin", "uncertainty"]
 
 RESULT: Final = "uncertainty.nc"
 CONFIDENCE: Final = 0.95
@@ -73,6 +75,8 @@ class Margin:
         Steady slips on the first of them; None without a cage.
     varied : Sweep or None
         Effective friction on Saltelli's design, for Sobol indices; None if they are not asked for.
+    steady_varied : Sweep or None
+        Steady slips on it, likewise.
     probability : float
         With which the slip is to be below the critical one.
     until : float or None
@@ -84,9 +88,19 @@ class Margin:
     critical: Sweep
     steady: Sweep | None
     varied: Sweep | None
+    steady_varied: Sweep | None
     probability: float
     until: float | None
     scatter: tuple[str, ...]
+
+    @property
+    def sweeps(self) -> dict[str, Sweep]:
+        """Sweeps that are asked for, by the name of their folder."""
+        named = {
+            "critical": self.critical, "steady": self.steady, "indices": self.varied,
+            "steady-indices": self.steady_varied,
+        }  # fmt: skip
+        return {name: one for name, one in named.items() if one is not None}
 
     @property
     def confidence(self) -> float:
@@ -144,6 +158,7 @@ def plan_margin(
     probability: float = 0.99,
     steady: int | None = None,
     indices: int = 0,
+    steady_indices: int = 0,
     seed: int = 0,
     engine: object = None,
     time_limit: float | str | None = None,
@@ -163,7 +178,10 @@ def plan_margin(
     steady : int, optional
         Samples of the steady slip, some hundred times as dear; by default 128 if the scene has a cage, 0 for none.
     indices : int
-        Rows of the design for Sobol indices, a power of two, each inputs + 2 points; 0 for none.
+        Rows of the design for Sobol indices of critical slip and peak friction, a power of two, each inputs + 2 points;
+        0 for none.
+    steady_indices : int
+        Rows of that for the steady slip, likewise; each point as dear as one of ``steady``.
     seed : int
         Seed of the samples.
     engine : str or table, optional
@@ -188,20 +206,27 @@ def plan_margin(
         problems.append(f"samples: a distribution needs 2 at least, not {samples}")
     if not 0 <= steady <= samples:
         problems.append(f"steady: the samples of the steady slip are the first of all {samples}, not {steady}")
-    if indices and (indices < 4 or indices & (indices - 1)):
-        problems.append(f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}")
-    if steady and scene.cage is None:
-        problems.append("steady: the scene has no table [cage], so there is no steady slip; give one, or steady = 0")
+    for name, rows in (("indices", indices), ("steady_indices", steady_indices)):
+        if rows and (rows < 4 or rows & (rows - 1)):
+            problems.append(f"{name}: the design after Saltelli needs a power of two, 4 or more rows, not {rows}")
+    for name, count in (("steady", steady), ("steady_indices", steady_indices)):
+        if count and scene.cage is None:
+            problems.append(
+                f"{name}: the scene has no table [cage], so there is no steady slip; give one, or {name} = 0"
+            )
     if problems:
         raise SceneError(problems)
     scene, scatter = _with_scatter(scene)
     shared: dict[str, Any] = {"seed": seed, "engine": engine, "time_limit": time_limit}
     friction = {"study": "effective-friction", "output": _CRITICAL, **shared}
+    balance = {"study": "steady-slip", "output": ["steady_slip"], **shared}
     critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
     if critical.design.axes:
         keys = ", ".join(axis.key for axis in critical.design.axes)
         raise SceneError([f"sweep.over: {keys} is swept, but margins are of one bearing; take rollslip sweep run"])
-    if indices and np.any(critical.uncertainty.correlation != np.eye(len(critical.uncertainty.distributions))):
+    if (indices or steady_indices) and np.any(
+        critical.uncertainty.correlation != np.eye(len(critical.uncertainty.distributions))
+    ):
         raise SceneError(
             [
                 "uncertainty.correlation: Sobol indices need independent inputs, and these are correlated; leave out "
@@ -210,16 +235,28 @@ def plan_margin(
         )
     return Margin(
         critical=critical,
-        steady=plan_sweep(
-            scene, samples=steady, sampling="replicated-sobol", study="steady-slip", output=["steady_slip"], **shared
-        )
-        if steady
-        else None,
+        steady=plan_sweep(scene, samples=steady, sampling="replicated-sobol", **balance) if steady else None,
         varied=plan_sweep(scene, samples=indices, sampling="saltelli", **friction) if indices else None,
+        steady_varied=plan_sweep(scene, samples=steady_indices, sampling="saltelli", **balance)
+        if steady_indices
+        else None,
         probability=probability,
         until=until,
         scatter=scatter,
     )
+
+
+def expected_seconds(made: Margin) -> dict[str, float]:
+    """Return the time [s] of one core that each sweep needs, if all its points are like the scene without scatter.
+
+    With ``until`` the critical slips are the most that there may be.
+    """
+
+    def of_one(sweep: Sweep) -> float:
+        # the first time imports
+        return min(compute(sweep.work, ((0, {}),)).rows[0].seconds for _ in range(2))
+
+    return {name: len(sweep.numbers) * of_one(sweep) for name, sweep in made.sweeps.items()}
 
 
 def _with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
@@ -272,30 +309,30 @@ def run_margin(
     from rollslip.result import save
 
     folder.mkdir(parents=True, exist_ok=True)
-    sweeps = {"critical": made.critical, "steady": made.steady, "indices": made.varied}
-    places = {name: _place(one, folder / name) for name, one in sweeps.items() if one is not None}
+    sweeps = made.sweeps
+    places = {name: _place(one, folder / name) for name, one in sweeps.items()}
 
-    def computed(name: str, sweep: Sweep) -> "xr.Dataset":
+    def computed(name: str, count: int | None = None) -> "xr.Dataset":
+        sweep = attrs.evolve(sweeps[name], first=count)
         if run_sweep(sweep, places[name], said=lambda text: said(f"{name}: {text}"), report=report).interrupted:
             raise KeyboardInterrupt
-        return collect(sweep, places[name])
+        return collect(sweep, places[name]).isel(sample=slice(count))
 
     batches, total = list[tuple[int, Estimate]](), len(made.critical.design.samples)
     count = min(_FIRST, total)
     while True:
-        critical = computed("critical", attrs.evolve(made.critical, first=count)).isel(sample=slice(count))
+        critical = computed("critical", count)
         allowed = made.quantile(_lowest(critical), 1.0 - made.probability)
         batches.append((count, allowed))
         said(f"{count} samples: allowable slip {allowed.value:.4g}, 95 %: {allowed.low:.4g} to {allowed.high:.4g}")
         if count == total or (made.until is not None and allowed.half_width <= made.until):
             break
         count = min(2 * count, total)
-    steady = None
+    points = {"critical": critical}
     if made.steady is not None:
-        own = min(len(made.steady.design.samples), count)
-        steady = computed("steady", attrs.evolve(made.steady, first=own)).isel(sample=slice(own))
-    varied = computed("indices", made.varied) if made.varied is not None else None
-    dataset = _dataset(made, batches, critical, steady, varied)
+        points["steady"] = computed("steady", min(len(made.steady.design.samples), count))
+    points |= {name: computed(name) for name in ("indices", "steady-indices") if name in sweeps}
+    dataset = _dataset(made, batches, points)
     save(dataset, folder / RESULT)
     return dataset
 
@@ -349,15 +386,10 @@ def _operating(points: "xr.Dataset") -> Array:
     return found
 
 
-def _dataset(
-    made: Margin,
-    batches: list[tuple[int, Estimate]],
-    critical: "xr.Dataset",
-    steady: "xr.Dataset | None",
-    varied: "xr.Dataset | None",
-) -> "xr.Dataset":
+def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[str, "xr.Dataset"]) -> "xr.Dataset":
     import xarray as xr
 
+    critical, steady = points["critical"], points.get("steady")
     slips, frictions, n = _rings(critical, "critical_cage_slip"), _rings(critical, "critical_friction"), batches[-1][0]
     values = {LOWEST: _lowest(critical)}
     values |= {f"{LOWEST}, {ring} ring": row for ring, row in zip(RINGS, slips, strict=True)}
@@ -406,13 +438,11 @@ def _dataset(
         "probability": ("probability", np.array(probabilities), about("1", "share of the distribution below")),
         "input": ("input", np.array(inputs), about("1", "what is uncertain")),
     }
-    failed = {"critical": _failures(critical)} | ({"steady": _failures(steady)} if steady is not None else {})
-    if varied is not None:
-        found, beyond = _indices(made, varied)
-        failed["indices"] = _failures(varied)
+    if made.varied is not None or made.steady_varied is not None:
+        found, names = _indices(made, points)
         variables |= found
-        variables["indexed_beyond"] = ("indexed", np.array(list(beyond.values())), about("1", "samples beyond"))
-        coords["indexed"] = ("indexed", np.array(list(beyond)), about("1", "what the indices are of"))
+        coords["indexed"] = ("indexed", np.array(names), about("1", "what the indices are of"))
+    failed = {name: _failures(one) for name, one in points.items()}
     return xr.Dataset(variables, coords, _attributes(made, failed, values))
 
 
@@ -422,28 +452,44 @@ def _estimate(name: str, of: Estimate, doc: str) -> dict[str, Any]:
     return {f"{name}{end}": ((), value, about("1", said[end])) for end, value in ends.items()}
 
 
-def _indices(made: Margin, varied: "xr.Dataset") -> tuple[dict[str, Any], dict[str, int]]:
-    """Sobol indices of what varies, and how many samples of it lie beyond the range; these count as at its end."""
-    assert made.varied is not None
-    study = settings(made.varied.scene, made.varied.study)[made.varied.study]
-    assert isinstance(study, EffectiveFriction)
-    slips, friction = _rings(varied, "critical_cage_slip"), _rings(varied, "critical_friction")
-    results = {LOWEST: slips.min(axis=0)}
-    results |= {f"peak friction, {ring} ring": row for ring, row in zip(RINGS, friction, strict=True)}
-    d, rows, beyond = len(made.varied.design.sampled), list[Any](), dict[str, int]()
-    for name, values in results.items():
+def _indexed(points: Mapping[str, "xr.Dataset"]) -> dict[str, tuple[str, Array]]:
+    """Results on Saltelli's designs: name -> sweep and values."""
+    found = dict[str, tuple[str, Array]]()
+    if (varied := points.get("indices")) is not None:
+        found[LOWEST] = "indices", _lowest(varied)
+        peaks = zip(RINGS, _rings(varied, "critical_friction"), strict=True)
+        found |= {f"peak friction, {ring} ring": ("indices", row) for ring, row in peaks}
+    if (varied := points.get("steady-indices")) is not None:
+        found[STEADY] = "steady-indices", _operating(varied)
+    return found
+
+
+def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Any], list[str]]:
+    """Sobol indices of what varies, and its names; what lies beyond the range of its study counts as at its end."""
+    d, rows, names = len(made.critical.design.sampled), list[Any](), list[str]()
+    for name, (place, values) in _indexed(points).items():
+        sweep = made.sweeps[place]
+        study = settings(sweep.scene, sweep.study)[sweep.study]
+        assert isinstance(study, EffectiveFriction | SteadySlip)
         table = np.where(np.isinf(values), study.max_cage_slip, values).reshape(-1, d + 2)
-        found = indices(table[:, 0], table[:, 1], table[:, 2:].T, made.varied.table.seed, CONFIDENCE)
+        found = indices(table[:, 0], table[:, 1], table[:, 2:].T, sweep.table.seed, CONFIDENCE)
         if found is not None:
-            rows.append((found.first, found.total, found.used))
-            beyond[name] = int(np.isinf(values).sum())
-    over = ("indexed", "input")
-    variables: dict[str, Any] = {"indexed_rows": ("indexed", np.array([used for *_, used in rows]), about("1", "rows"))}
+            names.append(name)
+            rows.append((found.first, found.total, found.used, len(table), int(np.isinf(values).sum())))
+    variables: dict[str, Any] = {
+        f"indexed_{what}": ("indexed", np.array([row[k] for row in rows]), about("1", said))
+        for k, what, said in (
+            (2, "rows", "rows of the design that are used"),
+            (3, "asked", "rows of the design"),
+            (4, "beyond", "samples beyond the range"),
+        )
+    }
     for k, order in enumerate(("first_order", "total_order")):
         stacked = np.array([row[k] for row in rows]).reshape(len(rows), 3, d)
         for i, end in enumerate(("", "_low", "_high")):
-            variables[f"{order}{end}"] = (over, stacked[:, i], about("1", f"Sobol index, {order.replace('_', ' ')}"))
-    return variables, beyond
+            said = about("1", f"Sobol index, {order.replace('_', ' ')}")
+            variables[f"{order}{end}"] = ("indexed", "input"), stacked[:, i], said
+    return variables, names
 
 
 def _failures(points: "xr.Dataset") -> dict[str, int]:

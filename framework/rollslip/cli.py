@@ -637,6 +637,7 @@ def doctor(as_json: bool) -> None:
 @click.option("--probability", metavar="P", type=float, default=0.99, show_default=True, help="Of the allowable slip.")
 @click.option("--steady", metavar="N", type=click.IntRange(0), help="Samples of the steady slip.  [default: 128]")
 @click.option("--indices", metavar="N", type=click.IntRange(0), default=0, help="Rows for Sobol indices, 2^k.")
+@click.option("--steady-indices", metavar="N", type=click.IntRange(0), default=0, help="Likewise of the steady slip.")
 @click.option("--seed", metavar="N", type=click.IntRange(0), default=0, help="Seed of the samples.")
 @_set
 @_engine
@@ -654,6 +655,7 @@ def uncertainty(
     probability: float,
     steady: int | None,
     indices: int,
+    steady_indices: int,
     seed: int,
     changes: Sequence[str],
     engine: str | None,
@@ -670,7 +672,7 @@ def uncertainty(
     What scatters is in the scene's table [uncertainty]; without one it is the scatter that its oil comes with.
     """
     from rollslip import sweep_findings, uncertainty_findings
-    from rollslip.allowable import plan_margin, run_margin
+    from rollslip.allowable import expected_seconds, plan_margin, run_margin
     from rollslip.errors import EngineError
     from rollslip.sweep_run import asked_engine
 
@@ -681,6 +683,7 @@ def uncertainty(
         probability=probability,
         steady=steady,
         indices=indices,
+        steady_indices=steady_indices,
         seed=seed,
         engine=_engine_table(engine, workers, scheduler),
         time_limit=time_limit,
@@ -689,8 +692,10 @@ def uncertainty(
     target = out if out is not None else _free_folder(f"{Path(scene).stem}-uncertainty")
     if not as_json:
         click.echo(sweep_findings.headline(made.critical))
-        sweeps = filter(None, (made.critical, made.steady, made.varied))
+        sweeps = made.sweeps.values()
         click.echo("\n".join(dict.fromkeys(f"  {line}" for one in sweeps for line in sweep_findings.planned(one))))
+        for name, seconds in expected_seconds(made).items():
+            click.echo(f"  {name}: about {sweep_findings.duration(seconds)} of one core")
     go_on = f"go on by the same command with --out {shlex.quote(str(target))}"
     try:
         with _progress("uncertainty") as show:

@@ -133,9 +133,9 @@ def _shares(one: "xr.Dataset") -> str:
     ]
     beyond = int(one["indexed_beyond"])
     said = f"; {beyond} samples beyond the range count as at its end" if beyond else ""
-    asked = sum(json.loads(one.attrs["points"])["indices"].values()) // (one.sizes["input"] + 2)
-    if int(one["indexed_rows"]) < asked:
-        said += f"; made of {int(one['indexed_rows'])} of {asked} rows, the largest power of two of those without a gap"
+    used, asked = int(one["indexed_rows"]), int(one["indexed_asked"])
+    if used < asked:
+        said += f"; made of {used} of {asked} rows, the largest power of two of those without a gap"
     return f"share of the variance of {one['indexed'].item()}, total Sobol index: {', '.join(parts)}{said}"
 
 
