@@ -635,7 +635,7 @@ def doctor(as_json: bool) -> None:
 @click.option("--samples", metavar="N", type=click.IntRange(2), help="Samples of the critical slip.  [default: 1024]")
 @click.option("--until", metavar="H", type=float, help="Double samples until the interval's half width is H, a slip.")
 @click.option("--probability", metavar="P", type=float, default=0.99, show_default=True, help="Of the allowable slip.")
-@click.option("--steady", metavar="N", type=click.IntRange(0), help="Samples of the steady slip.  [default: 128]")
+@click.option("--steady", metavar="N", type=click.IntRange(0), help="Samples of the steady slip.  [default: 512]")
 @click.option("--indices", metavar="N", type=click.IntRange(0), default=0, help="Rows for Sobol indices, 2^k.")
 @click.option("--steady-indices", metavar="N", type=click.IntRange(0), default=0, help="Likewise of the steady slip.")
 @click.option("--seed", metavar="N", type=click.IntRange(0), default=0, help="Seed of the samples.")
