@@ -114,7 +114,8 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str])
         axes.set_xlabel(across)
         if axes is panels[0]:
             axes.set_ylabel(up)
-    figure.colorbar(mesh, ax=list(panels), label="Critical cage slip [%]")
+    bar = figure.colorbar(mesh, ax=list(panels), label="Critical cage slip [%]")
+    bar.solids.set_edgecolor("face")  # type: ignore[union-attr]  # no seams
     return figure
 
 

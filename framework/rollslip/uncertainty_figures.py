@@ -64,8 +64,11 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
     allowed, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
     if np.isfinite(allowed):
         p = float(dataset.attrs["probability"])
-        axes.axvline(100 * allowed, color="black", linewidth=0.9, label=f"allowable at {p:g}: {100 * allowed:.3g} %")
-        if np.isfinite([low, high]).all():
+        told = np.isfinite([low, high]).all()
+        label = f"allowable at {p:g}: {100 * allowed:.3g} %"
+        label += f" ({100 * low:.3g} to {100 * high:.3g})" if told else ""
+        axes.axvline(100 * allowed, color="black", linewidth=0.9, label=label)
+        if told:
             axes.axvspan(100 * low, 100 * high, color="0.8", linewidth=0, zorder=0)
     if ends and min(ends) > 0.0:
         axes.set_xscale("log")
@@ -97,7 +100,7 @@ def _indices(dataset: "xr.Dataset") -> "Figure":
     order = np.argsort(dataset["total_order"].sel(indexed=names[0]).to_numpy())
     keys = [str(key).replace("lubricant.", "").replace("_", " ") for key in dataset["input"].to_numpy()[order]]
     figure = Figure(figsize=(2 * ONE_COLUMN[0], (24 + 9 * len(keys)) * MM), layout="constrained")
-    panels = figure.subplots(1, len(names), sharey=True, squeeze=False)[0]
+    panels = figure.subplots(1, len(names), sharex=True, sharey=True, squeeze=False)[0]
     for axes, name in zip(panels, names, strict=True):
         one = dataset.sel(indexed=name)
         for shift, which, colour in ((0.19, "first_order", "0.65"), (-0.19, "total_order", MODEL_COLOURS[0])):
@@ -111,6 +114,7 @@ def _indices(dataset: "xr.Dataset") -> "Figure":
         axes.set_yticks(np.arange(len(keys)), keys)
         axes.tick_params(axis="y", length=0)
         axes.axvline(0.0, color="black", linewidth=0.6)
+        axes.spines["left"].set_visible(False)
         axes.set_xlabel("Share of the variance [–]")
     figure.legend(handles=panels[0].get_legend_handles_labels()[0], loc="outside lower left", ncols=2)
     return figure
