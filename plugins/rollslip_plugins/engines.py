@@ -1,8 +1,9 @@
 """Engines of sweeps: this process, processes beside it, and the workers of a dask scheduler.
 
 - Processes are spawned, not forked: a fork takes over locks and threads of numerical libraries in any state.
-- A worker ignores Ctrl-C, which reaches the whole group: the sweep decides what it means. It ends itself when the
-  sweep's process is gone, because the pool's queues never tell it.
+- A worker ignores Ctrl-C, which reaches the whole group: the sweep decides what it means. It is started with Ctrl-C
+  held back, which would else kill it before it can ignore it. It ends itself when the sweep's process is gone, because
+  the pool's queues never tell it.
 - Workers have one thread for linear algebra each; as many threads as cores in each only wait for each other.
 - dask.distributed is imported when its engine is used; ``pip install rollslip[cluster]`` brings it.
 """
@@ -72,6 +73,19 @@ class Threads(Engine):
         return self.count or cores()
 
 
+class _Pool(ProcessPoolExecutor):
+    """A pool of processes, which it starts as tasks are handed in."""
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":
+        if not hasattr(signal, "pthread_sigmask"):
+            return super().submit(fn, *args, **kwargs)
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # a new process takes it over
+        try:
+            return super().submit(fn, *args, **kwargs)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)  # what came meanwhile comes now
+
+
 @attrs.frozen(kw_only=True)
 class Processes(Engine):
     """Processes of this computer, of which one that dies loses only the point that killed it."""
@@ -88,7 +102,7 @@ class Processes(Engine):
         return self._pool(1)
 
     def _pool(self, count: int) -> Executor:
-        return ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker)
+        return _Pool(count, mp_context=multiprocessing.get_context("spawn"), initializer=_prepare_worker)
 
     def workers(self, executor: Executor) -> int:
         """Return the number of processes."""
@@ -105,6 +119,8 @@ class Processes(Engine):
 def _prepare_worker() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # ignored from here on; children have it as usual
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     threading.Thread(target=_end_with_parent, daemon=True).start()
