@@ -259,6 +259,7 @@ class _Run:
         self.flying: dict[Future[Done], tuple[int, ...]] = {}
         self.moved = time.monotonic()  # when something came back, or could first be expected to
         self.losses = 0
+        self.workers = 1  # that compute at once
 
     def progress(self) -> Progress:
         seconds = time.monotonic() - self.begin
@@ -344,7 +345,7 @@ class _Run:
         return [(number, self.sweep.design.changes(number)) for number in numbers]
 
     def _hand_out(self, engine: Engine, executor: Executor, pending: deque[int]) -> None:
-        workers = engine.workers(executor)
+        self.workers = workers = engine.workers(executor)
         while pending and len(self.flying) < (2 * workers if workers > 1 or engine.separate else 1):
             count = 1
             if self.here:
@@ -387,9 +388,10 @@ class _Run:
         self.report(self.progress())
 
     def _take_back(self) -> None:
-        """Call back the tasks that have not begun."""
-        for future in [future for future in self.flying if future.cancel()]:
-            del self.flying[future]
+        """Call back the tasks that have not begun; the oldest have, even where their futures cannot tell."""
+        for future in [*self.flying][self.workers :]:
+            if future.cancel():
+                del self.flying[future]
 
     def _give_up(self) -> list[tuple[int, ...]]:
         """Return the numbers of all tasks that are out; those that have come back meanwhile are taken."""
