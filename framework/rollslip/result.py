@@ -3,7 +3,8 @@
 - A result is an xarray Dataset; its attributes make it reproducible: the scene verbatim and resolved, its hash, the
   packages and models used, numbers of evaluations, wall time, warnings and citations.
 - Attributes that are structures are JSON text, because netCDF has no other form that every reader keeps.
-- A file appears whole or not at all (`rollslip.writing`).
+- A file appears whole or not at all (`rollslip.writing`). It is made in memory: where a disk is full, HDF5 leaves a
+  file that cannot be closed and takes the process down.
 """
 
 import datetime
@@ -118,8 +119,9 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     OutputError
         If it cannot be written.
     """
+    content = dataset.to_netcdf(engine="h5netcdf")
     with whole_file(path) as partial:
-        dataset.to_netcdf(partial, engine="h5netcdf")
+        partial.write_bytes(content)
 
 
 def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
