@@ -14,6 +14,7 @@ import os
 import signal
 import threading
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import suppress
 from typing import Any, ClassVar
 
 import attrs
@@ -173,9 +174,8 @@ class Dask(Engine):
             ) from error
 
     def workers(self, executor: Executor) -> int:
-        """Return the number of threads of all workers, at this time."""
-        threads: dict[str, int] = executor.client.nthreads() if isinstance(executor, _OfClient) else {}
-        return max(1, sum(threads.values()))
+        """Return the number of threads of all workers, at this time; the last known one while none can be told."""
+        return executor.threads() if isinstance(executor, _OfClient) else 1
 
     def killed(self, error: BaseException) -> bool:
         """Return whether the scheduler gave a task up because workers died with it."""
@@ -192,7 +192,13 @@ class _OfClient(Executor):
     """The executor of a client that is closed with it."""
 
     def __init__(self, client: Any, executor: Any) -> None:
-        self.client, self._executor = client, executor
+        self.client, self._executor, self._threads = client, executor, 1
+
+    def threads(self) -> int:
+        """Return the number of threads of all workers."""
+        with suppress(OSError, RuntimeError, ValueError):  # a lost connection is told by the tasks
+            self._threads = max(1, sum(self.client.nthreads().values()))
+        return self._threads
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":
         if self.client.status != "running":
