@@ -208,6 +208,8 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
     ends, count = parts[:2], parts[2:-1] if logarithmic else parts[2:]
     if len(parts) - logarithmic not in (2, 3) or not all(parts):
         raise FieldError(key, f"{as_written(text)} is no range; write LOW:HIGH:COUNT or LOW:HIGH:COUNT:log")
+    if "," in text:
+        raise FieldError(key, f"{as_written(text)} has a comma; write decimals with a point, and no range in a list")
     unit = quantity.unit or "1"
     low, high = evenly(ends[0], ends[1], 2, unit)
     if not low < high:
