@@ -406,7 +406,9 @@ def sweep_merge(folders: Sequence[Path], out: Path | None, as_json: bool) -> Non
     if len(folders) == 1 and (pieces := sorted(folders[0].glob("shard-*-of-*"))):
         folders, out = pieces, out if out is not None else folders[0]
     if out is None:
-        raise click.UsageError("--out says where the pieces are put together")
+        raise click.UsageError(
+            f"{folders[0]} holds no folders shard-I-of-N; of other folders --out says where the pieces are put together"
+        )
     _tell_sweep(merge(list(folders), out), out, {}, as_json)
 
 
@@ -429,7 +431,7 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool)
     """Run a sweep in its folder and tell what came of it."""
     import os
 
-    from rollslip.errors import EngineError, OutputError
+    from rollslip.errors import BusyError, EngineError, OutputError
     from rollslip.sweep_findings import progress
     from rollslip.sweep_run import described, run_sweep
 
@@ -447,6 +449,8 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool)
         click.echo(f"interrupted at once; what was done is kept; {go_on}", err=True)
         sys.stdout.flush()
         os._exit(INTERRUPTED)  # a thread that still computes would be waited for
+    except BusyError:
+        raise
     except (EngineError, OutputError) as error:
         raise type(error)(f"{error}\nwhat was done is kept; {go_on}") from error
     if settled.interrupted:
@@ -476,9 +480,11 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], as_json: bo
         click.echo("\n".join(f"  {line}" for line in sweep_findings.sentences(dataset)))
         click.echo(f"written to {folder}: {RESULT}")
     if found["counts"]["ok"] < sum(found["counts"].values()):
-        click.echo(
-            f"some points have no result; see: {shlex.join(['rollslip', 'sweep', 'status', str(folder)])}", err=True
-        )
+        told = shlex.join(["rollslip", "sweep", "status", str(folder)])
+        click.echo(f"some points have no result; see: {told}", err=True)
+        if found["counts"]["pending"]:
+            told = shlex.join(["rollslip", "sweep", "resume", str(folder)])
+            click.echo(f"{found['counts']['pending']} of them are not computed yet; go on with: {told}", err=True)
         sys.exit(SOME_FAILED)
 
 

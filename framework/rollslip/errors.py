@@ -32,5 +32,9 @@ class OutputError(RollslipError):
     """A result cannot be written or read where it was asked."""
 
 
+class BusyError(OutputError):
+    """Another run computes what a folder is for."""
+
+
 class EngineError(RollslipError):
     """An engine cannot compute points: it cannot be started or reached, or its workers do not have what is here."""

@@ -90,7 +90,7 @@ def status_lines(of: Status) -> list[str]:
         if of.left is not None and of.quiet is not None:
             lines.append(f"  at the last pace {duration(of.left)} left; the last point came {duration(of.quiet)} ago")
     for one in of.writers:
-        ended = one["ended"] or "runs, or was killed"
+        ended = one["ended"] or ("runs" if of.running and one is of.writers[-1] else "was killed")
         lines.append(f"  {one['host']} process {one['process']}, {one['engine']}: {one['points']} points, {ended}")
     lines += [f"  point {number} {status}: {message}" for number, status, message in of.errors]
     return lines
@@ -99,7 +99,7 @@ def status_lines(of: Status) -> list[str]:
 def sentences(dataset: "xr.Dataset") -> list[str]:
     """Return what a sweep found, line by line: every output with the range of its values."""
     counts = json.loads(dataset.attrs["counts"])
-    lines = [", ".join(f"{count} {name}" for name, count in counts.items() if count)]
+    lines = [", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no points"]
     for name, row in _ranges(dataset).items():
         unit = "" if row["unit"] == "1" else f" {row['unit']}"
         where = (

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.errors import OutputError
-from rollslip.journal import copied, journals, last_failures, sessions, states
+from rollslip.errors import BusyError, OutputError
+from rollslip.journal import LOCK, check_owner, copied, journals, last_failures, only_writer, running, sessions, states
 from rollslip.point import FAILED, STATUSES
 from rollslip.result import save
 from rollslip.scene import Scene
@@ -85,6 +85,8 @@ def sweep(
 def begin(sweep: Sweep, target: Path) -> Path:
     """Make the folder of a new sweep, for a piece of it one in that folder, and return it.
 
+    One that has lost what it is, but has journals of the same sweep, is taken up again.
+
     Raises
     ------
     OutputError
@@ -97,8 +99,11 @@ def begin(sweep: Sweep, target: Path) -> Path:
             f"{folder}: holds a sweep; go on with it by: rollslip sweep resume {folder}, or name another --out"
         )
     try:
-        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        if folder.exists() and not folder.is_dir():
+            raise OutputError(f"{folder}: is not a folder; name another --out")
+        if folder.exists() and {path.name for path in folder.iterdir()} - _own(folder):
             raise OutputError(f"{folder}: exists and holds files; name another --out")
+        check_owner(folder, sweep.hash)
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written ({error.strerror}); name another --out") from error
@@ -106,10 +111,17 @@ def begin(sweep: Sweep, target: Path) -> Path:
     return folder
 
 
+def _own(folder: Path) -> set[str]:
+    """Names of the files that sweeps make, but for the one that says what the sweep is."""
+    made = {name for path in journals(folder) for name in (path.name, f"{path.name}-journal")}
+    return made | {LOCK, RESULT} if made else set()
+
+
 def finish(sweep: Sweep, folder: Path) -> "xr.Dataset":
     """Write the dataset of a sweep beside its journals, and return it."""
-    dataset = collect(sweep, folder)
-    save(dataset, folder / RESULT)
+    with only_writer(folder, wait=60.0):
+        dataset = collect(sweep, folder)
+        save(dataset, folder / RESULT)
     return dataset
 
 
@@ -126,7 +138,9 @@ class Status:
     counts : Counter
         Those that are done, by status.
     writers : list of dict
-        Every run of it: host, process, engine, points, and how it ended; "" if it runs or was killed.
+        Every run of it: host, process, engine, points, and how it ended; "" if it was killed or is the one that runs.
+    running : bool
+        Whether a run goes on, the last one.
     left : float or None
         Seconds to the end at the pace of the last run, None if it has none.
     quiet : float or None
@@ -141,6 +155,7 @@ class Status:
     total: int
     counts: Counter[str]
     writers: list[dict[str, Any]]
+    running: bool
     left: float | None
     quiet: float | None
     errors: list[tuple[int, str, str]]
@@ -182,17 +197,28 @@ def status(folder: Path, errors: int = 5) -> Status:
     ]
     if runs and (last := max(runs, key=lambda one: one.last)).rows:
         quiet = max(0.0, time.time() - last.last)
-        pace = (last.last - float(last.about["started"])) / last.rows
+        pace = (last.last - last.started) / last.rows
         left = pace * (len(numbers) - sum(counts.values()))
     failed = last_failures(folder, FAILED, errors, found)
-    return Status(folder, stored["facts"]["study"], shard, len(numbers), counts, writers, left, quiet, failed)
+    return Status(
+        folder=folder,
+        study=stored["facts"]["study"],
+        shard=shard,
+        total=len(numbers),
+        counts=counts,
+        writers=writers,
+        running=running(folder),
+        left=left,
+        quiet=quiet,
+        errors=failed,
+    )
 
 
 def _stored(folder: Path) -> dict[str, Any]:
     try:
         stored: dict[str, Any] = json.loads((folder / FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        open_sweep(folder, check=False)  # says what is wrong with it
+        open_sweep(folder)  # says what is wrong with it
         raise
     return stored
 
@@ -203,7 +229,8 @@ def merge(pieces: list[Path], target: Path) -> Sweep:
     Raises
     ------
     OutputError
-        If they are not of one sweep, or the target holds one already.
+        If they are not of one sweep, one is still being computed, packages have changed since, or the target holds a
+        sweep already.
     """
     if not pieces:
         raise OutputError(f"{target}: holds no pieces of a sweep, such as shard-1-of-8")
@@ -212,12 +239,17 @@ def merge(pieces: list[Path], target: Path) -> Sweep:
     hashes = {piece: _stored(piece)["hash"] for piece in pieces}
     if odd := [str(piece) for piece, one in hashes.items() if one != hashes[pieces[0]]]:
         raise OutputError(f"{', '.join(odd)}: not of the same sweep as {pieces[0]}; merge pieces of one sweep")
-    sweep = attrs.evolve(open_sweep(pieces[0], check=False), shard=(1, 1))
-    target.mkdir(parents=True, exist_ok=True)
-    if journals(target):
-        raise OutputError(f"{target}: holds journals already; name another --out")
-    for piece in pieces:
-        for path in journals(piece):
-            copied(path, target)
-    store_sweep(sweep, target)
+    if busy := [str(piece) for piece in pieces if running(piece)]:
+        raise BusyError(f"{', '.join(busy)}: being computed; wait for it, or end it, and merge then")
+    sweep = attrs.evolve(open_sweep(pieces[0], check_file=False), shard=(1, 1))
+    check_owner(target, sweep.hash)  # of a merge that was cut off there may be some
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written ({error.strerror}); name another --out") from error
+    with only_writer(target):
+        for piece in pieces:
+            for path in journals(piece):
+                copied(path, target)
+        store_sweep(sweep, target)
     return sweep

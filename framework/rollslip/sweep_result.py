@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.errors import OutputError
 from rollslip.friction_curve import about
-from rollslip.journal import records
+from rollslip.journal import check_owner, records
 from rollslip.point import STATUSES, unpacked
 from rollslip.scene import resolved, scene_hash
 from rollslip.sweeping import Sweep
@@ -44,14 +43,13 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
     """
     import xarray as xr
 
+    check_owner(folder, sweep.hash)
     design, size = sweep.design, sweep.design.size
     layouts: dict[str, dict[str, Any]] = {}
     status = np.full(size, "pending", dtype=f"<U{max(map(len, (*STATUSES, 'pending')))}")
     message, seconds = np.full(size, "", dtype=object), np.full(size, np.nan)
     for record in records(folder):
         row = record.row
-        if not 0 <= row.number < size:
-            raise OutputError(f"{folder}: has a point {row.number} that this sweep does not have")
         if status[row.number] == "ok":
             continue
         status[row.number], message[row.number], seconds[row.number] = row.status, row.message, row.seconds

@@ -32,7 +32,7 @@ from rollslip.assembly import assemble
 from rollslip.discovery import in_words
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, SceneError
-from rollslip.journal import Journal, died, states
+from rollslip.journal import Journal, check_owner, died, only_writer, states
 from rollslip.point import STATUSES, Done, Row, compute, greet, here
 from rollslip.reading import Where
 from rollslip.registry import get_model, structure_model
@@ -134,9 +134,24 @@ def run_sweep(
         If the engine cannot be started, is lost for good, or its workers have other packages.
     OutputError
         If the journal cannot be written; what it has, it keeps.
+    BusyError
+        If another run of the sweep goes on.
     KeyboardInterrupt
         If interrupted a second time.
     """
+    with only_writer(folder):
+        return _only_run(sweep, folder, engine, again, said, report)
+
+
+def _only_run(
+    sweep: Sweep,
+    folder: Path,
+    engine: Engine | None,
+    again: tuple[str, ...],
+    said: Callable[[str], None],
+    report: Report,
+) -> Settled:
+    check_owner(folder, sweep.hash)
     state = states(folder, sweep.design.size)
     redo = {STATUSES.index(status) + 1 for status in again}
     pending = deque(n for n in sweep.numbers if state[n] == 0 or state[n] in redo)
@@ -145,6 +160,7 @@ def run_sweep(
     chosen = engine if engine is not None else asked_engine(sweep)
     why = "asked for"
     if not pending:
+        said("all points are done")
         return Settled(run.progress(), "", "all points are done", False)
     with _interruptible() as asked:
         if chosen is not None:

@@ -24,7 +24,7 @@ from rollslip.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip.errors import OutputError, RollslipError, SceneError
 from rollslip.fields import FieldError, at_least, non_negative, one_of, parameter, positive
 from rollslip.inventory import check_required
-from rollslip.journal import died
+from rollslip.journal import died, journals
 from rollslip.outputs import chosen
 from rollslip.point import Work, here
 from rollslip.quantities import quantities, unknown
@@ -46,6 +46,7 @@ _TRIED = 1000
 _MOST_POINTS = 10_000_000
 #: What the sweep is, in its folder.
 FILE: Final = "sweep.json"
+_AGAIN = "the same command as before, with --out {}, makes it again and takes up the journals"
 
 
 @attrs.frozen(kw_only=True)
@@ -451,15 +452,15 @@ def store_sweep(sweep: Sweep, folder: Path) -> None:
         partial.write_text(json.dumps(stored, default=dict, indent=1), encoding="utf-8")
 
 
-def open_sweep(folder: Path, *, check: bool = True) -> Sweep:
+def open_sweep(folder: Path, *, check_file: bool = True) -> Sweep:
     """Return the sweep that a folder belongs to.
 
     Parameters
     ----------
     folder : Path
         Folder of the sweep.
-    check : bool
-        Whether to refuse to go on if the scene's file or a package has changed since.
+    check_file : bool
+        Whether to refuse to go on if the scene's file has changed since, as if a package has.
 
     Raises
     ------
@@ -469,6 +470,7 @@ def open_sweep(folder: Path, *, check: bool = True) -> Sweep:
     path = folder / FILE
     if not path.is_file():
         inner = f"; its pieces do: rollslip sweep merge {folder}" if any(folder.glob(f"shard-*/{FILE}")) else ""
+        inner = f"; {_AGAIN.format(folder)}" if journals(folder) else inner
         raise OutputError(f"{folder}: holds no sweep, there is no {FILE}{inner}")
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
@@ -479,8 +481,8 @@ def open_sweep(folder: Path, *, check: bool = True) -> Sweep:
         )
         source, text, shard = stored["source"], stored["text"], tuple(stored["shard"])
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise OutputError(f"{path}: cannot be read ({error}); restore it, the journals beside it are whole") from error
-    if check:
+        raise OutputError(f"{path}: cannot be read ({error}); remove it; {_AGAIN.format(folder)}") from error
+    if check_file:
         _refuse_changes(folder, _changed_file(source, text))
     over = table.pop("over", {})
     if "samples" not in table:
@@ -488,8 +490,7 @@ def open_sweep(folder: Path, *, check: bool = True) -> Sweep:
     if died(folder):
         table.pop("engine", None)  # chosen anew, since that one did not survive
     sweep = plan_sweep(scene, over, shard=(shard[0], shard[1]), **table)
-    if check:
-        _refuse_changes(folder, _differences(facts, sweep.facts))
+    _refuse_changes(folder, _differences(facts, sweep.facts))
     return attrs.evolve(sweep, given=attrs.evolve(sweep.given, source=source, text=text))
 
 
