@@ -162,7 +162,7 @@ class Dask(Engine):
             import distributed
         except ModuleNotFoundError as error:
             raise EngineError("engine 'dask' needs dask.distributed: pip install 'rollslip[cluster]'") from error
-        for logger in ("distributed.client", "distributed.utils", "distributed.comm"):
+        for logger in ("distributed.client", "distributed.utils", "distributed.comm", "tornado.application"):
             logging.getLogger(logger).setLevel(logging.CRITICAL)  # a lost connection is told by the sweep
         place = {"scheduler_file": self.scheduler} if self.scheduler.endswith(".json") else {"address": self.scheduler}
         try:
