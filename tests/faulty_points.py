@@ -64,8 +64,8 @@ class Faulty(TractionModel):
                 time.sleep(0.01)
         elif fault == "stuck":
             time.sleep(1e6)
-        curve = slices.sliding_speed.size > 1  # and not the search of its maximum
-        end = time.monotonic() + (self.seconds if curve else 0.0)
+        begins = not slices.sliding_speed.all()  # no slip is computed once a point
+        end = time.monotonic() + (self.seconds if begins else 0.0)
         while time.monotonic() < end:
             time.sleep(0.002)
         while held(self.hold, self.factor):
@@ -220,6 +220,7 @@ def kill_the_run(folder: Path, reference, *engine: object) -> None:
 def interrupt_once(folder: Path, reference, *engine: object, press=pressed) -> None:
     """Ctrl-C: what is being computed is finished."""
     process = held_run(folder, *engine)
+    before = points(folder / "s")
     press(process)
     time.sleep(0.5)
     assert process.poll() is None
@@ -229,6 +230,7 @@ def interrupt_once(folder: Path, reference, *engine: object, press=pressed) -> N
     assert "go on with: rollslip sweep resume s" in err
     assert "Traceback" not in err
     assert sessions(folder / "s")[0].about["ended"] == "interrupted"
+    assert points(folder / "s") > before
     until(lambda: not processes_of(process), 15.0)
     gone_on_with(folder, reference, *engine)
 

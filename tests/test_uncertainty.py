@@ -1,12 +1,15 @@
 """Allowable slip and margin: what is asked for, what samples give, what failed ones do, and going on."""
 
 import json
+from collections import Counter
 
 import attrs
 import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import rollslip
 from rollslip import allowable, estimators
@@ -14,10 +17,11 @@ from rollslip.allowable import expected_seconds, plan_margin, run_margin, uncert
 from rollslip.cli import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.plots import plot
+from rollslip.point import FAILED, STATUSES
 from rollslip.reading import load_scene
 from rollslip.scene import FrozenTable
 from rollslip.sweep_run import Progress, Settled
-from rollslip.uncertainty_findings import record, sentences
+from rollslip.uncertainty_findings import failed, record, sentences
 
 #: Few slices and slips: what is tested is what is made of the points.
 SCENE = rollslip.evolve(load_scene("1032930-70C"), {"accuracy.slices": 3, "study.effective-friction.points": 9})
@@ -151,6 +155,34 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
         assert found.allowable_low <= exact.low
         assert exact.high <= found.allowable_high
     assert np.isfinite(found.allowable_slip)
+
+
+@settings(deadline=None, max_examples=15)
+@given(
+    ends=st.lists(st.sampled_from([*STATUSES, "ok", "ok", "ok"]), min_size=16, max_size=16), beyond=st.integers(0, 16)
+)
+def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
+    slips = np.where(np.arange(16) < beyond, np.nan, np.linspace(0.1, 0.2, 16))
+    slips[[end != "ok" for end in ends]] = np.nan
+    counts = Counter(ends)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(allowable, "run_sweep", lambda *args, **options: Settled(Progress(16, {}, 0, 0.0), "", "", False))
+        patch.setattr(allowable, "collect", lambda sweep, folder: _points(ends, slips))
+        made = plan_margin(uncertain(**ALPHA), samples=16, steady=0, probability=0.5)
+        found = run_margin(made, tmp_path_factory.mktemp("ends"))
+    told = record(found)
+    assert told["points"] == {"critical": dict(counts)}
+    one = told["quantities"]["critical slip"]
+    assert one["unknown"] == failed(found) == 16 - counts["ok"]
+    assert one["beyond_the_range"] == np.isnan(slips).sum() - one["unknown"]
+    assert one["samples"] == one["known"] + one["beyond_the_range"] + one["unknown"] == 16
+    warned = [text for text in json.loads(found.attrs["warnings"]) if "points are" in text]
+    assert sorted(warned) == sorted(
+        f"critical: {counts[end]} of 16 points are {end}; they count as the worst and as the best"
+        for end in FAILED
+        if counts[end]
+    )
+    assert not one["unknown"] or f"{one['unknown']} without a value" in " ".join(sentences(found))
 
 
 def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, monkeypatch):
