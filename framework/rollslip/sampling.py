@@ -14,6 +14,7 @@
 import hashlib
 import json
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, Final
@@ -143,8 +144,8 @@ def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribu
     values = []
     for k, value in enumerate(listed, 1):
         values.append(_checked(quantity, value, f"value {k} of {len(listed)}" if len(listed) > 1 else ""))
-    names = [label(value) for value in values]
-    if twice := next((name for name in names if names.count(name) > 1), None):
+    counts = Counter(label(value) for value in values)
+    if twice := next((name for name, count in counts.items() if count > 1), None):
         raise FieldError(quantity.key, f"{twice!r} stands twice in the list")
     return Axis(quantity, tuple(values))
 
