@@ -7,6 +7,7 @@ import pickle
 import queue
 import random
 import threading
+import tracemalloc
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from types import MappingProxyType
 
@@ -17,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rollslip
-from rollslip import studies
+from rollslip import studies, sweep_run
 from rollslip.assembly import assemble
 from rollslip.discovery import get_class
 from rollslip.engine import Engine
@@ -25,7 +26,7 @@ from rollslip.errors import EngineError, OutputError, PluginError, SceneError
 from rollslip.journal import Journal, journals, states
 from rollslip.models import TractionModel
 from rollslip.outputs import DEFAULT, OUTPUTS
-from rollslip.point import STATUSES, Row, _packed, compute
+from rollslip.point import STATUSES, Done, Row, _packed, compute, here
 from rollslip.reading import parse_scene
 from rollslip.resolution import Resolution
 from rollslip.sampling import parse_over, parse_overs, probabilities
@@ -506,6 +507,54 @@ def test_a_run_that_is_cut_off_and_gone_on_with_gives_the_same(tasks, serial, tm
 
 def test_threads_give_the_same(serial, tmp_path):
     assert same(swept(tmp_path, "threads", over=MANY), serial)
+
+
+def nothing(work, points):
+    """Compute points that are one number, each with a layout of its own."""
+    of = {"dims": ["x"], "shape": [1], "text": False, "attrs": {}}
+    rows = []
+    for number, _ in points:
+        layout = {"variables": {"y": of}, "coords": {"x": of | {"values": [number]}}}
+        rows.append(Row(number, "", "ok", "", 0.0, json.dumps(layout), np.float64(number).tobytes()))
+    return Done(tuple(rows), here(work.packages))
+
+
+def test_of_a_point_that_waits_or_is_done_one_byte_is_held(monkeypatch, tmp_path):
+    """Tasks of 200 points come and go, in a long sweep as in a short one; neither numbers nor layouts are kept."""
+    monkeypatch.setattr(sweep_run, "compute", nothing)
+    monkeypatch.setattr(sweep_run, "_MOST_IN_TASK", 200)
+    peaks = []
+    for run, size in enumerate((2_000, 2_000, 10_000)):  # the first one fills caches
+        sweep = planned(
+            {
+                "operation.temperature": "60 degC:80 degC:20",
+                "operation.radial_load": "1:2:20",
+                "lubricant.eyring_stress": f"3 MPa:6 MPa:{size // 400}",
+            }
+        )
+        (folder := tmp_path / str(run)).mkdir()
+        tracemalloc.start()
+        try:
+            settled = run_sweep(sweep, folder, engine=engine("serial"))
+            peaks.append(tracemalloc.get_traced_memory()[1])
+        finally:
+            tracemalloc.stop()
+        assert settled.progress.counts == {"ok": size}
+    assert peaks[2] - peaks[1] < 10 * 8_000  # bytes; a list of numbers has 40 a point
+    found = collect(sweep, folder)
+    assert found.y.values.ravel().tolist() == found.x.values.ravel().tolist() == list(range(size))
+
+
+def test_a_long_message_costs_the_other_points_nothing(tmp_path):
+    """A column as wide as the longest text would take four bytes a letter for every point."""
+    sweep = planned()
+    store_sweep(sweep, tmp_path)
+    journal = Journal(tmp_path, {})
+    journal.write([Row(0, "", "crashed", "x" * 10_000, 0.0)])
+    journal.close("complete")
+    found = finish(sweep, tmp_path)
+    assert found.message.nbytes < 10_000
+    assert rollslip.open_result(tmp_path / "sweep.nc").message.values.ravel().tolist() == ["x" * 10_000, *[""] * 5]
 
 
 def test_pieces_of_a_job_array_are_put_together(serial, tmp_path):

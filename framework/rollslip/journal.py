@@ -15,6 +15,7 @@ import sqlite3
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
+from functools import lru_cache
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
@@ -36,6 +37,7 @@ __all__ = [
     "died",
     "journals",
     "last_failures",
+    "layouts",
     "only_writer",
     "records",
     "running",
@@ -53,6 +55,7 @@ create table point (
 """
 _WAIT = 60.0  # s, for a reader that holds a file
 LOCK: Final = "sweep.lock"
+_KNOWN = 1000  # layouts that a writer remembers; every point may have its own
 
 
 def journals(folder: Path) -> list[Path]:
@@ -120,6 +123,8 @@ class Journal:
         name = _name_of(layout)
         if name not in self._layouts:
             self._connection.execute("insert or ignore into layout values (?, ?)", (name, layout))
+            if len(self._layouts) >= _KNOWN:
+                self._layouts.clear()
             self._layouts.add(name)
         return name
 
@@ -220,11 +225,10 @@ def _blamed(path: Path) -> Iterator[None]:
 
 @attrs.frozen(eq=False)
 class Record:
-    """A row as it stands in a journal, with its layout by name."""
+    """A row as it stands in a journal, and when it was written."""
 
     row: Row
     at: float
-    layouts: dict[str, str]
 
 
 @attrs.frozen
@@ -357,17 +361,30 @@ def records(folder: Path, where: str = "", *values: Any) -> Iterator[Record]:
     OutputError
         If a journal cannot be read.
     """
+    named = lru_cache(maxsize=256)(_name_of)
     for path in journals(folder):
         with _opened(path) as connection:
             if not _made(connection):
                 continue
-            layouts = dict(connection.execute("select id, layout from layout").fetchall())
-            if any(name != _name_of(layout) for name, layout in layouts.items()):
-                raise ValueError("a layout is damaged")
-            columns = "number, key, status, message, seconds, at, layout, texts, numbers, checksum"
-            rows = connection.execute(f"select {columns} from point {where} order by rowid", values)
-            for number, key, status, message, seconds, at, layout, texts, numbers, checksum in rows:
-                told = (number, key, status, message, seconds, at, layout, texts)
-                if checksum != _checksum(told, numbers) or layout not in layouts:
+            columns = "number, key, status, message, seconds, at, point.layout, texts, numbers, checksum, layout.layout"
+            source = f"point left join layout on layout.id = point.layout {where} order by point.rowid"
+            for *told, numbers, checksum, layout in connection.execute(f"select {columns} from {source}", values):
+                number, key, status, message, seconds, at, name, texts = told
+                if layout is None or name != named(layout) or checksum != _checksum(tuple(told), numbers):
                     raise ValueError(f"the row of point {number} is damaged")
-                yield Record(Row(number, key, status, message, seconds, layout, numbers, texts), at, layouts)
+                yield Record(Row(number, key, status, message, seconds, layout, numbers, texts), at)
+
+
+def layouts(folder: Path) -> Iterator[str]:
+    """Yield the layouts of all rows, every one once a journal.
+
+    Raises
+    ------
+    OutputError
+        If a journal cannot be read.
+    """
+    for path in journals(folder):
+        with _opened(path) as connection:
+            if _made(connection):
+                for (layout,) in connection.execute("select layout from layout where layout != '' order by rowid"):
+                    yield layout

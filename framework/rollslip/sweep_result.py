@@ -1,6 +1,7 @@
 """The dataset of a sweep: every variable over the dimensions of the sweep, with the status of every point.
 
 - It is read from the journals row by row, and can be made at any time; a point that is not done yet is "pending".
+- What it takes of memory is the dataset: rows and layouts, of which every point may have its own, are read one by one.
 - Values are 64-bit floats, NaN where a point has none; its status and message say why. Nothing is left out.
 - ``status`` is that of the point; a study's own variable of this name, as steady-slip has one, is ``study_status``.
 - A coordinate of the study that is the same for all points, such as its cage slips, is one of the dataset. Where it
@@ -9,14 +10,15 @@
 
 import datetime
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rollslip.friction_curve import about
-from rollslip.journal import check_owner, records
+from rollslip.journal import check_owner, layouts, records
 from rollslip.point import STATUSES, unpacked
 from rollslip.scene import resolved, scene_hash
 from rollslip.sweeping import Sweep
@@ -45,7 +47,6 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
 
     check_owner(folder, sweep.hash)
     design, size = sweep.design, sweep.design.size
-    layouts: dict[str, dict[str, Any]] = {}
     status = np.full(size, "pending", dtype=f"<U{max(map(len, (*STATUSES, 'pending')))}")
     message, seconds = np.full(size, "", dtype=object), np.full(size, np.nan)
     for record in records(folder):
@@ -53,20 +54,19 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
         if status[row.number] == "ok":
             continue
         status[row.number], message[row.number], seconds[row.number] = row.status, row.message, row.seconds
-        if row.status == "ok" and row.layout not in layouts:
-            layouts[row.layout] = json.loads(record.layouts[row.layout])
-    fields = _Fields(layouts, size)
+    fields = _Fields(map(json.loads, layouts(folder)), size)
+    parsed = lru_cache(maxsize=256)(json.loads)
     filled = np.zeros(size, dtype=bool)
     for record in records(folder, "where status = ?", "ok"):
         if not filled[record.row.number]:
             filled[record.row.number] = True
-            fields.fill(record.row.number, layouts[record.row.layout], record.row.numbers, record.row.texts)
+            fields.fill(record.row.number, parsed(record.row.layout), record.row.numbers, record.row.texts)
     points = ("status", "message", "seconds")
     outputs = fields.variables(design.dims, design.shape)
     variables = {f"study_{name}" if name in points else name: of for name, of in outputs.items()}
     variables |= {
         "status": (design.dims, status.reshape(design.shape), about("1", "how the point ended")),
-        "message": (design.dims, message.astype(str).reshape(design.shape), about("1", "why it is not ok")),
+        "message": (design.dims, message.reshape(design.shape), about("1", "why it is not ok")),
         "seconds": (design.dims, seconds.reshape(design.shape), about("s", "time that the point took")),
     }
     coords = {axis.key: (axis.key, axis.coordinate, _about(axis.quantity)) for axis in design.axes}
@@ -81,7 +81,7 @@ def _about(quantity: Any) -> dict[str, Any]:
 
 
 def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
-    own = status[list(sweep.numbers)]
+    own = status[np.fromiter(sweep.numbers, dtype=int)]
     found = {name: int((own == name).sum()) for name in (*STATUSES, "pending")}
     lost = [f"{count} {name}" for name, count in found.items() if count and name != "ok"]
     warnings = (
@@ -115,17 +115,19 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
 class _Fields:
     """The arrays of the outputs, large enough for every layout."""
 
-    def __init__(self, layouts: Mapping[str, Mapping[str, Any]], size: int) -> None:
+    def __init__(self, layouts: Iterable[Mapping[str, Any]], size: int) -> None:
         self.shapes: dict[str, dict[str, int]] = {}
         self.said: dict[str, Mapping[str, Any]] = {}
         self.text: dict[str, bool] = {}
-        for name, of in (pair for one in layouts.values() for pair in one["variables"].items()):
-            largest = self.shapes.setdefault(name, dict.fromkeys(of["dims"], 0))
-            for dim, length in zip(of["dims"], of["shape"], strict=True):
-                largest[dim] = max(largest.get(dim, 0), length)
-            self.said.setdefault(name, of["attrs"])
-            self.text[name] = self.text.get(name, False) or of["text"]
-        self._same_or_own(layouts)
+        self.first: dict[str, Any] = {}  # coordinate of a dimension, None where that layout has none
+        self.differ: set[str] = set()
+        self.longest: dict[str, dict[str, Any]] = {}
+        for one in layouts:
+            for name, of in one["variables"].items():
+                self._variable(name, of)
+            for dim in _dims(one):
+                self._coordinate(dim, one["coords"].get(dim))
+        self._same_or_own()
         self.arrays = {
             name: np.full(
                 (size, *dims.values()), "" if self.text[name] else np.nan, dtype=object if self.text[name] else float
@@ -133,20 +135,32 @@ class _Fields:
             for name, dims in self.shapes.items()
         }
 
-    def _same_or_own(self, layouts: Mapping[str, Mapping[str, Any]]) -> None:
+    def _variable(self, name: str, of: Mapping[str, Any]) -> None:
+        largest = self.shapes.setdefault(name, dict.fromkeys(of["dims"], 0))
+        for dim, length in zip(of["dims"], of["shape"], strict=True):
+            largest[dim] = max(largest.get(dim, 0), length)
+        self.said.setdefault(name, of["attrs"])
+        self.text[name] = self.text.get(name, False) or of["text"]
+
+    def _coordinate(self, dim: str, found: Any) -> None:
+        if self.first.setdefault(dim, found) != found:
+            self.differ.add(dim)
+        if found:
+            self.longest[dim] = max(self.longest.get(dim, found), found, key=lambda one: len(one["values"]))
+
+    def _same_or_own(self) -> None:
         """Tell coordinates that all points share from those that become variables."""
         self.coords: dict[str, Any] = {}
         self.own: dict[str, str] = {}
         for dim in dict.fromkeys(dim for dims in self.shapes.values() for dim in dims):
-            found = [one["coords"].get(dim) for one in layouts.values() if dim in _dims(one)]
-            first = found[0]
-            if first is not None and all(other == first for other in found):
+            first = self.first[dim]
+            if first is not None and dim not in self.differ:
                 self.coords[dim] = (dim, np.array(first["values"]), first["attrs"])
-            elif any(found):
-                about_it = next(one for one in found if one)
+            elif dim in self.longest:
+                longest = self.longest[dim]
                 self.own[dim] = f"{dim}_index"
-                self.shapes[dim] = {dim: max(len(one["values"]) for one in found if one)}
-                self.said[dim], self.text[dim] = about_it["attrs"], about_it["text"]
+                self.shapes[dim] = {dim: len(longest["values"])}
+                self.said[dim], self.text[dim] = longest["attrs"], longest["text"]
 
     def fill(self, number: int, layout: Mapping[str, Any], numbers: bytes, texts: str) -> None:
         """Set the values of a point."""

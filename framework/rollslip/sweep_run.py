@@ -1,7 +1,7 @@
 """Runs the points of a sweep on an engine, and loses none of them.
 
 - Results are written to the journal as they come, and only a few tasks are handed out at a time: neither the points nor
-  their results are ever held together.
+  their results are ever held together. Of a point that waits or is done one byte is held.
 - A task takes as many points as fill the time that is worth a task to the engine, by the pace so far.
 - Where a worker has died, every point that was handed out is computed again on its own: the others give their results,
   and the one whose worker dies again has killed it. A worker that somebody else has killed costs nothing but time.
@@ -19,10 +19,11 @@ import signal
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
+from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
@@ -154,9 +155,10 @@ def _only_run(
     check_owner(folder, sweep.hash)
     state = states(folder, sweep.design.size)
     redo = {STATUSES.index(status) + 1 for status in again}
-    pending = deque(n for n in sweep.numbers if state[n] == 0 or state[n] in redo)
-    before = Counter(STATUSES[state[n] - 1] for n in sweep.numbers if state[n] and state[n] not in redo)
-    run = _Run(sweep, before, report)
+    numbers = sweep.numbers
+    pending = _Pending(numbers, state, redo | {0})
+    before = Counter(STATUSES[state[n] - 1] for n in numbers if state[n] and state[n] not in redo)
+    run = _Run(sweep, len(numbers), before, report)
     chosen = engine if engine is not None else asked_engine(sweep)
     why = "asked for"
     if not pending:
@@ -183,7 +185,7 @@ def _only_run(
             raise
         finally:
             run.journal.close(ended)
-    return Settled(run.progress(), chosen.name, why, bool(asked.times) and run.progress().done < len(sweep.numbers))
+    return Settled(run.progress(), chosen.name, why, bool(asked.times) and run.progress().done < run.total)
 
 
 # The engine ----------------------------------------------------------------------------------------------------------
@@ -263,13 +265,36 @@ def _interruptible() -> Iterator[_Interrupts]:
 # The loop ------------------------------------------------------------------------------------------------------------
 
 
+class _Pending:
+    """Numbers of the points that are still to be computed, in order; those that were put back come first."""
+
+    def __init__(self, numbers: Sequence[int], state: bytearray, wanted: Set[int]) -> None:
+        self._returned = deque[int]()
+        self._open = (number for number in numbers if state[number] in wanted)
+        self._left = sum(state[number] in wanted for number in numbers)
+
+    def __len__(self) -> int:
+        return len(self._returned) + self._left
+
+    def take(self, count: int) -> tuple[int, ...]:
+        """Return the next numbers, fewer if there are no more."""
+        first = tuple(self._returned.popleft() for _ in range(min(count, len(self._returned))))
+        others = tuple(islice(self._open, count - len(first)))
+        self._left -= len(others)
+        return first + others
+
+    def put_back(self, numbers: Sequence[int]) -> None:
+        """Have numbers that were taken computed before the others."""
+        self._returned.extendleft(reversed(numbers))
+
+
 class _Run:
     """One run: what it has handed out, and what has come of it."""
 
     journal: Journal
 
-    def __init__(self, sweep: Sweep, before: Counter[str], report: Report) -> None:
-        self.sweep, self.work, self.report = sweep, sweep.work, report
+    def __init__(self, sweep: Sweep, total: int, before: Counter[str], report: Report) -> None:
+        self.sweep, self.work, self.total, self.report = sweep, sweep.work, total, report
         self.packages = here(sweep.packages)
         self.counts, self.here, self.spent, self.begin = Counter(before), 0, 0.0, time.monotonic()
         self.flying: dict[Future[Done], tuple[int, ...]] = {}
@@ -279,13 +304,13 @@ class _Run:
 
     def progress(self) -> Progress:
         seconds = time.monotonic() - self.begin
-        return Progress(len(self.sweep.numbers), dict(self.counts), self.here, seconds)
+        return Progress(self.total, dict(self.counts), self.here, seconds)
 
-    def measured(self, pending: deque[int], asked: _Interrupts) -> tuple[Engine, str]:
+    def measured(self, pending: _Pending, asked: _Interrupts) -> tuple[Engine, str]:
         """Compute two points in this process, and return the engine that is the fastest for the others."""
         times = list[float]()
         while pending and len(times) < 2 and not (times and asked.times):
-            done = compute(self.work, self._points((pending.popleft(),)))
+            done = compute(self.work, self._points(pending.take(1)))
             self._take(done)
             times.append(done.rows[0].seconds)
         threads, processes, count = get_model("engine", "threads"), get_model("engine", "processes"), cores()
@@ -299,7 +324,7 @@ class _Run:
             return threads, f"{said}: {len(pending)} of them are not worth the start of processes"
         return processes, f"{said}: {len(pending)} of them are worth the start of {count} processes"
 
-    def compute(self, engine: Engine, pending: deque[int], asked: _Interrupts) -> None:
+    def compute(self, engine: Engine, pending: _Pending, asked: _Interrupts) -> None:
         """Compute all points, until there are none, or the run is interrupted."""
         executor = self._start(engine, engine.executor)
         at_once = True
@@ -321,7 +346,7 @@ class _Run:
                 if engine.killed(error):
                     self._one_by_one(engine, numbers, asked)
                 else:
-                    pending.extendleft(reversed(numbers))
+                    pending.put_back(numbers)
                     self._count_loss(engine, error)
                 if pending and not asked.times:
                     executor = self._start(engine, engine.executor)
@@ -360,14 +385,14 @@ class _Run:
     def _points(self, numbers: tuple[int, ...]) -> list[tuple[int, dict[str, object]]]:
         return [(number, self.sweep.design.changes(number)) for number in numbers]
 
-    def _hand_out(self, engine: Engine, executor: Executor, pending: deque[int]) -> None:
+    def _hand_out(self, engine: Engine, executor: Executor, pending: _Pending) -> None:
         self.workers = workers = engine.workers(executor)
         while pending and len(self.flying) < (2 * workers if workers > 1 or engine.separate else 1):
             count = 1
             if self.here:
                 fair = -(-len(pending) // (2 * workers))
                 count = max(1, min(int(engine.task_seconds * self.here / max(self.spent, 1e-9)), fair, _MOST_IN_TASK))
-            numbers = tuple(pending.popleft() for _ in range(min(count, len(pending))))
+            numbers = pending.take(count)
             try:
                 future = executor.submit(compute, self.work, self._points(numbers))
             except Exception as error:  # a pool that has broken says so here
