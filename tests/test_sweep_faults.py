@@ -3,10 +3,12 @@
 Whatever it is, the sweep can be gone on with, and in the end gives the bits of one that nothing has happened to.
 """
 
+import asyncio
 import json
 import os
 import signal
 import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -31,6 +33,7 @@ from faulty_points import (
 )
 from rollslip.journal import journals, states
 from rollslip.sweep_folder import status
+from rollslip_plugins import engines
 
 SLOW = ["--set", "models.traction.seconds=0.2"]
 LOADS = ["run", "1032930-70C", "--over", "operation.radial_load=1 kN:2 kN:3"]
@@ -286,3 +289,30 @@ def test_what_does_not_go_together_is_refused(arguments, code, said, tmp_path, m
     assert left.value.code == code
     assert said in capsys.readouterr().err
     assert not list(tmp_path.glob("**/journal-*"))
+
+
+@pytest.mark.parametrize(
+    ("fetched", "ended"),
+    [
+        (OSError("closed while it was read"), "closed while it was read"),
+        (asyncio.CancelledError(), "the scheduler was lost"),
+        (None, "7"),
+    ],
+)
+def test_a_task_of_dask_ends_whatever_becomes_of_its_result(fetched, ended):
+    """The connection breaks while a result is on its way, or the scheduler forgets the task: no future stays open."""
+
+    class Client:
+        status, loop = "running", SimpleNamespace(add_callback=lambda function: asyncio.run(function()))
+
+        def submit(self, fn, *arguments, pure):
+            return SimpleNamespace(cancelled=lambda: isinstance(fetched, asyncio.CancelledError), cancel=lambda: None)
+
+        async def gather(self, task, asynchronous):
+            if fetched is not None:
+                raise fetched
+            return 7
+
+    future = engines._OfClient(Client()).submit(len, "")
+    assert future.done()
+    assert str(future.exception() or future.result()) == ended

@@ -155,7 +155,7 @@ class Dask(Engine):
                 f"the dask scheduler {self.scheduler} has had no worker for {self.patience:g} s; start some: "
                 f"dask worker {self.scheduler}"
             ) from error
-        return _OfClient(client, client.get_executor(pure=False))
+        return _OfClient(client)
 
     def _client(self) -> Any:
         try:
@@ -189,10 +189,14 @@ class Dask(Engine):
 
 
 class _OfClient(Executor):
-    """The executor of a client that is closed with it."""
+    """Tasks of a client, which is closed with it.
 
-    def __init__(self, client: Any, executor: Any) -> None:
-        self.client, self._executor, self._threads = client, executor, 1
+    The executor that dask.distributed has leaves a future open for ever where the connection breaks while its result
+    is fetched.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self.client, self._threads = client, 1
 
     def threads(self) -> int:
         """Return the number of threads of all workers."""
@@ -203,11 +207,32 @@ class _OfClient(Executor):
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":
         if self.client.status != "running":
             raise BrokenExecutor(f"the connection to the scheduler is {self.client.status}")
-        found: Future[Any] = self._executor.submit(fn, *args, **kwargs)
-        return found
+        future: Future[Any] = Future()
+        task = self.client.submit(fn, *args, **kwargs, pure=False)
+
+        async def deliver() -> None:
+            value, lost = None, None
+            try:
+                value = await self.client.gather(task, asynchronous=True)
+            except BaseException as error:
+                cancelled = not isinstance(error, Exception) or task.cancelled()
+                lost = ConnectionError("the scheduler was lost") if cancelled else error
+            if not future.set_running_or_notify_cancel():
+                return
+            if lost is None:
+                future.set_result(value)
+            else:
+                future.set_exception(lost)
+
+        def forget(future: "Future[Any]") -> None:
+            if future.cancelled():
+                task.cancel()
+
+        future.add_done_callback(forget)
+        self.client.loop.add_callback(deliver)
+        return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        self._executor.shutdown(wait=False)
         self.client.close(timeout=5)
 
 
