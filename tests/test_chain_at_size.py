@@ -350,6 +350,23 @@ def test_large_tables_at_the_same_time_and_at_the_end_of_the_interpreter():
     assert in_new_process(code, ROLLSLIP_THREADS="3") == ["1", "True"]
 
 
+def test_an_interruption_finds_no_thread_half_started():
+    """A signal interrupts the main thread only; here it would come whenever that one has started another."""
+    code = (
+        "import threading\n"
+        "start = threading.Thread.start\n"
+        "def interrupted(thread):\n"
+        "    start(thread)\n"
+        "    if thread.name.startswith('rollslip'):\n"
+        "        assert threading.current_thread() is not threading.main_thread()\n"
+        "threading.Thread.start = interrupted\n"
+    ) + USE
+    code += (
+        "chain(contacts(2 * LARGE))\nprint(sum(thread.name.startswith('rollslip') for thread in threading.enumerate()))"
+    )
+    assert in_new_process(code, ROLLSLIP_THREADS="4") == ["3"]
+
+
 def test_a_thread_that_helps_waits_for_no_other():
     """A foreign kernel that evaluates a large table itself: threads that waited for each other would never end."""
     inner = Chain(*PAPER, threads=2)

@@ -59,9 +59,28 @@ _here = threading.local()
 
 @cache
 def _pool(count: int) -> "ThreadPoolExecutor":
+    """Return threads that are all running.
+
+    A thread of its own starts them: a signal can interrupt the main one half way, and a thread that its pool does not
+    know of is waited for without end when the process ends.
+    """
     from concurrent.futures import ThreadPoolExecutor
 
-    return ThreadPoolExecutor(count, "rollslip", lambda: setattr(_here, "helps", True))
+    pool, all_run = ThreadPoolExecutor(count, "rollslip", _begin_to_help), threading.Barrier(count)
+
+    def start() -> None:
+        with suppress(RuntimeError):  # at the end of the interpreter no thread starts any more
+            for _ in range(count):
+                pool.submit(all_run.wait, 10.0)
+
+    starter = threading.Thread(target=start)
+    starter.start()
+    starter.join()
+    return pool
+
+
+def _begin_to_help() -> None:
+    _here.helps = True
 
 
 if hasattr(os, "register_at_fork"):
@@ -244,10 +263,10 @@ class Chain:
                     if outcome is not None:
                         outcomes[start] = outcome
 
-        with suppress(RuntimeError):  # at the end of the interpreter no thread starts any more
-            while len(others) < min(count, -(-n // step)) - 1:
-                others.append(_pool(count - 1).submit(work))
         try:
+            with suppress(RuntimeError):  # at the end of the interpreter no thread starts any more
+                while len(others) < min(count, -(-n // step)) - 1:
+                    others.append(_pool(count - 1).submit(work))
             work()
         finally:
             starts = iter(())
