@@ -44,9 +44,11 @@ __all__ = ["Progress", "Settled", "asked_engine", "described", "run_sweep"]
 
 #: Losses of an engine, one after the other without a result between them, before a run gives up.
 _PATIENCE: Final = 3
-#: Start of a pool of processes, with all imports [s], and what threads gain on this process alone, with points that are
-#: evaluated together without the GIL; others gain nothing.
-_START, _GAIN = 2.0, 1.4
+#: Start of a pool of processes, with all imports [s].
+_START: Final = 1.0
+#: What threads gain on this process alone where most of a point is compiled and holds up no other thread, and how long
+#: a slice takes there [s]. Else they lose by it: they wait for each other.
+_GAIN, _SLICE = 1.4, 1e-8
 #: A point of more than this is worth a process without measuring [s].
 _DEAR: Final = 0.25
 _MOST_IN_TASK: Final = 1000
@@ -230,7 +232,7 @@ def _plain_case(sweep: Sweep, folder: Path) -> tuple[Engine | None, str]:
         return get_model("engine", "processes"), "motions in time take long"
     assembly = assemble(sweep.scene)
     slices = study.evaluations(assembly)
-    if slices * 1e-8 > _DEAR:
+    if slices * _SLICE > _DEAR:
         return get_model("engine", "processes"), f"a point evaluates about {slices:.1e} slices"
     return None, ""
 
@@ -313,16 +315,18 @@ class _Run:
             done = compute(self.work, self._points(pending.take(1)))
             self._take(done)
             times.append(done.rows[0].seconds)
-        threads, processes, count = get_model("engine", "threads"), get_model("engine", "processes"), cores()
-        together = hasattr(settings(self.sweep.scene, self.sweep.study)[self.sweep.study], "together")
-        here, there = (min(times) * len(pending) / gain for gain in (min(_GAIN if together else 1.0, count), count))
-        cheap = here <= _START + there
-        said = f"a point takes {min(times) * 1e3:.3g} ms"
+        count, point = cores(), min(times)
+        said = f"a point takes {point * 1e3:.3g} ms"
         if count == 1 or not pending:
             return get_model("engine", "serial"), f"{said}, and there is {'one core' if pending else 'nothing left'}"
-        if cheap:
-            return threads, f"{said}: {len(pending)} of them are not worth the start of processes"
-        return processes, f"{said}: {len(pending)} of them are worth the start of {count} processes"
+        study = settings(self.sweep.scene, self.sweep.study)[self.sweep.study]
+        compiled = study.evaluations(assemble(self.sweep.scene)) * _SLICE > 0.5 * point
+        name, gain = ("threads", _GAIN) if hasattr(study, "together") and compiled else ("serial", 1.0)
+        if point * len(pending) * (1.0 / gain - 1.0 / count) <= _START:
+            return get_model("engine", name), f"{said}: {len(pending)} of them are not worth the start of processes"
+        return get_model(
+            "engine", "processes"
+        ), f"{said}: {len(pending)} of them are worth the start of {count} processes"
 
     def compute(self, engine: Engine, pending: _Pending, asked: _Interrupts) -> None:
         """Compute all points, until there are none, or the run is interrupted."""
