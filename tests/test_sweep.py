@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 import rollslip
 from rollslip import studies, sweep_run
 from rollslip.assembly import assemble
+from rollslip.cli import main
 from rollslip.discovery import get_class
 from rollslip.engine import Engine
 from rollslip.errors import EngineError, OutputError, PluginError, SceneError
@@ -557,7 +558,7 @@ def test_a_long_message_costs_the_other_points_nothing(tmp_path):
     assert rollslip.open_result(tmp_path / "sweep.nc").message.values.ravel().tolist() == ["x" * 10_000, *[""] * 5]
 
 
-def test_pieces_of_a_job_array_are_put_together(serial, tmp_path):
+def test_pieces_of_a_job_array_are_put_together(serial, tmp_path, capsys):
     for k in (1, 2, 3):
         sweep = planned(MANY, shard=(k, 3))
         folder = begin(sweep, tmp_path / "array")
@@ -568,6 +569,11 @@ def test_pieces_of_a_job_array_are_put_together(serial, tmp_path):
         else:
             run_sweep(sweep, folder, engine=engine("serial"))
     pieces = sorted((tmp_path / "array").glob("shard-*"))
+    with pytest.raises(SystemExit, match="0"):
+        main(["sweep", "status", str(tmp_path / "array")])
+    said = capsys.readouterr().out.splitlines()
+    assert f"3 of 3 pieces in {tmp_path / 'array'}: 9 of 10 of their points done, 0 running; put together" in said[0]
+    assert [line for line in said if ", piece " in line][1].endswith("shard-2-of-3: 2 of 3 points done")
     merged = merge(pieces, tmp_path / "array")
     assert status(tmp_path / "array").counts == {"ok": 9}
     run_sweep(merged, tmp_path / "array", engine=engine("serial"))

@@ -385,14 +385,21 @@ def sweep_retry(
 @_json
 def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
     """Show how the sweep in FOLDER stands, also while it runs: points by status, time left, last errors."""
-    from rollslip.sweep_findings import status_lines
-    from rollslip.sweep_folder import status
+    from rollslip.sweep_findings import pieces_line, status_lines
+    from rollslip.sweep_folder import pieces, status
+    from rollslip.sweeping import FILE
 
-    found = status(folder, errors)
+    parts = [] if (folder / FILE).exists() else [status(piece, errors) for piece in pieces(folder)]
+    found = parts or [status(folder, errors)]
     if as_json:
-        _print_json(found.as_dict())
-    else:
-        click.echo("\n".join(status_lines(found)))
+        _print_json(
+            {"folder": str(folder), "pieces": [one.as_dict() for one in parts]} if parts else found[0].as_dict()
+        )
+        return
+    if parts:
+        click.echo(pieces_line(folder, parts))
+    for one in found:
+        click.echo("\n".join(status_lines(one)))
 
 
 @sweep.command("merge")
@@ -401,10 +408,10 @@ def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
 @_json
 def sweep_merge(folders: Sequence[Path], out: Path | None, as_json: bool) -> None:
     """Put the pieces of a job array together: those in FOLDERS, or the folders shard-I-of-N in one FOLDER."""
-    from rollslip.sweep_folder import merge
+    from rollslip.sweep_folder import merge, pieces
 
-    if len(folders) == 1 and (pieces := sorted(folders[0].glob("shard-*-of-*"))):
-        folders, out = pieces, out if out is not None else folders[0]
+    if len(folders) == 1 and (parts := pieces(folders[0])):
+        folders, out = parts, out if out is not None else folders[0]
     if out is None:
         raise click.UsageError(
             f"{folders[0]} holds no folders shard-I-of-N; of other folders --out says where the pieces are put together"

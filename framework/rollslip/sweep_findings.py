@@ -2,6 +2,8 @@
 
 import importlib.metadata
 import json
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
 
     from rollslip.sweeping import Sweep
 
-__all__ = ["headline", "planned", "progress", "record", "sentences", "status_lines", "topics"]
+__all__ = ["headline", "pieces_line", "planned", "progress", "record", "sentences", "status_lines", "topics"]
 
 
 def headline(sweep: "Sweep") -> str:
@@ -33,7 +35,7 @@ def planned(sweep: "Sweep") -> list[str]:
     for axis in sweep.design.axes:
         count, ends = len(axis.values), [axis.shown(value) for value in axis.values]
         values = ", ".join(ends) if count <= 5 else f"{ends[0]}, {ends[1]} ... {ends[-1]}"
-        lines.append(f"{axis.key}: {count} values, {values}")
+        lines.append(f"{axis.key}: {count} value{'s' * (count != 1)}, {values}")
         if axis.key == "models.traction" and "hydrodynamic" in dict(sweep.scene.models.traction.parameters):
             whole = sweep.scene.models.traction.name
             lines.append(
@@ -80,6 +82,15 @@ def progress(of: Progress) -> str:
     return f"{of.done} of {of.total} points{failed}{left}"
 
 
+def pieces_line(folder: Path, pieces: Sequence[Status]) -> str:
+    """Return how the pieces of a sweep that are not put together yet stand."""
+    done, total, all_ = sum(one.done for one in pieces), sum(one.total for one in pieces), pieces[0].shard[1]
+    return (
+        f"{len(pieces)} of {all_} pieces in {folder}: {done} of {total} of their points done, "
+        f"{sum(one.running for one in pieces)} running; put together by: rollslip sweep merge {folder}"
+    )
+
+
 def status_lines(of: Status) -> list[str]:
     """Return how a sweep stands, line by line."""
     piece = f", piece {of.shard[0]} of {of.shard[1]}" if of.shard[1] > 1 else ""
@@ -105,7 +116,9 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
         where = (
             f"{row['least']:.4g} to {row['largest']:.4g}{unit}, median {row['median']:.4g}" if row["values"] else "none"
         )
-        lines.append(f"{name}: {where}; {row['values']} values, {row['missing']} without one")
+        lines.append(
+            f"{name}: {where}; {row['values']} value{'s' * (row['values'] != 1)}, {row['missing']} without one"
+        )
     return lines
 
 

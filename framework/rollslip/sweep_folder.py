@@ -24,7 +24,7 @@ from rollslip.sweeping import FILE, Sweep, open_sweep, plan_sweep, store_sweep
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RESULT", "Status", "begin", "finish", "merge", "status", "sweep"]
+__all__ = ["RESULT", "Status", "begin", "finish", "merge", "pieces", "status", "sweep"]
 
 RESULT = "sweep.nc"
 
@@ -170,6 +170,11 @@ class Status:
         found = attrs.asdict(self, recurse=False)
         errors = [{"number": n, "status": status, "message": text} for n, status, text in self.errors]
         return found | {"folder": str(self.folder), "counts": dict(self.counts), "done": self.done, "errors": errors}
+
+
+def pieces(folder: Path) -> list[Path]:
+    """Return the folders of the pieces of a sweep, in the order of their numbers."""
+    return sorted(folder.glob("shard-*-of-*"), key=lambda path: (len(path.name), path.name))
 
 
 def status(folder: Path, errors: int = 5) -> Status:
