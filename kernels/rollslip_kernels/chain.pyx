@@ -1,4 +1,4 @@
-"""Runs stages, compiled or Python, over blocks of slices; without the GIL where no Python stage is met.
+"""Runs stages, compiled or Python, over blocks of slices; large tables without the GIL where no Python stage is met.
 
 - Every stage is an ``rs_model``; a Python stage is one whose evaluate is a trampoline. The loop never asks which.
 - Tables are copied by value and their capsules kept alive, so nothing is looked up between blocks.
