@@ -325,7 +325,9 @@ def run_margin(
         critical = computed("critical", count)
         allowed = made.quantile(_lowest(critical), 1.0 - made.probability)
         batches.append((count, allowed))
-        said(f"{count} samples: allowable slip {allowed.value:.4g}, 95 %: {allowed.low:.4g} to {allowed.high:.4g}")
+        both = math.isfinite(allowed.half_width)
+        ends = f"95 %: {allowed.low:.4g} to {allowed.high:.4g}" if both else "too few for both ends of its interval"
+        said(f"{count} samples: allowable slip {allowed.value:.4g}, {ends}")
         if count == total or (made.until is not None and allowed.half_width <= made.until):
             break
         count = min(2 * count, total)
