@@ -106,14 +106,9 @@ class EffectiveFriction:
         errors = {"instants_error": error, "slices_error": raceways.slices_error(slip, curves[0])}
         return self._dataset(assembly, raceways, slip, curves, critical).assign_attrs(errors)
 
-    def only(self, assembly: Assembly, names: frozenset[str]) -> Only | None:
-        """Return what `run` returns of curves and critical slips, with coordinates; None if more than them is asked."""
-        found = self.together([(self, assembly)], names)
-        return None if found is None else found[0]
-
     @staticmethod
     def together(cases: "Sequence[tuple[EffectiveFriction, Assembly]]", names: frozenset[str]) -> list[Only] | None:
-        """Return what `only` does for several bearings, whose curves are evaluated in one go."""
+        """Return what `run` does of curves and critical slips, for several bearings at once; None if more is asked."""
         if not names <= {"effective_friction", "critical_cage_slip", "critical_friction", "critical_status"}:
             return None
         found = dict[int, tuple[Array, Array, tuple[Critical, Critical]]]()

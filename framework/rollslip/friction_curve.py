@@ -120,14 +120,9 @@ class FrictionCurve:
             attrs={"study": "friction-curve", "ring": self.ring, "rolling_speed": u},
         )
 
-    def only(self, assembly: Assembly, names: frozenset[str]) -> Only | None:
-        """Return what `run` returns of curves and critical slips, with coordinates; None if more than them is asked."""
-        found = self.together([(self, assembly)], names)
-        return None if found is None else found[0]
-
     @staticmethod
     def together(cases: "Sequence[tuple[FrictionCurve, Assembly]]", names: frozenset[str]) -> list[Only] | None:
-        """Return what `only` does for several contacts, whose curves are evaluated in one go."""
+        """Return what `run` does of curves and critical slips, for several contacts at once; None if more is asked."""
         if not names <= {"friction", "critical_slip", "critical_friction", "critical_status"}:
             return None
         made = [

@@ -1,8 +1,8 @@
 """What a point of a sweep returns: the variables of its study that were asked for, and nothing else.
 
 - The names stand here, so that an unknown one is refused before anything runs; a test holds them against the studies.
-- A study may offer `only`, a shorter way to some of its variables, and `together`, that way for many points in one go;
-  what it cannot give so, a whole run gives.
+- A study may offer `only`, a shorter way to some of its variables, or `together`, one for many points in one go; what
+  it cannot give so, a whole run gives.
 - What says in words whether a value was found goes with the value.
 """
 
@@ -110,6 +110,8 @@ def evaluate(study: Study, assembly: Assembly, names: Sequence[str]) -> Values:
     A variable that the study has only sometimes, such as the slips of a cage that runs away, is left out where it has
     none.
     """
+    if (together := evaluate_together([(study, assembly)], names)) is not None:
+        return together[0]
     only = getattr(study, "only", None)
     if only is not None and (found := only(assembly, frozenset(names))) is not None:
         return _picked(found, names)

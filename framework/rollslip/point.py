@@ -232,7 +232,7 @@ class _Point:
         self.seconds += time.perf_counter() - begin
 
     def _end(self, status: str, message: str) -> None:
-        self.status, self.message, self.study = status, message, None
+        self.status, self.message = status, message
 
     def prepare(self) -> None:
         """Put its bearing together."""
