@@ -15,13 +15,14 @@ from pathlib import Path
 import attrs
 import pytest
 
-from rollslip import discovery, evolve, hookspecs, load_scene, run
-from rollslip.assembly import assemble
-from rollslip.cli import cli, main
+from rollslip import evolve, hookspecs, load_scene, run
+from rollslip.bearing.assembly import assemble
+from rollslip.catalogue import discovery
+from rollslip.catalogue.registry import KINDS, available
+from rollslip.cli.main import cli, main
 from rollslip.lubricant import OilTable
-from rollslip.reading import schema
-from rollslip.registry import KINDS, available
-from rollslip.studies import STUDIES
+from rollslip.scene.reading import schema
+from rollslip.studies.study import STUDIES
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 DOCS = Path(__file__).parents[1] / "docs"

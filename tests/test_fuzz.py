@@ -1,6 +1,6 @@
 """What came of fuzzing: every target on fixed inputs, at length by name, and each find as a case of its own.
 
-`fuzz.targets` says what is promised; ``tests/fuzz/run.py`` runs the same targets guided by coverage.
+`fuzz.targets` says what is promised; ``tests/support/fuzz/run.py`` runs the same targets guided by coverage.
 """
 
 import faulthandler
@@ -11,7 +11,7 @@ import pytest
 
 from fuzz.targets import CSV, OWN, TARGETS
 from rollslip.errors import SceneError
-from rollslip.reading import evolve, parse_scene
+from rollslip.scene.reading import evolve, parse_scene
 
 resource = pytest.importorskip("resource")
 

@@ -7,15 +7,15 @@ from pathlib import Path
 import attrs
 import click
 
-from rollslip.cage import Cage
-from rollslip.cli import cli
-from rollslip.console import models_as_dict
-from rollslip.distributions import DISTRIBUTIONS, Correlation
+from rollslip.bearing.cage import Cage
+from rollslip.campaigns.sweep.distributions import DISTRIBUTIONS, Correlation
+from rollslip.campaigns.sweep.sweep import SweepTable
+from rollslip.catalogue.registry import KINDS, available, get_class
+from rollslip.cli.console import models_as_dict
+from rollslip.cli.main import cli
 from rollslip.lubricant import OilPoint, OilTable
-from rollslip.reading import schema, shown_default
-from rollslip.registry import KINDS, available, get_class
-from rollslip.studies import STUDIES
-from rollslip.sweeping import SweepTable
+from rollslip.scene.reading import schema, shown_default
+from rollslip.studies.study import STUDIES
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 

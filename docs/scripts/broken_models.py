@@ -9,7 +9,7 @@ from pathlib import Path
 
 from output import write_table
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
 from broken_models import BROKEN, FATAL, fault_of, install
 from rollslip.testing import all_checks, checks_of

@@ -23,8 +23,8 @@ from reproduction import CLOSURES, PROFILE, PROFILES, TRACTION, TRACTIONS
 from scipy.optimize import brentq, minimize
 
 from rollslip import evolve, load_scene, run
-from rollslip.assembly import assemble
-from rollslip.effective_friction import EffectiveFriction
+from rollslip.bearing.assembly import assemble
+from rollslip.studies.effective_friction.study import EffectiveFriction
 
 TARGET = 0.11
 NOMINAL, OIL, ALPHA = "uncalibrated", "oil within scatter", "alpha alone"

@@ -16,8 +16,8 @@ from output import write_table
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from rollslip import evolve, load_scene
-from rollslip.assembly import assemble
-from rollslip.effective_table import effective_table
+from rollslip.bearing.assembly import assemble
+from rollslip.motion.effective_table import effective_table
 from rollslip_kernels import raceway as compiled
 
 SCENES = ("1032930-30C", "1032930-50C", "1032930-70C")

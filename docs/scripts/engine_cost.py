@@ -36,7 +36,7 @@ COARSE = {"accuracy.slices": 5, "study.friction-curve.points": 5}
 
 def nothing(work, points):
     """Compute points that are one number: what is left is the engine."""
-    from rollslip.point import Done, Row, here
+    from rollslip.campaigns.sweep.point import Done, Row, here
 
     about = {"dims": (), "shape": (), "text": False, "attrs": {"units": "1", "long_name": "nothing"}}
     layout = json.dumps({"variables": {"critical_friction": about}, "coords": {}})
@@ -57,8 +57,8 @@ def forget_peak():
 def planned(kind, points):
     """Return a sweep of a kind of points, over loads and temperatures."""
     import rollslip
-    from rollslip import sweep_run
-    from rollslip.sweeping import plan_sweep
+    from rollslip.campaigns.sweep import run as sweep_run
+    from rollslip.campaigns.sweep.sweep import plan_sweep
 
     scene, study = rollslip.load_scene("1032930-70C"), "effective-friction"
     if kind != "effective friction":
@@ -75,7 +75,7 @@ def planned(kind, points):
 
 def point_itself(kind):
     """Return the time of the processor of a point without a sweep [s]."""
-    from rollslip import sweep_run
+    from rollslip.campaigns.sweep import run as sweep_run
 
     made = planned(kind, 1000)
     points = [(number, made.design.changes(number)) for number in range(1000)]
@@ -88,8 +88,8 @@ def point_itself(kind):
 def one_sweep(kind, name, points, address):
     """Run a sweep in this process; return what it took."""
     import rollslip
-    from rollslip import sweep_run
-    from rollslip.sweep_folder import begin, finish
+    from rollslip.campaigns.sweep import run as sweep_run
+    from rollslip.campaigns.sweep.folder import begin, finish
 
     made = planned(kind, points)
     parameters = {"dask": {"scheduler": address}, "serial": {}}.get(name, {"count": WORKERS})

@@ -2,7 +2,7 @@
 
 - Groups are log-random over each range: the paper's bearing, all of order 1, and all that the short series serve.
 - The error is the worst one against the exact Maxwell-Eyring stress in double precision; that of the exact stress is
-  against fifty digits (tests/fifty_digits.py), over 40 films.
+  against fifty digits (tests/support/fifty_digits.py), over 40 films.
 - Times are per slice, the least of many turns that the laws take one after another in one process: of the law alone,
   and as the stage of a chain, with groups and checks of the input.  What counts is the ratio to `muraki`.
 """
@@ -24,7 +24,7 @@ from rollslip import Chain, Conditions, Slices
 from rollslip_kernels import simd, stress
 from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
 from fifty_digits import maxwell_eyring_stress as exact_stress
 

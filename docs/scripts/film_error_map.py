@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from output import BLACK, BLUE, GREEN, ORANGE, PURPLE, figure, save_figure, write_table
 
 from rollslip import get_model
-from rollslip.pressure_viscosity import Barus, Roelands
+from rollslip.lubricant.pressure import Barus, Roelands
 from rollslip_plugins import reynolds_line as solver
 from rollslip_plugins.lubricants import mil_prf_7808
 from rollslip_plugins.reynolds_line import LOCATIONS, ReynoldsLine, solve_line_contact

@@ -13,10 +13,10 @@ import attrs
 import numpy as np
 from output import write_table
 
+from rollslip.campaigns.fit.fit import assemble, choose, fit_parameters
+from rollslip.campaigns.fit.least_squares import LEVELS
+from rollslip.campaigns.fit.rig_data import Rig, RigContact, RigData
 from rollslip.errors import ConvergenceError
-from rollslip.estimation import LEVELS
-from rollslip.fitting import assemble, choose, fit_parameters
-from rollslip.rig_data import Rig, RigContact, RigData
 from rollslip.scene import LubricantTable
 
 REPEATS = 500

@@ -18,10 +18,10 @@ import numpy as np
 from output import DOCS, write_table
 
 from rollslip import evolve, load_scene
-from rollslip.choices import plan_family
-from rollslip.front_findings import findings, milliseconds, studies, taking_part
-from rollslip.fronts import run_family
-from rollslip.plots import plot
+from rollslip.campaigns.pareto.candidates import plan_family
+from rollslip.campaigns.pareto.findings import findings, milliseconds, studies, taking_part
+from rollslip.campaigns.pareto.pareto import run_family
+from rollslip.results.figures import plot
 
 KEPT = DOCS.parent / "build" / "fronts"
 #: Table -> scene, study, what is changed in it, rounds, figures.

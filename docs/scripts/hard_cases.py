@@ -11,7 +11,7 @@ from pathlib import Path
 
 from output import write_table
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
 from hard_cases import CASES, LOSSES, subjects, why_not
 

@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy as np
 from output import DOCS, write_table
 
-from rollslip.allowable import plan_margin, run_margin
-from rollslip.plots import plot
-from rollslip.sweep_figures import models_apart
-from rollslip.sweep_folder import sweep
-from rollslip.uncertainty_findings import sentences
+from rollslip.campaigns.sweep.figures import models_apart
+from rollslip.campaigns.sweep.folder import sweep
+from rollslip.campaigns.uncertainty.findings import sentences
+from rollslip.campaigns.uncertainty.margin import plan_margin, run_margin
+from rollslip.results.figures import plot
 
 SCENE = "1032930-70C"
 KEPT = DOCS.parent / "build" / "margin"

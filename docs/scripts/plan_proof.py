@@ -1,7 +1,7 @@
 """Write docs/tables/plan_proof.csv and plan_proof_summary.csv: whether plans keep their word on 200 random scenes.
 
-Every scene is planned, run as planned and run at the finest; see tests/plan_scenes.py. Takes half an hour on two cores.
-Times are of the processor.
+Every scene is planned, run as planned and run at the finest; see tests/support/plan_scenes.py. Takes half an hour on
+two cores. Times are of the processor.
 """
 
 import sys
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from output import write_table
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
 from plan_scenes import BASE, STUDY, judge, points, scene
 

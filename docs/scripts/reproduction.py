@@ -17,8 +17,8 @@ import numpy as np
 from output import BLUE, GREEN, ORANGE, coefficient, figure, percent, save_figure, write_table
 
 from rollslip import Chain, evolve, load_scene, run
-from rollslip.assembly import assemble
-from rollslip.effective_friction import EffectiveFriction
+from rollslip.bearing.assembly import assemble
+from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip_plugins.hydrodynamic import Muraki
 
 CLOSURES = ("epicyclic", "free-roller", "outer-rolling")

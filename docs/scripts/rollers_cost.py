@@ -13,9 +13,9 @@ import numpy as np
 from output import BLUE, GREEN, ORANGE, PURPLE, figure, save_figure, write_table
 
 from rollslip import evolve, load_scene
-from rollslip.assembly import assemble
-from rollslip.load_map import build_load_map
-from rollslip.motion import carried_motion
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.load_map import build_load_map
+from rollslip.motion.carried import carried_motion
 from rollslip_kernels.rosenbrock import Rosenbrock
 
 SCENE = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15})

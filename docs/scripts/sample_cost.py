@@ -1,7 +1,8 @@
 """Write sample_cost.csv of docs/start/uncertainty.rst: what a sample of the critical slip takes, and where it goes.
 
-Each step is done for the same samples of the paper's bearing at 70 degC, as `rollslip.point` does it; then all of them
-at once, and 10,000 through ``rollslip uncertainty`` in a folder of its own. Least of three rounds; about two minutes.
+Each step is done for the same samples of the paper's bearing at 70 degC, as `rollslip.campaigns.sweep.point` does it;
+then all of them at once, and 10,000 through ``rollslip uncertainty`` in a folder of its own. Least of three rounds;
+about two minutes.
 """
 
 import subprocess
@@ -11,13 +12,13 @@ import time
 
 from output import write_table
 
-from rollslip.allowable import plan_margin
-from rollslip.assembly import assemble
-from rollslip.effective_friction import evaluated_together
-from rollslip.friction_curve import slip_grid
-from rollslip.point import _key, compute
-from rollslip.reading import evolve
-from rollslip.studies import settings
+from rollslip.bearing.assembly import assemble
+from rollslip.campaigns.sweep.point import _key, compute
+from rollslip.campaigns.uncertainty.margin import plan_margin
+from rollslip.scene.reading import evolve
+from rollslip.studies.effective_friction.study import evaluated_together
+from rollslip.studies.friction_curve.study import slip_grid
+from rollslip.studies.study import settings
 
 SCENE, SAMPLES, MANY = "1032930-70C", 320, 10_000
 

@@ -18,9 +18,9 @@ import numpy as np
 from output import BLUE, GREEN, ORANGE, PURPLE, coefficient, figure, percent, save_figure, write_table
 
 from rollslip import Chain, Conditions, Slices, get_model, load_scene
-from rollslip.assembly import assemble
-from rollslip.pressure_viscosity import Barus
-from rollslip.regimes import moes_groups
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.regimes import moes_groups
+from rollslip.lubricant.pressure import Barus
 from rollslip_plugins.traction_field import GRIDS, OIL_HEAT_CAPACITY, solve_field, solve_friction, stress_on_grid
 
 #: The models that are compared with the field.

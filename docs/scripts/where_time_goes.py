@@ -62,21 +62,21 @@ def one_run(scene: str, folder: Path) -> dict[str, float]:
             __import__(name)
 
     clock.call("import NumPy", import_, "numpy")
-    clock.call("import rollslip", import_, "rollslip.cli", "rollslip.console", "rollslip.execution")
+    clock.call("import rollslip", import_, "rollslip.cli.main", "rollslip.cli.console", "rollslip.planning.execution")
     clock.call("import xarray", import_, "xarray", "xarray.backends.writers")
     clock.call("import h5netcdf", import_, "h5netcdf")
-    from rollslip.planning import plan
-    from rollslip.reading import load_scene
+    from rollslip.planning.plan import plan
+    from rollslip.scene.reading import load_scene
 
     made = clock.call("make the plan", plan, clock.call("read the scene", load_scene, scene))
     clock.call("import matplotlib", import_, "matplotlib.figure", "matplotlib.backends.backend_svg")
 
-    from rollslip.assembly import Assembly
-    from rollslip.effective_friction import LoadedRaceways
-    from rollslip.execution import execute
-    from rollslip.plots import plot
-    from rollslip.report import write_report
-    from rollslip.result import save
+    from rollslip.bearing.assembly import Assembly
+    from rollslip.planning.execution import execute
+    from rollslip.results.dataset import save
+    from rollslip.results.figures import plot
+    from rollslip.results.report import write_report
+    from rollslip.studies.effective_friction.study import LoadedRaceways
 
     for owner, method, part in (
         (Assembly, "load_distribution", "load distributions"),

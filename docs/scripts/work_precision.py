@@ -18,10 +18,10 @@ from output import BLACK, BLUE, GREEN, ORANGE, PURPLE, figure, save_figure, writ
 from scipy.special import ellipj
 
 from rollslip import available, evolve, get_model, load_scene
-from rollslip.assembly import assemble
+from rollslip.bearing.assembly import assemble
 from rollslip.errors import PluginError
-from rollslip.motion import carried_motion
-from rollslip.time_integration import InitialValueProblem, integrate
+from rollslip.motion.carried import carried_motion
+from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip_kernels.rosenbrock import Rosenbrock
 from rollslip_kernels.system import python_system
 

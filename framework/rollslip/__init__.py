@@ -7,46 +7,46 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rollslip.allowable import uncertainty as uncertainty
-    from rollslip.chain import Chain as Chain
-    from rollslip.comparison import compare as compare
-    from rollslip.execution import load_distribution as load_distribution
-    from rollslip.execution import run as run
-    from rollslip.fitting import fit as fit
-    from rollslip.fronts import pareto as pareto
-    from rollslip.planning import plan as plan
-    from rollslip.reading import evolve as evolve
-    from rollslip.reading import load_scene as load_scene
-    from rollslip.registry import available as available
-    from rollslip.registry import get_model as get_model
-    from rollslip.result import open_result as open_result
-    from rollslip.sweep_folder import sweep as sweep
-    from rollslip.unpackaged import model as model
-    from rollslip.unpackaged import register as register
+    from rollslip.bearing.chain import Chain as Chain
+    from rollslip.campaigns.comparison.comparison import compare as compare
+    from rollslip.campaigns.fit.fit import fit as fit
+    from rollslip.campaigns.pareto.pareto import pareto as pareto
+    from rollslip.campaigns.sweep.folder import sweep as sweep
+    from rollslip.campaigns.uncertainty.margin import uncertainty as uncertainty
+    from rollslip.catalogue.registry import available as available
+    from rollslip.catalogue.registry import get_model as get_model
+    from rollslip.catalogue.session import model as model
+    from rollslip.catalogue.session import register as register
+    from rollslip.planning.execution import load_distribution as load_distribution
+    from rollslip.planning.execution import run as run
+    from rollslip.planning.plan import plan as plan
+    from rollslip.results.dataset import open_result as open_result
+    from rollslip.scene.reading import evolve as evolve
+    from rollslip.scene.reading import load_scene as load_scene
     from rollslip_kernels import get_include as get_include
     from rollslip_kernels.slices import Conditions as Conditions
     from rollslip_kernels.slices import Slices as Slices
 
 _HOMES = {
-    "Chain": "rollslip.chain",
+    "Chain": "rollslip.bearing.chain",
     "Conditions": "rollslip_kernels.slices",
     "Slices": "rollslip_kernels.slices",
-    "available": "rollslip.registry",
-    "compare": "rollslip.comparison",
-    "evolve": "rollslip.reading",
-    "fit": "rollslip.fitting",
+    "available": "rollslip.catalogue.registry",
+    "compare": "rollslip.campaigns.comparison.comparison",
+    "evolve": "rollslip.scene.reading",
+    "fit": "rollslip.campaigns.fit.fit",
     "get_include": "rollslip_kernels",
-    "get_model": "rollslip.registry",
-    "load_distribution": "rollslip.execution",
-    "load_scene": "rollslip.reading",
-    "model": "rollslip.unpackaged",
-    "open_result": "rollslip.result",
-    "pareto": "rollslip.fronts",
-    "plan": "rollslip.planning",
-    "register": "rollslip.unpackaged",
-    "run": "rollslip.execution",
-    "sweep": "rollslip.sweep_folder",
-    "uncertainty": "rollslip.allowable",
+    "get_model": "rollslip.catalogue.registry",
+    "load_distribution": "rollslip.planning.execution",
+    "load_scene": "rollslip.scene.reading",
+    "model": "rollslip.catalogue.session",
+    "open_result": "rollslip.results.dataset",
+    "pareto": "rollslip.campaigns.pareto.pareto",
+    "plan": "rollslip.planning.plan",
+    "register": "rollslip.catalogue.session",
+    "run": "rollslip.planning.execution",
+    "sweep": "rollslip.campaigns.sweep.folder",
+    "uncertainty": "rollslip.campaigns.uncertainty.margin",
 }
 __all__ = sorted(_HOMES)
 

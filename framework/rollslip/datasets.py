@@ -2,7 +2,7 @@
 
 import attrs
 
-from rollslip.scene import Bearing, Surface
+from rollslip.scene.values import Bearing, Surface
 
 __all__ = ["BearingData", "SurfaceData"]
 

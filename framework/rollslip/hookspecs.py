@@ -8,7 +8,7 @@ import pluggy
 if TYPE_CHECKING:
     from rollslip.datasets import BearingData, SurfaceData
     from rollslip.engine import Engine
-    from rollslip.lubricant import Lubricant
+    from rollslip.lubricant.oil import Lubricant
     from rollslip.models import ContactModel, DragModel, FilmModel, IntegratorModel, TractionModel
 
 hookspec = pluggy.HookspecMarker("rollslip")

@@ -12,10 +12,10 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
+from rollslip.bearing.regimes import BLOK, DOWSON_1968, HERREBRUGH, MARTIN, PowerLaw, film_by_regime, groups
 from rollslip.fields import one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, FilmModel
-from rollslip.regimes import BLOK, DOWSON_1968, HERREBRUGH, MARTIN, PowerLaw, film_by_regime, groups
 from rollslip_kernels import film as compiled
 from rollslip_kernels.slices import Slices
 
@@ -208,7 +208,7 @@ class Regime(FilmModel):
 
     Elasticity thickens the isoviscous film and thins the piezoviscous one, and the thicker of the two mechanisms
     holds: h = max(max(Martin, Herrebrugh), min(Blok, Dowson 1968)). The boundaries are therefore where two formulas
-    meet (see ``rollslip.regimes``), and the film is continuous across each.
+    meet (see ``rollslip.bearing.regimes``), and the film is continuous across each.
     """
 
     name: ClassVar[str] = "regime"

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.chain import stage
+from rollslip.bearing.chain import stage
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError, in_range, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl

@@ -17,11 +17,11 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rollslip.campaigns.fit.rig_data import cells
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError, non_negative, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
-from rollslip.rig_data import cells
 from rollslip.units import UnitError, as_written, expectation, format_quantity, quantity
 from rollslip_kernels import rheology as compiled
 from rollslip_kernels.slices import Slices

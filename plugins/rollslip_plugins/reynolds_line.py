@@ -35,12 +35,12 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from rollslip.bearing.regimes import groups
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
+from rollslip.lubricant.pressure import PressureViscosity, from_oil
 from rollslip.models import Domain, FilmModel, interval
-from rollslip.pressure_viscosity import PressureViscosity, from_oil
-from rollslip.regimes import groups
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
 Array = NDArray[np.float64]

@@ -35,8 +35,8 @@ from numpy.typing import ArrayLike, NDArray
 from rollslip.errors import DomainError
 from rollslip.fields import in_range, parameter, positive
 from rollslip.hookspecs import hookimpl
+from rollslip.lubricant.pressure import Barus, PressureViscosity, from_oil
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
-from rollslip.pressure_viscosity import Barus, PressureViscosity, from_oil
 from rollslip.references import KLEBANOV
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_plugins.stress import LINEAR, _dilogarithm

@@ -33,7 +33,7 @@ def main():
 
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"  # read when NumPy is imported
     cores = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else set()
-    sys.path.insert(1, str(TESTS))
+    sys.path.insert(1, str(TESTS / "support"))
     import bench_calls
     import bench_chain
     import bench_growth

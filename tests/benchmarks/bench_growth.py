@@ -7,7 +7,7 @@ from bench_tribology import bearing, case
 from contacts import CONTACT, OIL, TRACTION, contacts
 from report import Table, number
 from rollslip import Chain
-from rollslip.equilibrium import solve_equilibrium
+from rollslip.bearing.equilibrium import solve_equilibrium
 from timing import exponent, interleaved
 
 

@@ -18,10 +18,10 @@ from contacts import BEARING, contacts, worst_error
 from fifty_digits import DIGITS
 from report import Table, cell
 from rollslip import Chain, Slices, evolve, load_scene
-from rollslip.assembly import assemble
-from rollslip.equilibrium import LoadCase, angular_positions, solve_equilibrium
-from rollslip.profile import profile_drop, slice_positions
-from rollslip.regimes import PowerLaw
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
+from rollslip.bearing.profile import profile_drop, slice_positions
+from rollslip.bearing.regimes import PowerLaw
 from rollslip_plugins.film import DowsonHigginson
 from timing import interleaved, medians
 

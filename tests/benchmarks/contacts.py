@@ -18,8 +18,8 @@ from mpmath import mp, mpf
 
 from fifty_digits import DIGITS, LAWS, groups, muraki_stress, power
 from rollslip import Conditions, get_model
-from rollslip.pressure_viscosity import Barus
-from rollslip.regimes import NAMES
+from rollslip.bearing.regimes import NAMES
+from rollslip.lubricant.pressure import Barus
 
 FILMS = ("moes", "regime")
 CONTACT = get_model("contact", "palmgren")

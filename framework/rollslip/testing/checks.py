@@ -30,11 +30,11 @@ import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from rollslip.chain import Chain, stage
+from rollslip.bearing.chain import Chain, stage
+from rollslip.catalogue.registry import catalogue, get_class
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, SliceModel, TractionModel
-from rollslip.registry import catalogue, get_class
 from rollslip.testing.rules import MODELS, STAGES, Inapplicable, Nonconformance, bits, refuse_unless, rule, same
 from rollslip.testing.samples import (
     Unlimited,
@@ -153,7 +153,8 @@ def check_its_module_is_imported_fast_and_quietly(model: Any) -> None:
 _IMPORT = """
 import json, os, sys, time
 sys.path[:] = json.loads(sys.argv[2])
-import rollslip, rollslip.chain, rollslip.hookspecs, rollslip.lubricant, rollslip.models, rollslip_kernels.traction
+import rollslip, rollslip.bearing.chain, rollslip.hookspecs, rollslip.lubricant, rollslip.models
+import rollslip_kernels.traction
 answer = os.fdopen(os.dup(1), "w")
 start = time.process_time()
 __import__(sys.argv[1])

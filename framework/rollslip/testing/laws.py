@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, EngineError
-from rollslip.lubricant import Lubricant
+from rollslip.lubricant.oil import Lubricant
 from rollslip.models import (
     ContactModel,
     DragModel,

@@ -12,7 +12,7 @@ from hypothesis import assume
 
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
-from rollslip.lubricant import Lubricant
+from rollslip.lubricant.oil import Lubricant
 from rollslip.models import (
     ContactModel,
     Drag,

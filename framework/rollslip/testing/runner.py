@@ -18,8 +18,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from rollslip.catalogue.registry import find, get_model
 from rollslip.errors import RollslipError
-from rollslip.registry import find, get_model
 from rollslip.testing.findings import NONE_EXPECTED, Finding, cases_of, name_of, run_check
 
 #: Checks that may run into the time limit before the others are given up.

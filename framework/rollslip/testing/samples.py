@@ -25,7 +25,7 @@ from hypothesis import HealthCheck, Verbosity, given, settings
 from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 
-from rollslip.chain import Chain
+from rollslip.bearing.chain import Chain
 from rollslip.errors import DomainError
 from rollslip.models import NO_LIMITS, Domain, SliceModel, left_to_scene
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices

@@ -3,7 +3,7 @@
  *
  * - Compile with -O3 -fno-math-errno -fno-trapping-math; never with -ffast-math, which deletes the rounding below.
  * - Infinities, zeros and denormal numbers are handled as in C99; a NaN in gives a NaN out, so rs_pow(NaN, 0) is NaN.
- * - Worst errors are measured against 40 digits in tests/test_vector_math.py and stand beside each function [ulp].
+ * - Worst errors are measured against 40 digits in tests/kernels/test_vector_math.py and stand beside each function [ulp].
  * - The coefficients interpolate at Chebyshev's nodes: tests/references/vector_math_coefficients.py makes them. */
 #ifndef ROLLSLIP_MATH_H
 #define ROLLSLIP_MATH_H

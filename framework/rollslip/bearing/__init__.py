@@ -1,0 +1,1 @@
+"""One bearing put together, at rest: contacts, loads, kinematics, cage and resolution."""

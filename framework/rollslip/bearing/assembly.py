@@ -1,0 +1,362 @@
+"""The bearing of a scene put together: models by name, oil at temperature, one bound chain for each raceway."""
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any, Literal
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.bearing.cage import Cage, read_cage
+from rollslip.bearing.chain import Chain
+from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_pitch
+from rollslip.bearing.kinematics import Kinematics
+from rollslip.bearing.profile import profile_drop
+from rollslip.bearing.resolution import Resolution, as_stated
+from rollslip.catalogue.registry import get_class, structure_model
+from rollslip.errors import DomainError, PluginError, SceneError
+from rollslip.lubricant.oil import Lubricant, lubricant_from_table
+from rollslip.lubricant.pressure import with_law
+from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
+from rollslip.scene.reading import Where
+from rollslip.scene.values import Scene
+from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
+
+Array = NDArray[np.float64]
+Ring = Literal["inner", "outer"]
+RINGS: tuple[Ring, Ring] = ("inner", "outer")
+_PIECE = 2048  # slices whose deflection is found at a time
+_KEPT = 1 << 14  # loads in a distribution that is kept, at most
+
+
+@attrs.frozen(eq=False)
+class Raceway:
+    """One raceway: what all of its contacts share, and the bound laws they follow."""
+
+    ring: Ring
+    conditions: Conditions
+    chain: Chain
+    deflection: Chain
+
+    def evaluate(self, load: Array, rolling_speed: Any, sliding_speed: Any) -> Slices:
+        """Return the evaluated slices for loads per length [N/m] and speeds [m/s] that broadcast to them."""
+        slices = Slices(load.size, self.conditions, load=load, rolling_speed=rolling_speed, sliding_speed=sliding_speed)
+        self.chain(slices)
+        return slices
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Assembly:
+    """All that the studies need of a scene, with the models bound."""
+
+    scene: Scene
+    resolution: Resolution
+    contact: ContactModel
+    film: FilmModel
+    traction: TractionModel
+    lubricant: Lubricant
+    kinematics: Kinematics
+    #: Slices along a roller: their places from the middle, their widths and the profile there [m], (n,).
+    position: Array
+    widths: Array
+    drop: Array
+    inner: Raceway
+    outer: Raceway
+    #: Load distributions of few slices at few instants, which a plan asks for again and again.
+    known_loads: dict[tuple[Any, ...], LoadDistribution] = attrs.field(factory=dict, repr=False)
+
+    @property
+    def models(self) -> dict[str, SliceModel]:
+        """The models by kind; the oil's law of viscosity with pressure runs before the last."""
+        return {"contact": self.contact, "film": self.film, "traction": self.traction}
+
+    @property
+    def raceways(self) -> tuple[Raceway, Raceway]:
+        """Inner and outer raceway."""
+        return self.inner, self.outer
+
+    @property
+    def slices(self) -> int:
+        """Slices along a roller."""
+        return self.drop.size
+
+    @property
+    def roller_mass(self) -> float:
+        """Mass of a roller [kg], a solid cylinder."""
+        b = self.scene.bearing
+        return b.material.density * math.pi * b.roller_diameter**2 / 4 * b.roller_length
+
+    @property
+    def centrifugal_force(self) -> float:
+        """Centrifugal force m R_m w_ce^2 of a roller at the epicyclic cage speed [N].
+
+        Raises
+        ------
+        DomainError
+            If it overflows.
+        """
+        return self._centrifugal_force_at(self.kinematics.epicyclic_cage_speed)
+
+    def _centrifugal_force_at(self, cage_speed: float) -> float:
+        force = self.roller_mass * self.kinematics.orbit_radius * (cage_speed * cage_speed)  # a power would raise
+        if not force < math.inf:
+            raise DomainError(
+                f"the centrifugal force of a roller of {self.roller_mass:g} kg overflows at a cage speed of "
+                f"{cage_speed:g} rad/s; lower operation.inner_speed and operation.outer_speed, or the mass"
+            )
+        return force
+
+    @cached_property
+    def cage(self) -> Cage:
+        """The cage with its drags; read when a study in time asks for it.
+
+        Raises
+        ------
+        SceneError
+            If the scene has none, or it is wrong.
+        PluginError
+            If a drag that it names does not exist or cannot be loaded.
+        """
+        cage = read_cage(self.scene, self.kinematics, self.lubricant)
+        if (resistance := cage.drags.resistance) is not None:
+            _check_given((resistance,), self.inner.conditions, self.lubricant, Where(self.scene.origins))
+        return cage
+
+    def resisting(self) -> "Assembly":
+        """Return the same bearing with resistance to rolling behind the friction of its raceways, if there is any."""
+        resistance = self.cage.drags.resistance
+        if resistance is None:
+            return self
+        return self._with_chain(*self.inner.chain.models, resistance, bounds=self.inner.chain.bounds)
+
+    def watched(self, *bounds: Callable[[Slices], None]) -> "Assembly":
+        """Return the same bearing with bounds that are checked at every evaluation of its contacts."""
+        return self._with_chain(*self.inner.chain.models, bounds=bounds) if bounds else self
+
+    def _with_chain(self, *models: SliceModel, bounds: Sequence[Callable[[Slices], None]]) -> "Assembly":
+        chain = Chain(*models, compiled=self.resolution.compiled, bounds=bounds)
+        return attrs.evolve(
+            self, inner=attrs.evolve(self.inner, chain=chain), outer=attrs.evolve(self.outer, chain=chain)
+        )
+
+    def at(self, resolution: Resolution) -> "Assembly":
+        """Return the same bearing at another resolution; where its laws are to be others, it is put together anew."""
+        laws = ("traction", "traction_error", "boundary", "compiled")
+        if any(getattr(self.resolution, name) != getattr(resolution, name) for name in laws):
+            return assemble(self.scene, resolution)
+        position, widths, drop = _slicing(self.scene, resolution)
+        return attrs.evolve(self, resolution=resolution, position=position, widths=widths, drop=drop)
+
+    def coarser(self) -> "Assembly":
+        """Return the same bearing with half as many slices, to estimate what the slices leave."""
+        return self.at(attrs.evolve(self.resolution, slices=self.slices // 2))
+
+    def load_distribution(
+        self, instants: int = 1, cage_speed: float | None = None, known: LoadDistribution | None = None
+    ) -> LoadDistribution:
+        """Return the quasi-static loads of all rollers at instants spread over one roller pitch.
+
+        Parameters
+        ----------
+        instants : int
+            Number of instants.
+        cage_speed : float, optional
+            Speed [rad/s] with which the rollers go round, for their centrifugal force; by default the epicyclic one.
+        known : LoadDistribution, optional
+            That of half as many instants at this cage speed, whose instants are not solved for again.
+
+        Raises
+        ------
+        ConvergenceError
+            If forces and moments do not balance to 1e-10.
+        DomainError
+            If a force is more than the contact law, or a float, can hold.
+        """
+        few = known is None and cage_speed is None and self.scene.bearing.rollers * instants * self.slices <= _KEPT
+        if not few:
+            return self._solved_loads(instants, cage_speed, known)
+        sides = ((raceway.deflection, raceway.conditions) for raceway in self.raceways)
+        key = (instants, self.slices, self.resolution.quadrature, *sides)
+        if key not in self.known_loads:
+            self.known_loads[key] = self._solved_loads(instants, cage_speed, known)
+        return self.known_loads[key]
+
+    def _solved_loads(
+        self, instants: int, cage_speed: float | None, known: LoadDistribution | None
+    ) -> LoadDistribution:
+        b, o = self.scene.bearing, self.scene.operation
+        case = LoadCase(
+            angular_positions(b.rollers, instants),
+            b.roller_length,
+            self.drop,
+            radial_clearance=b.radial_clearance,
+            radial_load=o.radial_load,
+            misalignment=o.misalignment,
+            centrifugal_force=self.centrifugal_force if cage_speed is None else self._centrifugal_force_at(cage_speed),
+            position=self.position,
+            widths=self.widths,
+        )
+        return solve_pitch(case, self.raceways, known)
+
+    def deflect(self, approach: Array, ring: Ring) -> tuple[Array, Array]:
+        """Return load per length [N/m] and stiffness [N/m2] of the contacts with a ring, by approach [m]."""
+        raceway = self.inner if ring == "inner" else self.outer
+        every = approach.ravel()
+        touching = np.flatnonzero(~(every <= 0.0))  # NaN among them, for the chain to refuse
+        load, stiffness = np.zeros_like(every), np.zeros_like(every)
+        for start in range(0, touching.size, _PIECE):  # a table is many columns: pieces of it stay in the cache
+            some = touching[start : start + _PIECE]
+            slices = Slices(some.size, raceway.conditions, approach=every[some])
+            raceway.deflection(slices)
+            load[some], stiffness[some] = slices.load, slices.stiffness
+        return load.reshape(approach.shape), stiffness.reshape(approach.shape)
+
+
+def assemble(scene: Scene, resolution: Resolution | None = None) -> Assembly:
+    """Put the bearing of a scene together.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    resolution : Resolution, optional
+        How finely it is computed; by default as the scene states, with instants doubled until results stand still.
+
+    Raises
+    ------
+    SceneError
+        If a parameter of a model or the oil is wrong, the temperature is outside the oil's range, or a model needs
+        data that the scene does not give; all faults that can be found at once.
+    PluginError
+        If a model or the oil does not exist or cannot be loaded.
+    """
+    b = scene.bearing
+    resolution = as_stated(scene) if resolution is None else resolution
+    where = Where(scene.origins)
+    problems: list[str] = []
+    models: dict[str, Any] = {
+        kind: structure_model(kind, {"model": choice.name, **choice.parameters}, where.at("models").at(kind), problems)
+        for kind, choice in (
+            ("contact", scene.models.contact),
+            ("film", scene.models.film),
+            ("traction", scene.models.traction),
+        )
+    }
+    kinematics = Kinematics(
+        b.inner_raceway_diameter / 2,
+        b.outer_raceway_diameter / 2,
+        b.roller_diameter / 2,
+        scene.operation.inner_speed,
+        scene.operation.outer_speed,
+    )
+    lubricant = _lubricant(scene, where, problems)
+    try:
+        position, widths, drop = _slicing(scene, resolution)
+    except ValueError as error:
+        problems.append(where.at("bearing").at("profile").says(str(error)))
+    if lubricant is None or problems:
+        raise SceneError(problems)
+    conditions = {ring: _conditions(scene, kinematics, lubricant, ring, where) for ring in RINGS}
+    law = lubricant.pressure_viscosity_law
+    models = {kind: with_law(model, law) for kind, model in models.items()}
+    models["traction"] = simplified(models["traction"], resolution)
+    stages = models["contact"], models["film"], law, models["traction"]
+    deflection = models["contact"].deflection()
+    _check_given((deflection, *stages), conditions["inner"], lubricant, where)
+    chain, approach = Chain(*stages, compiled=resolution.compiled), Chain(deflection, compiled=resolution.compiled)
+    inner, outer = (Raceway(ring, conditions[ring], chain, approach) for ring in RINGS)
+    return Assembly(
+        scene=scene,
+        resolution=resolution,
+        lubricant=lubricant,
+        kinematics=kinematics,
+        position=position,
+        widths=widths,
+        drop=drop,
+        inner=inner,
+        outer=outer,
+        **models,
+    )
+
+
+def _lubricant(scene: Scene, where: Where, problems: list[str]) -> Lubricant | None:
+    table = dict(scene.lubricant.data)
+    if scene.lubricant.name is not None:
+        table["name"] = scene.lubricant.name
+    try:
+        return lubricant_from_table(table, lambda name: get_class("lubricant", name), where.at("lubricant"))
+    except SceneError as error:
+        problems += error.problems
+        return None
+    except PluginError as error:
+        raise PluginError(where.at("lubricant").at("name").says(str(error))) from error
+
+
+def simplified(traction: TractionModel, resolution: Resolution) -> TractionModel:
+    """Return the traction that a resolution leaves of a scene's: without boundary friction, or by a cheaper law.
+
+    Raises
+    ------
+    PluginError
+        If the law that is to serve does not exist.
+    """
+    if not resolution.boundary:
+        traction = traction.full_film
+    if resolution.traction != "named":
+        cls, named = get_class("traction", resolution.traction), traction.full_film
+        shared = {a.name for a in attrs.fields(cls)} & {a.name for a in getattr(named, "__attrs_attrs__", ())}
+        traction = traction.with_full_film(cls(**{name: getattr(named, name) for name in shared}))
+    return traction.evaluated_to(resolution.traction_error) if resolution.traction_error > 0.0 else traction
+
+
+def _slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]:
+    """Places, widths and profile of the slices; one slice serves where nothing varies along the roller."""
+    b = scene.bearing
+    if b.profile.shape == "none" and scene.operation.misalignment == 0.0:
+        return np.zeros(1), np.full(1, b.roller_length), np.zeros(1)
+    position, widths = resolution.slicing(b.roller_length)
+    drop = profile_drop(
+        b.profile.shape,
+        position,
+        b.roller_length,
+        b.roller_diameter,
+        radius=b.profile.radius,
+        table=(b.profile.position, b.profile.drop) if b.profile.shape == "table" else None,
+    )
+    return position, widths, drop
+
+
+def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring: Ring, where: Where) -> Conditions:
+    """What the contacts of a ring share; the film enters at the mean temperature of the two surfaces."""
+    o, s, m = scene.operation, scene.surface, scene.bearing.material
+    ring_temperature = o.inner_ring_temperature if ring == "inner" else o.outer_ring_temperature
+    try:
+        oil = lubricant.at((ring_temperature + o.roller_temperature) / 2)
+    except DomainError as error:
+        raise SceneError([where.at("operation").at("temperature").says(str(error))]) from error
+    raceway_roughness = s.inner_raceway_roughness if ring == "inner" else s.outer_raceway_roughness
+    return Conditions(
+        length=scene.bearing.roller_length,
+        radius=kinematics.inner_equivalent_radius if ring == "inner" else kinematics.outer_equivalent_radius,
+        modulus=m.elastic_modulus / (1 - m.poisson_ratio**2),
+        roughness=1.25 * math.hypot(raceway_roughness, s.roller_roughness),
+        effusivity=math.sqrt(m.thermal_conductivity * m.density * m.specific_heat),
+        **attrs.asdict(oil),
+    )
+
+
+def _check_given(models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Where) -> None:
+    """Refuse models that read what the scene does not give."""
+    problems = [
+        where.at("lubricant").says(
+            f"oil {lubricant.name!r} gives no {member} ({CONDITIONS[member][1]}, {CONDITIONS[member][0]}), "
+            f"which model {model.name!r} needs; give lubricant.{member} or choose another model"
+        )
+        for model in models
+        for member in sorted(model.reads & CONDITIONS.keys())
+        if math.isnan(getattr(conditions, member))
+    ]
+    if problems:
+        raise SceneError(problems)

@@ -1,0 +1,355 @@
+"""The cage of a scene: its table with what is estimated where nothing is given, and its drags bound.
+
+- Mass and inertia are required: nothing that moves should move by an estimate nobody has seen. The error proposes some.
+- Everything else of the table has a default that is graded (D), an estimate from the bearing's size; a study says what
+  it has used.
+- A drag takes from the scene what it is not given itself. What the scene does not have either is a fault of the scene.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.chain import stage
+from rollslip.bearing.kinematics import Kinematics
+from rollslip.catalogue.discovery import in_words, origin
+from rollslip.catalogue.registry import structure_model
+from rollslip.errors import DomainError, PluginError, RollslipError, SceneError
+from rollslip.fields import FieldError, field, non_negative, one_of, parameter, positive
+from rollslip.lubricant.oil import Lubricant
+from rollslip.lubricant.pressure import with_law
+from rollslip.models import (
+    FINITE,
+    SCENE_VALUES,
+    Domain,
+    Drag,
+    DragModel,
+    PocketFriction,
+    ResistanceModel,
+    left_to_scene,
+)
+from rollslip.scene.reading import Where, structure
+from rollslip.scene.values import Bearing, Scene
+from rollslip.units import expectation, format_quantity, quantity
+from rollslip_kernels import drag as compiled
+from rollslip_kernels.slices import COLUMNS, Slices
+
+_optional = attrs.validators.optional(positive)
+_BRONZE = 8600.0  # kg/m3
+
+
+@attrs.frozen(kw_only=True)
+class TotalResistance(ResistanceModel):
+    """Sum of several resistances to rolling, as one stage: F = sum(F_k)."""
+
+    name: ClassVar[str] = "total-resistance"
+    equation: ClassVar[str] = "F = sum(F_k)"
+    references: ClassVar[tuple[str, ...]] = ("The sum of the resistances that the scene names.",)
+
+    terms: tuple[ResistanceModel, ...] = parameter(doc="what is added, at most eight")
+
+    @property
+    def reads(self) -> frozenset[str]:  # type: ignore[override]
+        """What the terms read."""
+        return frozenset().union(*(term.reads for term in self.terms))
+
+    @property
+    def domain(self) -> Domain:  # type: ignore[override]
+        """Where all terms are defined."""
+        found = {}
+        for name in sorted(self.reads):
+            lows, highs = zip(*(term.domain.get(name, FINITE) for term in self.terms), strict=True)
+            found[name] = max(lows), min(highs)
+        return MappingProxyType(found)
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the resistance."""
+        columns = {name: getattr(slices, name) for name in COLUMNS if hasattr(slices, name)}
+        total = np.zeros_like(slices.resistance)
+        for term in self.terms:
+            part = Slices.of_columns(slices.conditions, columns | {"resistance": slices.resistance.copy()})
+            term.evaluate(part)
+            total += part.resistance
+        slices.resistance[...] = total
+
+    def kernel(self) -> object:
+        """Return the compiled form; a term without one is called in Python."""
+        return compiled.total_resistance([stage(term) for term in self.terms])
+
+
+@attrs.frozen(kw_only=True)
+class Drags:
+    """The drags of a scene by sort; without any there is no slip."""
+
+    torques: tuple[DragModel, ...] = ()
+    resistance: ResistanceModel | None = None
+    pocket_friction: PocketFriction | None = None
+
+    def __bool__(self) -> bool:
+        return bool(self.torques or self.resistance or self.pocket_friction)
+
+    def __iter__(self) -> Iterator[Drag]:
+        """Yield every drag, as the scene names them, by sort."""
+        yield from self.torques
+        if self.resistance is not None:
+            yield from self.resistance.terms if isinstance(self.resistance, TotalResistance) else (self.resistance,)
+        if self.pocket_friction is not None:
+            yield self.pocket_friction
+
+    def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
+        """Return the sum of the torques on the cage [N m]; speeds in rad/s."""
+        return sum((model.torque(cage_speed, inner_speed, outer_speed) for model in self.torques), 0.0)
+
+    def capsules(self) -> tuple[object, ...]:
+        """Return the torques as capsules ``rs_drag``; one without a kernel is called in Python.
+
+        Raises
+        ------
+        PluginError
+            If a kernel does not keep the contract of ``rollslip.h``.
+        """
+        return tuple(torque_capsule(model) for model in self.torques)
+
+
+def torque_capsule(model: DragModel) -> object:
+    """Return the capsule of a torque: its kernel, or a call of its ``torque``.
+
+    Raises
+    ------
+    PluginError
+        If the model's kernel does not keep the contract of ``rollslip.h``.
+    """
+    who = f"drag {model.name!r}: {type(model).__module__}.{type(model).__qualname__}.kernel()"
+    try:
+        capsule = model.kernel()
+    except RollslipError:
+        raise
+    except Exception as error:
+        raise PluginError(f"{who} fails ({in_words(error)}); {origin(type(model))}") from error
+    if capsule is None:
+        return compiled.python_drag(_checked(model))
+    if problem := compiled.problem(capsule):
+        raise PluginError(f"{who} {problem}; {origin(type(model))}")
+    return capsule
+
+
+def _checked(model: DragModel) -> Callable[[float, float, float], float]:
+    """Return ``torque`` of a model such that only finite numbers leave it, and its errors say whose they are."""
+
+    def torque(cage_speed: float, inner_speed: float, outer_speed: float) -> float:
+        try:
+            found = float(model.torque(cage_speed, inner_speed, outer_speed))
+        except BaseException as error:
+            error.add_note(f"raised by torque() of drag {model.name!r}; {origin(type(model))}")
+            raise
+        if not math.isfinite(found):
+            raise DomainError(
+                f"drag {model.name!r} gives a torque of {found} at cage, inner and outer speed "
+                f"{cage_speed:g}, {inner_speed:g}, {outer_speed:g} rad/s"
+            )
+        return found
+
+    return torque
+
+
+@attrs.frozen(kw_only=True)
+class Cage:
+    """The cage: mass, pockets, guidance, and what drags it."""
+
+    mass: float = field(unit="kg", doc="mass", validator=positive)
+    inertia: float = field(unit="kg m2", doc="moment of inertia about the axis of the bearing", validator=positive)
+    pocket_clearance: float = field(
+        unit="m",
+        doc="clearance of a roller in its pocket along the orbit, full play; by default 1.5 % of its diameter (D)",
+        validator=non_negative,
+    )
+    pocket_stiffness: float = field(
+        default=5e7, unit="N/m", doc="stiffness of the contact of a roller with its pocket (D)", validator=positive
+    )
+    pocket_damping: float = field(
+        default=0.3,
+        unit="s/m",
+        doc="damping c of its force K d (1 + c dd/dt), d the depth (D)",
+        validator=non_negative,
+    )
+    pocket_contact: str = field(
+        default="metal",
+        doc="what a roller meets in its pocket: the wall, or a film of oil first",
+        validator=one_of("metal", "film"),
+    )
+    guidance: str = field(
+        default="roller",
+        doc="what holds the cage in its place: the rollers, or the land of a ring",
+        validator=one_of("roller", "inner", "outer"),
+    )
+    pocket_radial_clearance: float | None = field(
+        default=attrs.Factory(
+            lambda cage: cage.pocket_clearance if cage.guidance == "roller" else None, takes_self=True
+        ),
+        unit="m",
+        doc="clearance of a roller in its pocket along the radius, by which rollers guide the cage, full play; by "
+        "default that along the orbit (D)",
+        validator=attrs.validators.optional(non_negative),
+    )
+    land_radius: float | None = field(
+        default=None,
+        unit="m",
+        doc="radius of the land; by default 0.2 roller diameters beyond the raceway's edge (D)",
+        validator=_optional,
+    )
+    land_width: float | None = field(
+        default=None,
+        unit="m",
+        doc="width of the land, all rails together; by default half a roller's length (D)",
+        validator=_optional,
+    )
+    land_clearance: float | None = field(
+        default=None,
+        unit="m",
+        doc="radial clearance of cage and land; by default 0.25 % of its radius (D)",
+        validator=_optional,
+    )
+    unbalance: float = field(
+        default=0.0, unit="kg m", doc="mass of the cage times eccentricity of its centre", validator=non_negative
+    )
+    drag: tuple[Any, ...] = field(default=(), doc="what drags cage and rollers: names of kind drag, or tables")
+    drags: Drags = attrs.field(factory=Drags, metadata={"key": None})
+
+    def __attrs_post_init__(self) -> None:
+        if self.guidance == "roller":
+            for name in ("land_radius", "land_width", "land_clearance"):
+                if getattr(self, name) is not None:
+                    raise FieldError(name, "only read for guidance = 'inner' or 'outer', not for 'roller'")
+        elif self.pocket_radial_clearance is not None:
+            raise FieldError("pocket_radial_clearance", f"only read for guidance = 'roller', not for {self.guidance!r}")
+
+
+def estimated_inertia(bearing: Bearing) -> tuple[float, float]:
+    """Return mass [kg] and moment of inertia [kg m2] that a cage of bronze may have (D).
+
+    A ring on the orbit R_m of the rollers, 1.6 roller lengths l wide and 0.4 diameters D thick, less the Z pockets:
+    m = rho 0.4 D (2 pi R_m 1.6 l - Z D l), I = m R_m^2, rho = 8600 kg/m3.
+    """
+    b = bearing
+    orbit = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 4
+    area = (2 * math.pi * orbit * 1.6 - b.rollers * b.roller_diameter) * b.roller_length
+    mass = _BRONZE * 0.4 * b.roller_diameter * area
+    return mass, mass * orbit**2
+
+
+def _estimates(bearing: Bearing, table: Mapping[str, object]) -> dict[str, object]:
+    """Return what the bearing's size says of a cage where its table is silent."""
+    b = bearing
+    found: dict[str, object] = {"pocket_clearance": 0.015 * b.roller_diameter}
+    shoulder = 0.2 * b.roller_diameter
+    lands = {"inner": b.inner_raceway_diameter / 2 + shoulder, "outer": b.outer_raceway_diameter / 2 - shoulder}
+    guidance = table.get("guidance")
+    if isinstance(guidance, str) and guidance in lands:
+        try:
+            radius = quantity(table.get("land_radius", lands[guidance]), "m")
+        except ValueError:  # the reader says so
+            radius = lands[guidance]
+        found |= {"land_radius": radius, "land_width": b.roller_length / 2, "land_clearance": 0.0025 * radius}
+    return found
+
+
+def read_cage(scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cage:
+    """Return the cage of a scene with its drags bound.
+
+    Raises
+    ------
+    SceneError
+        If there is none, or it is wrong; all faults that can be found at once.
+    PluginError
+        If a drag that it names does not exist or cannot be loaded.
+    """
+    where, problems = Where(scene.origins, ("cage",)), list[str]()
+    table: dict[str, object] = dict(scene.cage or {})
+    mass, inertia = estimated_inertia(scene.bearing)
+    for key, proposal in (("mass", format_quantity(mass, "kg", 3)), ("inertia", f"{inertia:.3g} kg m2")):
+        if key not in table:
+            of = "mass" if key == "mass" else "moment of inertia"
+            problems.append(
+                where.at(key).says(
+                    f"missing, but required ({of} of the cage); one of bronze for this bearing may "
+                    f"have {proposal!r} (D)"
+                )
+            )
+            table[key] = proposal
+    cage = structure(Cage, {**_estimates(scene.bearing, table), **table}, where, problems)
+    raw = table.get("drag", ())
+    models = [
+        structure_model("drag", one, where.at("drag").at(k), problems)
+        for k, one in enumerate(raw if isinstance(raw, list | tuple) else ())
+    ]
+    if cage is None or problems:
+        raise SceneError(problems)
+    values = _scene_values(scene, cage, kinematics, lubricant)
+    filled = [_filled(model, values, where.at("drag").at(k), problems) for k, model in enumerate(models)]
+    drags = _by_sort([with_law(model, lubricant.pressure_viscosity_law) for model in filled], where, problems)
+    if problems:
+        raise SceneError(problems)
+    return attrs.evolve(cage, drags=drags)
+
+
+def _scene_values(scene: Scene, cage: Cage, kinematics: Kinematics, lubricant: Lubricant) -> dict[str, object]:
+    """What this scene gives of `SCENE_VALUES`."""
+    b, o = scene.bearing, scene.operation
+    try:
+        viscosity = lubricant.at(o.temperature).viscosity
+    except DomainError as error:
+        raise SceneError([Where(scene.origins, ("operation", "temperature")).says(str(error))]) from error
+    density = scene.lubricant.data.get("density")
+    values = {
+        "viscosity": viscosity,
+        "density": None if density is None else quantity(density, "kg/m3"),
+        "rollers": float(b.rollers),
+        "roller_diameter": b.roller_diameter,
+        "roller_length": b.roller_length,
+        "orbit_radius": kinematics.orbit_radius,
+        "elastic_modulus": b.material.elastic_modulus,
+        "guiding_ring": None if cage.guidance == "roller" else cage.guidance,
+        "land_radius": cage.land_radius,
+        "land_width": cage.land_width,
+        "land_clearance": cage.land_clearance,
+    }
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _filled(model: Any, values: Mapping[str, object], where: Where, problems: list[str]) -> Any:
+    """Return a drag with all that it leaves to the scene."""
+    changes = {}
+    for attribute in left_to_scene(model):
+        name = attribute.metadata["from_scene"]
+        if name in values:
+            changes[attribute.name] = values[name]
+            continue
+        unit, meaning = SCENE_VALUES[name]
+        remedy = expectation(unit) if unit else "give one here or in cage.guidance"
+        problems.append(
+            where.at(attribute.name).says(f"drag {model.name!r} needs it, and the scene gives no {meaning}; {remedy}")
+        )
+    return attrs.evolve(model, **changes)
+
+
+def _by_sort(models: list[Any], where: Where, problems: list[str]) -> Drags:
+    resistances = tuple(model for model in models if isinstance(model, ResistanceModel))
+    pockets = [model for model in models if isinstance(model, PocketFriction)]
+    torques = tuple(model for model in models if isinstance(model, DragModel))
+    if len(pockets) > 1:
+        problems.append(
+            where.at("drag").says(f"a pocket has one friction, here are {', '.join(model.name for model in pockets)}")
+        )
+    for sort, most in ((resistances, 8), (torques, 8)):
+        if len(sort) > most:
+            problems.append(where.at("drag").says(f"at most {most} of a sort can be added, here are {len(sort)}"))
+    resistance = resistances[0] if len(resistances) == 1 else TotalResistance(terms=resistances)
+    return Drags(
+        torques=torques,
+        resistance=resistance if resistances else None,
+        pocket_friction=pockets[0] if pockets else None,
+    )

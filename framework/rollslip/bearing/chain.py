@@ -1,0 +1,376 @@
+"""Bind models into one compiled pass over slices: contact -> film -> traction, compiled and NumPy stages mixed.
+
+- A large table is cut between blocks, and threads take its parts in order, each without the GIL. Stages are pure and a
+  block is the same in any part, so the number of threads changes no bit. All parts before one that is refused are gone
+  through, so it changes no refusal either.
+- A thread that is late does less: the calling one takes what is left, and waits for parts begun only.
+- Where Python takes part there is one thread: it would hold the others up, and is not asked to be re-entrant.
+- Threads are made when the first large table comes, and kept; a forked process makes its own.
+"""
+
+import os
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.catalogue.discovery import in_words, origin
+from rollslip.errors import DomainError, PluginError, RollslipError
+from rollslip.models import FINITE, SliceModel, in_unit, interval
+from rollslip_kernels import chain as kernels
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future, ThreadPoolExecutor
+
+Array = NDArray[np.float64]
+
+#: Slices that a thread takes at a time, some 0.1 ms, and with which a table is large: waking a thread takes as long.
+_PART: Final = 4096
+_LARGE: Final = 5 * _PART
+
+
+@cache
+def threads() -> int:
+    """Return how many threads share a large table: ROLLSLIP_THREADS, or the processors that this process may use.
+
+    Raises
+    ------
+    RollslipError
+        If ROLLSLIP_THREADS is not a whole number of at least 1.
+    """
+    given = os.environ.get("ROLLSLIP_THREADS")
+    if given is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if not (given.isascii() and given.isdecimal() and int(given) > 0):
+        raise RollslipError(
+            f"ROLLSLIP_THREADS = {given!r} is no number of threads: set a whole number of at least 1, or unset it"
+        )
+    return int(given)
+
+
+#: What this thread is; one that helps waits for no others, who may wait for it.
+_here = threading.local()
+
+
+@cache
+def _pool(count: int) -> "ThreadPoolExecutor":
+    """Return threads that are all running.
+
+    A thread of its own starts them: a signal can interrupt the main one half way, and a thread that its pool does not
+    know of is waited for without end when the process ends.
+    """
+    from concurrent.futures import ThreadPoolExecutor
+
+    pool, all_run = ThreadPoolExecutor(count, "rollslip", _begin_to_help), threading.Barrier(count)
+
+    def start() -> None:
+        with suppress(RuntimeError):  # at the end of the interpreter no thread starts any more
+            for _ in range(count):
+                pool.submit(all_run.wait, 10.0)
+
+    starter = threading.Thread(target=start)
+    starter.start()
+    starter.join()
+    return pool
+
+
+def _begin_to_help() -> None:
+    _here.helps = True
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_pool.cache_clear)  # the threads of the parent are not in the child
+
+
+def stage(model: SliceModel) -> object:
+    """Return the capsule of a model: its kernel, or a call of its ``evaluate``.
+
+    Raises
+    ------
+    PluginError
+        If the model's kernel does not keep the contract of ``rollslip.h``.
+    """
+    return _checked(model, _kernel(model))
+
+
+def _checked(model: SliceModel, capsule: object | None) -> object:
+    if capsule is None:
+        return kernels.python_stage(_blaming(model), model.writes)
+    if problem := kernels.problem(capsule):
+        raise PluginError(f"model {model.name!r}: {_who(model)} {problem}; {origin(type(model))}")
+    return capsule
+
+
+def _kernel(model: SliceModel) -> object | None:
+    try:
+        return model.kernel()
+    except RollslipError:  # of a child, who is named in it
+        raise
+    except Exception as error:
+        raise PluginError(
+            f"model {model.name!r}: {_who(model)} fails ({in_words(error)}); {origin(type(model))}"
+        ) from error
+
+
+def _runs_python(model: Any) -> bool:
+    """Whether a model, or one that it holds as a parameter, has no kernel."""
+    if isinstance(model, tuple | list):
+        return any(map(_runs_python, model))
+    if not hasattr(model, "kernel"):
+        return False
+    parameters = [getattr(model, a.name) for a in getattr(type(model), "__attrs_attrs__", ())]
+    return model.kernel() is None or _runs_python(parameters)
+
+
+def _who(model: SliceModel) -> str:
+    return f"{type(model).__module__}.{type(model).__qualname__}.kernel()"
+
+
+def _blaming(model: SliceModel) -> Callable[[Slices], None]:
+    """Return ``evaluate`` of a model such that its errors, otherwise as they are, say whose they are."""
+
+    def evaluate(slices: Slices) -> None:
+        try:
+            model.evaluate(slices)
+        except BaseException as error:
+            error.add_note(f"raised by evaluate() of model {model.name!r}; {origin(type(model))}")
+            raise
+
+    return evaluate
+
+
+class Chain:
+    """Models bound in order; calling it evaluates all of them on a table of slices, in place.
+
+    Compiled stages run without the GIL if the table has 4096 slices or more.
+
+    Parameters
+    ----------
+    *models : SliceModel
+        At most eight stages.
+    block : int, optional
+        Slices taken at a time; by default 256, or all at once if a stage runs in Python and pays per call.
+    threads : int, optional
+        Threads that may share a large table; by default as many as ROLLSLIP_THREADS says, or as the process may use
+        processors, and 1 where a model runs in Python. The results are the same to the last bit.
+    compiled : bool
+        Whether stages run compiled where they can, else all in NumPy.
+    bounds : sequence of callables
+        Called with the slices after each evaluation; they raise where what the plan left out is needed.
+
+    Raises
+    ------
+    PluginError
+        If a kernel does not keep the contract, or returns a status that does not exist.
+    ValueError
+        If there are more than eight stages, or less than one thread.
+    DomainError
+        When called: if a value is outside a model's domain or a result is not finite.
+
+    Examples
+    --------
+    >>> from rollslip import Chain, Conditions, Slices, get_model
+    >>> slices = Slices(3, Conditions(radius=0.006875, modulus=2.2857e11), load=[1e4, 2e4, 4e4])
+    >>> Chain(get_model("contact", "palmgren"))(slices)
+    >>> (slices.half_width * 1e6).round(2)
+    array([27.68, 39.14, 55.35])
+    """
+
+    def __init__(
+        self,
+        *models: SliceModel,
+        block: int | None = None,
+        threads: int | None = None,
+        compiled: bool = True,
+        bounds: Sequence[Callable[[Slices], None]] = (),
+    ) -> None:
+        self.models, self.bounds = models, tuple(bounds)
+        capsules = [_kernel(model) if compiled else None for model in models]
+        if block is None and None in capsules:
+            block = 0
+        if threads is not None and threads < 1:
+            raise ValueError(f"a chain runs in at least one thread, not in {threads}")
+        if threads is None and (not compiled or any(map(_runs_python, models))):
+            threads = 1
+        self._threads = threads
+        # what a model reads without a range of its own must at least be a number
+        stages = [
+            (_checked(m, capsule), dict.fromkeys(sorted(m.reads), FINITE) | dict(m.domain), m.writes)
+            for m, capsule in zip(models, capsules, strict=True)
+        ]
+        self._chain = kernels.Chain(stages) if block is None else kernels.Chain(stages, block)
+
+    @property
+    def block(self) -> int:
+        """Slices taken at a time; 0 is all."""
+        return self._chain.block
+
+    @property
+    def evaluated(self) -> int:
+        """Slices evaluated so far."""
+        return self._chain.evaluated
+
+    def __call__(self, slices: Slices) -> None:
+        """Evaluate all models on ``slices``, in place."""
+        refusal = self._chain.run(slices) if len(slices) < _LARGE else self._run_large(slices)
+        if refusal is not None:
+            raise self.error(refusal, slices)
+        for bound in self.bounds:
+            bound(slices)
+
+    def bind(self, slices: Slices) -> "kernels.Bound | Guarded":
+        """Return a call that evaluates ``slices`` again, as they are then, with less to do for a small table.
+
+        Chain and table live as long as it does. It raises what the chain raises. `along` takes it too.
+
+        Examples
+        --------
+        >>> from rollslip import Chain, Conditions, Slices, get_model
+        >>> slices = Slices(1, Conditions(radius=0.006875, modulus=2.2857e11), load=1e4)
+        >>> evaluate = Chain(get_model("contact", "palmgren")).bind(slices)
+        >>> for load in (1e4, 4e4):
+        ...     slices.load[:] = load
+        ...     evaluate()
+        ...     print((slices.half_width * 1e6).round(2))
+        [27.68]
+        [55.35]
+        """
+        if len(slices) < _LARGE and not self.bounds:
+            return self._chain.bind(slices, self.error)
+        return Guarded(self, slices)
+
+    def _run_large(self, slices: Slices) -> "kernels.Refusal | None":
+        """Evaluate a table in threads, of which this is one; return the refusal of the first part that has any."""
+        n, block = len(slices), self.block
+        count = 1 if not block or hasattr(_here, "helps") else self._threads or threads()
+        if count == 1:
+            return self._chain.run(slices)
+        step = -(-_PART // block) * block
+        starts, outcomes = iter(range(0, n, step)), dict[int, Any]()
+        others: list[Future[None]] = []
+        held = [slices]  # what is taken back below waits in its queue, and is not to keep the table
+
+        def work() -> None:
+            while not outcomes and (start := next(starts, None)) is not None:
+                try:
+                    outcome = self._chain.run(held[0], start, min(n, start + step))
+                except BaseException as error:
+                    outcomes[start] = error
+                else:
+                    if outcome is not None:
+                        outcomes[start] = outcome
+
+        try:
+            with suppress(RuntimeError):  # at the end of the interpreter no thread starts any more
+                while len(others) < min(count, -(-n // step)) - 1:
+                    others.append(_pool(count - 1).submit(work))
+            work()
+        finally:
+            starts = iter(())
+            for other in others:  # no part goes on behind the back of the caller
+                other.cancel() or other.exception()
+            held.clear()
+        first: kernels.Refusal | BaseException | None = outcomes[min(outcomes)] if outcomes else None
+        if isinstance(first, BaseException):
+            raise first
+        return first
+
+    @property
+    def kernel(self) -> kernels.Chain:
+        """The chain itself, for compiled code that runs it."""
+        return self._chain
+
+    @property
+    def resists(self) -> bool:
+        """Whether a stage fills the rolling resistance."""
+        return any("resistance" in model.writes for model in self.models)
+
+    def error(self, refusal: "kernels.Refusal", slices: Slices) -> RollslipError:
+        """Return the error that says in words what the compiled chain refused of ``slices``."""
+        what, k, member, index = refusal
+        model = self.models[k]
+        if what == "status" and index < 0:
+            return PluginError(
+                f"the kernel of {model.name!r} returned a status that rollslip.h does not define; {origin(type(model))}"
+            )
+        return DomainError(_refusal_text(model, what, member, index, slices))
+
+
+class Guarded:
+    """A chain and a table that threads share, or that bounds look at: what `Chain.bind` returns of it."""
+
+    def __init__(self, chain: Chain, slices: Slices) -> None:
+        self._chain, self.slices = chain, slices
+
+    def __call__(self) -> None:
+        """Evaluate the table."""
+        self._chain(self.slices)
+
+
+#: A bound table, rolling and sliding speeds (n, k), the roller of each slice and its weight, (N,).
+Job: TypeAlias = "tuple[kernels.Bound | Guarded, Array, Array, NDArray[np.intp], Array]"
+
+
+def along(jobs: Sequence[Job]) -> list[tuple[Array, Array]]:
+    """Evaluate bound tables at one row of speeds after the other, the small ones in one go without the GIL.
+
+    Parameters
+    ----------
+    jobs : sequence
+        Tables from `Chain.bind`; for each of them rolling and sliding speeds [m/s] of k rollers, or of all slices if k
+        is 1, (n, k), the roller that each slice belongs to and a weight, (N,).
+
+    Returns
+    -------
+    list
+        Sums of the friction by weight and smallest films [m] of every row, (n,) each.
+
+    Raises
+    ------
+    DomainError, PluginError
+        As the chain does, for the first table that fails.
+    """
+    small = [(bound, u, V, owner, weight) for bound, u, V, owner, weight in jobs if isinstance(bound, kernels.Bound)]
+    found = iter(kernels.along(small))
+    return [
+        next(found) if isinstance(bound, kernels.Bound) else _along(bound, u, V, owner, weight)
+        for bound, u, V, owner, weight in jobs
+    ]
+
+
+def _along(
+    bound: Guarded, rolling: Array, sliding: Array, owner: "NDArray[np.intp]", weight: Array
+) -> tuple[Array, Array]:
+    slices, of = bound.slices, owner if rolling.shape[1] > 1 else np.zeros_like(owner)
+    sums, films = np.empty((2, len(rolling)))
+    for k, (u, V) in enumerate(zip(rolling, sliding, strict=True)):
+        slices.rolling_speed[:], slices.sliding_speed[:] = u[of], V[of]
+        bound()
+        sums[k], films[k] = kernels.weighted(slices.friction, weight), slices.film_thickness.min(initial=np.inf)
+    return sums, films
+
+
+def _refusal_text(model: SliceModel, what: str, member: str, index: int, slices: Slices) -> str:
+    if what == "status":
+        return f"{model.name}: slice {index} is outside its domain"
+    if what == "output":
+        return f"{model.name}: slice {index} gives a {member} that is not finite; its inputs are too large or too small"
+    allowed = interval(model.domain.get(member, FINITE))
+    if member in CONDITIONS:
+        value = getattr(slices.conditions, member)
+        if value != value:
+            return f"{model.name}: needs {member} ({CONDITIONS[member][1]}), which the lubricant or scene does not give"
+        return f"{model.name}: {member} = {in_unit(value, member)} is outside its domain ({allowed})"
+    value = float(getattr(slices, member)[index])
+    if value != value:
+        unit, meaning = COLUMNS[member]
+        return (
+            f"{model.name}: slice {index} has no {member} ({meaning}, {unit}); "
+            "give it, or put a stage that fills it before this one"
+        )
+    return f"{model.name}: {member} = {in_unit(value, member)} at slice {index} is outside its domain ({allowed})"

@@ -1,0 +1,124 @@
+"""How finely a scene is computed: every numerical choice in one frozen value.
+
+- What is modelled is the scene's; this is how. Nothing below the plan has numerical defaults of its own, so that two
+  runs with the same scene and the same resolution give the same numbers, and cost can be held against error.
+- A study runs exactly the resolution it is given. Only one without a number of instants doubles them until its results
+  stand still (`as_stated`, what a scene gets that nobody planned).
+- Equal slices after ISO/TS 16281 lie at their midpoints. The points of Gauss and Legendre need fewer where a contact is
+  loaded to its ends; where it parts from its ring before, both converge with the square of the number of slices.
+"""
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Final
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.bearing.profile import slice_positions
+from rollslip.fields import at_least, in_range, one_of, parameter
+from rollslip.scene.values import Scene
+
+Array = NDArray[np.float64]
+
+#: Slices of a scene that nobody planned.
+_SLICES: Final = 101
+#: Slices and instants of the finest resolution.
+_FINEST_SLICES: Final = 801
+_FINEST_INSTANTS: Final = 128
+#: Tolerances of tables and of a step in time at the finest.
+_FINEST_TABLE: Final = 1e-7
+_FINEST_STEP: Final = 1e-9
+
+
+@attrs.frozen(kw_only=True)
+class Resolution:
+    """All numerical choices of a run.
+
+    Attributes
+    ----------
+    slices : int
+        Slices along a roller, where a profile or a tilt needs them; elsewhere one serves.
+    quadrature : {"equal", "gauss"}
+        Midpoints of equal slices (ISO/TS 16281), or the points and weights of Gauss and Legendre.
+    instants : int or None
+        Instants of a roller pitch; None to double them until the results stand still.
+    traction : str
+        "named" for the scene's hydrodynamic law, or the name of a law that serves in its place.
+    traction_error : float
+        Relative error up to which a law may be evaluated more cheaply (`TractionModel.evaluated_to`); 0 for none.
+    boundary : bool
+        Whether boundary friction takes part; False for the law of the full film alone.
+    table_tolerance : float
+        Error of tables: loads over the orbit, effective friction, the slip-drag curve.
+    integrator, integrator_tolerance
+        Name of the integrator and relative tolerance of its steps; None for what the study says.
+    friction, level
+        Friction and level of detail of study dynamics; None for what the study says.
+    compiled : bool
+        Whether stages run compiled where they can, else in NumPy.
+
+    Raises
+    ------
+    FieldError
+        If a value is not allowed.
+    """
+
+    slices: int = parameter(default=101, doc="slices along a roller", validator=in_range(1, 10_000))
+    quadrature: str = parameter(default="equal", doc="where slices lie", validator=one_of("equal", "gauss"))
+    instants: int | None = parameter(
+        default=None, doc="instants of a roller pitch", validator=attrs.validators.optional(at_least(1))
+    )
+    traction: str = parameter(default="named", doc="hydrodynamic law")
+    traction_error: float = parameter(default=0.0, unit="1", doc="relative error of a law", validator=in_range(0, 1))
+    boundary: bool = parameter(default=True, doc="whether boundary friction takes part")
+    table_tolerance: float = parameter(
+        default=1e-3, unit="1", doc="error of tables", validator=in_range(0, 1, open=True)
+    )
+    integrator: str | None = parameter(default=None, doc="integrator")
+    integrator_tolerance: float | None = parameter(
+        default=None,
+        unit="1",
+        doc="relative tolerance of a step",
+        validator=attrs.validators.optional(in_range(0, 0.1, open=True)),
+    )
+    friction: str | None = parameter(default=None, doc="friction of study dynamics")
+    level: str | None = parameter(default=None, doc="level of detail of study dynamics")
+    compiled: bool = parameter(default=True, doc="whether stages run compiled")
+
+    def slicing(self, length: float) -> tuple[Array, Array]:
+        """Return positions from the middle and widths of the slices of a roller [m], (n,)."""
+        if self.quadrature == "equal":
+            return slice_positions(length, self.slices), np.full(self.slices, length / self.slices)
+        nodes, weights = _gauss_legendre(self.slices)
+        return 0.5 * length * nodes, 0.5 * length * weights
+
+
+@lru_cache(maxsize=32)
+def _gauss_legendre(points: int) -> tuple[Array, Array]:
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    return nodes, weights
+
+
+def finest(scene: Scene) -> Resolution:
+    """Return the finest resolution of a scene: what results are held against.
+
+    A number of slices that the scene states is kept, since it is then part of what is asked for.
+    """
+    return Resolution(
+        slices=scene.accuracy.slices or _FINEST_SLICES,
+        instants=_FINEST_INSTANTS,
+        table_tolerance=_FINEST_TABLE,
+        integrator_tolerance=_FINEST_STEP,
+    )
+
+
+def as_stated(scene: Scene) -> Resolution:
+    """Return the resolution of a scene that nobody planned: its tolerance for all tables, instants doubled."""
+    return Resolution(slices=scene.accuracy.slices or _SLICES, table_tolerance=scene.accuracy.tolerance)
+
+
+def error_text(errors: Mapping[str, float | None]) -> str:
+    """Return estimated errors as text: "friction 3e-04, critical slip 8e-05"."""
+    return ", ".join(f"{name.replace('_', ' ')} {error:.0e}" for name, error in errors.items() if error is not None)

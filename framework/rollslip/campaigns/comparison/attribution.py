@@ -1,0 +1,234 @@
+"""Where models differ and what they cost: every combination on the slices of one run, the reference's.
+
+- Slices are sorted into bins by what the reference says of them: film regime, film parameter, and the groups of an
+  Eyring fluid. Over the bins of a grouping the differences are sums, so their contributions add up to the whole.
+- The correlation ratio (variance between the bins over the whole variance, weighted by the reference's friction force)
+  says how much of a difference's variation a grouping explains.
+- Cost is the time of the bound chains, in turns within one process, of each part the least of a few rounds.
+"""
+
+import itertools
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import RINGS, Array, Ring
+from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups
+from rollslip.planning.plan import Plan
+from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.friction_curve.study import FrictionCurve, about
+from rollslip_kernels.slices import Slices
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Takes from an evaluated table what is to be kept of it.
+Keep = Callable[[Slices], Mapping[str, Array]]
+#: Dimensionless groups by which slices are sorted, and the limits between little, some and much. sigma: strain rate
+#: over that at which a fluid is no longer Newtonian; Phi sigma S: what a film's own heat takes from ln(eta); D: twice
+#: the share of friction at small slip that elasticity takes.
+SYMBOLS: Final = {"strain rate": "sigma", "heating": "Phi sigma S", "elasticity": "D"}
+LIMITS: Final = (0.1, 1.0)
+#: Rounds of timing at most, and the time [s] that is enough for one chain.
+_ROUNDS, _ENOUGH = 20, 1.0
+#: Slices that are enough to time.
+_TIMED = 50_000
+#: Standard deviation of a relative difference below which it is the same everywhere.
+_ROUNDING = 1e-9
+#: Slices of a part at most: so short that some of its rounds run undisturbed, so long that calls do not count.
+_PART = 4096
+
+
+@attrs.frozen(eq=False)
+class _Part:
+    """Loaded slices of one curve, at one or all of its slips: what they are evaluated at, and the force on each."""
+
+    curve: int
+    ring: Ring
+    load: Array
+    rolling: Any
+    sliding: Any
+    force: Array
+
+
+@attrs.frozen(eq=False)
+class Work:
+    """The slices that a run evaluates for its curves."""
+
+    parts: list[_Part]
+
+    @classmethod
+    def of(cls, made: Plan, study: str, result: "xr.Dataset") -> "Work":
+        """Return the slices of a plan's study, with its result."""
+        assembly, own = made.assemblies[study], made.studies[study]
+        if isinstance(own, FrictionCurve):
+            u, slip = result.attrs["rolling_speed"], result["slip"].to_numpy()
+            parts = []
+            for k, contacts in enumerate(own.contacts(assembly)):
+                load, force = contacts.slices.load, contacts.force
+                for some in np.array_split(slip, -(-slip.size * load.size // _PART)):
+                    loads, V = np.tile(load, some.size), np.repeat(some * u, load.size)
+                    parts.append(_Part(k, contacts.raceway.ring, loads, u, V, np.tile(force, some.size)))
+            return cls(parts)
+        assert isinstance(own, EffectiveFriction)
+        raceways = own.loaded(assembly, result.attrs["instants"])
+        return cls(
+            [
+                _Part(k, RINGS[k], contacts.slices.load, u, V, contacts.force)
+                for both in raceways.contacts(raceways.speeds(result["cage_slip"].to_numpy()))
+                for k, (contacts, u, V) in enumerate(both)
+            ]
+        )
+
+    @property
+    def slices(self) -> int:
+        """Number of slices."""
+        return sum(part.load.size for part in self.parts)
+
+    @property
+    def force(self) -> list[Array]:
+        """Force on each slice, for each curve."""
+        return self._by_curve([part.force for part in self.parts])
+
+    def _by_curve(self, values: Sequence[Array]) -> list[Array]:
+        pairs = list(zip(self.parts, values, strict=True))
+        curves = range(1 + max(part.curve for part in self.parts))
+        return [np.concatenate([value for part, value in pairs if part.curve == curve]) for curve in curves]
+
+    def evaluate(
+        self, made: Plan, keep: Callable[[Slices], Mapping[str, Array]]
+    ) -> tuple[dict[str, list[Array]], Array]:
+        """Return what is to be kept of a combination's tables, for each curve, and the times [s] of its chain."""
+        kept, seconds = list[Mapping[str, Array]](), np.zeros(len(self.parts))
+        for k, part in enumerate(self.parts):
+            raceway = getattr(made.assembly, part.ring)
+            columns = {"load": part.load, "rolling_speed": part.rolling, "sliding_speed": part.sliding}
+            table = Slices(part.load.size, raceway.conditions, **columns)
+            begin = time.perf_counter()
+            raceway.chain(table)
+            seconds[k] = time.perf_counter() - begin
+            kept.append(keep(table))
+        return {name: self._by_curve([one[name] for one in kept]) for name in kept[0]}, seconds
+
+
+def keep_friction(table: Slices) -> dict[str, Array]:
+    """Keep the friction of a table, and not the table."""
+    return {"friction": table.friction.copy()}
+
+
+def keep_criteria(s: Slices) -> dict[str, Array]:
+    """Keep friction and what slices are sorted by, nan where the oil does not give it.
+
+    Heating is beta theta, by how much a slice's own heat lowers ln(eta) in the mean: Phi sigma S of an Eyring fluid.
+    """
+    c = s.conditions
+    zeta = 0.97 / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed)
+    zeta = zeta + s.film_thickness / (12 * c.conductivity)
+    return keep_friction(s) | {
+        "film regime": film_by_regime(*groups(s))[1],
+        "film parameter": s.film_thickness / c.roughness,
+        "strain rate": s.film_viscosity * np.abs(s.sliding_speed) / (c.eyring_stress * s.film_thickness),
+        "heating": s.film_thermoviscosity * zeta * np.abs(s.friction * s.pressure * s.sliding_speed),
+        "elasticity": s.film_viscosity * s.rolling_speed / (c.shear_modulus * s.half_width),
+    }
+
+
+def seconds_per_slice(work: Work, made: Mapping[str, Plan], first: Mapping[str, Array]) -> dict[str, float]:
+    """Return the time [s] of each combination's chain: of each part the least of the first and of further rounds.
+
+    Of much work parts all over the curves are taken, so few that there is time for many rounds.
+    """
+    every = slice(None, None, work.slices // _TIMED | 1)  # odd, since the parts of two rings alternate
+    some, least = Work(work.parts[every]), {label: times[every] for label, times in first.items()}
+    spent = {label: float(times.sum()) for label, times in least.items()}
+    for _ in range(_ROUNDS):
+        for label in least:
+            if spent[label] < _ENOUGH:
+                _, times = some.evaluate(made[label], lambda table: {})
+                least[label], spent[label] = np.minimum(least[label], times), spent[label] + float(times.sum())
+    return {label: float(times.sum()) / some.slices for label, times in least.items()}
+
+
+@attrs.frozen(eq=False)
+class Bins:
+    """Groupings with their bins in words, and for each curve the number of every slice's bin, grouping by grouping."""
+
+    names: Mapping[str, tuple[str, ...]]
+    codes: list[list[Any]]
+
+    @classmethod
+    def of(cls, made: Plan, found: Mapping[str, list[Array]]) -> "Bins":
+        """Sort slices by their criteria, as far as the oil and the traction give them."""
+        traction = made.assembly.traction
+        bins: dict[str, tuple[str, ...]] = {"film regime": tuple(f"in the {LONG_NAMES[name]} regime" for name in NAMES)}
+        limits: dict[str, tuple[float, ...]] = {"film regime": (0.5, 1.5, 2.5)}
+        if (full := traction.full_film_from) is not None:
+            limits["film parameter"] = (float(getattr(traction, "boundary_limit", 0.0)), full)
+            films = zip(("boundary", "mixed", "full"), _ranges("Lambda", limits["film parameter"]), strict=True)
+            bins["film parameter"] = tuple(f"in {film} film, {words}" for film, words in films)
+        for grouping, symbol in SYMBOLS.items():
+            if not any(np.isnan(values).any() for values in found[grouping]):
+                limits[grouping] = LIMITS
+                bins[grouping] = tuple(f"where {words}" for words in _ranges(symbol, LIMITS))
+        curves = range(len(found["friction"]))
+        return cls(bins, [[np.digitize(found[name][k], limits[name], right=True) for name in bins] for k in curves])
+
+
+def _ranges(symbol: str, limits: tuple[float, ...]) -> list[str]:
+    between = [f"{low:g} < {symbol} <= {high:g}" for low, high in itertools.pairwise(limits)]
+    return [f"{symbol} <= {limits[0]:g}", *between, f"{symbol} > {limits[-1]:g}"]
+
+
+def attribute_differences(
+    dataset: "xr.Dataset", curve: str, reference: str, work: Work, found: Mapping[str, list[Array]], by: Bins
+) -> "xr.Dataset":
+    """Add to a comparison what each bin holds of the force and of the difference.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        With a dimension ``combination``.
+    curve, reference : str
+        Dimension of its curves, label of the reference.
+    work, found, by : Work, mapping, Bins
+        The slices, their friction after each combination that did not fail, and the bins they are in.
+    """
+    labels, sizes = dataset["combination"].to_numpy().tolist(), [len(bins) for bins in by.names.values()]
+    each, begins = (len(labels), dataset.sizes[curve]), np.cumsum([0, *sizes[:-1]])
+    mean, explained = np.full(each, np.nan), np.full((*each, len(sizes)), np.nan)
+    difference, contribution = np.full((2, *each, sum(sizes)), np.nan)
+    share = np.full((dataset.sizes[curve], sum(sizes)), np.nan)
+    for j, (force, standard, codes) in enumerate(zip(work.force, found[reference], by.codes, strict=True)):
+
+        def summed(values: Array, codes: list[Any] = codes) -> Array:
+            return np.concatenate([np.bincount(code, values, size) for code, size in zip(codes, sizes, strict=True)])
+
+        share[j] = summed(force) / force.sum()
+        weight = force * np.abs(standard)
+        weights, whole, held = summed(weight), weight.sum(), weight > 0.0
+        if not whole > 0.0:
+            continue
+        for label, values in found.items():
+            gap = force * np.sign(standard) * (values[j] - standard)
+            at, gaps = (labels.index(label), j), summed(gap)
+            mean[at], contribution[at] = gap.sum() / whole, gaps / whole
+            with np.errstate(invalid="ignore"):
+                difference[at] = gaps / weights
+            spread = (weight[held] * (gap[held] / weight[held] - mean[at]) ** 2).sum()
+            between = np.nan_to_num(weights * (difference[at] - mean[at]) ** 2)
+            explained[at] = np.add.reduceat(between, begins) / spread if spread > _ROUNDING**2 * whole else 0.0
+    of, what = ("combination", curve), f"relative difference from {reference}"
+    return dataset.assign(
+        mean_difference=(of, mean, about("1", f"{what} of the friction force summed over the slices of the curve")),
+        bin_share=((curve, "bin"), share, about("1", "share of the contact force over the curve")),
+        bin_difference=((*of, "bin"), difference, about("1", f"{what} within the bin")),
+        bin_contribution=((*of, "bin"), contribution, about("1", "what the bin adds to mean_difference")),
+        explained=((*of, "grouping"), explained, about("1", "share of the difference's variance between the bins")),
+    ).assign_coords(
+        bin=("bin", np.concatenate(list(by.names.values())), about("1", "slices of the reference")),
+        bin_grouping=("bin", np.repeat(list(by.names), sizes), about("1", "what they are sorted by")),
+        grouping=("grouping", np.array(list(by.names)), about("1", "what slices are sorted by")),
+    )

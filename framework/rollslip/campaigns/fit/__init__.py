@@ -1,0 +1,1 @@
+"""Fit parameters of a law to measured friction."""

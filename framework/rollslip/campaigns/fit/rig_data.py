@@ -1,0 +1,327 @@
+"""Reads what a traction rig has measured, and what the rig is, with every fault of a file in one error.
+
+Decisions:
+
+- The unit of a column stands in its header, from the closed table of `rollslip.units`; a cell is a number and nothing
+  else. A header or a cell that is not understood is an error: data are never repaired and never left out.
+- Mean and maximum pressure differ by 27 %, so that a column called "pressure" would be a trap; there is none.
+- A rig file has the tables ``[lubricant]`` and ``[models]`` of a scene, read by the same reader, and ``[rig]`` in the
+  place of the bearing.
+"""
+
+import csv
+import hashlib
+import math
+import os
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.errors import SceneError
+from rollslip.fields import FieldError, field, positive
+from rollslip.scene.reading import Where, decoded, key_lines, nearest, structure, syntax_error
+from rollslip.scene.values import LubricantTable, Material, Models
+from rollslip.units import UnitError, as_written, expectation, quantity
+
+__all__ = ["EXAMPLE", "Measurement", "Rig", "RigContact", "RigData", "load_rig", "read_data"]
+
+Array = NDArray[np.float64]
+
+#: A rig file to start from.
+EXAMPLE: Final = """\
+# Twin discs of 40 mm: 1/R = 1/R1 + 1/R2.
+[rig]
+radius = "10 mm"
+length = "8 mm"
+roughness = ["0.05 um", "0.05 um"]
+
+[lubricant]
+name = "mil-prf-7808"
+
+[models]
+film = "moes"
+traction = "muraki"
+"""
+
+_MOST_FAULTS = 20
+
+
+# Data ---------------------------------------------------------------------------------------------------------------
+
+
+def _column(unit: str, doc: str, *, required: bool = True, signed: bool = False) -> Any:
+    default = attrs.NOTHING if required else None
+    return field(unit=unit, doc=doc, default=default, validator=None if signed else positive)
+
+
+@attrs.frozen(kw_only=True)
+class Measurement:
+    """One row of a data file; its fields are the columns that a file may have, of which it needs one of the loads."""
+
+    slide_roll_ratio: float = _column("1", "slide-roll ratio V/u, sliding speed over mean rolling speed", signed=True)
+    rolling_speed: float = _column("m/s", "rolling (entrainment) speed u, the mean of both surface speeds")
+    temperature: float = _column("K", "temperature of the oil at the inlet")
+    friction: float = _column("1", "traction coefficient, with the sign of the slide-roll ratio", signed=True)
+    load: float | None = _column("N", "normal force; needs the length of the contact", required=False)
+    load_per_length: float | None = _column("N/m", "normal force per length", required=False)
+    mean_pressure: float | None = _column("Pa", "mean Hertz pressure of the line contact", required=False)
+    max_pressure: float | None = _column("Pa", "maximum Hertz pressure of the line contact", required=False)
+    friction_uncertainty: float | None = _column("1", "standard uncertainty of the friction", required=False)
+    film_thickness: float | None = _column("m", "measured film thickness, in place of a film model", required=False)
+
+
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
+_LOADS: Final = ("load", "load_per_length", "mean_pressure", "max_pressure")
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class RigData:
+    """The rows of a data file in SI units.
+
+    Attributes
+    ----------
+    source, text, sha256 : str
+        Name, content and hash of the file.
+    columns : mapping
+        Column -> values, shape (n,).
+    lines : tuple of int
+        Line of each row in the file.
+    """
+
+    source: str
+    text: str = attrs.field(repr=False)
+    sha256: str
+    columns: Mapping[str, Array]
+    lines: tuple[int, ...] = attrs.field(repr=False)
+
+    def __len__(self) -> int:
+        return len(self.lines)
+
+    def says(self, row: int, column: str, reason: str) -> str:
+        """Return a message about a cell: ``data.csv:7: friction: ...``."""
+        return f"{self.source}:{self.lines[row]}: {column}: {reason}"
+
+    def load_per_length(self, contact: "RigContact") -> Array:
+        """Return the normal force per length [N/m] on a contact; from a pressure, after Hertz, w = 32 R p^2/(pi E').
+
+        Raises
+        ------
+        SceneError
+            If a normal force is given and the contact has no length.
+        """
+        kind = next(name for name in _LOADS if name in self.columns)
+        values = self.columns[kind]
+        if kind == "load_per_length":
+            return values
+        if kind == "load":
+            if contact.length is None:
+                raise SceneError([f"{self.source}: load: a force needs the length of the contact; give rig.length"])
+            return values / contact.length
+        mean = values if kind == "mean_pressure" else values * (math.pi / 4)
+        return 32 * contact.radius * mean**2 / (math.pi * contact.modulus)
+
+
+def read_data(path: str | os.PathLike[str]) -> RigData:
+    """Read a data file: comma-separated values under a header ``name [unit], name [unit], ...``.
+
+    Lines that start with ``#`` are comments. The columns are the fields of `Measurement`, in any order.
+
+    Raises
+    ------
+    SceneError
+        With every fault of the file, each as ``data.csv:7: friction: sentence``.
+    """
+    source = os.fspath(path)
+    content = _content(Path(path))
+    text = decoded(content, source)
+    lines = [(number, line.strip()) for number, line in enumerate(text.split("\n"), 1)]
+    rows = [(number, cells(line)) for number, line in lines if line and not line.startswith("#")]
+    if len(rows) < 2:
+        raise SceneError([f"{source}: no data; a header such as 'friction [1], load [N]' and rows of numbers are read"])
+    faults: list[str] = []
+    number, header = rows[0]
+    units = [_header(cell, f"{source}:{number}", faults) for cell in header]
+    _check_columns([name for name, _ in units], f"{source}:{number}", faults)
+    values = np.full((len(rows) - 1, len(units)), np.nan)
+    for at, (number, row) in zip(values, rows[1:], strict=True):
+        if len(row) != len(units):
+            hint = "; a decimal comma is not read, write 0.05" if len(row) > len(units) else ""
+            faults.append(f"{source}:{number}: {len(row)} values under {len(units)} columns{hint}")
+            continue
+        for k, ((name, unit), cell) in enumerate(zip(units, row, strict=True)):
+            if unit:
+                at[k] = _value(name, unit, cell, f"{source}:{number}", faults)
+    if not faults:
+        columns = {name: values[:, k].copy() for k, (name, _) in enumerate(units)}
+        friction = columns["friction"][columns["slide_roll_ratio"] < 0.0]
+        if friction.sum() <= 0.0:
+            sha256 = hashlib.sha256(content).hexdigest()
+            lines_of = tuple(number for number, _ in rows[1:])
+            return RigData(source=source, text=text, sha256=sha256, columns=columns, lines=lines_of)
+        faults.append(
+            f"{source}: friction: is positive where slide_roll_ratio is negative; it has the sign of the slide-roll "
+            "ratio, so give both with their signs, or both without"
+        )
+    more = len(faults) - _MOST_FAULTS
+    raise SceneError(faults if more <= 0 else [*faults[:_MOST_FAULTS], f"{source}: and {more} faults more"])
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise SceneError([f"{path}: cannot be read: {error.strerror or error}"]) from None
+
+
+def cells(line: str) -> list[str]:
+    """Return the cells of a line, without their quotes; a line that is no CSV is one cell, which no column takes."""
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
+    except csv.Error:
+        return [line]
+
+
+_COLUMNS: Final = {attribute.name: attribute for attribute in attrs.fields(Measurement)}
+
+
+def _header(cell: str, where: str, faults: list[str]) -> tuple[str, str]:
+    """Name and unit of a column; no unit where the column cannot be read."""
+    name, bracket, rest = (part.strip() for part in cell.partition("["))
+    if ";" in cell or "\t" in cell:
+        faults.append(f"{where}: {as_written(cell)}: columns are separated by commas, and decimals by points")
+        return name, ""
+    if name not in _COLUMNS:
+        near = nearest(name, _COLUMNS)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(_COLUMNS)}"
+        faults.append(f"{where}: {as_written(name)}: unknown column; {hint}")
+        return name, ""
+    unit, SI = rest.removesuffix("]").strip(), _COLUMNS[name].metadata["unit"]
+    if not bracket or not rest.endswith("]") or not unit:
+        faults.append(f"{where}: {name}: has no unit, write '{name} [{SI}]'; {expectation(SI)}")
+        return name, ""
+    try:
+        quantity(f"1 {unit}", SI)
+    except UnitError as error:
+        faults.append(f"{where}: {name}: {error}")
+        return name, ""
+    return name, unit
+
+
+def _check_columns(names: list[str], where: str, faults: list[str]) -> None:
+    faults += [f"{where}: {name}: stands there twice" for name in dict.fromkeys(names) if names.count(name) > 1]
+    faults += [
+        f"{where}: {name}: missing, but required ({attribute.metadata['doc']})"
+        for name, attribute in _COLUMNS.items()
+        if attribute.default is attrs.NOTHING and name not in names
+    ]
+    if sum(name in names for name in _LOADS) != 1:
+        faults.append(f"{where}: one of the columns {', '.join(_LOADS)} is needed, and not more")
+
+
+def _value(name: str, unit: str, cell: str, where: str, faults: list[str]) -> float:
+    """SI value of a cell, or NaN after noting what is wrong with it."""
+    attribute = _COLUMNS[name]
+    try:
+        number = _NUMBER.match(cell)
+        if number is not None and number[0] != cell and "," not in cell:
+            raise UnitError(f"{as_written(cell)} is not a number alone; its unit stands in the header")
+        if number is None or number[0] != cell:
+            quantity(cell, "1")  # says what is wrong with it
+        value = quantity(f"{cell} {unit}", attribute.metadata["unit"])
+        if attribute.validator is not None:
+            attribute.validator(None, attribute, value)
+    except FieldError as error:
+        faults.append(f"{where}: {name}: {error.reason}")
+    except UnitError as error:
+        faults.append(f"{where}: {name}: {error}")
+    else:
+        return value
+    return math.nan
+
+
+# Rig ----------------------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen(kw_only=True)
+class RigContact:
+    """The line contact of a rig, of two discs of one material."""
+
+    radius: float = field(unit="m", doc="equivalent radius R, 1/R = 1/R1 + 1/R2", validator=positive)
+    length: float | None = field(
+        default=None,
+        unit="m",
+        doc="length of the contact, for data that give a load in N",
+        validator=attrs.validators.optional(positive),
+    )
+    roughness: tuple[float, float] | None = field(
+        default=None,
+        unit="m",
+        doc="roughness Ra of both surfaces, for models that need the film parameter",
+        validator=attrs.validators.optional(attrs.validators.deep_iterable(positive)),
+    )
+    material: Material = field(default=Material(), doc="material of both discs")
+
+    @property
+    def modulus(self) -> float:
+        """Equivalent modulus E' [Pa] of two discs of one material."""
+        return self.material.elastic_modulus / (1 - self.material.poisson_ratio**2)
+
+    @property
+    def effusivity(self) -> float:
+        """Thermal effusivity sqrt(K rho c) [J/(m2 K s^0.5)]."""
+        m = self.material
+        return math.sqrt(m.thermal_conductivity * m.density * m.specific_heat)
+
+    @property
+    def film_roughness(self) -> float:
+        """Composite roughness 1.25 sqrt(Ra1^2 + Ra2^2) [m]; NaN if none is given."""
+        return math.nan if self.roughness is None else 1.25 * math.hypot(*self.roughness)
+
+
+@attrs.frozen(kw_only=True)
+class Rig:
+    """A rig file: the contact, and oil and models as in a scene."""
+
+    title: str = field(default="", doc="one line about the rig")
+    rig: RigContact = field(doc="the contact")
+    lubricant: LubricantTable = field(doc="the oil; what is fitted starts from its values")
+    models: Models = field(default=Models(), doc="which law each stage follows")
+
+    source: str = attrs.field(default="", eq=False, metadata={"key": None})
+    text: str = attrs.field(default="", eq=False, repr=False, metadata={"key": None})
+    origins: Mapping[tuple[str | int, ...], str] = attrs.field(
+        factory=dict, eq=False, repr=False, metadata={"key": None}
+    )
+
+
+def load_rig(path: str | os.PathLike[str]) -> Rig:
+    """Read a rig file.
+
+    Raises
+    ------
+    SceneError
+        With every fault of the file, each with file, line and key; if there is no such file, with an example of one.
+    """
+    source = os.fspath(path)
+    if not Path(path).exists():
+        raise SceneError(
+            [f"{source}: there is no such file; it says what contact and oil data are of, for example:\n\n{EXAMPLE}"]
+        )
+    text = decoded(_content(Path(path)), source)
+    try:
+        raw = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise SceneError([syntax_error(error, text, source)]) from None
+    origins: dict[tuple[str | int, ...], str] = {path: f"{source}:{line}" for path, line in key_lines(text).items()}
+    origins[()] = source
+    problems: list[str] = []
+    rig = structure(Rig, raw, Where(origins), problems)
+    if rig is None:
+        raise SceneError(problems)
+    return attrs.evolve(rig, source=source, text=text, origins=origins)

@@ -1,0 +1,1 @@
+"""Hold the error of numerical and modelling choices against their cost."""

@@ -1,0 +1,1 @@
+"""Run one study at many points."""

@@ -1,0 +1,390 @@
+"""Journals of a sweep: which points are done, and what they gave, safe against the death of anything.
+
+- SQLite from the standard library: a task's rows are committed together, with their bytes on the disk, before any of
+  its points counts as done.
+- Every writer has a file of its own, made with a name that did not exist, and the pieces of a job array are merged by
+  putting their files together. A folder has one writer at a time (`only_writer`): two would compute the same points.
+- Rollback journal, not write-ahead logging: that needs memory shared with all readers, which network file systems do
+  not have. What it costs is a few milliseconds a task.
+- Of several rows of one point an "ok" is kept, else the latest: repeating a point can only add to what is known.
+- Every row has a checksum. A damaged file is refused, and the points in it are computed again once it is moved away:
+  SQLite finds what destroys its pages, not a number that a disk has changed.
+"""
+
+import sqlite3
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from functools import lru_cache
+from hashlib import sha256
+from itertools import islice
+from pathlib import Path
+from typing import Any, Final
+from zlib import crc32
+
+import attrs
+
+from rollslip.campaigns.sweep.point import STATUSES, Row
+from rollslip.errors import BusyError, OutputError
+
+__all__ = [
+    "LOCK",
+    "Journal",
+    "Record",
+    "Sessions",
+    "check_owner",
+    "copied",
+    "died",
+    "journals",
+    "last_failures",
+    "layouts",
+    "only_writer",
+    "records",
+    "running",
+    "sessions",
+    "states",
+]
+
+_TABLES = """
+create table about (name text primary key, value text not null);
+create table layout (id text primary key, layout text not null);
+create table point (
+    number integer not null, key text not null, status text not null, message text not null, seconds real not null,
+    at real not null, layout text not null, texts text not null, numbers blob not null, checksum integer not null
+);
+"""
+_WAIT = 60.0  # s, for a reader that holds a file
+LOCK: Final = "sweep.lock"
+_KNOWN = 1000  # layouts that a writer remembers; every point may have its own
+
+
+def journals(folder: Path) -> list[Path]:
+    """Return the journals of a folder in the order in which they were begun."""
+    return sorted(folder.glob("journal-*.sqlite"))
+
+
+class Journal:
+    """A new journal, to which one process writes.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the sweep.
+    about : dict
+        What to note about the writer: the hash of the sweep, its engine and process.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written, here and whenever it is used.
+    """
+
+    def __init__(self, folder: Path, about: dict[str, str]) -> None:
+        self.path = _new_file(folder)
+        self._layouts: set[str] = set()
+        with _blamed(self.path):
+            self._connection = sqlite3.connect(self.path, timeout=_WAIT, isolation_level=None)
+            try:
+                self._connection.execute("pragma journal_mode = delete")
+                self._connection.execute("pragma synchronous = full")
+                self._connection.executescript(f"begin;{_TABLES}")
+                self.note(about | {"started": repr(time.time())})
+                self._connection.execute("commit")
+            except BaseException:
+                self._connection.close()
+                self.path.unlink()  # nothing was written that anybody needs
+                raise
+
+    def note(self, facts: dict[str, str]) -> None:
+        """Note something about the writer."""
+        with _blamed(self.path):
+            self._connection.executemany("insert or replace into about values (?, ?)", facts.items())
+
+    def write(self, rows: Iterable[Row]) -> None:
+        """Commit rows: when this returns, they are on the disk."""
+        with _blamed(self.path):
+            self._connection.execute("begin immediate")
+            try:
+                now = time.time()
+                for r in rows:
+                    values = (r.number, r.key, r.status, r.message, r.seconds, now, self._layout(r.layout), r.texts)
+                    self._connection.execute(
+                        "insert into point values (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                        (*values, r.numbers, _checksum(values, r.numbers)),
+                    )
+                self._connection.execute("commit")
+            except BaseException:
+                self._layouts.clear()
+                if self._connection.in_transaction:  # a full disk may have ended it
+                    self._connection.execute("rollback")
+                raise
+
+    def _layout(self, layout: str) -> str:
+        name = _name_of(layout)
+        if name not in self._layouts:
+            self._connection.execute("insert or ignore into layout values (?, ?)", (name, layout))
+            if len(self._layouts) >= _KNOWN:
+                self._layouts.clear()
+            self._layouts.add(name)
+        return name
+
+    def close(self, how: str) -> None:
+        """Note how the writer ended, and close the file."""
+        try:
+            self.note({"ended": how})
+        finally:
+            self._connection.close()
+
+
+def _name_of(layout: str) -> str:
+    return sha256(layout.encode()).hexdigest()[:32]
+
+
+def _checksum(values: tuple[object, ...], numbers: bytes) -> int:
+    return crc32(repr(values).encode(), crc32(numbers))
+
+
+def _new_file(folder: Path) -> Path:
+    """Make an empty file with the next number; a number can be taken once."""
+    for number in range(len(journals(folder)), 1_000_000):
+        path = folder / f"journal-{number:06d}.sqlite"
+        try:
+            path.open("xb").close()
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
+        return path
+    raise OutputError(f"{folder}: holds a million journals; merge them into another folder")
+
+
+@contextmanager
+def only_writer(folder: Path, wait: float = 1.0) -> Iterator[None]:
+    """Keep other runs out of a folder until the block ends, or this process does, however that happens.
+
+    The lock is one of SQLite on a file to which nothing is written: it works wherever journals do.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of a sweep.
+    wait : float
+        How long another run is waited for [s].
+
+    Raises
+    ------
+    BusyError
+        If another run goes on.
+    OutputError
+        If the folder cannot be written.
+    """
+    path = folder / LOCK
+    with _blamed(path):
+        lock = sqlite3.connect(path, timeout=wait, isolation_level=None)
+    with closing(lock):
+        try:
+            lock.execute("pragma journal_mode = memory")
+            lock.execute("begin exclusive")
+        except sqlite3.Error as error:
+            if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
+                raise _unwritable(path, error) from error
+            last = sessions(folder)[-1:]
+            who = "".join(f" by process {one.about.get('process')} on {one.about.get('host')}" for one in last)
+            raise BusyError(
+                f"{folder}: is being computed{who}; wait for it, or end it; how far it is: "
+                f"rollslip sweep status {folder}"
+            ) from error
+        yield
+
+
+def running(folder: Path) -> bool:
+    """Return whether a run has a folder for itself at this time."""
+    uri = f"{(folder / LOCK).resolve().as_uri()}?mode=ro"
+    try:
+        with closing(sqlite3.connect(uri, timeout=0.0, uri=True)) as lock:
+            lock.execute("select count(*) from sqlite_master")
+    except sqlite3.Error as error:
+        return error.sqlite_errorcode == sqlite3.SQLITE_BUSY
+    return False
+
+
+def _unwritable(path: Path, error: Exception) -> OutputError:
+    return OutputError(f"{path}: cannot be written ({error}); free space on the disk, or repair it")
+
+
+@contextmanager
+def _blamed(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise _unwritable(path, error) from error
+
+
+# Reading -------------------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen(eq=False)
+class Record:
+    """A row as it stands in a journal, and when it was written."""
+
+    row: Row
+    at: float
+
+
+@attrs.frozen
+class Sessions:
+    """One writer: its file, what it noted, when it began, how many rows it has, and when the last one came."""
+
+    path: Path
+    about: dict[str, str]
+    started: float
+    rows: int
+    last: float
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[sqlite3.Connection]:
+    try:
+        with closing(sqlite3.connect(path, timeout=_WAIT, isolation_level=None)) as connection:
+            yield connection
+    except (sqlite3.Error, AttributeError, LookupError, TypeError, ValueError) as error:  # as damaged as it may be
+        raise OutputError(
+            f"{path}: is not a journal that can be read ({error}); move it away and resume, which computes its points "
+            "again"
+        ) from error
+
+
+def _made(connection: sqlite3.Connection) -> bool:
+    """Whether the tables are there; a writer may have been killed before it made them."""
+    found = connection.execute("select count(*) from sqlite_master where name = 'point'").fetchone()
+    return bool(found[0])
+
+
+def sessions(folder: Path) -> list[Sessions]:
+    """Return the writers of a folder.
+
+    Raises
+    ------
+    OutputError
+        If a journal cannot be read.
+    """
+    found = []
+    for path in journals(folder):
+        with _opened(path) as connection:
+            if _made(connection):
+                about = dict(connection.execute("select name, value from about").fetchall())
+                rows, last = connection.execute("select count(*), max(at) from point").fetchone()
+                found.append(Sessions(path, about, float(about["started"]), rows, float(last) if rows else 0.0))
+    return found
+
+
+def check_owner(folder: Path, of: str) -> None:
+    """Refuse a journal that somebody has put into the folder of another sweep.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the sweep.
+    of : str
+        Hash of the sweep.
+
+    Raises
+    ------
+    OutputError
+        If there is one, or one cannot be read.
+    """
+    for one in sessions(folder):
+        if one.about.get("sweep", of) != of:
+            raise OutputError(f"{one.path}: is a journal of another sweep; move it away")
+
+
+def died(folder: Path) -> bool:
+    """Return whether a run that computed in its own process has ended without a word, maybe through a point."""
+    return any(
+        "ended" not in one.about and one.about.get("engine") in ("serial", "threads") for one in sessions(folder)
+    )
+
+
+def states(folder: Path, size: int) -> bytearray:
+    """Return for every point 0 if there is no row of it, else 1 + the index of its status.
+
+    Raises
+    ------
+    OutputError
+        If a journal cannot be read, or has a point that the sweep does not have.
+    """
+    found, codes = bytearray(size), {status: k for k, status in enumerate(STATUSES, 1)}
+    for path in journals(folder):
+        with _opened(path) as connection:
+            if not _made(connection):
+                continue
+            for number, status in connection.execute("select number, status from point order by rowid"):
+                if not 0 <= number < size or status not in codes:
+                    raise ValueError(f"has a point {number}, {status!r}, that this sweep does not have")
+                if found[number] != 1:
+                    found[number] = codes[status]
+    return found
+
+
+def last_failures(folder: Path, failed: Sequence[str], most: int, known: bytearray) -> list[tuple[int, str, str]]:
+    """Return number, status and message of the points that failed last, and have no result since."""
+    found = dict[int, tuple[float, str, str]]()
+    marks = ", ".join("?" for _ in failed)
+    query = f"select number, at, status, message from point where status in ({marks}) order by rowid desc"
+    for path in journals(folder):
+        with _opened(path) as connection:
+            if _made(connection):
+                rows = connection.execute(query, failed)
+                still = islice((row for row in rows if known[row[0]] != 1), most)
+                found |= {number: (at, status, text) for number, at, status, text in reversed([*still])}
+    latest = sorted(found.items(), key=lambda item: (item[1][0], item[0]))[len(found) - min(most, len(found)) :]
+    return [(n, status, text) for n, (_, status, text) in latest]
+
+
+def copied(path: Path, folder: Path) -> Path:
+    """Put a journal into another folder, as it stands, even while it is being written; return its place there."""
+    target = _new_file(folder)
+    try:
+        with _opened(path) as source, closing(sqlite3.connect(target)) as new, _blamed(target):
+            source.backup(new)
+    except BaseException:
+        target.unlink()
+        raise
+    return target
+
+
+def records(folder: Path, where: str = "", *values: Any) -> Iterator[Record]:
+    """Yield all rows in the order in which they were written, or those of a condition; a later one may supersede.
+
+    Raises
+    ------
+    OutputError
+        If a journal cannot be read.
+    """
+    named = lru_cache(maxsize=256)(_name_of)
+    for path in journals(folder):
+        with _opened(path) as connection:
+            if not _made(connection):
+                continue
+            columns = "number, key, status, message, seconds, at, point.layout, texts, numbers, checksum, layout.layout"
+            source = f"point left join layout on layout.id = point.layout {where} order by point.rowid"
+            for *told, numbers, checksum, layout in connection.execute(f"select {columns} from {source}", values):
+                number, key, status, message, seconds, at, name, texts = told
+                if layout is None or name != named(layout) or checksum != _checksum(tuple(told), numbers):
+                    raise ValueError(f"the row of point {number} is damaged")
+                yield Record(Row(number, key, status, message, seconds, layout, numbers, texts), at)
+
+
+def layouts(folder: Path) -> Iterator[str]:
+    """Yield the layouts of all rows, every one once a journal.
+
+    Raises
+    ------
+    OutputError
+        If a journal cannot be read.
+    """
+    for path in journals(folder):
+        with _opened(path) as connection:
+            if _made(connection):
+                for (layout,) in connection.execute("select layout from layout where layout != '' order by rowid"):
+                    yield layout

@@ -1,0 +1,141 @@
+"""How finely the points of a sweep are computed: chosen once for all of them, before the first one.
+
+- A point that nobody planned takes 101 slices and doubles its instants, and pays for an estimate of its error every
+  time. A plan of its own would cost several points. So the plan's choice (`rollslip.planning.estimates`) is made for
+  the scene and for some points of the sweep that lie far apart, and the finest of these serves all.
+- It belongs to what the sweep is: it follows from scene and design alone, so that engine, order, pieces and resumption
+  do not change a bit, and it is stored, compared and told like they are.
+- Laws are left as they are named. Which cheaper one serves depends on the point, and what is left out under a bound
+  would have to be watched in every one of them.
+- Other laws and other accuracies have other needs: every combination of axes of choices and settings has its own.
+- Points of effective friction only: those of a steady slip cost more at the plan's choice than by doubling, since the
+  plan halves what it may err and drags decide what that means; motions in time choose their steps one by one.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Array, assemble
+from rollslip.bearing.resolution import Resolution
+from rollslip.campaigns.sweep.sampling import Axis, Design
+from rollslip.errors import RollslipError
+from rollslip.planning.estimates import choose
+from rollslip.scene.reading import evolve
+from rollslip.scene.values import Scene
+from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.study import settings
+
+__all__ = ["Resolutions", "chosen_resolutions"]
+
+#: Points besides the scene itself for which a choice is made; a choice costs about six points.
+_SPREAD: Final = 8
+#: Points of a combination from which on that is worth it.
+_WORTH: Final = 100
+#: Points among which those far apart are looked for.
+_CANDIDATES: Final = 512
+
+
+@attrs.frozen(kw_only=True)
+class Resolutions:
+    """The resolutions of a sweep.
+
+    Attributes
+    ----------
+    deciding : tuple of str
+        Keys whose values decide which one a point takes.
+    chosen : mapping
+        Values of these keys, as JSON -> resolution. A point whose values are not here is computed as its scene states.
+    """
+
+    deciding: tuple[str, ...] = ()
+    chosen: Mapping[str, Resolution] = attrs.field(factory=dict)
+
+    def of(self, changes: Mapping[str, object]) -> Resolution | None:
+        """Return the resolution of a point, None if it is computed as the scene states."""
+        return self.chosen.get(_name([changes.get(key) for key in self.deciding]))
+
+    @property
+    def facts(self) -> dict[str, dict[str, object]]:
+        """The resolutions as plain values."""
+        return {name: attrs.asdict(one) for name, one in self.chosen.items()}
+
+
+def _name(values: Sequence[object]) -> str:
+    return json.dumps(values, default=dict)
+
+
+def chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
+    """Choose the resolutions of a sweep.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene that the points change.
+    study : str
+        Their study.
+    design : Design
+        The points.
+    """
+    deciding = [k for k, axis in enumerate(design.axes) if _decides(axis)]
+    combinations = np.stack(np.unravel_index(np.arange(design.size), design.shape), axis=-1)[:, deciding]
+    if not isinstance(settings(scene, study)[study], EffectiveFriction):
+        return Resolutions()
+    found = dict[str, Resolution]()
+    for places in np.unique(combinations, axis=0):
+        numbers = np.flatnonzero((combinations == places).all(axis=1))
+        if numbers.size < _WORTH:
+            continue
+        values = {
+            design.axes[k].key: design.axes[k].values[int(place)] for k, place in zip(deciding, places, strict=True)
+        }
+        points = [values, *(design.changes(int(number)) for number in _far_apart(design, numbers))]
+        chosen = [one for one in (_choice(scene, study, changes) for changes in points) if one is not None]
+        if chosen:
+            found[_name(list(values.values()))] = _finest(chosen)
+    return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=found)
+
+
+def _decides(axis: Axis) -> bool:
+    number = axis.quantity.unit is not None or axis.quantity.whole
+    return not number or axis.key.startswith(("accuracy.", "study."))
+
+
+def _choice(scene: Scene, study: str, changes: Mapping[str, object]) -> Resolution | None:
+    """Return the plan's choice at a point, None if it has none: the point will say why."""
+    try:
+        at = evolve(scene, changes) if changes else scene
+        found = choose(settings(at, study)[study], assemble(at))
+    except RollslipError:
+        return None
+    return None if found.failed else found.resolution
+
+
+def _finest(chosen: Sequence[Resolution]) -> Resolution:
+    """Return the finest of some resolutions, part by part, with the laws as they are named."""
+    most = max(chosen, key=lambda one: one.slices)
+    return Resolution(
+        slices=most.slices,
+        quadrature=most.quadrature,
+        instants=max(one.instants or 1 for one in chosen),
+        table_tolerance=min(one.table_tolerance for one in chosen),
+    )
+
+
+def _far_apart(design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> list[int]:
+    """Numbers of some points, each as far as can be from those before it, in shares of the ranges of their values."""
+    some = numbers[np.unique(np.linspace(0, numbers.size - 1, _CANDIDATES).astype(int))]
+    rows = [[v for v in design.changes(int(number)).values() if isinstance(v, int | float)] for number in some]
+    values: Array = np.array(rows, dtype=float)
+    width = np.ptp(values, axis=0)
+    values = (values - values.min(axis=0)) / np.where(width > 0.0, width, 1.0)
+    found, distance = list[int](), np.linalg.norm(values - 0.5, axis=1)
+    for _ in range(min(_SPREAD, some.size)):
+        k = int(np.argmax(distance))
+        apart = np.linalg.norm(values - values[k], axis=1)
+        distance = np.minimum(distance, apart) if found else apart
+        found.append(k)
+    return [int(some[k]) for k in found]

@@ -1,0 +1,188 @@
+"""The dataset of a sweep: every variable over the dimensions of the sweep, with the status of every point.
+
+- It is read from the journals row by row, and can be made at any time; a point that is not done yet is "pending".
+- What it takes of memory is the dataset: rows and layouts, of which every point may have its own, are read one by one.
+- Values are 64-bit floats, NaN where a point has none; its status and message say why. Nothing is left out.
+- ``status`` is that of the point; a study's own variable of this name, as steady-slip has one, is ``study_status``.
+- A coordinate of the study that is the same for all points, such as its cage slips, is one of the dataset. Where it
+  differs between points it becomes a variable of its own over them, and points with fewer values are filled with NaN.
+"""
+
+import datetime
+import json
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollslip.campaigns.sweep.journal import check_owner, layouts, records
+from rollslip.campaigns.sweep.point import STATUSES, unpacked
+from rollslip.campaigns.sweep.sweep import Sweep
+from rollslip.scene.values import resolved, scene_hash
+from rollslip.studies.friction_curve.study import about
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["collect"]
+
+
+def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
+    """Return what a sweep has given so far.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions: one for each axis, and "sample"; behind them those of the study. Variables: the outputs; status,
+        message and seconds of every point. Coordinates: values of the axes and of the samples.
+
+    Raises
+    ------
+    OutputError
+        If a journal cannot be read, or holds rows of another sweep.
+    """
+    import xarray as xr
+
+    check_owner(folder, sweep.hash)
+    design, size = sweep.design, sweep.design.size
+    status = np.full(size, "pending", dtype=f"<U{max(map(len, (*STATUSES, 'pending')))}")
+    message, seconds = np.full(size, "", dtype=object), np.full(size, np.nan)
+    for record in records(folder):
+        row = record.row
+        if status[row.number] == "ok":
+            continue
+        status[row.number], message[row.number], seconds[row.number] = row.status, row.message, row.seconds
+    fields = _Fields(map(json.loads, layouts(folder)), size)
+    parsed = lru_cache(maxsize=256)(json.loads)
+    filled = np.zeros(size, dtype=bool)
+    for record in records(folder, "where status = ?", "ok"):
+        if not filled[record.row.number]:
+            filled[record.row.number] = True
+            fields.fill(record.row.number, parsed(record.row.layout), record.row.numbers, record.row.texts)
+    points = ("status", "message", "seconds")
+    outputs = fields.variables(design.dims, design.shape)
+    variables = {f"study_{name}" if name in points else name: of for name, of in outputs.items()}
+    variables |= {
+        "status": (design.dims, status.reshape(design.shape), about("1", "how the point ended")),
+        "message": (design.dims, message.reshape(design.shape), about("1", "why it is not ok")),
+        "seconds": (design.dims, seconds.reshape(design.shape), about("s", "time that the point took")),
+    }
+    coords = {axis.key: (axis.key, axis.coordinate, _about(axis.quantity)) for axis in design.axes}
+    if design.has_samples:
+        coords["sample"] = ("sample", np.arange(len(design.samples)), about("1", "sample"))
+        coords |= {of.key: ("sample", design.samples[:, k], _about(of)) for k, of in enumerate(design.sampled)}
+    return xr.Dataset(variables, coords | fields.coords, _attributes(sweep, status))
+
+
+def _about(quantity: Any) -> dict[str, Any]:
+    return about(quantity.unit or "1", quantity.doc)
+
+
+def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
+    own = status[np.fromiter(sweep.numbers, dtype=int)]
+    found = {name: int((own == name).sum()) for name in (*STATUSES, "pending")}
+    lost = [f"{count} {name}" for name, count in found.items() if count and name != "ok"]
+    warnings = (
+        [f"{sum(found.values()) - found['ok']} of {own.size} points have no result: {', '.join(lost)}"] if lost else []
+    )
+    facts = sweep.facts
+    return {
+        "study": "sweep",
+        "swept": sweep.study,
+        "sweep_hash": sweep.hash,
+        "title": sweep.scene.title,
+        "source": sweep.given.source,
+        "scene": sweep.given.text,
+        "scene_resolved": json.dumps(resolved(sweep.scene)),
+        "scene_hash": scene_hash(sweep.scene),
+        "axes": json.dumps(facts["axes"]),
+        "resolutions": json.dumps(facts["resolutions"]),
+        "distributions": json.dumps({k: repr(d) for k, d in sweep.uncertainty.distributions.items()}),
+        "correlation": json.dumps(sweep.uncertainty.correlation.tolist()),
+        "sampling": sweep.table.sampling if sweep.design.has_samples else "",
+        "seed": sweep.table.seed,
+        "shard": f"{sweep.shard[0]}/{sweep.shard[1]}",
+        "counts": json.dumps(found),
+        "packages": json.dumps(facts["packages"]),
+        "citations": json.dumps(list(sweep.citations)),
+        "warnings": json.dumps(warnings),
+        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+    }
+
+
+class _Fields:
+    """The arrays of the outputs, large enough for every layout."""
+
+    def __init__(self, layouts: Iterable[Mapping[str, Any]], size: int) -> None:
+        self.shapes: dict[str, dict[str, int]] = {}
+        self.said: dict[str, Mapping[str, Any]] = {}
+        self.text: dict[str, bool] = {}
+        self.first: dict[str, Any] = {}  # coordinate of a dimension, None where that layout has none
+        self.differ: set[str] = set()
+        self.longest: dict[str, dict[str, Any]] = {}
+        for one in layouts:
+            for name, of in one["variables"].items():
+                self._variable(name, of)
+            for dim in _dims(one):
+                self._coordinate(dim, one["coords"].get(dim))
+        self._same_or_own()
+        self.arrays = {
+            name: np.full(
+                (size, *dims.values()), "" if self.text[name] else np.nan, dtype=object if self.text[name] else float
+            )
+            for name, dims in self.shapes.items()
+        }
+
+    def _variable(self, name: str, of: Mapping[str, Any]) -> None:
+        largest = self.shapes.setdefault(name, dict.fromkeys(of["dims"], 0))
+        for dim, length in zip(of["dims"], of["shape"], strict=True):
+            largest[dim] = max(largest.get(dim, 0), length)
+        self.said.setdefault(name, of["attrs"])
+        self.text[name] = self.text.get(name, False) or of["text"]
+
+    def _coordinate(self, dim: str, found: Any) -> None:
+        if self.first.setdefault(dim, found) != found:
+            self.differ.add(dim)
+        if found:
+            self.longest[dim] = max(self.longest.get(dim, found), found, key=lambda one: len(one["values"]))
+
+    def _same_or_own(self) -> None:
+        """Tell coordinates that all points share from those that become variables."""
+        self.coords: dict[str, Any] = {}
+        self.own: dict[str, str] = {}
+        for dim in dict.fromkeys(dim for dims in self.shapes.values() for dim in dims):
+            first = self.first[dim]
+            if first is not None and dim not in self.differ:
+                self.coords[dim] = (dim, np.array(first["values"]), first["attrs"])
+            elif dim in self.longest:
+                longest = self.longest[dim]
+                self.own[dim] = f"{dim}_index"
+                self.shapes[dim] = {dim: len(longest["values"])}
+                self.said[dim], self.text[dim] = longest["attrs"], longest["text"]
+
+    def fill(self, number: int, layout: Mapping[str, Any], numbers: bytes, texts: str) -> None:
+        """Set the values of a point."""
+        values = unpacked(layout, numbers, texts)
+        dims = _dims(layout)
+        for dim in self.own.keys() & dims:
+            values[dim] = np.array(layout["coords"][dim]["values"]) if dim in layout["coords"] else np.arange(0)
+        for name, array in values.items():
+            place: tuple[Any, ...] = (number, *map(slice, array.shape))
+            self.arrays[name][place] = array
+
+    def variables(self, dims: tuple[str, ...], shape: tuple[int, ...]) -> dict[str, Any]:
+        """Return the arrays over the dimensions of the sweep."""
+        return {
+            name: (
+                (*dims, *(self.own.get(dim, dim) for dim in self.shapes[name])),
+                (array.astype(str) if self.text[name] else array).reshape((*shape, *array.shape[1:])),
+                dict(self.said[name]),
+            )
+            for name, array in self.arrays.items()
+        }
+
+
+def _dims(layout: Mapping[str, Any]) -> set[str]:
+    return {dim for of in layout["variables"].values() for dim in of["dims"]}

@@ -1,0 +1,304 @@
+"""Which points a sweep has: axes that are crossed, and samples of what varies together.
+
+- Axes are lists and ranges; each is a dimension of the result. Samples are one dimension more, and every combination of
+  the axes sees the same samples, so that models are compared on equal terms.
+- A point is its number, counted with the samples running fastest; its values follow from the number alone. Nobody
+  needs to keep the points, and a piece of them can be computed anywhere.
+- Samples are quasi-random (scrambled Sobol sequence) or stratified (Latin hypercube) from SciPy, always seeded.
+- One scrambled sequence does not tell how exact it is. Several scramblings do: they are independent of each other. One
+  sample of each in turn makes a sequence whose first samples are several whole ones too.
+- The samples after Saltelli, for Sobol indices, are those of a Sobol sequence of twice the dimensions, A and B, and for
+  each dimension A with this one from B. They stand sample by sample, so that the first ones are a design too.
+"""
+
+import hashlib
+import json
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any, Final
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.campaigns.sweep.distributions import Distribution, LogUniform, Uniform
+from rollslip.errors import RollslipError, SceneError
+from rollslip.fields import FieldError
+from rollslip.planning.quantities import Quantity
+from rollslip.scene.reading import parse_set
+from rollslip.units import as_written, evenly, format_quantity
+
+__all__ = [
+    "REPLICATES",
+    "SAMPLINGS",
+    "Axis",
+    "Design",
+    "label",
+    "parse_over",
+    "parse_overs",
+    "parse_shard",
+    "probabilities",
+    "read_axis",
+]
+
+Array = NDArray[np.float64]
+
+SAMPLINGS: Final = ("sobol", "replicated-sobol", "latin-hypercube", "saltelli")
+#: Independent scramblings of a replicated Sobol sequence; of a power of two of samples each is a whole one.
+REPLICATES: Final = 8
+_MOST = 10_000_000
+
+
+def probabilities(sampling: str, samples: int, dimensions: int, seed: int) -> Array:
+    """Return points of the unit cube, none of them on its faces.
+
+    Parameters
+    ----------
+    sampling : str
+        "sobol": a Sobol sequence, scrambled after Owen; its balance needs a power of two samples.
+        "replicated-sobol": eight such sequences, each with a scrambling of its own, one sample of each in turn.
+        "latin-hypercube": each of the n strata of every dimension holds one sample.
+        "saltelli": for each of n samples A and B, of d dimensions each, d + 2 rows: A, B, and A with one dimension
+        after the other from B (Saltelli et al. 2010, doi:10.1016/j.cpc.2009.09.018).
+    samples, dimensions : int
+        Shape of what is returned; samples times (dimensions + 2) rows after Saltelli.
+    seed : int
+        Same seed and same version of SciPy, same points.
+    """
+    from scipy.stats import qmc
+
+    if sampling == "saltelli":
+        both = probabilities("sobol", samples, 2 * dimensions, seed)
+        rows = np.repeat(both[:, None, :dimensions], dimensions + 2, axis=1)
+        rows[:, 1] = both[:, dimensions:]
+        for k in range(dimensions):
+            rows[:, 2 + k, k] = both[:, dimensions + k]
+        return rows.reshape(-1, dimensions)
+    if sampling in ("sobol", "replicated-sobol"):
+        rng = np.random.default_rng(seed)
+        streams = [rng] if sampling == "sobol" else rng.spawn(REPLICATES)
+        power = max(0, math.ceil(math.log2(samples / len(streams))))
+        each = [qmc.Sobol(dimensions, rng=one).random_base2(power) for one in streams]
+        drawn = np.stack(each, axis=1).reshape(-1, dimensions)[:samples]
+    else:
+        drawn = qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(samples)
+    return np.clip(drawn, 2.0**-54, 1.0 - 2.0**-53)
+
+
+def label(value: object) -> str:
+    """Return how results call a value that is no number: "muraki", "pan-hamrock(thickness=central)"."""
+    if not isinstance(value, Mapping):
+        return as_written(value) if isinstance(value, bool) else str(value)
+    stated = [f"{key}={label(inner)}" for key, inner in value.items() if key != "model"]
+    return str(value.get("model", "")) + (f"({', '.join(stated)})" if stated else "")
+
+
+@attrs.frozen(eq=False)
+class Axis:
+    """One key with the values that it takes one after the other."""
+
+    quantity: Quantity
+    values: tuple[object, ...]
+
+    @property
+    def key(self) -> str:
+        """Its key."""
+        return self.quantity.key
+
+    @property
+    def coordinate(self) -> "NDArray[Any]":
+        """Values for the coordinate of a result."""
+        number = self.quantity.unit is not None or self.quantity.whole
+        return np.array(self.values) if number else np.array([label(value) for value in self.values])
+
+    def shown(self, value: object) -> str:
+        """Return a value in words."""
+        unit = self.quantity.unit
+        return format_quantity(value, unit) if unit and isinstance(value, float) else label(value)
+
+
+def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribution:
+    """Return the axis that a list or a range describes, or the distribution of a range to be sampled.
+
+    Parameters
+    ----------
+    quantity : Quantity
+        What is varied.
+    raw : object
+        A list of values; "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log"; "LOW:HIGH" or "LOW:HIGH:log" for samples.
+    sampled : bool
+        Whether the sweep has samples.
+
+    Raises
+    ------
+    RollslipError
+        What is wrong with it, in one sentence.
+    """
+    if isinstance(raw, str) and ":" in raw and (quantity.unit is not None or quantity.whole):
+        return _range(quantity, raw, sampled)
+    listed = list(raw) if isinstance(raw, list | tuple) else [raw]
+    if not listed:
+        raise FieldError(quantity.key, "the list is empty; give at least one value")
+    values = []
+    for k, value in enumerate(listed, 1):
+        values.append(_checked(quantity, value, f"value {k} of {len(listed)}" if len(listed) > 1 else ""))
+    counts = Counter(label(value) for value in values)
+    if twice := next((name for name, count in counts.items() if count > 1), None):
+        raise FieldError(quantity.key, f"{twice!r} stands twice in the list")
+    return Axis(quantity, tuple(values))
+
+
+def parse_over(text: str) -> tuple[str, object]:
+    """Split ``key=values`` of the command line into key and values: a range, or a list with commas between.
+
+    Examples
+    --------
+    >>> parse_over("operation.radial_load=500 N:5 kN:10"), parse_over("models.film=moes, dowson-1968")
+    (('operation.radial_load', '500 N:5 kN:10'), ('models.film', ['moes', 'dowson-1968']))
+    """
+    key, value = parse_set(text)
+    if not isinstance(value, str) or ":" in value:
+        return key, value
+    return key, [parse_set(f"{key}={part}")[1] for part in value.split(",")]
+
+
+def parse_overs(texts: Sequence[str]) -> dict[str, object]:
+    """Return what several ``key=values`` say, by key.
+
+    Raises
+    ------
+    SceneError
+        If one cannot be read, or a key comes twice.
+    """
+    pairs = [parse_over(text) for text in texts]
+    keys = [key for key, _ in pairs]
+    if twice := sorted({key for key in keys if keys.count(key) > 1}):
+        raise SceneError([f"{key}: stands in --over twice; put all its values in one" for key in twice])
+    return dict(pairs)
+
+
+def parse_shard(text: str) -> tuple[int, int]:
+    """Return piece and number of pieces of "3/8".
+
+    Raises
+    ------
+    SceneError
+        If it is not written so.
+    """
+    number, _, of = text.partition("/")
+    if not (number.strip().isdecimal() and of.strip().isdecimal()):
+        raise SceneError([f"shard {as_written(text)}: write I/N with I from 1 to N, such as 3/8"])
+    return int(number), int(of)
+
+
+def _checked(quantity: Quantity, value: object, which: str) -> object:
+    try:
+        return quantity.read(value)
+    except RollslipError as error:
+        reason = error.reason if isinstance(error, FieldError) else str(error)
+        raise FieldError(quantity.key, f"{which}: {reason}" if which else reason) from error
+    except (TypeError, ValueError) as error:
+        raise FieldError(quantity.key, f"{which}: {error.args[0]}" if which else str(error.args[0])) from error
+
+
+def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
+    key, parts = quantity.key, [part.strip() for part in text.split(":")]
+    logarithmic = parts[-1] == "log"
+    ends, count = parts[:2], parts[2:-1] if logarithmic else parts[2:]
+    if len(parts) - logarithmic not in (2, 3) or not all(parts):
+        raise FieldError(key, f"{as_written(text)} is no range; write LOW:HIGH:COUNT or LOW:HIGH:COUNT:log")
+    if "," in text:
+        raise FieldError(key, f"{as_written(text)} has a comma; write decimals with a point, and no range in a list")
+    unit = quantity.unit or "1"
+    low, high = evenly(ends[0], ends[1], 2, unit)
+    if not low < high:
+        raise FieldError(key, f"{as_written(text)}: the first end must be below the second")
+    if logarithmic and not low > 0.0:
+        raise FieldError(key, f"{as_written(text)}: a logarithmic range must begin above 0")
+    if not count:
+        if not sampled:
+            raise FieldError(key, f"{as_written(text)} has no count; write LOW:HIGH:COUNT, or ask for samples")
+        if quantity.whole:
+            raise FieldError(key, f"{as_written(text)}: whole numbers are not sampled; give a count or a list")
+        for end, value in (("its low end", low), ("its high end", high)):
+            _checked(quantity, value, end)
+        return LogUniform(low=low, high=high) if logarithmic else Uniform(low=low, high=high)
+    if not count[0].isascii() or not count[0].isdecimal() or not 2 <= int(count[0]) <= _MOST:
+        raise FieldError(key, f"{as_written(text)}: {as_written(count[0])} is no count of values, which are 2 or more")
+    n = int(count[0])
+    if logarithmic:
+        between = [low * math.exp(k / (n - 1) * math.log(high / low)) for k in range(1, n - 1)]
+        values: Sequence[object] = (low, *between, high)
+    else:
+        values = evenly(ends[0], ends[1], n, unit)
+    return Axis(quantity, tuple(_checked(quantity, v, f"point {k} of {n}") for k, v in enumerate(values, 1)))
+
+
+@attrs.frozen(eq=False)
+class Design:
+    """The points of a sweep.
+
+    Attributes
+    ----------
+    axes : tuple of Axis
+        What is crossed.
+    sampled : tuple of Quantity
+        What the samples are of.
+    samples : ndarray
+        Samples in SI units, shape (n, len(sampled)); n = 1 and no column without samples.
+    has_samples : bool
+        Whether there is a dimension of samples.
+    """
+
+    axes: tuple[Axis, ...]
+    sampled: tuple[Quantity, ...]
+    samples: Array
+
+    @property
+    def has_samples(self) -> bool:
+        """Whether there is a dimension of samples."""
+        return bool(self.sampled)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values along every dimension."""
+        return (*(len(axis.values) for axis in self.axes), *([len(self.samples)] if self.has_samples else []))
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        return (*(axis.key for axis in self.axes), *(["sample"] if self.has_samples else []))
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return math.prod(self.shape)
+
+    def changes(self, number: int) -> dict[str, object]:
+        """Return what a point changes in the scene, by key."""
+        place = np.unravel_index(number, self.shape) if self.shape else ()
+        found = {axis.key: axis.values[int(k)] for axis, k in zip(self.axes, place, strict=False)}
+        if self.has_samples:
+            row = self.samples[int(place[-1])].tolist()
+            found |= {of.key: value for of, value in zip(self.sampled, row, strict=True)}
+        return found
+
+    def shown(self, number: int) -> str:
+        """Return a point in words: "operation.radial_load = 500 N, models.traction = muraki"."""
+        parts = []
+        for key, value in self.changes(number).items():
+            quantity = next(one for one in (*(a.quantity for a in self.axes), *self.sampled) if one.key == key)
+            parts.append(f"{key} = {Axis(quantity, ()).shown(value)}")
+        return ", ".join(parts)
+
+    @cached_property
+    def facts(self) -> dict[str, Any]:
+        """What tells this design from another, as plain values."""
+        return {
+            "axes": {axis.key: json.loads(json.dumps(axis.values, default=dict)) for axis in self.axes},
+            "sampled": [one.key for one in self.sampled],
+            "samples": hashlib.sha256(np.ascontiguousarray(self.samples, dtype="<f8").tobytes()).hexdigest(),
+            "size": self.size,
+        }

@@ -1,0 +1,552 @@
+"""What a sweep is: the points of a study, checked as a whole before anything runs, and kept so that it can go on.
+
+- What is swept comes from the scene's tables ``[sweep]`` and ``[uncertainty]``; a call or the command line adds to it.
+- A sweep is told from another by its facts: the resolved scene, the study, its outputs, the design, its
+  resolution and the versions of the packages. A folder belongs to one sweep; who goes on with it under other facts is
+  told what has changed.
+- Values are checked one by one, and every value of an axis once in the scene, so that a wrong one in the middle of a
+  grid is found before the first point. What goes wrong only for a combination ends that point as "outside-domain".
+- Neither engine nor time limit belong to the facts: they change when a result is there, not what it is.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.campaigns.sweep.distributions import Distribution, Uncertainty, read_uncertainty
+from rollslip.campaigns.sweep.journal import died, journals
+from rollslip.campaigns.sweep.point import Work, here
+from rollslip.campaigns.sweep.resolutions import Resolutions, chosen_resolutions
+from rollslip.campaigns.sweep.sampling import SAMPLINGS, Axis, Design, probabilities, read_axis
+from rollslip.catalogue.discovery import DATA, THIS_PROCESS, Offer
+from rollslip.catalogue.packages import check_required
+from rollslip.catalogue.registry import find
+from rollslip.errors import OutputError, RollslipError, SceneError
+from rollslip.fields import FieldError, at_least, non_negative, one_of, parameter, positive
+from rollslip.files import whole_file
+from rollslip.planning.quantities import quantities, unknown
+from rollslip.references import KLEBANOV
+from rollslip.results.dataset import references_of
+from rollslip.scene.reading import Where, evolve, from_raw, load_scene, parse_scene, shipped_scenes, structure
+from rollslip.scene.values import FrozenTable, Scene, resolved
+from rollslip.studies.outputs import chosen
+from rollslip.studies.study import STUDIES, settings
+from rollslip.units import as_written
+
+__all__ = ["FILE", "Sweep", "SweepTable", "open_sweep", "plan_sweep", "store_sweep", "with_engine"]
+
+#: Values of an axis that are tried in the scene, each with all others as they are; those of a longer one lie between.
+_TRIED = 1000
+_MOST_POINTS = 10_000_000
+#: What the sweep is, in its folder.
+FILE: Final = "sweep.json"
+_AGAIN = "the same command as before, with --out {}, makes it again and takes up the journals"
+
+
+@attrs.frozen(kw_only=True)
+class SweepTable:
+    """The table ``[sweep]`` of a scene."""
+
+    study: str | None = parameter(default=None, doc="study to sweep; by default the first one of the scene")
+    output: tuple[str, ...] = parameter(default=(), doc="variables of the study to keep; by default its main ones")
+    over: FrozenTable = parameter(
+        default=FrozenTable(),
+        doc="what is varied, by the key of the scene: a list, or a range 'LOW:HIGH:COUNT', 'LOW:HIGH:COUNT:log'",
+    )
+    samples: int | None = parameter(
+        default=None,
+        doc="samples of ranges without a count and of what is uncertain",
+        validator=attrs.validators.optional(at_least(1)),
+    )
+    sampling: str = parameter(default="sobol", doc="how samples are drawn", validator=one_of(*SAMPLINGS))
+    seed: int = parameter(default=0, doc="seed of the samples", validator=non_negative)
+    time_limit: float | None = parameter(
+        default=None, unit="s", doc="longest time for one point", validator=attrs.validators.optional(positive)
+    )
+    engine: Any = parameter(default=None, doc="engine, by name or as a table with its parameters; by default chosen")
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Sweep:
+    """The points of a study and what they share.
+
+    Attributes
+    ----------
+    scene : Scene
+        What every point changes; without the tables of the sweep.
+    study : str
+        Its study.
+    outputs : tuple of str
+        Variables that are kept.
+    design : Design
+        The points.
+    uncertainty : Uncertainty
+        What the samples are of.
+    resolutions : Resolutions
+        How finely the points are computed.
+    packages : tuple of str
+        Distributions that the points need.
+    local : tuple of str
+        Models that are registered in this process only.
+    citations : tuple of str
+        What to cite for models and oils.
+    table : SweepTable
+        What was asked for, all together.
+    given : Scene
+        The scene as it was given.
+    shard : tuple of int
+        Which piece of how many this is, (1, 1) for all.
+    first : int or None
+        How many of the samples are computed in this run, None for all; the design has the others all the same.
+    """
+
+    scene: Scene
+    study: str
+    outputs: tuple[str, ...]
+    design: Design
+    uncertainty: Uncertainty
+    resolutions: Resolutions
+    packages: tuple[str, ...]
+    local: tuple[str, ...]
+    citations: tuple[str, ...]
+    table: SweepTable
+    given: Scene
+    shard: tuple[int, int] = (1, 1)
+    first: int | None = None
+
+    @property
+    def work(self) -> Work:
+        """What all points share."""
+        return Work(
+            scene=self.scene,
+            study=self.study,
+            outputs=self.outputs,
+            packages=self.packages,
+            resolutions=self.resolutions,
+            time_limit=self.table.time_limit,
+        )
+
+    @property
+    def numbers(self) -> Sequence[int]:
+        """Numbers of the points of this piece."""
+        own = range(self.shard[0] - 1, self.design.size, self.shard[1])
+        if self.first is None:
+            return own
+        return [number for number in own if number % len(self.design.samples) < self.first]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What tells this sweep from another, as plain values."""
+        facts = {
+            "scene": resolved(self.scene),
+            "study": self.study,
+            "outputs": list(self.outputs),
+            **self.design.facts,
+            "resolutions": self.resolutions.facts,
+            "packages": dict(here(self.packages)),
+        }
+        return json.loads(json.dumps(facts))  # type: ignore[no-any-return]
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of the facts."""
+        return hashlib.sha256(json.dumps(self.facts, sort_keys=True).encode()).hexdigest()
+
+
+def plan_sweep(
+    scene: Scene | str,
+    over: Mapping[str, object] | None = None,
+    *,
+    samples: int | None = None,
+    sampling: str | None = None,
+    seed: int | None = None,
+    study: str | None = None,
+    output: Sequence[str] = (),
+    time_limit: float | str | None = None,
+    engine: object = None,
+    shard: tuple[int, int] = (1, 1),
+) -> Sweep:
+    """Check a sweep and lay out its points.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file; its tables ``[sweep]`` and ``[uncertainty]`` count.
+    over : mapping, optional
+        What is varied, by dotted key: a list of values, "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log", with units; or, to
+        be sampled, "LOW:HIGH" or "LOW:HIGH:log". It adds to the scene's.
+    samples : int, optional
+        Number of samples of ranges without a count and of what the scene calls uncertain.
+    sampling : str, optional
+        One of `rollslip.campaigns.sweep.sampling.SAMPLINGS`; by default "sobol".
+    seed : int, optional
+        Seed of the samples.
+    study : str, optional
+        Study; by default the first one of the scene.
+    output : sequence of str, optional
+        Variables of its result that are kept.
+    time_limit : float or str, optional
+        Longest time for one point.
+    engine : str or table, optional
+        Engine and its parameters.
+    shard : tuple of int
+        Which piece of how many.
+
+    Raises
+    ------
+    SceneError
+        If anything of it is wrong; all faults that can be found at once.
+    PluginError
+        If a model that it names is missing or broken.
+    """
+    given = scene if isinstance(scene, Scene) else load_scene(scene)
+    base, where, problems = _without_tables(given), Where(given.origins), list[str]()
+    check_required(base.plugins.require, where.at("plugins").at("require"))
+    asked = {
+        "samples": samples, "sampling": sampling, "seed": seed, "study": study, "output": list(output) or None,
+        "time_limit": time_limit, "engine": engine,
+    }  # fmt: skip
+    told = {key: value for key, value in asked.items() if value is not None}
+    origins = {
+        path: text
+        for path, text in given.origins.items()
+        if path[:1] != ("sweep",) or path[1:2] not in {(k,) for k in told}
+    }
+    place = Where(origins).at("sweep")
+    table = structure(SweepTable, {**(given.sweep or {}), **told}, place, problems)
+    if table is None:
+        raise SceneError(problems)
+    name = table.study or next(iter(base.study), "effective-friction")
+    if name not in STUDIES:
+        settings(base, name)  # raises, with the nearest name
+    names = _noted(problems, lambda: chosen(name, table.output), ())
+    studies, assembly = settings(base, name), assemble(base)
+    known = quantities(assembly, studies)
+    sampled = table.samples is not None
+    if not sampled and "sampling" in {**(given.sweep or {}), **told}:
+        problems.append(place.at("sampling").says("says how samples are drawn, but none are asked for; give samples"))
+    axes, ranges = list[Axis](), dict[str, Distribution]()
+    wanted = [
+        *_leaves(table.over, "", place.at("over")),
+        *((key.strip(), value, Where({}, tuple(key.strip().split(".")))) for key, value in (over or {}).items()),
+    ]
+    for key, raw, at in {one[0]: one for one in wanted}.values():
+        quantity = known.get(key)
+        if quantity is None:
+            problems.append(at.says(unknown(key, known)))
+            continue
+        try:
+            made = read_axis(quantity, raw, sampled)
+        except RollslipError as error:
+            problems.append(at.says(error.reason if isinstance(error, FieldError) else str(error)))
+            continue
+        if isinstance(made, Axis):
+            axes.append(made)
+        else:
+            ranges[key] = made
+    uncertainty = read_uncertainty(given.uncertainty or {}, where.at("uncertainty"), known, problems)
+    uncertainty = _with_ranges(uncertainty, ranges) if sampled else Uncertainty({}, np.empty((0, 0)))
+    varied = [*(axis.key for axis in axes), *uncertainty.distributions]
+    problems += _conflicts(varied)
+    if sampled and not uncertainty.distributions and not problems:
+        problems.append(
+            place.at("samples").says(
+                "there is nothing to sample; give a range without a count, such as --over "
+                "operation.radial_load=500:5000, or a table [uncertainty]"
+            )
+        )
+    if not varied and not problems:
+        problems.append(
+            place.says(
+                "there is nothing to sweep; give --over KEY=LOW:HIGH:COUNT, a list, or samples of an [uncertainty]"
+            )
+        )
+    if problems:
+        raise SceneError(list(dict.fromkeys(problems)))
+    drawn = np.empty((1, 0))
+    if uncertainty.distributions:
+        drawn = uncertainty.values(
+            probabilities(table.sampling, table.samples or 1, len(uncertainty.distributions), table.seed)
+        )
+    design = Design(tuple(axes), tuple(known[key] for key in uncertainty.distributions), drawn)
+    if design.size > _MOST_POINTS:
+        raise SceneError([f"sweep: {design.size} points are more than {_MOST_POINTS}; take fewer values or samples"])
+    tried = _tried(base, name, design)
+    packages, local = _packages(tried, name)
+    return Sweep(
+        scene=base,
+        study=name,
+        outputs=names,
+        design=design,
+        uncertainty=uncertainty,
+        resolutions=chosen_resolutions(base, name, design),
+        packages=packages,
+        local=local,
+        citations=_citations(tried, name),
+        table=attrs.evolve(table, over=FrozenTable({**dict(_flat(table.over)), **(over or {})})),
+        given=given,
+        shard=_checked_shard(shard),
+    )
+
+
+def _noted(problems: list[str], make: Any, otherwise: Any) -> Any:
+    try:
+        return make()
+    except SceneError as error:
+        problems += error.problems
+        return otherwise
+
+
+def _without_tables(scene: Scene) -> Scene:
+    """Return the scene without what is about sweeps, which is no part of a point."""
+    raw = {
+        key: value for key, value in dict(scene.raw or resolved(scene)).items() if key not in ("sweep", "uncertainty")
+    }
+    return attrs.evolve(scene, sweep=None, uncertainty=None, raw=FrozenTable(raw))
+
+
+def _leaves(table: Mapping[str, object], prefix: str, where: Where) -> Iterator[tuple[str, object, Where]]:
+    """Dotted keys, whether the table was written with quoted keys or as tables in tables."""
+    for key, value in table.items():
+        path = f"{prefix}.{key}" if prefix else key
+        if isinstance(value, Mapping):
+            yield from _leaves(value, path, where.at(key))
+        else:
+            yield path, value, where.at(key)
+
+
+def _flat(table: Mapping[str, object]) -> Iterator[tuple[str, object]]:
+    yield from ((key, value) for key, value, _ in _leaves(table, "", Where({})))
+
+
+def _with_ranges(uncertainty: Uncertainty, ranges: Mapping[str, Distribution]) -> Uncertainty:
+    """Return uncertain values with ranges in their place or beside them."""
+    keys = [key for key in uncertainty.distributions if key not in ranges]
+    order = [*keys, *ranges]
+    matrix, old = np.eye(len(order)), list(uncertainty.distributions)
+    for i, one in enumerate(keys):
+        for j, other in enumerate(keys):
+            matrix[i, j] = uncertainty.correlation[old.index(one), old.index(other)]
+    return Uncertainty({key: {**uncertainty.distributions, **ranges}[key] for key in order}, matrix)
+
+
+def _conflicts(keys: Sequence[str]) -> list[str]:
+    problems = [f"{key}: is both an axis and uncertain; choose one" for key in {k for k in keys if keys.count(k) > 1}]
+    for outer in set(keys):
+        problems += [
+            f"{inner}: cannot vary while {outer} does, which takes its place; list tables with the parameter instead"
+            for inner in keys
+            if inner.startswith(f"{outer}.")
+        ]
+    return problems
+
+
+def _tried(base: Scene, study: str, design: Design) -> list[Assembly]:
+    """Put the scene together with every value of an axis, and with the ends of the samples; refuse what is wrong."""
+    problems, found = list[str](), [assemble(base)]
+    for axis in design.axes:
+        values = axis.values
+        if len(values) > _TRIED:
+            values = tuple(values[k] for k in np.unique(np.linspace(0, len(values) - 1, _TRIED).astype(int)))
+        for value in values:
+            try:
+                scene = evolve(base, {axis.key: value})
+                settings(scene, study)
+                found.append(assemble(scene))
+            except SceneError as error:
+                number = axis.values.index(value) + 1
+                problems.append(
+                    f"{axis.key}: value {number} of {len(axis.values)}, {axis.shown(value)}: "
+                    f"{'; '.join(error.problems)}"
+                )
+                break
+    for of, column in zip(design.sampled, design.samples.T, strict=True):
+        for value in (column.min(), column.max()):
+            try:
+                evolve(base, {of.key: float(value)})
+                of.read(float(value))
+            except (SceneError, FieldError) as error:
+                number = int(np.flatnonzero(column == value)[0])
+                reason = "; ".join(error.problems) if isinstance(error, SceneError) else error.reason
+                shown = Axis(of, ()).shown(float(value))
+                problems.append(
+                    f"{of.key}: sample {number}, {shown}: {reason}; cut the distribution off with at_least or at_most"
+                )
+                break
+    if problems:
+        raise SceneError(problems)
+    return found
+
+
+def _packages(assemblies: Sequence[Assembly], study: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Distributions that the points need, and models that only this process has."""
+    offers = dict[tuple[str, str], Offer]()
+    for assembly in assemblies:
+        used = [*assembly.models.items(), *settings(assembly.scene, study)[study].models(assembly)]
+        for kind, model in used:
+            offers |= {(k, name): find(k, name) for k, name in _with_children(kind, model)}
+        named = dict(assembly.scene.raw or {})
+        for kind in DATA:
+            table = named.get(kind)
+            name = table.get("name") if isinstance(table, Mapping) else table
+            if isinstance(name, str):
+                offers[kind, name] = find(kind, name)
+    local = sorted(f"{kind} {name}" for (kind, name), offer in offers.items() if offer.package == THIS_PROCESS)
+    packages = {offer.package for offer in offers.values()} - {THIS_PROCESS}
+    return tuple(sorted(packages | {"rollslip", "numpy", "scipy"})), tuple(local)
+
+
+def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[str, ...]:
+    texts = [KLEBANOV]
+    for assembly in assemblies:
+        used = [*assembly.models.values(), *(one for _, one in settings(assembly.scene, study)[study].models(assembly))]
+        oil = assembly.lubricant
+        texts += [text for model in used for text in references_of(model)]
+        texts += [*oil.references, *oil.pressure_viscosity_law.references]
+    return tuple(dict.fromkeys(texts))
+
+
+def _with_children(kind: str, model: Any) -> Iterator[tuple[str, str]]:
+    if (name := getattr(model, "name", None)) is not None:
+        yield kind, name
+    for attribute in getattr(model, "__attrs_attrs__", ()):
+        if child := attribute.metadata.get("kind"):
+            yield from _with_children(child, getattr(model, attribute.name))
+
+
+def _checked_shard(shard: tuple[int, int]) -> tuple[int, int]:
+    if not 1 <= shard[0] <= shard[1]:
+        raise SceneError([f"shard {shard[0]}/{shard[1]}: write I/N with I from 1 to N, such as 3/8"])
+    return shard
+
+
+# Folders -------------------------------------------------------------------------------------------------------------
+
+
+def store_sweep(sweep: Sweep, folder: Path) -> None:
+    """Write down what a sweep is.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    table = attrs.asdict(sweep.table, recurse=False)
+    stored = {
+        "format": 1,
+        "hash": sweep.hash,
+        "facts": sweep.facts,
+        "shard": sweep.shard,
+        "source": sweep.given.source,
+        "text": sweep.given.text,
+        "scene": sweep.given.raw or resolved(sweep.given),
+        "table": {key: value for key, value in table.items() if value not in (None, ())},
+    }
+    with whole_file(folder / FILE) as partial:
+        partial.write_text(json.dumps(stored, default=dict, indent=1), encoding="utf-8")
+
+
+def open_sweep(folder: Path, *, check_file: bool = True) -> Sweep:
+    """Return the sweep that a folder belongs to.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the sweep.
+    check_file : bool
+        Whether to refuse to go on if the scene's file has changed since, as if a package has.
+
+    Raises
+    ------
+    OutputError
+        If it is no folder of a sweep, or what it depends on has changed; the message says what.
+    """
+    path = folder / FILE
+    if not path.is_file():
+        inner = f"; its pieces do: rollslip sweep merge {folder}" if any(folder.glob(f"shard-*/{FILE}")) else ""
+        inner = f"; {_AGAIN.format(folder)}" if journals(folder) else inner
+        raise OutputError(f"{folder}: holds no sweep, there is no {FILE}{inner}")
+    try:
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        table, facts = dict(stored["table"]), stored["facts"]
+        scene = from_raw(stored["scene"], stored["source"], stored["text"])
+        scene = attrs.evolve(
+            scene, sweep=None, raw=FrozenTable({k: v for k, v in stored["scene"].items() if k != "sweep"})
+        )
+        source, text, shard = stored["source"], stored["text"], tuple(stored["shard"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise OutputError(f"{path}: cannot be read ({error}); remove it; {_AGAIN.format(folder)}") from error
+    if check_file:
+        _refuse_changes(folder, _changed_file(source, text))
+    over = table.pop("over", {})
+    if "samples" not in table:
+        table.pop("sampling", None)
+    if died(folder):
+        table.pop("engine", None)  # chosen anew, since that one did not survive
+    sweep = plan_sweep(scene, over, shard=(shard[0], shard[1]), **table)
+    _refuse_changes(folder, _differences(facts, sweep.facts))
+    return attrs.evolve(sweep, given=attrs.evolve(sweep.given, source=source, text=text))
+
+
+def with_engine(sweep: Sweep, engine: object, time_limit: float | str | None) -> Sweep:
+    """Return a sweep with another engine or time limit, where they are given; they are no part of what it is.
+
+    Raises
+    ------
+    SceneError
+        If the time limit cannot be read.
+    """
+    told = {"engine": engine, "time_limit": time_limit}
+    problems: list[str] = []
+    table = structure(SweepTable, {k: v for k, v in told.items() if v is not None}, Where({}, ("sweep",)), problems)
+    if table is None:
+        raise SceneError(problems)
+    changes = {name: getattr(table, name) for name, value in told.items() if value is not None}
+    return attrs.evolve(sweep, table=attrs.evolve(sweep.table, **changes))
+
+
+def _changed_file(source: str, text: str) -> list[str]:
+    """What has changed in the file of a scene since its text was stored; nothing if it is gone."""
+    if not text or not (Path(source).is_file() or source in shipped_scenes()):
+        return []
+    try:
+        now = load_scene(source)
+    except RollslipError as error:
+        return [f"{source} can no longer be read: {error}"]
+    return _differences(resolved(parse_scene(text, source)), resolved(now))
+
+
+def _differences(old: Any, new: Any, prefix: str = "") -> list[str]:
+    """What has changed, line by line, by dotted key."""
+    if isinstance(old, Mapping) and isinstance(new, Mapping):
+        keys = dict.fromkeys((*old, *new))
+        return [
+            line
+            for key in keys
+            for line in _differences(old.get(key), new.get(key), f"{prefix}.{key}" if prefix else str(key))
+        ]
+    if json.dumps(old, default=list) == json.dumps(new, default=list):
+        return []
+    return [f"{prefix}: {_was(old)} -> {_was(new)}"]
+
+
+def _was(value: object) -> str:
+    if value is None:
+        return "nothing"
+    return as_written(value) if not isinstance(value, list | tuple) else ", ".join(map(str, value))[:80]
+
+
+def _refuse_changes(folder: Path, lines: list[str]) -> None:
+    if lines:
+        more = f"\n  and {len(lines) - 10} more" if len(lines) > 10 else ""
+        shown = "\n  ".join(lines[:10])
+        raise OutputError(
+            f"{folder}: belongs to another sweep, since then has changed:\n  {shown}{more}\n"
+            "undo that, or start anew with another --out"
+        )

@@ -1,0 +1,1 @@
+"""What scattered input does to the slip that is allowed."""

@@ -1,0 +1,536 @@
+"""Allowable slip: how far scattering data let the slip of a cage go, and the margin to it.
+
+- The critical slip of a bearing is the smaller of those of its rings. Where data are uncertain it is a distribution.
+  The slip that is *allowable* at a probability p is its quantile 1 - p: a cage that runs at it is below its critical
+  slip with probability p.
+- The slip at which the cage runs, the smallest steady one, scatters with the same data. The *margin* is the probability
+  that it is below the critical slip, sample by sample: both studies are computed on the same samples, so that an oil
+  that is better for both counts once. A cage whose slip runs away is not below any critical slip.
+- A critical slip beyond the range of the study is larger than all in it, and counts so. A point that failed is unknown,
+  and counts as the worst and as the best that it could have been (`rollslip.campaigns.uncertainty.estimators`).
+- Samples are those of eight Sobol sequences in turn, with scramblings of their own, whose differences tell how exact
+  the quantiles are. They are computed in batches, each as many as all before: a sequence of 2^k points begins with that
+  of 2^(k-1).
+- All is a set of sweeps in one folder, so that the same command goes on where it was stopped.
+- Data that scatter are those of the scene's table ``[uncertainty]``; without one those that its oil comes with.
+- Sobol indices share a variance among independent inputs. With correlated ones their sums mean nothing: refused.
+"""
+
+import datetime
+import json
+import math
+import os
+import tempfile
+from collections.abc import Callable, Mapping
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import RINGS, Array, assemble
+from rollslip.campaigns.sweep.folder import begin
+from rollslip.campaigns.sweep.point import compute
+from rollslip.campaigns.sweep.result import collect
+from rollslip.campaigns.sweep.run import Progress, run_sweep
+from rollslip.campaigns.sweep.sampling import REPLICATES
+from rollslip.campaigns.sweep.sweep import FILE, Sweep, plan_sweep
+from rollslip.campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
+from rollslip.errors import OutputError, SceneError
+from rollslip.scene.reading import load_scene
+from rollslip.scene.values import FrozenTable, Scene, resolved, scene_hash
+from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.friction_curve.study import about
+from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip.studies.study import settings
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["RESULT", "Margin", "expected_seconds", "plan_margin", "run_margin", "uncertainty"]
+
+RESULT: Final = "uncertainty.nc"
+CONFIDENCE: Final = 0.95
+#: Of quantiles where samples end at a width: that favours intervals which are narrow by chance, and costs up to 4 %.
+ENDING: Final = 0.975
+#: Samples of the first batch, and the most where batches end by themselves.
+_FIRST, _MOST = 256, 16384
+_SAMPLES, _STEADY = 1024, 512
+#: Probabilities of the quantiles that are told beside that of the allowable slip.
+_TOLD: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
+_CRITICAL: Final = ("critical_cage_slip", "critical_friction")
+LOWEST, STEADY = "critical slip", "steady slip"
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Margin:
+    """What is asked for, as sweeps over the same uncertain data.
+
+    Attributes
+    ----------
+    critical : Sweep
+        Effective friction on all samples.
+    steady : Sweep or None
+        Steady slips on the first of them; None without a cage.
+    varied : Sweep or None
+        Effective friction on Saltelli's design, for Sobol indices; None if they are not asked for.
+    steady_varied : Sweep or None
+        Steady slips on it, likewise.
+    probability : float
+        With which the slip is to be below the critical one.
+    until : float or None
+        Half width of the interval of the allowable slip at which batches end.
+    scatter : tuple of str
+        What the oil says of its scatter, if that is what the samples are of.
+    """
+
+    critical: Sweep
+    steady: Sweep | None
+    varied: Sweep | None
+    steady_varied: Sweep | None
+    probability: float
+    until: float | None
+    scatter: tuple[str, ...]
+
+    @property
+    def sweeps(self) -> dict[str, Sweep]:
+        """Sweeps that are asked for, by the name of their folder."""
+        named = {
+            "critical": self.critical, "steady": self.steady, "indices": self.varied,
+            "steady-indices": self.steady_varied,
+        }  # fmt: skip
+        return {name: one for name, one in named.items() if one is not None}
+
+    @property
+    def confidence(self) -> float:
+        """Confidence with which intervals of quantiles are made, so that they hold with 95 %."""
+        return CONFIDENCE if self.until is None else ENDING
+
+    def quantile(self, values: Array, probability: float) -> Estimate:
+        """Return a quantile of samples."""
+        return quantile(values, probability, replicates=REPLICATES, confidence=self.confidence)
+
+
+def uncertainty(scene: Scene | str, *, out: str | os.PathLike[str] | None = None, **options: Any) -> "xr.Dataset":
+    """Compute the distributions of critical and steady slip, the allowable slip and the margin to it.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file. Its table ``[uncertainty]`` says what scatters; without one its
+        oil does.
+    out : path, optional
+        Folder in which everything is kept; a call with the same scene and options goes on with what it holds.
+    **options
+        As in `plan_margin`.
+
+    Returns
+    -------
+    xarray.Dataset
+        (quantity, sample): value; (quantity, probability): quantile_value, quantile_low, quantile_high; (quantity,):
+        samples, known, beyond, unknown; scalars allowable_slip, margin, with their ends; (batch,): batch_samples,
+        batch_allowable and its ends; (indexed, input): first_order, total_order with their ends.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If anything is wrong with the scene or what is asked for; before anything runs.
+    EngineError, OutputError
+        If the engine or the folder cannot be used.
+
+    Examples
+    --------
+    >>> found = uncertainty("1032930-70C", samples=64, steady=0, probability=0.9)
+    >>> bool(0.0 < found.allowable_low < found.allowable_slip < found.allowable_high < 0.95)
+    True
+    """
+    made = plan_margin(scene, **options)
+    with tempfile.TemporaryDirectory() if out is None else nullcontext(out) as folder:
+        return run_margin(made, Path(folder))
+
+
+def plan_margin(
+    scene: Scene | str,
+    *,
+    samples: int | None = None,
+    until: float | None = None,
+    probability: float = 0.99,
+    steady: int | None = None,
+    indices: int = 0,
+    steady_indices: int = 0,
+    seed: int = 0,
+    engine: object = None,
+    time_limit: float | str | None = None,
+) -> Margin:
+    """Check what is asked for and lay out its samples.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        The scene.
+    samples : int, optional
+        Samples of the critical slip, the most of them with ``until``; by default 1024 and 16384.
+    until : float, optional
+        Half width of the 95 % interval of the allowable slip, as a slip, at which no more batches are computed.
+    probability : float
+        With which the slip is to be below the critical one.
+    steady : int, optional
+        Samples of the steady slip, each much dearer; by default 512 if the scene has a cage, 0 for none. So many and no
+        slip beyond the critical one leave a margin above 0.99 with 95 %.
+    indices : int
+        Rows of the design for Sobol indices of critical slip and peak friction, a power of two, each inputs + 2 points;
+        0 for none.
+    steady_indices : int
+        Rows of that for the steady slip, likewise; each point as dear as one of ``steady``.
+    seed : int
+        Seed of the samples.
+    engine : str or table, optional
+        Engine and its parameters.
+    time_limit : float or str, optional
+        Longest time for one point.
+
+    Raises
+    ------
+    SceneError
+        If anything of it is wrong.
+    """
+    scene = scene if isinstance(scene, Scene) else load_scene(scene)
+    samples = samples if samples is not None else _SAMPLES if until is None else _MOST
+    steady = steady if steady is not None else min(_STEADY, samples) if scene.cage is not None else 0
+    problems = []
+    if not 0.5 <= probability < 1.0:
+        problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
+    if until is not None and not until > 0.0:
+        problems.append(f"until: a half width above 0 is expected, such as 0.01, not {until:g}")
+    if samples < 2:
+        problems.append(f"samples: a distribution needs 2 at least, not {samples}")
+    if not 0 <= steady <= samples:
+        problems.append(f"steady: the samples of the steady slip are the first of all {samples}, not {steady}")
+    for name, rows in (("indices", indices), ("steady_indices", steady_indices)):
+        if rows and (rows < 4 or rows & (rows - 1)):
+            problems.append(f"{name}: the design after Saltelli needs a power of two, 4 or more rows, not {rows}")
+    for name, count in (("steady", steady), ("steady_indices", steady_indices)):
+        if count and scene.cage is None:
+            problems.append(
+                f"{name}: the scene has no table [cage], so there is no steady slip; give one, or {name} = 0"
+            )
+    if problems:
+        raise SceneError(problems)
+    scene, scatter = _with_scatter(scene)
+    shared: dict[str, Any] = {"seed": seed, "engine": engine, "time_limit": time_limit}
+    friction = {"study": "effective-friction", "output": _CRITICAL, **shared}
+    balance = {"study": "steady-slip", "output": ["steady_slip"], **shared}
+    critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
+    if critical.design.axes:
+        keys = ", ".join(axis.key for axis in critical.design.axes)
+        raise SceneError([f"sweep.over: {keys} is swept, but margins are of one bearing; take rollslip sweep run"])
+    if (indices or steady_indices) and np.any(
+        critical.uncertainty.correlation != np.eye(len(critical.uncertainty.distributions))
+    ):
+        raise SceneError(
+            [
+                "uncertainty.correlation: Sobol indices need independent inputs, and these are correlated; leave out "
+                "the indices, or the correlations"
+            ]
+        )
+    return Margin(
+        critical=critical,
+        steady=plan_sweep(scene, samples=steady, sampling="replicated-sobol", **balance) if steady else None,
+        varied=plan_sweep(scene, samples=indices, sampling="saltelli", **friction) if indices else None,
+        steady_varied=plan_sweep(scene, samples=steady_indices, sampling="saltelli", **balance)
+        if steady_indices
+        else None,
+        probability=probability,
+        until=until,
+        scatter=scatter,
+    )
+
+
+def expected_seconds(made: Margin) -> dict[str, float]:
+    """Return the time [s] of one core that each sweep needs, if all its points are like the scene without scatter.
+
+    With ``until`` the critical slips are the most that there may be.
+    """
+
+    def of_one(sweep: Sweep) -> float:
+        # the first time imports
+        return min(compute(sweep.work, ((0, {}),)).rows[0].seconds for _ in range(2))
+
+    return {name: len(sweep.numbers) * of_one(sweep) for name, sweep in made.sweeps.items()}
+
+
+def _with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
+    """Return the scene with a table ``[uncertainty]``, that of its oil where it has none, and what the oil says of it.
+
+    Data that the scene gives in place of the oil's do not scatter like the oil's.
+    """
+    if scene.uncertainty:
+        return scene, ()
+    assembly, data = assemble(scene), dict(scene.lubricant.data)
+    oil = assembly.lubricant
+    fixed = not math.isnan(oil.pressure_viscosity_law.coefficient(oil.minimum_temperature))
+    own = {
+        "viscosity_factor": "points" in data,
+        "pressure_viscosity_factor": fixed or "pressure_viscosity" in data,
+    }
+    used = [one for one in oil.scatter if not own.get(one.quantity, False)]
+    if not used:
+        raise SceneError(
+            [
+                f"uncertainty: the scene has no such table, and nothing is known of the scatter of oil {oil.name!r}; "
+                "state what is uncertain, such as [uncertainty.lubricant] "
+                "pressure_viscosity_factor = { distribution = 'uniform', scatter = 0.25 }"
+            ]
+        )
+    table = {"lubricant": {one.quantity: {"distribution": one.distribution, **one.parameters} for one in used}}
+    raw = dict(scene.raw or resolved(scene))
+    said = tuple(f"lubricant.{one.quantity} {one.grade}: {one.source}" for one in used)
+    return attrs.evolve(scene, uncertainty=FrozenTable(table), raw=FrozenTable({**raw, "uncertainty": table})), said
+
+
+def run_margin(
+    made: Margin,
+    folder: Path,
+    *,
+    said: Callable[[str], None] = lambda text: None,
+    report: Callable[[Progress], None] = lambda progress: None,
+) -> "xr.Dataset":
+    """Compute what a margin needs, or what is left of it, in its folder, and write the result there.
+
+    Raises
+    ------
+    OutputError
+        If the folder holds something else, or cannot be written.
+    EngineError
+        If the engine cannot be used.
+    KeyboardInterrupt
+        If interrupted; what is done is kept.
+    """
+    from rollslip.results.dataset import save
+
+    folder.mkdir(parents=True, exist_ok=True)
+    sweeps = made.sweeps
+    places = {name: _place(one, folder / name) for name, one in sweeps.items()}
+
+    def computed(name: str, count: int | None = None) -> "xr.Dataset":
+        sweep = attrs.evolve(sweeps[name], first=count)
+        if run_sweep(sweep, places[name], said=lambda text: said(f"{name}: {text}"), report=report).interrupted:
+            raise KeyboardInterrupt
+        return collect(sweep, places[name]).isel(sample=slice(count))
+
+    batches, total = list[tuple[int, Estimate]](), len(made.critical.design.samples)
+    count = min(_FIRST, total)
+    while True:
+        critical = computed("critical", count)
+        allowed = made.quantile(_lowest(critical), 1.0 - made.probability)
+        batches.append((count, allowed))
+        both = math.isfinite(allowed.half_width)
+        ends = f"95 %: {allowed.low:.4g} to {allowed.high:.4g}" if both else "too few for both ends of its interval"
+        said(f"{count} samples: allowable slip {allowed.value:.4g}, {ends}")
+        if count == total or (made.until is not None and allowed.half_width <= made.until):
+            break
+        count = min(2 * count, total)
+    points = {"critical": critical}
+    if made.steady is not None:
+        points["steady"] = computed("steady", min(len(made.steady.design.samples), count))
+    points |= {name: computed(name) for name in ("indices", "steady-indices") if name in sweeps}
+    dataset = _dataset(made, batches, points)
+    save(dataset, folder / RESULT)
+    return dataset
+
+
+def _place(sweep: Sweep, folder: Path) -> Path:
+    """Return the folder of a sweep, made if it is not there; refuse that of another one."""
+    if not (folder / FILE).exists():
+        return begin(sweep, folder)
+    try:
+        stored = json.loads((folder / FILE).read_text(encoding="utf-8"))["hash"]
+    except (OSError, ValueError, KeyError) as error:
+        raise OutputError(f"{folder / FILE}: cannot be read ({error}); name another --out") from error
+    if stored != sweep.hash:
+        raise OutputError(
+            f"{folder}: holds samples of another scene, of other options or packages; ask for the same, or name "
+            "another --out"
+        )
+    return folder
+
+
+# What the samples say ------------------------------------------------------------------------------------------------
+
+
+def _rings(points: "xr.Dataset", name: str) -> Array:
+    """Critical slips or their friction, (2, n); a slip that is not in the range is beyond it, its friction unknown."""
+    status = points["status"].to_numpy()
+    found = np.full((len(RINGS), status.size), np.nan)
+    if name in points:
+        found[:] = points[name].transpose("ring", "sample").to_numpy()
+    if name == "critical_cage_slip":
+        found[np.isnan(found) & (status == "ok")] = np.inf
+    return found
+
+
+def _lowest(points: "xr.Dataset") -> Array:
+    """Critical slip of the bearing, (n,): infinite beyond the range, NaN where its point failed."""
+    return np.asarray(_rings(points, "critical_cage_slip").min(axis=0))
+
+
+def _operating(points: "xr.Dataset") -> Array:
+    """Smallest steady slip, (n,): infinite where slip runs away, NaN where it is not known."""
+    status = points["status"].to_numpy()
+    found = np.full(status.size, np.nan)
+    if "steady_slip" in points:
+        slips = points["steady_slip"].to_numpy().reshape(status.size, -1)
+        some = np.isfinite(slips).any(axis=1)
+        found[some] = np.nanmin(slips[some], axis=1)
+    if "study_status" in points:
+        away = np.char.endswith(points["study_status"].to_numpy().astype(str), "slip runs away")
+        found[(status == "ok") & np.isnan(found) & away] = np.inf
+    return found
+
+
+def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[str, "xr.Dataset"]) -> "xr.Dataset":
+    import xarray as xr
+
+    critical, steady = points["critical"], points.get("steady")
+    slips, frictions, n = _rings(critical, "critical_cage_slip"), _rings(critical, "critical_friction"), batches[-1][0]
+    values = {LOWEST: _lowest(critical)}
+    values |= {f"{LOWEST}, {ring} ring": row for ring, row in zip(RINGS, slips, strict=True)}
+    values |= {f"peak friction, {ring} ring": row for ring, row in zip(RINGS, frictions, strict=True)}
+    variables: dict[str, Any] = {}
+    if steady is not None:
+        values[STEADY] = _operating(steady)
+        m = values[STEADY].size
+        known = ~np.isnan(values[STEADY]) & ~np.isnan(values[LOWEST][:m])
+        below = int((values[STEADY] < values[LOWEST][:m])[known].sum())
+        margin = share(below, int((~known).sum()), m, CONFIDENCE)
+        variables |= _estimate("margin", margin, "probability that the steady slip is below the critical one")
+    allowed = batches[-1][1]
+    variables |= _estimate("allowable", allowed, "allowable slip")
+    variables["allowable_slip"] = variables.pop("allowable")
+    table = np.full((len(values), n), np.nan)
+    for row, one in zip(table, values.values(), strict=True):
+        row[: one.size] = one
+    probabilities = tuple(sorted({*_TOLD, round(1.0 - made.probability, 12), made.probability}))
+    quantiles = np.array([[attrs.astuple(made.quantile(one, p)) for p in probabilities] for one in values.values()])
+    over = ("quantity", "probability")
+    variables |= {
+        "value": (
+            ("quantity", "sample"),
+            table,
+            about("1", f"value of a sample, number k of scrambling k mod {REPLICATES}"),
+        ),
+        "quantile_value": (over, quantiles[..., 0], about("1", "quantile of the known samples")),
+        "quantile_low": (over, quantiles[..., 1], about("1", "low end of its 95 % interval")),
+        "quantile_high": (over, quantiles[..., 2], about("1", "high end of its 95 % interval")),
+        "samples": ("quantity", np.array([one.size for one in values.values()]), about("1", "samples")),
+        "known": ("quantity", np.array([int(np.isfinite(one).sum()) for one in values.values()]), about("1", "known")),
+        "beyond": ("quantity", np.array([int(np.isinf(one).sum()) for one in values.values()]), about("1", "beyond")),
+        "unknown": ("quantity", np.array([int(np.isnan(one).sum()) for one in values.values()]), about("1", "unknown")),
+        "batch_samples": ("batch", np.array([count for count, _ in batches]), about("1", "samples")),
+        "batch_allowable": ("batch", np.array([one.value for _, one in batches]), about("1", "allowable slip")),
+        "batch_low": ("batch", np.array([one.low for _, one in batches]), about("1", "low end of its interval")),
+        "batch_high": ("batch", np.array([one.high for _, one in batches]), about("1", "high end of its interval")),
+    }
+    inputs = [of.key for of in made.critical.design.sampled]
+    variables["input_value"] = (
+        ("input", "sample"), made.critical.design.samples[:n].T, about("SI", "value of an uncertain quantity")
+    )  # fmt: skip
+    coords: dict[str, Any] = {
+        "quantity": ("quantity", np.array(list(values)), about("1", "what it is")),
+        "probability": ("probability", np.array(probabilities), about("1", "share of the distribution below")),
+        "input": ("input", np.array(inputs), about("1", "what is uncertain")),
+    }
+    if made.varied is not None or made.steady_varied is not None:
+        found, names = _indices(made, points)
+        variables |= found
+        coords["indexed"] = ("indexed", np.array(names), about("1", "what the indices are of"))
+    failed = {name: _failures(one) for name, one in points.items()}
+    return xr.Dataset(variables, coords, _attributes(made, failed, values))
+
+
+def _estimate(name: str, of: Estimate, doc: str) -> dict[str, Any]:
+    ends = {"": of.value, "_low": of.low, "_high": of.high}
+    said = {"": doc, "_low": f"{doc}, low end of its 95 % interval", "_high": f"{doc}, high end of its 95 % interval"}
+    return {f"{name}{end}": ((), value, about("1", said[end])) for end, value in ends.items()}
+
+
+def _indexed(points: Mapping[str, "xr.Dataset"]) -> dict[str, tuple[str, Array]]:
+    """Results on Saltelli's designs: name -> sweep and values."""
+    found = dict[str, tuple[str, Array]]()
+    if (varied := points.get("indices")) is not None:
+        found[LOWEST] = "indices", _lowest(varied)
+        peaks = zip(RINGS, _rings(varied, "critical_friction"), strict=True)
+        found |= {f"peak friction, {ring} ring": ("indices", row) for ring, row in peaks}
+    if (varied := points.get("steady-indices")) is not None:
+        found[STEADY] = "steady-indices", _operating(varied)
+    return found
+
+
+def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Any], list[str]]:
+    """Sobol indices of what varies, and its names; what lies beyond the range of its study counts as at its end."""
+    d, rows, names = len(made.critical.design.sampled), list[Any](), list[str]()
+    for name, (place, values) in _indexed(points).items():
+        sweep = made.sweeps[place]
+        study = settings(sweep.scene, sweep.study)[sweep.study]
+        assert isinstance(study, EffectiveFriction | SteadySlip)
+        table = np.where(np.isinf(values), study.max_cage_slip, values).reshape(-1, d + 2)
+        found = indices(table[:, 0], table[:, 1], table[:, 2:].T, sweep.table.seed, CONFIDENCE)
+        if found is not None:
+            names.append(name)
+            rows.append((found.first, found.total, found.used, len(table), int(np.isinf(values).sum())))
+    variables: dict[str, Any] = {
+        f"indexed_{what}": ("indexed", np.array([row[k] for row in rows]), about("1", said))
+        for k, what, said in (
+            (2, "rows", "rows of the design that are used"),
+            (3, "asked", "rows of the design"),
+            (4, "beyond", "samples beyond the range"),
+        )
+    }
+    for k, order in enumerate(("first_order", "total_order")):
+        stacked = np.array([row[k] for row in rows]).reshape(len(rows), 3, d)
+        for i, end in enumerate(("", "_low", "_high")):
+            said = about("1", f"Sobol index, {order.replace('_', ' ')}")
+            variables[f"{order}{end}"] = ("indexed", "input"), stacked[:, i], said
+    return variables, names
+
+
+def _failures(points: "xr.Dataset") -> dict[str, int]:
+    names, counts = np.unique(points["status"].to_numpy(), return_counts=True)
+    return {str(name): int(count) for name, count in zip(names, counts, strict=True)}
+
+
+def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], values: Mapping[str, Array]) -> dict[str, Any]:
+    sweep = made.critical
+    warnings = [
+        f"{name}: {count} of {sum(counts.values())} points are {status}; they count as the worst and as the best"
+        for name, counts in failed.items()
+        for status, count in counts.items()
+        if status != "ok"
+    ]
+    if made.scatter:
+        warnings.append(
+            f"the scene has no table [uncertainty]; the scatter is the one that the oil comes with: "
+            f"{'; '.join(made.scatter)}"
+        )
+    return {
+        "study": "uncertainty",
+        "title": sweep.scene.title,
+        "source": sweep.given.source,
+        "scene": sweep.given.text,
+        "scene_resolved": json.dumps(resolved(sweep.scene)),
+        "scene_hash": scene_hash(sweep.scene),
+        "probability": made.probability,
+        "confidence": CONFIDENCE,
+        "fewest_samples": fewest(made.probability, REPLICATES, made.confidence),
+        "until": made.until if made.until is not None else "",
+        "seed": sweep.table.seed,
+        "distributions": json.dumps({k: repr(d) for k, d in sweep.uncertainty.distributions.items()}),
+        "correlation": json.dumps(sweep.uncertainty.correlation.tolist()),
+        "resolutions": json.dumps(sweep.resolutions.facts),
+        "points": json.dumps(failed),
+        "packages": json.dumps(sweep.facts["packages"]),
+        "citations": json.dumps(list(sweep.citations)),
+        "warnings": json.dumps(warnings),
+        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+    }

@@ -1,0 +1,1 @@
+"""Which models there are, and making one by its name."""

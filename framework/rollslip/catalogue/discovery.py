@@ -1,0 +1,381 @@
+"""Find what installed packages offer, and load what is asked for; a fault of one is one sentence and stays its own.
+
+- The catalogue is read from package metadata; listing it imports nobody's code.
+- Entry points are loaded one by one by us: pluggy's own loader stops at the first broken one and takes the host down.
+- Each module gets a plugin manager of its own: packages cannot meet in one, neither after a fault nor from two threads.
+- A module that calls sys.exit when imported is broken like any other; one that hangs cannot be told from a slow one, so
+  that it is waited for.
+- Of two packages that offer one name neither is taken, and a scene cannot pick one: a name means the same to whoever
+  reads the scene, and uninstalling or disabling one of them is easy.
+- What a process registers stands beside what is installed, in a table of its own.
+"""
+
+import difflib
+import importlib.metadata
+import inspect
+import os
+import re
+from collections.abc import Iterable, Mapping
+from functools import cache
+from types import MappingProxyType
+from typing import Any, Final
+
+import attrs
+
+from rollslip.errors import PluginError
+from rollslip.units import as_written
+
+#: Kind -> the hook that collects it; the entry-point group is "rollslip.<kind>".
+KINDS: Final = MappingProxyType(
+    {
+        "contact": "contact_models",
+        "film": "film_models",
+        "traction": "traction_models",
+        "drag": "drag_models",
+        "integrator": "integrator_models",
+        "engine": "engines",
+        "lubricant": "lubricants",
+        "bearing": "bearings",
+        "surface": "surfaces",
+    }
+)
+
+#: Kinds that are named values; the others are classes of models.
+DATA: Final = ("lubricant", "bearing", "surface")
+
+#: Kind -> module and class of what is offered; imported by name, since the modules of data read scenes, and a scene
+#: that names data is read with this module.
+_BASES: Final = MappingProxyType(
+    {
+        "contact": ("rollslip.models", "ContactModel"),
+        "film": ("rollslip.models", "FilmModel"),
+        "traction": ("rollslip.models", "TractionModel"),
+        "drag": ("rollslip.models", "Drag"),
+        "integrator": ("rollslip.models", "IntegratorModel"),
+        "engine": ("rollslip.engine", "Engine"),
+        "lubricant": ("rollslip.lubricant", "Lubricant"),
+        "bearing": ("rollslip.datasets", "BearingData"),
+        "surface": ("rollslip.datasets", "SurfaceData"),
+    }
+)
+
+#: In place of the package and the version of what this process has registered.
+THIS_PROCESS: Final = "(this process)"
+UNPACKAGED: Final = "unpackaged"
+
+
+@attrs.frozen(kw_only=True)
+class Offer:
+    """One name that one installed package, or this process, offers.
+
+    ``state`` is "ok", "disabled" (by ROLLSLIP_DISABLED_PLUGINS), "incompatible" (its package requires another
+    rollslip) or "shadowed" (two packages offer the name, or this process has replaced it); ``cause`` says why in a
+    sentence. That a package is "broken" shows only when it is imported, as `rollslip.catalogue.packages.packages` does.
+    """
+
+    kind: str
+    name: str
+    package: str
+    version: str
+    module: str
+    state: str = "ok"
+    cause: str = ""
+
+
+def catalogue() -> tuple[Offer, ...]:
+    """Return everything offered, by kind and name, without importing any of it."""
+    return _with_session(_installed()) if _registered else _installed()
+
+
+@cache
+def _installed() -> tuple[Offer, ...]:
+    offers: dict[tuple[str, str, str], Offer] = {}
+    for distribution in importlib.metadata.distributions():
+        try:
+            found = _offers(distribution)
+        except Exception:  # metadata that cannot be read: an installation that was cut off, and pip says so
+            continue
+        for offer in found:
+            # a package found twice on the path is one package: the first one is what Python imports
+            offers.setdefault((offer.kind, offer.name, canonical(offer.package)), offer)
+    usable: dict[tuple[str, str], list[Offer]] = {}
+    for offer in offers.values():
+        if offer.state == "ok":
+            usable.setdefault((offer.kind, offer.name), []).append(offer)
+    return _ordered(_shadowed(offer, usable.get((offer.kind, offer.name), [])) for offer in offers.values())
+
+
+def _offers(distribution: importlib.metadata.Distribution) -> list[Offer]:
+    points = [
+        (kind, point)
+        for point in distribution.entry_points
+        if (kind := point.group.removeprefix("rollslip.")) in KINDS and point.group != kind
+    ]
+    if not points or not distribution.name or not distribution.version:
+        return []
+    state, cause = _state(distribution)
+    package, version = distribution.name, distribution.version
+    return [
+        Offer(
+            kind=kind, name=point.name, package=package, version=version, module=point.value, state=state, cause=cause
+        )
+        for kind, point in points
+    ]
+
+
+def _ordered(offers: Iterable[Offer]) -> tuple[Offer, ...]:
+    return tuple(sorted(offers, key=lambda o: (list(KINDS).index(o.kind), o.name, o.package)))
+
+
+def canonical(name: str) -> str:
+    """Return the form in which the names of packages are compared: "Rollslip_Flat" is "rollslip-flat"."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def _state(distribution: importlib.metadata.Distribution) -> tuple[str, str]:
+    """State of a package by its metadata alone."""
+    if is_disabled(distribution.name):
+        return "disabled", "disabled by ROLLSLIP_DISABLED_PLUGINS; remove it there to use it"
+    if distribution.name == "rollslip":
+        return "ok", ""
+    from packaging.requirements import InvalidRequirement, Requirement
+
+    ours = importlib.metadata.version("rollslip")
+    for line in distribution.requires or ():
+        try:
+            requirement = Requirement(line)
+        except InvalidRequirement:
+            continue  # pip already refused or accepted it; only a readable requirement on rollslip concerns us
+        if requirement.marker is not None and not requirement.marker.evaluate({"extra": ""}):
+            continue
+        if canonical(requirement.name) == "rollslip" and not requirement.specifier.contains(ours, prereleases=True):
+            cause = f"requires rollslip{requirement.specifier}, this is {ours}; install a version that fits"
+            return "incompatible", cause
+    return "ok", ""
+
+
+def is_disabled(package: str) -> bool:
+    """Return whether ROLLSLIP_DISABLED_PLUGINS, a list with commas, holds a package."""
+    disabled = os.environ.get("ROLLSLIP_DISABLED_PLUGINS", "").split(",")
+    return canonical(package) in {canonical(name.strip()) for name in disabled}
+
+
+def _shadowed(offer: Offer, same_name: list[Offer]) -> Offer:
+    if offer.state != "ok" or len(same_name) < 2:
+        return offer
+    packages = " and ".join(sorted(o.package for o in same_name))
+    return attrs.evolve(
+        offer,
+        state="shadowed",
+        cause=f"packages {packages} offer this name; uninstall one or put it in ROLLSLIP_DISABLED_PLUGINS",
+    )
+
+
+def available(kind: str) -> Mapping[str, Offer]:
+    """Return the models of a kind that can be asked for: name -> offer.
+
+    Parameters
+    ----------
+    kind : str
+        "contact", "film", "traction", "drag", "integrator", "engine", "lubricant", "bearing" or "surface".
+
+    Raises
+    ------
+    PluginError
+        If there is no such kind.
+    """
+    _check_kind(kind)
+    return MappingProxyType({offer.name: offer for offer in catalogue() if offer.kind == kind and offer.state == "ok"})
+
+
+def find(kind: str, name: str) -> Offer:
+    """Return the offer behind a name.
+
+    Raises
+    ------
+    PluginError
+        If no package offers it (the message gives the nearest three), or the one that does cannot be used.
+    """
+    _check_kind(kind)
+    offers = [offer for offer in catalogue() if offer.kind == kind and offer.name == name]
+    for offer in offers:
+        if offer.state == "ok":
+            return offer
+    if offers:
+        offer = min(offers, key=lambda o: o.state != "shadowed")  # its remedy leads to a usable one
+        raise PluginError(f"{kind} {name!r} of package {offer.package}: {offer.cause}")
+    names = list(available(kind))
+    near = difflib.get_close_matches(name, names, n=3, cutoff=0.4)
+    hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(names) or 'none'}"
+    raise PluginError(f"no {kind} is called {as_written(name)}; {hint} ('rollslip models {kind}' lists them)")
+
+
+def _check_kind(kind: str) -> None:
+    if kind not in KINDS:
+        near = difflib.get_close_matches(kind, KINDS, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(KINDS)}"
+        raise PluginError(f"no kind of model is called {kind!r}; {hint}")
+
+
+# Loading -------------------------------------------------------------------------------------------------------------
+
+
+def get_class(kind: str, name: str) -> Any:
+    """Return what is offered under a name, a model class or a named value, importing only the module behind it.
+
+    Raises
+    ------
+    PluginError
+        If the name is unknown, or its package cannot be imported or does not offer what its metadata promises.
+    """
+    return load(find(kind, name))
+
+
+def load(offer: Offer) -> Any:
+    """Return what is behind an offer.
+
+    Raises
+    ------
+    PluginError
+        If it cannot be loaded, whatever the reason; the message names the package.
+    """
+    return _registered[offer.kind, offer.name] if offer.package == THIS_PROCESS else _load(offer)
+
+
+@cache
+def _load(offer: Offer) -> Any:
+    blame = f"{offer.kind} {offer.name!r} of package {offer.package} {offer.version}"
+    remedy = f"repair or uninstall {offer.package}"
+    try:
+        module = importlib.import_module(offer.module)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        raise PluginError(f"{blame} cannot be imported ({in_words(error)}); {remedy}") from error
+    hook = KINDS[offer.kind]
+    try:
+        offered = [(getattr(thing, "name", None), thing) for thing in _collected(module, hook)]
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        raise PluginError(f"{blame} cannot be used, its {hook}() fails ({in_words(error)}); {remedy}") from error
+    for name, thing in offered:
+        if name == offer.name:
+            if problem := fault(offer.kind, thing):
+                raise PluginError(f"{blame} cannot be used, {problem}; {remedy}")
+            return thing
+    names = ", ".join(repr(name) for name, _ in offered) or "nothing"
+    raise PluginError(f"{blame}: its {hook}() offers {names}, but its entry point promises {offer.name!r}")
+
+
+def _collected(module: object, hook: str) -> list[Any]:
+    """Everything that a module's implementation of a hook offers."""
+    import pluggy
+
+    from rollslip import hookspecs
+
+    manager = pluggy.PluginManager("rollslip")
+    manager.add_hookspecs(hookspecs)
+    manager.register(module)
+    return [thing for things in getattr(manager.hook, hook)() for thing in things]
+
+
+def in_words(error: BaseException) -> str:
+    """Return type and message of an error on one line."""
+    return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
+
+
+def fault(kind: str, thing: Any) -> str:
+    """Say what keeps a thing from being used as one of its kind; an empty string if nothing does."""
+    base = base_of(kind)
+    if kind in DATA:
+        return "" if isinstance(thing, base) else f"{thing!r} is not a {base.__name__}"
+    if not (isinstance(thing, type) and issubclass(thing, base)):
+        return f"{thing!r} is not a class derived from {base.__name__}"
+    if abstract := getattr(thing, "__abstractmethods__", None):
+        return f"class {thing.__name__} does not define {', '.join(sorted(abstract))}"
+    if not attrs.has(thing):
+        return f"class {thing.__name__} is not decorated with @attrs.frozen"
+    ours = [cls for cls in thing.__mro__ if cls.__module__ == base.__module__]
+    declared = [name for cls in ours for name in inspect.get_annotations(cls)]
+    if missing := [name for name in declared if not hasattr(thing, name)]:
+        return f"class {thing.__name__} does not define {', '.join(missing)}"
+    return ""
+
+
+def base_of(kind: str) -> Any:
+    """Return the class that models of a kind derive from, or that its named values are of.
+
+    Raises
+    ------
+    PluginError
+        If there is no such kind.
+    """
+    _check_kind(kind)
+    module, name = _BASES[kind]
+    return getattr(importlib.import_module(module), name)
+
+
+def origin(cls: type) -> str:
+    """Say where a class comes from and what helps against its faults, to end a message with."""
+    if any(cls is thing for thing in list(_registered.values())):
+        return "it was registered in this process"
+    modules = {offer.module: offer for offer in _installed()}
+    roots = {offer.module.partition(".")[0]: offer for offer in _installed()}
+    offer = modules.get(cls.__module__) or roots.get(cls.__module__.partition(".")[0])
+    if offer is None:
+        return f"it comes from module {cls.__module__}, which no package offers"
+    return f"it comes from package {offer.package} {offer.version}: update or uninstall that, or choose another model"
+
+
+# This process --------------------------------------------------------------------------------------------------------
+
+_registered: Final[dict[tuple[str, str], Any]] = {}
+
+
+def add(kind: str, thing: Any, *, replace: bool = False) -> None:
+    """Offer a model class or a named value in this process; see `rollslip.catalogue.session`.
+
+    Raises
+    ------
+    PluginError
+        If the thing cannot be used as one of its kind, or its name is taken and not to be replaced.
+    """
+    _check_kind(kind)
+    if problem := fault(kind, thing):
+        raise PluginError(f"{kind} {getattr(thing, 'name', None)!r} cannot be registered: {problem}")
+    taken = [offer for offer in catalogue() if (offer.kind, offer.name) == (kind, thing.name)]
+    if taken and not replace:
+        whose = "in this process" if taken[0].package == THIS_PROCESS else f"by package {taken[0].package}"
+        raise PluginError(f"{kind} {thing.name!r} is offered {whose} already; rename yours, or set replace=True")
+    _registered[kind, thing.name] = thing
+
+
+def kind_of(thing: object) -> str | None:
+    """Return the kind that a model class or a named value is of, or None."""
+    for kind in KINDS:
+        base = base_of(kind)
+        if isinstance(thing, base) if kind in DATA else isinstance(thing, type) and issubclass(thing, base):
+            return kind
+    return None
+
+
+def _with_session(installed: tuple[Offer, ...]) -> tuple[Offer, ...]:
+    registered = dict(_registered)  # another thread may register
+    replaced = [
+        attrs.evolve(o, state="shadowed", cause="replaced in this process; restart it to have this one back")
+        if (o.kind, o.name) in registered
+        else o
+        for o in installed
+    ]
+    ours = [
+        Offer(
+            kind=kind,
+            name=name,
+            package=THIS_PROCESS,
+            version=UNPACKAGED,
+            module=(thing if isinstance(thing, type) else type(thing)).__module__,
+        )
+        for (kind, name), thing in registered.items()
+    ]
+    return _ordered([*replaced, *ours])

@@ -1,0 +1,151 @@
+"""The packages that offer models: which there are, whether each can be used, and what a scene requires of them."""
+
+import importlib.metadata
+from collections.abc import Iterable
+from typing import Any
+
+import attrs
+
+from rollslip.catalogue.discovery import THIS_PROCESS, Offer, catalogue, is_disabled, load
+from rollslip.errors import PluginError, SceneError
+from rollslip.scene.reading import Where
+
+__all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "packages", "requirements"]
+
+
+@attrs.frozen(kw_only=True)
+class PluginPackage:
+    """One installed package with what it offers.
+
+    ``state`` is "ok", "incompatible", "disabled", "broken" (something it offers cannot be loaded) or "shadowed"
+    (another package offers one of its names); ``cause`` says why. Each offer has a state of its own.
+    """
+
+    name: str
+    version: str
+    state: str
+    cause: str
+    offers: tuple[Offer, ...]
+
+
+def packages() -> list[PluginPackage]:
+    """Return all packages that offer something, rollslip first; each is imported, to know whether it is broken."""
+    found: dict[str, list[Offer]] = {}
+    for offer in catalogue():
+        if offer.package != THIS_PROCESS:
+            found.setdefault(offer.package, []).append(_tried(offer))
+    return [_package(found[name]) for name in sorted(found, key=lambda name: (name != "rollslip", name))]
+
+
+def _tried(offer: Offer) -> Offer:
+    if offer.state == "ok":
+        try:
+            load(offer)
+        except PluginError as error:
+            return attrs.evolve(offer, state="broken", cause=str(error))
+    return offer
+
+
+def _package(offers: list[Offer]) -> PluginPackage:
+    """A package is in the worst of the states of its offers."""
+    causes: dict[str, list[str]] = {}
+    for offer in offers:
+        causes.setdefault(offer.state, []).append(_cause(offer))
+    state = next(s for s in ("disabled", "incompatible", "broken", "shadowed", "ok") if s in causes)
+    cause = "; ".join(dict.fromkeys(causes[state])) if state != "ok" else ""
+    return PluginPackage(
+        name=offers[0].package, version=offers[0].version, state=state, cause=cause, offers=tuple(offers)
+    )
+
+
+def _cause(offer: Offer) -> str:
+    """Why an offer cannot be used, in a list of several."""
+    return f"{offer.kind} {offer.name!r}: {offer.cause}" if offer.state == "shadowed" else offer.cause
+
+
+def requirements() -> list[str]:
+    """Return what ``pip install -r`` needs to have the usable packages again: ``name==version``, rollslip first.
+
+    Packages that are disabled or do not fit this rollslip are left out, and nothing is imported.
+    """
+    versions = {
+        o.package: o.version for o in catalogue() if o.state in ("ok", "shadowed") and o.package != THIS_PROCESS
+    }
+    versions.pop("rollslip", None)
+    ours = importlib.metadata.version("rollslip")
+    return [f"rollslip=={ours}", *(f"{name}=={version}" for name, version in sorted(versions.items()))]
+
+
+def as_text(found: Iterable[PluginPackage]) -> str:
+    """Return packages as lines: name, version, state and cause, and below what they offer by kind."""
+    lines = []
+    for package in found:
+        lines.append(f"{package.name} {package.version}: {package.state}")
+        if package.cause:
+            lines.append(f"  {package.cause}")
+        for kind in dict.fromkeys(offer.kind for offer in package.offers):
+            names = ", ".join(
+                offer.name if offer.state == package.state else f"{offer.name} ({offer.state})"
+                for offer in package.offers
+                if offer.kind == kind
+            )
+            lines.append(f"  {kind:<11} {names}")
+    return "\n".join(lines)
+
+
+def as_dicts(found: Iterable[PluginPackage]) -> list[dict[str, Any]]:
+    """Return packages as plain values, for JSON."""
+    return [attrs.asdict(package) for package in found]
+
+
+def check_required(required: Iterable[str], where: Where) -> None:
+    """Check that the packages a scene requires are installed, by their metadata alone.
+
+    Parameters
+    ----------
+    required : iterable of str
+        Requirements as pip takes them, such as "rollslip-cross>=0.1".
+    where : Where
+        Place of the list in the scene.
+
+    Raises
+    ------
+    SceneError
+        If a requirement cannot be read; all of them.
+    PluginError
+        If a package is missing, disabled or of another version; all of them, one sentence a line.
+    """
+    problems, missing = [], []
+    for index, text in enumerate(required):
+        from packaging.requirements import InvalidRequirement, Requirement  # slow, and few scenes require anything
+
+        try:
+            requirement = Requirement(text)
+        except InvalidRequirement as error:
+            reason = str(error).splitlines()[0]
+            problems.append(
+                where.at(index).says(f"{text!r} is no requirement ({reason}); write it as 'rollslip-cross>=0.1'")
+            )
+            continue
+        if requirement.marker is not None and not requirement.marker.evaluate():
+            continue
+        if lack := _lack(requirement.name, str(requirement.specifier), requirement.specifier.contains):
+            missing.append(where.at(index).says(lack))
+    if problems:
+        raise SceneError(problems)
+    if missing:
+        raise PluginError("\n".join(missing))
+
+
+def _lack(name: str, versions: str, contains: Any) -> str:
+    """Say what is wrong with an installed package, or nothing."""
+    remedy = f"install it with: pip install '{name}{versions}'"
+    try:
+        installed = importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return f"package {name}{versions} is required but not installed; {remedy}"
+    if is_disabled(name):
+        return f"package {name} is required but disabled by ROLLSLIP_DISABLED_PLUGINS; remove it there"
+    if not contains(installed, prereleases=True):
+        return f"package {name}{versions} is required but {installed} is installed; {remedy}"
+    return ""

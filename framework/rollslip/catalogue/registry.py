@@ -1,0 +1,102 @@
+"""Make models by name: from the parameters of a call or of a scene, with every fault of them at once.
+
+Which names there are and what is behind them, `rollslip.catalogue.discovery` says; its functions are found here too.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import attrs
+
+from rollslip.catalogue.discovery import (
+    DATA,
+    KINDS,
+    Offer,
+    available,
+    base_of,
+    catalogue,
+    find,
+    get_class,
+    in_words,
+    origin,
+)
+from rollslip.errors import PluginError, SceneError
+from rollslip.fields import FieldError
+from rollslip.scene.reading import Where, structure
+
+__all__ = ["KINDS", "Offer", "available", "catalogue", "find", "get_class", "get_model", "structure_model"]
+
+
+def get_model(kind: str, name: str, **parameters: object) -> Any:
+    """Return a model by name.
+
+    Parameters
+    ----------
+    kind : str
+        "contact", "film", "traction", "drag", "integrator", "engine", "lubricant", "bearing" or "surface".
+    name : str
+        Name as ``rollslip models`` lists it.
+    **parameters
+        Its parameters: numbers in SI units or strings with a unit; for a parameter that is itself a model an
+        instance, a name, or a mapping with ``model`` and its parameters.
+
+    Raises
+    ------
+    PluginError
+        If there is no such model or its package cannot be used.
+    SceneError
+        If a parameter is unknown or has a value that is not allowed; all faults at once.
+
+    Examples
+    --------
+    >>> get_model("traction", "lambda-blend", hydrodynamic="maxwell-eyring").hydrodynamic.name
+    'maxwell-eyring'
+    """
+    if kind in DATA:
+        if parameters:
+            raise PluginError(f"a {kind} takes no parameters here, got {', '.join(parameters)}; set them in a scene")
+        return get_class(kind, name)
+    problems: list[str] = []
+    model = structure_model(kind, {"model": name, **parameters}, Where({}, (name,)), problems)
+    if problems:
+        raise SceneError(problems)
+    return model
+
+
+def structure_model(kind: str, raw: object, where: Where, problems: list[str]) -> Any:
+    """Return the model that a scene describes, by a name or a table with ``model``, or None with its faults noted.
+
+    Raises
+    ------
+    PluginError
+        If there is no such model or its package cannot be used; the message gives the place in the scene.
+    """
+    if isinstance(raw, str):
+        raw = {"model": raw}
+    if isinstance(raw, base_of(kind)):
+        return raw
+    parameters = dict(raw) if isinstance(raw, Mapping) else {}
+    name = parameters.pop("model", None)
+    if not isinstance(name, str):
+        problems.append(where.says(f"a {kind} model is expected: its name, or a table with model = 'NAME'"))
+        return None
+    try:
+        cls = get_class(kind, name)
+    except PluginError as error:
+        raise PluginError(where.says(str(error))) from error
+    children = {
+        attribute.name: structure_model(
+            attribute.metadata["kind"], parameters.pop(attribute.name), where.at(attribute.name), problems
+        )
+        for attribute in attrs.fields(cls)
+        if "kind" in attribute.metadata and attribute.name in parameters
+    }
+    try:
+        model = structure(cls, parameters, where, problems)
+        return model if model is None or None in children.values() else attrs.evolve(model, **children)
+    except FieldError as error:  # of a child, which the class sees only now
+        problems.append(where.at(error.field).says(error.reason))
+        return None
+    except Exception as error:  # what a scene can be blamed for is noted already
+        blame = f"{kind} {name!r} cannot be made ({in_words(error)}); {origin(cls)}"
+        raise PluginError(where.says(blame)) from error

@@ -1,0 +1,256 @@
+"""Writes the package of a new plugin: a distribution that can be installed, is tested, and holds a real law to replace.
+
+- The files are templates beside the framework with the placeholders of `string.Template`; a line that begins with
+  ``@compiled`` or ``@python`` belongs to packages with or without a compiled form only.
+- The name given is the distribution's; module, model and class follow from it, so there is nothing to fill in. The
+  model leaves out "rollslip-", with which distributions are found on an index: ``rollslip-cross`` offers ``cross``.
+- A compiled package names rollslip among its build requirements, because it needs the header of the version it will
+  run with; its README builds it with ``--no-build-isolation``, against the rollslip that is installed.
+- Everything is checked before the first file is written, and the folder appears whole or not at all.
+"""
+
+import importlib.metadata
+import importlib.util
+import keyword
+import re
+import sys
+from collections.abc import Iterator
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from types import MappingProxyType
+from typing import Final
+
+import attrs
+
+from rollslip.catalogue.registry import KINDS, catalogue
+from rollslip.errors import OutputError
+from rollslip.fields import FieldError
+from rollslip.scene.reading import nearest
+
+
+@attrs.frozen
+class _Kind:
+    """What the files of a kind say beside their law."""
+
+    summary: str
+    contents: str
+    use: str
+    classes: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ("attrs>=24.2", "numpy>=2.0")
+    compiled: bool = False
+
+
+_LAW = "the law in NumPy, what it reads and where it is defined"
+_SCENE = "rollslip run 1032930-70C --set {key}=${{model}}"
+_PYTHON = "python -c \"import rollslip; print(rollslip.get_model('{kind}', '${{model}}'))\""
+_FILES: Final = MappingProxyType(
+    {
+        "contact": _Kind(
+            "A contact model",
+            _LAW,
+            _SCENE.format(key="models.contact"),
+            classes=("ContactModel", "SliceModel"),
+            compiled=True,
+        ),
+        "film": _Kind("A film model", _LAW, _SCENE.format(key="models.film"), classes=("FilmModel",), compiled=True),
+        "traction": _Kind(
+            "A traction model",
+            _LAW,
+            _SCENE.format(key="models.traction.hydrodynamic"),
+            classes=("TractionModel",),
+            compiled=True,
+        ),
+        "drag": _Kind(
+            "A drag model",
+            "the law",
+            _PYTHON.format(kind="drag"),
+            classes=("DragModel",),
+            needs=("attrs>=24.2",),
+            compiled=True,
+        ),
+        "integrator": _Kind(
+            "An integrator",
+            "the method with its source; `heun.py` beside it: the method as SciPy's `OdeSolver`",
+            _PYTHON.format(kind="integrator"),
+            classes=("IntegratorModel", "HeunSolver", "Any"),
+            needs=("attrs>=24.2", "numpy>=2.0", "scipy>=1.15"),
+        ),
+        "engine": _Kind(
+            "An engine of sweeps",
+            "the executor that computes the points",
+            "rollslip sweep run 1032930-70C --over operation.radial_load=500:5000:5 --engine ${model}",
+            classes=("Engine", "Executor"),
+            needs=("attrs>=24.2",),
+        ),
+        "lubricant": _Kind(
+            "A lubricant", "the oil and the sources of its data", _SCENE.format(key="lubricant.name"), needs=()
+        ),
+        "bearing": _Kind(
+            "A bearing", "the bearing and the sources of its data", _PYTHON.format(kind="bearing"), needs=()
+        ),
+        "surface": _Kind("Surfaces", "their roughness and the sources of it", _PYTHON.format(kind="surface"), needs=()),
+    }
+)
+#: Classes that the files of every kind import.
+_TAKEN: Final = frozenset({"Chain", "ClassVar", "Conditions", "Conformance", "MappingProxyType", "Slices"})
+
+
+def new(name: str, kind: str, compiled: bool, folder: Path) -> Path:
+    """Write the package of a new plugin.
+
+    Parameters
+    ----------
+    name : str
+        Name of the distribution: lower-case letters and digits with single hyphens; the model's is the same without
+        a leading "rollslip-".
+    kind : str
+        "contact", "film", "traction", "drag", "integrator", "engine", "lubricant", "bearing" or "surface".
+    compiled : bool
+        With a form compiled against ``rollslip.h`` beside the NumPy form; for contact, film, traction and drag.
+    folder : Path
+        Where the folder ``name`` is made.
+
+    Returns
+    -------
+    Path
+        The new folder.
+
+    Raises
+    ------
+    FieldError
+        If the name cannot be used or is taken, the kind is unknown, or it has no compiled form.
+    OutputError
+        If there is something of that name already, or it cannot be written; then nothing is left.
+    """
+    from rollslip.files import whole
+
+    texts = package(name, kind, compiled)
+    target = folder / name
+    if target.exists() or target.is_symlink():
+        raise OutputError(f"{target}: exists, and is left as it is; choose another name or folder, or remove it")
+    try:
+        with whole(target) as partial:
+            for path, text in texts.items():
+                (partial / path).parent.mkdir(parents=True, exist_ok=True)
+                (partial / path).write_text(text, encoding="utf-8", newline="\n")
+    except OutputError as error:  # its remedy is that of a run
+        raise OutputError(f"{str(error).partition(';')[0]}; nothing was written; choose another folder") from error
+    return target
+
+
+def package(name: str, kind: str, compiled: bool) -> dict[str, str]:
+    """Return the files of a new package, path -> text, without writing any.
+
+    Raises
+    ------
+    FieldError
+        As `new`.
+    """
+    _check(name, kind, compiled)
+    module, model, about = name.replace("-", "_"), name.removeprefix("rollslip-"), _FILES[kind]
+    requirement = _requirement()
+    values = {
+        "name": name,
+        "module": module,
+        "model": model,
+        "kind": kind,
+        "cls": _class_name(model),
+        "summary": about.summary,
+        "contents": about.contents,
+        "use": Template(about.use).substitute(model=model),
+        "requirement": requirement,
+        "dependencies": ", ".join(f'"{one}"' for one in (*about.needs, requirement)),
+    }
+    return {
+        path: Template(_only(text, "compiled" if compiled else "python")).substitute(values)
+        for path, text in _templates(kind, module, compiled)
+    }
+
+
+def _templates(kind: str, module: str, compiled: bool) -> Iterator[tuple[str, str]]:
+    """Path in the package and template of every file."""
+    source = f"src/{module}"
+    wanted = {
+        "pyproject.toml": "pyproject.toml",
+        "README.md": "README.md",
+        "LICENSE": "LICENSE",
+        ".gitignore": "gitignore",
+        f"{source}/__init__.py": "init.py",
+        f"{source}/{kind}.py": f"{kind}.py",
+        f"tests/test_{module}.py": f"test_{kind}.py",
+    }
+    if kind == "integrator":
+        wanted[f"{source}/heun.py"] = "heun.py"
+    if compiled:
+        wanted |= {
+            "setup.py": "setup.py",
+            f"{source}/_kernel.pyx": f"{kind}.pyx",
+            f"{source}/_kernel.pyi": f"{kind}.pyi",
+        }
+    yield f"{source}/py.typed", ""
+    for path, template in wanted.items():
+        yield path, (files("rollslip.catalogue") / "templates" / f"{template}.in").read_text(encoding="utf-8")
+
+
+def _only(text: str, mark: str) -> str:
+    """Return a template without the lines of the other mark, and without the marks."""
+    kept = []
+    for line in text.splitlines():
+        marked = re.match(r"@(compiled|python)(?: |$)", line)
+        if marked is None:
+            kept.append(line)
+        elif marked[1] == mark:
+            kept.append(line[marked.end() :])
+    return "".join(f"{line}\n" for line in kept)
+
+
+def _requirement() -> str:
+    """Versions of rollslip that a package written today fits: until the next one that may break it."""
+    major, minor = map(int, importlib.metadata.version("rollslip").split(".")[:2])
+    after = f"{major + 1}" if major else f"0.{minor + 1}"
+    return f"rollslip>={major}.{minor},<{after}"
+
+
+def _class_name(model: str) -> str:
+    return "".join(word.capitalize() for word in model.split("-"))
+
+
+def _check(name: str, kind: str, compiled: bool) -> None:
+    """Refuse what would give a package that cannot be installed, imported or told apart."""
+    if kind not in KINDS:
+        near = nearest(kind, KINDS)
+        hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(KINDS)}"
+        raise FieldError("kind", f"no kind of model is called {kind!r}; {hint}")
+    if compiled and not _FILES[kind].compiled:
+        able = ", ".join(one for one, about in _FILES.items() if about.compiled)
+        raise FieldError("compiled", f"{kind} has no compiled form, only {able} have; leave it out")
+    if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name, re.ASCII):
+        better = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-0123456789")
+        hint = f"; {better!r} would do" if better else ""
+        raise FieldError(
+            "name", f"{name!r} is not made of lower-case letters and digits with single hyphens, a letter first{hint}"
+        )
+    module, model = name.replace("-", "_"), name.removeprefix("rollslip-")
+    cls = _class_name(model)
+    if keyword.iskeyword(module) or keyword.issoftkeyword(module):
+        raise FieldError("name", f"{name!r} is a word of Python's own and cannot name a module; choose another")
+    if module in sys.stdlib_module_names or module in ("tests", "test", "setup"):
+        raise FieldError("name", f"a module {module!r} would hide Python's own or that of the tests; choose another")
+    if importlib.util.find_spec(module) is not None:
+        raise FieldError(
+            "name", f"a module {module!r} is installed already, and one would hide the other; choose another name"
+        )
+    if not cls.isidentifier():
+        raise FieldError("name", f"{name!r} would make a class {cls!r}, which begins with a digit; choose another")
+    if cls.startswith("Test"):
+        raise FieldError("name", f"pytest would take a class {cls!r} for tests; choose a name that begins otherwise")
+    if cls in _TAKEN.union(_FILES[kind].classes):
+        raise FieldError("name", f"{name!r} would make a class {cls!r} beside rollslip's own; choose another")
+    for offer in catalogue():
+        if (offer.kind, offer.name) == (kind, model):
+            raise FieldError(
+                "name",
+                f"package {offer.package} offers a {kind} called {model!r} already, and of two of one name rollslip "
+                "takes none; choose another",
+            )

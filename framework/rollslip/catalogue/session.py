@@ -1,0 +1,151 @@
+"""Models of a notebook or a script: used by name like installed ones, without a package.
+
+- Registration lasts as long as the process, so results name such a model as "unpackaged": their files alone do not
+  bring it back. A package does; ``rollslip plugins new`` writes one.
+- A taken name is an error unless it is replaced on purpose: a scene must not change its meaning behind one's back.
+"""
+
+import types
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, Final, TypeVar
+
+import attrs
+
+from rollslip.catalogue import discovery
+from rollslip.errors import PluginError
+from rollslip.models import FINITE, FilmModel
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
+
+__all__ = ["model", "register"]
+
+F = TypeVar("F", bound=Callable[[Slices], Any])
+T = TypeVar("T")
+
+#: Kinds whose law is one function, and the column that it fills.
+_COLUMN: Final = {"film": "film_thickness", "traction": "friction"}
+
+
+def register(thing: T, *, replace: bool = False) -> T:
+    """Offer a model class or named data in this process; its kind follows from what it is.
+
+    Parameters
+    ----------
+    thing : type or value
+        A class derived from ``ContactModel``, ``FilmModel``, ``TractionModel``, ``DragModel``, ``IntegratorModel`` or
+        ``Engine``, or a ``Lubricant``, ``BearingData`` or ``SurfaceData``.
+    replace : bool
+        Whether it may take the place of one with its name, for this process.
+
+    Returns
+    -------
+    type or value
+        The thing itself, so that this serves as a decorator of a class.
+
+    Raises
+    ------
+    PluginError
+        If it is nothing that can be offered, is not complete, or its name is taken.
+    """
+    kind = discovery.kind_of(thing)
+    if kind is None:
+        bases = ", ".join(discovery.base_of(kind).__name__ for kind in discovery.KINDS)
+        raise PluginError(
+            f"{thing!r} cannot be registered: a class derived from, or a value of, one of {bases} can; "
+            "a function can with @model(kind, name, reads=...)"
+        )
+    discovery.add(kind, thing, replace=replace)
+    return thing
+
+
+def model(
+    kind: str,
+    name: str,
+    *,
+    reads: Collection[str] | None = None,
+    domain: Mapping[str, tuple[float, float]] | None = None,
+    equation: str = "",
+    references: Collection[str] = (),
+    replace: bool = False,
+) -> Callable[[F], F]:
+    """Offer a function of the slices as a film or traction model in this process.
+
+    Parameters
+    ----------
+    kind : str
+        "film" or "traction".
+    name : str
+        What scenes call it.
+    reads : collection of str, optional
+        Columns and conditions that the function reads; by default those of its domain, and for a film those of every
+        film model.
+    domain : mapping, optional
+        What it is defined on: member -> (low, high), both included, SI; what it leaves out may be any finite number,
+        and for a film what every film model takes.
+    equation : str
+        The law in one line.
+    references : collection of str
+        Where it comes from, one citation each.
+    replace : bool
+        Whether it may take the place of one with its name, for this process.
+
+    Returns
+    -------
+    callable
+        Decorator of a function that takes `Slices` and returns the film thickness [m] or the friction coefficient of
+        each, with the sign of the sliding speed. It leaves the function as it is.
+
+    Raises
+    ------
+    PluginError
+        If the kind is another, a member does not exist, or the name is taken.
+
+    Examples
+    --------
+    >>> from rollslip import Chain, Conditions, Slices, get_model
+    >>> @model("traction", "ramp", reads=("rolling_speed", "sliding_speed"))
+    ... def ramp(slices):
+    ...     return 0.05 * (slices.sliding_speed / slices.rolling_speed).clip(-1, 1)
+    >>> slices = Slices(2, rolling_speed=10.0, sliding_speed=[1.0, -20.0])
+    >>> Chain(get_model("traction", "ramp"))(slices)
+    >>> slices.friction
+    array([ 0.005, -0.05 ])
+    """
+    if kind not in _COLUMN:
+        raise PluginError(
+            f"a function cannot be a {kind} model, only {' or '.join(_COLUMN)}; write a class and register it"
+        )
+    base, column = discovery.base_of(kind), _COLUMN[kind]
+    known = {**(FilmModel.domain if base is FilmModel else {}), **(domain or {})}
+    limits = {member: known.get(member, FINITE) for member in sorted(known if reads is None else reads)}
+    members = {*COLUMNS, *CONDITIONS} - {column}
+    blame = f"{kind} {name!r} cannot be registered"
+    if wrong := sorted(limits.keys() - members):
+        raise PluginError(f"{blame}: it reads {', '.join(wrong)}, but slices have {', '.join(sorted(members))}")
+    if unread := sorted((domain or {}).keys() - limits.keys()):
+        raise PluginError(f"{blame}: its domain limits {', '.join(unread)}, which reads does not name")
+    if not limits:
+        raise PluginError(f"{blame}: reads must name the columns and conditions that the function reads")
+
+    def offer(function: F) -> F:
+        def evaluate(self: object, slices: Slices) -> None:
+            values = function(slices)
+            if values is not None:  # None: it has filled the column itself, as evaluate of a class does
+                getattr(slices, column)[...] = values
+
+        body = {
+            "__doc__": function.__doc__ or f"Function {function.__name__} of this process.",
+            "__module__": function.__module__,
+            "name": name,
+            "equation": equation or f"{column} = {function.__name__}(slices)",
+            "references": tuple(references),
+            "reads": frozenset(limits),
+            "domain": types.MappingProxyType(limits),
+            "evaluate": evaluate,
+        }
+        if base is FilmModel:
+            body["location"] = "not stated"
+        cls = types.new_class(function.__name__, (base,), exec_body=lambda namespace: namespace.update(body))
+        discovery.add(kind, attrs.frozen(slots=False)(cls), replace=replace)
+        return function
+
+    return offer

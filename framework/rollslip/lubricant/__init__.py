@@ -1,0 +1,41 @@
+"""What an oil is: viscosity and pressure-viscosity over temperature, by formula, fit or table."""
+
+from rollslip.lubricant.oil import (
+    Andrade,
+    Constant,
+    Exponential,
+    Hyperbola,
+    Lubricant,
+    OilPoint,
+    OilState,
+    OilTable,
+    PowerOfViscosity,
+    Scatter,
+    Table,
+    TemperatureLaw,
+    Vogel,
+    Walther,
+    fit_vogel,
+    fit_walther,
+    lubricant_from_table,
+)
+
+__all__ = [
+    "Andrade",
+    "Constant",
+    "Exponential",
+    "Hyperbola",
+    "Lubricant",
+    "OilPoint",
+    "OilState",
+    "OilTable",
+    "PowerOfViscosity",
+    "Scatter",
+    "Table",
+    "TemperatureLaw",
+    "Vogel",
+    "Walther",
+    "fit_vogel",
+    "fit_walther",
+    "lubricant_from_table",
+]

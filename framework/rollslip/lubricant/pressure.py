@@ -1,0 +1,213 @@
+"""How the oil's viscosity follows pressure: a stage of the oil's own, between film and traction.
+
+- The law belongs to the oil, not to the models: a scene that changes its oil changes the law with it, and every
+  traction model, ours or a stranger's, reads the same two columns whatever the law.
+- A law says how viscosity *rises* with pressure. eta0 and beta0 at ambient pressure are the oil's, at any law, so that
+  laws differ only where pressure comes in.
+- Barus and Roelands take alpha and gamma of the oil; a free-volume law brings constants of its own.
+"""
+
+import abc
+import math
+from types import MappingProxyType
+from typing import Any, ClassVar, Final
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rollslip.errors import DomainError
+from rollslip.fields import field, non_negative, positive
+from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, SliceModel
+from rollslip_kernels import viscosity as compiled
+from rollslip_kernels.slices import Conditions, Slices
+
+Array = NDArray[np.float64]
+
+
+class PressureViscosity(SliceModel):
+    """Viscosity at the pressure of a slice and the inlet temperature, and its fall with temperature there."""
+
+    writes = frozenset({"film_viscosity", "film_thermoviscosity"})
+
+    @abc.abstractmethod
+    def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
+        """Return viscosity [Pa s] and its fall -dln(eta)/dT [1/K] at pressures [Pa] of any shape.
+
+        Raises
+        ------
+        DomainError
+            If the law has no value at a pressure.
+        """
+
+    def coefficient(self, temperature: float) -> float:
+        """Return dln(eta)/dp at ambient pressure [1/Pa] if the law itself fixes it, else nan: it is the oil's alpha."""
+        return math.nan
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill viscosity and its fall with temperature."""
+        slices.film_viscosity[...], slices.film_thermoviscosity[...] = self.at(slices.conditions, slices.pressure)
+
+
+@attrs.frozen
+class Barus(PressureViscosity):
+    """Barus's law: eta = eta0 exp(alpha p), -dln(eta)/dT = beta0 + gamma p.
+
+    Range: some 0.1 GPa; beyond it is too steep for most oils (at 0.4 GPa four times Roelands).
+    """
+
+    name: ClassVar[str] = "barus"
+    equation: ClassVar[str] = "eta = eta0 exp(alpha p)"
+    references: ClassVar[tuple[str, ...]] = (
+        "Barus C. Isothermals, isopiestics and isometrics relative to viscosity. Am. J. Sci. 45, 1893, 87-96.",
+    )
+    reads = frozenset({"pressure", "viscosity", "pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity"})
+    domain = MappingProxyType(
+        {
+            "pressure": NON_NEGATIVE,
+            "viscosity": POSITIVE,
+            "pressure_viscosity": NON_NEGATIVE,
+            "thermoviscosity": NON_NEGATIVE,
+            "pressure_thermoviscosity": FINITE,
+        }
+    )
+
+    def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
+        """Return viscosity and its fall with temperature."""
+        c, p = conditions, np.asarray(pressure, dtype=float)
+        return (
+            c.viscosity * np.exp(c.pressure_viscosity * p),
+            c.thermoviscosity + c.pressure_thermoviscosity * p,
+        )
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.barus()
+
+
+#: Where all isotherms, and all isobars, of Roelands's law meet: 6.315e-5 Pa s is exp(-9.67).
+POLE_VISCOSITY: Final = math.exp(-9.67)
+POLE_PRESSURE: Final = 1 / 5.1e-9
+
+
+@attrs.frozen
+class Roelands(PressureViscosity):
+    """Roelands's law: eta = eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/eta_inf), z = alpha p0/k.
+
+    eta_inf = 6.315e-5 Pa s and p0 = 1/5.1e-9 Pa. With eta0 and alpha both functions of temperature,
+    -dln(eta)/dT = (1 + p/p0)^z {beta0 + p0 ln(1 + p/p0) [gamma - alpha beta0/k]}, which starts as beta0 + gamma p.
+
+    Range: eta0 above eta_inf; to about 0.5 GPa for many oils. With a constant alpha (gamma = 0) the fall with
+    temperature turns negative at several GPa, which no traction model accepts.
+    """
+
+    name: ClassVar[str] = "roelands"
+    equation: ClassVar[str] = "eta = eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/6.315e-5), z = alpha p0/k"
+    references: ClassVar[tuple[str, ...]] = (
+        "Roelands C.J.A. Correlational aspects of the viscosity-temperature-pressure relationship of lubricating oils. "
+        "Thesis, Delft, 1966.",
+    )
+    reads = Barus.reads
+    domain = MappingProxyType({**Barus.domain, "viscosity": (math.nextafter(POLE_VISCOSITY, 1.0), FINITE[1])})
+
+    def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
+        """Return viscosity and its fall with temperature."""
+        c = conditions
+        k = np.log(c.viscosity / POLE_VISCOSITY)
+        x = np.log1p(np.asarray(pressure, dtype=float) / POLE_PRESSURE)
+        y = np.expm1(c.pressure_viscosity * POLE_PRESSURE / k * x)
+        bend = POLE_PRESSURE * (c.pressure_thermoviscosity - c.pressure_viscosity * c.thermoviscosity / k)
+        return c.viscosity * np.exp(k * y), (1 + y) * (c.thermoviscosity + bend * x)
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.roelands(POLE_VISCOSITY, POLE_PRESSURE)
+
+
+@attrs.frozen(kw_only=True)
+class Yasutomi(PressureViscosity):
+    """Free-volume law of Yasutomi, Bair and Winer: the WLF equation with a glass temperature that rises with pressure.
+
+    log10(eta/eta_g) = -C1 x/(C2 + x), x = (T - Tg) F, Tg = Tg0 + A1 ln(1 + A2 p), F = 1 - B1 ln(1 + B2 p);
+    here its ratio to the value at ambient pressure, times eta0 of the oil. The law fixes the initial slope of
+    ln(eta), so an oil that gives no alpha takes it from here.
+
+    Range: from the glass transition (T = Tg) upwards; below it, and where F is not positive, it has no value.
+    Constants are an oil's own. Ehret, Dowson and Taylor (1998) give for the polyphenyl ether 5P4E Tg0 = -28.2 degC,
+    A1 = 134.2 K, A2 = 1.929 1/GPa, B1 = 4.815, B2 = 0.160 1/GPa, C1 = 16.01, C2 = 20.69 K with eta_g = 1e12 Pa s
+    (grade C: known to us from a program that cites them).
+    """
+
+    name: ClassVar[str] = "yasutomi"
+    equation: ClassVar[str] = "log10(eta/eta_g) = -C1 x/(C2 + x), x = (T - Tg0 - A1 ln(1 + A2 p)) (1 - B1 ln(1 + B2 p))"
+    references: ClassVar[tuple[str, ...]] = (
+        "Yasutomi S., Bair S., Winer W.O. An application of a free volume model to lubricant rheology: "
+        "I - dependence of viscosity on temperature and pressure. J. Tribol. 106, 1984, 291-302.",
+        "Ehret P., Dowson D., Taylor C.M. On lubricant transport conditions in elastohydrodynamic conjuctions. "
+        "Proc. R. Soc. Lond. A 454, 1998, 763-787.",
+    )
+    reads = frozenset({"pressure", "temperature", "viscosity", "thermoviscosity"})
+    domain = MappingProxyType(
+        {
+            "pressure": NON_NEGATIVE,
+            "temperature": POSITIVE,
+            "viscosity": POSITIVE,
+            "thermoviscosity": NON_NEGATIVE,
+        }
+    )
+
+    glass_temperature: float = field(unit="K", validator=positive, doc="Tg0, glass temperature at ambient pressure")
+    a1: float = field(unit="K", validator=non_negative, doc="A1, rise of the glass temperature")
+    a2: float = field(unit="1/Pa", validator=positive, doc="A2, its pressure")
+    b1: float = field(unit="1", validator=non_negative, doc="B1, fall of the free volume's expansion")
+    b2: float = field(unit="1/Pa", validator=positive, doc="B2, its pressure")
+    c1: float = field(unit="1", validator=positive, doc="C1 of the WLF equation")
+    c2: float = field(unit="K", validator=positive, doc="C2 of the WLF equation")
+
+    def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
+        """Return viscosity and its fall with temperature."""
+        c, p = conditions, np.asarray(pressure, dtype=float)
+        x0 = c.temperature - self.glass_temperature
+        share = 1 - self.b1 * np.log1p(self.b2 * p)
+        x = (x0 - self.a1 * np.log1p(self.a2 * p)) * share
+        glass = ~((share > 0) & (x >= 0) & (x0 > 0))
+        if np.any(glass):
+            at = int(np.flatnonzero(glass)[0])
+            raise DomainError(
+                f"{self.name}: slice {at} is outside its domain: at {np.ravel(p)[at]:g} Pa and {c.temperature:g} K the "
+                "oil is a glass"
+            )
+        k = np.log(10) * self.c1 * self.c2
+        return (
+            c.viscosity * np.exp(k * (x0 - x) / ((self.c2 + x0) * (self.c2 + x))),
+            c.thermoviscosity + k * (share / (self.c2 + x) ** 2 - 1 / (self.c2 + x0) ** 2),
+        )
+
+    def coefficient(self, temperature: float) -> float:
+        """Return alpha = ln(10) C1 C2 [A1 A2 + B1 B2 (T - Tg0)]/(C2 + T - Tg0)^2."""
+        x0 = temperature - self.glass_temperature
+        slope = self.a1 * self.a2 + self.b1 * self.b2 * x0
+        return math.log(10) * self.c1 * self.c2 * slope / (self.c2 + x0) ** 2
+
+    def kernel(self) -> object:
+        """Return the compiled form."""
+        return compiled.yasutomi(self.glass_temperature, self.a1, self.a2, self.b1, self.b2, self.c1, self.c2)
+
+
+def from_oil() -> Any:
+    """Declare the part of a model that is the oil's law: not a key of a scene, put in when the bearing is assembled."""
+    return attrs.field(
+        factory=Barus, kw_only=True, metadata={"key": None, "unit": None, "doc": "the law of the oil", "from_oil": True}
+    )
+
+
+def with_law(model: Any, law: PressureViscosity) -> Any:
+    """Return a model with the oil's law in it, and in its children, where they ask for it."""
+    changes: dict[str, Any] = {}
+    for attribute in attrs.fields(type(model)):
+        value = getattr(model, attribute.name)
+        if attribute.metadata.get("from_oil"):
+            changes[attribute.name] = law
+        elif isinstance(value, SliceModel) and (changed := with_law(value, law)) is not value:
+            changes[attribute.name] = changed
+    return attrs.evolve(model, **changes) if changes else model

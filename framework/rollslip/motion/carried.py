@@ -1,0 +1,232 @@
+"""Motion of cage and rollers at the levels cage-set and pocket: the compiled system of a bearing, and its numbers.
+
+- Everything is in the sense in which rolling speeds are positive (``Kinematics``): times ``direction`` it is real.
+- The unknowns are y = [cage angle, cage speed | spin (, orbital speed, place in the pocket) of each roller | ledger].
+- What the rates do is recorded by the ledger as they do it, so its residuals measure the integrator and nothing else.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Array, Assembly
+from rollslip.bearing.load_map import LoadMap, build_load_map, resistances
+from rollslip.errors import DomainError, RollslipError
+from rollslip.motion.moving_bearing import MovingBearing
+from rollslip.motion.raceway_friction import named_friction
+from rollslip_kernels.carried import LEDGER, Carried
+from rollslip_kernels.system import System
+
+#: Squeeze film of a cylinder and a flat wall, 3 sqrt(2) pi eta (r/h)^1.5 dh/dt per length.
+_SQUEEZE: Final = 3.0 * math.sqrt(2.0) * math.pi
+_BLOCKS: Final = {
+    "cage-set": {"roller_spin": "rad/s"},
+    "pocket": {"roller_spin": "rad/s", "orbital_speed": "rad/s", "pocket_position": "m"},
+}
+_HEAD: Final = {"cage_angle": "rad", "cage_speed": "rad/s"}
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class CarriedMotion(MovingBearing):
+    """The motion of a bearing whose rollers the cage carries round.
+
+    Attributes
+    ----------
+    level : str
+        "cage-set" or "pocket".
+    loads : LoadMap
+        Loads per slice, or forces, over the orbit.
+    carried : Carried
+        The compiled system.
+    """
+
+    level: str
+    loads: LoadMap
+    carried: Carried
+
+    @property
+    def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:
+        """Unknowns of the head, of each roller and of the ledger, in order -> their unit."""
+        return _HEAD, _BLOCKS[self.level], LEDGER
+
+    def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
+        """Return the state with these slips, rollers in the middle of their pockets; 0 epicyclic, 1 at rest.
+
+        Raises
+        ------
+        DomainError
+            If there is a cage slip and the epicyclic cage speed, to which it refers, is zero.
+        """
+        speeds = self.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
+        cage, rollers = float(speeds.cage_speed), self.assembly.scene.bearing.rollers
+        block = [float(speeds.roller_speed) - cage, cage, 0.0][: len(_BLOCKS[self.level])]
+        return np.array([0.0, cage, *block * rollers, *[0.0] * len(LEDGER)])
+
+    def energy(self, y: Array) -> Array:
+        """Return the kinetic energy of cage and rollers, and the elastic energy of the pockets [J], (...)."""
+        u = self.split(y)
+        orbital = u.get("orbital_speed", u["cage_speed"][..., None] + 0.0 * u["roller_spin"])
+        found = 0.5 * self.assembly.cage.inertia * u["cage_speed"] ** 2
+        found = found + 0.5 * self.orbital_inertia * (orbital**2).sum(axis=-1)
+        found = found + 0.5 * self.spin_inertia * (u["roller_spin"] ** 2).sum(axis=-1)
+        if self.level == "pocket":
+            found = found + self.carried.stored_energy(u["pocket_position"]).sum(axis=-1)
+        return np.asarray(found)
+
+    def angular_momentum(self, y: Array) -> Array:
+        """Return the angular momentum of cage and rollers about the axis of the bearing [N m s], (...)."""
+        u = self.split(y)
+        orbital = u.get("orbital_speed", u["cage_speed"][..., None] + 0.0 * u["roller_spin"])
+        found = self.assembly.cage.inertia * u["cage_speed"] + self.orbital_inertia * orbital.sum(axis=-1)
+        return np.asarray(found - self.spin_inertia * u["roller_spin"].sum(axis=-1))
+
+    @property
+    def orbital_inertia(self) -> float:
+        """Moment of inertia m R_m^2 of a roller about the axis of the bearing [kg m2]."""
+        return self.assembly.roller_mass * self.assembly.kinematics.orbit_radius**2
+
+    def error(self, refusal: Any) -> RollslipError:
+        """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
+        who, what = refusal
+        if who == "loads":
+            a = self.assembly
+            top = math.sqrt(self.loads.centrifugal[-1] / (a.roller_mass * a.kinematics.orbit_radius))
+            return DomainError(
+                f"roller {what} is carried round faster than {top:.4g} rad/s, up to which its loads were worked out; "
+                "check what drives the cage"
+            )
+        return super().error(refusal)
+
+
+def carried_motion(
+    assembly: Assembly,
+    *,
+    level: str,
+    friction: str,
+    effective_over: str = "sliding-speed",
+    coefficient: float = math.nan,
+    transition: float = math.nan,
+    tolerance: float | None = None,
+    critical_slip: float = math.nan,
+    film_limit: float = math.nan,
+    loads: LoadMap | None = None,
+    torques: Sequence[object] | None = None,
+) -> CarriedMotion:
+    """Build the motion of a bearing whose scene has a cage.
+
+    Where rolling stops or turns back, films are those of an entrainment speed sqrt(u^2 + u_0^2), u_0 = 1 mm/s. At level
+    cage-set the pocket takes no part but for its friction, under the force that carries a roller round steadily.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    level : str
+        "cage-set" (rollers at the cage's spacing) or "pocket" (within their pockets).
+    friction : str
+        "constant", "effective" or "conventional".
+    effective_over : str
+        What effective friction is tabulated over: "sliding-speed", or "slips" for sliding and rolling speed.
+    coefficient, transition : float
+        Constant friction: mu_0, and the sliding speed V_s [m/s] in mu_0 V/sqrt(V^2 + V_s^2).
+    tolerance : float, optional
+        Error of loads and tables, by default that of the resolution.
+    critical_slip, film_limit : float
+        Cage slip and film parameter that are watched; NaN for none. Only conventional friction knows the film.
+    loads : LoadMap, optional
+        Loads per slice that were built before.
+    torques : sequence of capsules, optional
+        Drags ``rs_drag``, by default those of the scene.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no cage.
+    ConvergenceError
+        If loads or tables do not reach the tolerance.
+    DomainError
+        If a law has no value at a speed that effective friction is tabulated over.
+    ValueError
+        If the coefficient of constant friction is negative or its sliding speed not positive.
+    """
+    assembly = assembly.resisting()
+    tolerance = assembly.resolution.table_tolerance if tolerance is None else tolerance
+    loads = build_load_map(assembly, tolerance) if loads is None else loads
+    k, cage, Z = assembly.kinematics, assembly.cage, assembly.scene.bearing.rollers
+    made = named_friction(
+        assembly,
+        friction,
+        effective_over=effective_over,
+        coefficient=coefficient,
+        transition=transition,
+        tolerance=tolerance,
+        loads=loads,
+    )
+    if friction != "conventional":
+        loads = loads.forces(_resistance(assembly))
+    film = cage.pocket_contact == "film"
+    viscosity = assembly.lubricant.at(assembly.scene.operation.temperature).viscosity if film else 0.0
+    pockets = {
+        "half_clearance": 0.5 * cage.pocket_clearance,
+        "stiffness": cage.pocket_stiffness,
+        "damping": cage.pocket_damping,
+        "friction": 0.0 if cage.drags.pocket_friction is None else cage.drags.pocket_friction.coefficient,
+        "film": _SQUEEZE * viscosity * assembly.scene.bearing.roller_length * k.roller_radius**1.5,
+        "roughness": assembly.inner.conditions.roughness,
+    }
+    bearing = {
+        "rollers": Z,
+        "direction": k.direction,
+        "inner_radius": k.inner_radius,
+        "outer_radius": k.outer_radius,
+        "radius": k.roller_radius,
+        "orbit": k.orbit_radius,
+        "inner_speed": k.direction * k.inner_speed,
+        "outer_speed": k.direction * k.outer_speed,
+        "mass": assembly.roller_mass,
+        "spin_inertia": 0.5 * assembly.roller_mass * k.roller_radius**2,
+        "cage_inertia": cage.inertia,
+        "epicyclic_speed": k.epicyclic_cage_speed,
+    }
+    carried = Carried(
+        level == "pocket",
+        bearing,
+        (loads.centrifugal, loads.table, loads.widths),
+        *made.capsules,
+        cage.drags.capsules() if torques is None else torques,
+        pockets,
+        _scale(assembly, level),
+        critical_slip,
+        film_limit if friction == "conventional" else math.nan,
+    )
+    system = System(carried.system())
+    return CarriedMotion(
+        assembly=assembly,
+        level=level,
+        friction=friction,
+        loads=loads,
+        tables=made.tables,
+        slices=made.slices,
+        carried=carried,
+        system=system,
+    )
+
+
+def _resistance(assembly: Assembly) -> Any:
+    """Rolling resistance of the contacts of a ring without sliding, where there is any."""
+    if not assembly.inner.chain.resists:
+        return None
+    rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
+    return lambda load, ring: resistances(assembly.raceways[ring], load, assembly.widths, rolling)
+
+
+def _scale(assembly: Assembly, level: str) -> Array:
+    """Typical magnitudes of the unknowns."""
+    k, cage = assembly.kinematics, assembly.cage
+    spin = k.epicyclic_roller_speed
+    orbital = k.roller_radius / k.orbit_radius * spin
+    block = [spin, orbital, max(cage.pocket_clearance, 1e-6)][: len(_BLOCKS[level])]
+    return np.array([1.0, orbital, *block * assembly.scene.bearing.rollers, *[1.0] * len(LEDGER)])

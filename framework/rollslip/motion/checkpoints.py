@@ -1,0 +1,121 @@
+"""A folder in which a long run leaves what it has computed, part by part, so that it can be gone on with.
+
+- A part is a file that appears whole or not at all; a run that is killed loses what came after its last part.
+- It belongs to one scene and one study. Another one's is refused, never overwritten.
+"""
+
+import json
+import zipfile
+import zlib
+from pathlib import Path
+
+import attrs
+import numpy as np
+
+from rollslip.errors import OutputError
+from rollslip.files import whole_file
+from rollslip.motion.time_integration import Event, Trajectory
+
+_NUMBERS = ("last_t", "last_step", "steps", "rejected", "evaluations", "jacobians", "wall_time")
+
+
+@attrs.frozen
+class RunStore:
+    """Parts of one run.
+
+    Parameters
+    ----------
+    folder : Path
+        Where they are; made when the first is written.
+    scene_hash : str
+        Of the scene that is run.
+    study : str
+        Its study.
+    """
+
+    folder: Path
+    scene_hash: str
+    study: str
+
+    def parts(self) -> list[Path]:
+        """Return the files that are there, in order."""
+        return sorted(self.folder.glob(f"{self.study}-*.npz"))
+
+    def write(self, number: int, part: Trajectory) -> None:
+        """Write the part of a number, counted from 0, in place of one that is there.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written.
+        """
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"{self.folder}: cannot be written ({error.strerror})") from error
+        with (
+            whole_file(self.folder / f"{self.study}-{number:05d}.npz") as partial,
+            open(partial, "wb") as file,
+        ):
+            np.savez(
+                file,
+                t=part.t,
+                y=part.y,
+                last_y=part.last_y,
+                events=np.array([(e.time, e.watched, e.rising) for e in part.events]).reshape(-1, 3),
+                facts=np.frombuffer(
+                    json.dumps(
+                        {name: getattr(part, name) for name in _NUMBERS} | {"scene_hash": self.scene_hash}
+                    ).encode(),
+                    dtype=np.uint8,
+                ),
+            )
+
+    def load(self, times: np.ndarray, unknowns: int) -> Trajectory | None:
+        """Return what the parts hold together, or None if there are none.
+
+        Parameters
+        ----------
+        times : ndarray
+            Instants that the run is to store, of which the parts hold the first ones.
+        unknowns : int
+            Number of unknowns.
+
+        Raises
+        ------
+        OutputError
+            If a part cannot be read, or is of another scene.
+        """
+        found, fits = None, True
+        for path in self.parts():
+            part = self._read(path)
+            fits = fits and part.y.shape == (part.t.size, unknowns) and part.last_y.shape == (unknowns,)
+            if fits:
+                found = part if found is None else found.then(part)
+        if not fits or (found is not None and not np.array_equal(found.t, times[: found.t.size])):
+            raise OutputError(f"{self.folder}: its parts do not fit together; remove the folder and run anew")
+        return found
+
+    def _read(self, path: Path) -> Trajectory:
+        try:
+            with open(path, "rb") as stored, np.load(stored, allow_pickle=False) as file:
+                facts = json.loads(file["facts"].tobytes())
+                of = facts.pop("scene_hash")
+                part = Trajectory(
+                    t=file["t"],
+                    y=file["y"],
+                    last_y=file["last_y"],
+                    events=tuple(Event(float(t), int(k), bool(up)) for t, k, up in file["events"]),
+                    outcome="interrupted",
+                    message="",
+                    error=None,
+                    **facts,
+                )
+        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+            raise OutputError(f"{path}: is not a part of a run that can be read ({error}); remove it") from error
+        if of != self.scene_hash:
+            raise OutputError(
+                f"{self.folder}: holds a run of another scene, or of this one before it was changed; "
+                "run without --resume, or remove the folder"
+            )
+        return part

@@ -1,0 +1,358 @@
+"""All steady slips of a cage, which of them last, and how they move with a parameter, through folds.
+
+- Traction has a maximum, so a drag below it is carried at two slips or none: what is looked for is every root of the
+  excess torque over the whole range. The driving torque is costly and the drag is not, so the torque is known as a
+  curve refined until leaving any point out moves it by less than the tolerance; the roots are bracketed on it and
+  located on the torque itself.
+- A steady slip lasts where more slip leaves more torque to speed the cage up.
+- Against a parameter the slips are followed by pseudo-arclength: the next point is sought across the direction in which
+  the last two lie, with slip and parameter both unknown, so that a fold is a point like any other. There the parameter
+  turns, and with it the stability.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.bearing.assembly import Array
+from rollslip.errors import ConvergenceError
+from rollslip.studies.friction_curve.study import slip_grid
+
+#: Most points that the refinement of a curve may need.
+_MOST_POINTS: Final = 400
+#: The neighbours of a point are twice as far from it as from the middle between them, where a cubic is 7 times as exact
+#: on a smooth curve.
+_LEFT_OUT = 4.0
+#: Width of an interval that is not divided, as a share of the slip.
+_NARROWEST = 1e-4
+#: Points within an interval at which the drag is looked at.
+_BETWEEN = 16
+#: Excess torque that counts as none, relative to the largest torque: there the branches meet.
+_MEETING = 1e-9
+#: Steps along a branch in shares of the box: the first one, the largest, and the smallest before giving up.
+_FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.01, 0.05, 1e-6
+#: Cosine of the largest turn of a branch in one step.
+_TURN = 0.95
+_MOST_STEPS = 600
+#: Precision of a point of a branch, as a share of the box.
+_PRECISE = 1e-7
+_SECANTS = 12
+#: Step by which the excess torque is differentiated, as a share of the box.
+_NUDGE = 1e-5
+
+
+@attrs.frozen(eq=False)
+class TorqueCurve:
+    """Torque over slip, (n,), refined; ``error`` is what leaving out a point moves, relative to the largest torque."""
+
+    slip: Array
+    torque: Array
+    error: float
+
+    def __call__(self, slip: Array) -> Array:
+        """Return the torque between the points, by a cubic spline."""
+        from scipy.interpolate import CubicSpline
+
+        return np.asarray(CubicSpline(self.slip, self.torque)(slip))
+
+
+def torque_curve(torque: Callable[[float], float], largest: float, points: int, tolerance: float) -> TorqueCurve:
+    """Return the torque from no slip to the largest one on a grid that is refined where it bends.
+
+    Where it jumps, because rollers change their motion at once, the grid is refined to a ten-thousandth of the slip.
+
+    Raises
+    ------
+    ConvergenceError
+        If the curve needs more than 400 points.
+    """
+    slip = slip_grid(largest, points)
+    values = np.array([torque(float(s)) for s in slip])
+    while True:
+        scale = float(np.abs(values).max()) or 1.0
+        error = _left_out(slip, values) / (_LEFT_OUT * scale)
+        wide = np.diff(slip) > _NARROWEST * slip[1:]
+        error[1:-1] *= wide[1:] & wide[:-1]  # a jump has no error that a narrower grid would lower
+        bad = np.flatnonzero(error > tolerance)
+        if bad.size == 0:
+            return TorqueCurve(slip, values, float(error.max()))
+        if slip.size > _MOST_POINTS:
+            raise ConvergenceError(
+                f"the driving torque still bends by {error.max():.1e} (relative) between {slip.size} slips, most at a "
+                f"cage slip of {slip[np.argmax(error)]:.4g}; raise accuracy.tolerance, which is {tolerance:g}"
+            )
+        intervals = np.unique(np.concatenate((bad - 1, bad)))
+        middles = 0.5 * (slip[intervals] + slip[intervals + 1])
+        slip = np.concatenate((slip, middles))
+        values = np.concatenate((values, [torque(float(s)) for s in middles]))
+        order = np.argsort(slip)
+        slip, values = slip[order], values[order]
+
+
+def _left_out(slip: Array, values: Array) -> Array:
+    """By how much each inner point differs from the cubic through the four nearest others, (n,)."""
+    inner = np.arange(1, slip.size - 1)
+    first = np.clip(inner - 2, 0, slip.size - 5)
+    others = first[:, None] + np.arange(5)
+    others = others[others != inner[:, None]].reshape(-1, 4)
+    x, y = slip[others], values[others]
+    weights = np.ones_like(x)
+    for i in range(4):
+        for j in range(4):
+            if i != j:
+                weights[:, i] *= (slip[inner] - x[:, j]) / (x[:, i] - x[:, j])
+    error = np.zeros_like(slip)
+    error[1:-1] = np.abs((weights * y).sum(axis=1) - values[1:-1])
+    return error
+
+
+def steady_slips(curve: TorqueCurve, torque: Callable[[float], float], drag: Callable[[float], float]) -> list[float]:
+    """Return all slips above zero at which torque and drag are in balance, ascending.
+
+    Parameters
+    ----------
+    curve : TorqueCurve
+        The driving torque, known on a grid.
+    torque, drag : callable
+        Torque that drives the cage and (negative) torque that resists it [N m] at a slip.
+
+    Returns
+    -------
+    list of float
+        Steady slips. Two that lie closer than the curve tells apart, where they meet, are one. Missed can only be a
+        pair between which the excess torque is less than the error of the curve.
+    """
+    from scipy.optimize import brentq, minimize_scalar
+
+    def excess(slip: float) -> float:
+        return torque(slip) + drag(slip)
+
+    scale = float(np.abs(curve.torque).max())
+    fine = np.concatenate([np.linspace(a, b, _BETWEEN, endpoint=False) for a, b in _pairs(curve.slip)])
+    fine = np.append(fine, curve.slip[-1])
+    guess = curve(fine) + np.array([drag(float(s)) for s in fine])
+    excesses = {float(s): float(t) + drag(float(s)) for s, t in zip(curve.slip, curve.torque, strict=True)}
+    for k in range(1, fine.size - 1):
+        top = guess[k] >= max(guess[k - 1], guess[k + 1])
+        if not top and guess[k] > min(guess[k - 1], guess[k + 1]):
+            continue
+        at = float(fine[k])
+        if abs(guess[k]) <= 2.0 * curve.error * scale:  # it may touch zero: look at the torque itself
+            low, high = fine[max(k - _BETWEEN, 0)], fine[min(k + _BETWEEN, fine.size - 1)]
+            at = float(
+                minimize_scalar(
+                    lambda s, sign=-1.0 if top else 1.0: sign * excess(float(s)),
+                    bounds=(low, high),
+                    method="bounded",
+                    options={"xatol": 1e-8 * high},
+                ).x
+            )
+        excesses[at] = excess(at)
+        if abs(excesses[at]) <= _MEETING * scale:
+            excesses[at] = 0.0
+    slips = np.array(sorted(excesses))
+    values = np.array([excesses[float(s)] for s in slips])
+    roots = [float(s) for s in slips[values == 0.0] if s > 0.0]
+    for (a, b), (left, right) in zip(_pairs(slips), _pairs(values), strict=True):
+        if left * right < 0.0:
+            root = float(brentq(excess, a, b, xtol=1e-14, rtol=1e-10))
+            if abs(excess(root)) <= 1e-3 * abs(left - right):  # else a jump past zero, at which nothing is in balance
+                roots.append(root)
+    return sorted(roots)
+
+
+def _pairs(values: Array) -> list[tuple[float, float]]:
+    return list(zip(values[:-1].tolist(), values[1:].tolist(), strict=True))
+
+
+@attrs.frozen(eq=False)
+class Branch:
+    """Steady slips against a parameter, in order along the branch.
+
+    Attributes
+    ----------
+    slip, parameter : ndarray
+        (n,).
+    stable : ndarray of bool
+        Whether the cage holds the slip, (n,); not at a fold.
+    folds : tuple of int
+        Numbers of the points at which the parameter turns.
+    start : int
+        Number of the point from which it was followed.
+    """
+
+    slip: Array
+    parameter: Array
+    stable: NDArray[np.bool_]
+    folds: tuple[int, ...]
+    start: int
+
+    def passes(self, slip: float, parameter: float) -> bool:
+        """Whether the branch goes through a point, to a hundredth of its size."""
+        before, after = self.parameter[:-1], self.parameter[1:]
+        crosses = np.flatnonzero((before - parameter) * (after - parameter) <= 0.0)
+        share = (parameter - before[crosses]) / np.where(after == before, 1.0, after - before)[crosses]
+        slips = self.slip[crosses] + share * (self.slip[crosses + 1] - self.slip[crosses])
+        return bool(np.any(np.abs(slips - slip) <= 0.01 * np.ptp(self.slip)))
+
+    @property
+    def at_fold(self) -> NDArray[np.bool_]:
+        """Whether the parameter turns at a point, (n,)."""
+        return np.isin(np.arange(self.slip.size), self.folds)
+
+    def nearest_fold(self) -> int | None:
+        """Number of the fold next to the start along the branch, None if there is none."""
+        return min(self.folds, key=lambda fold: abs(fold - self.start), default=None)
+
+
+def follow(
+    excess: Callable[[float, float], float], start: tuple[float, float], limits: tuple[float, float], largest: float
+) -> Branch:
+    """Follow a steady slip both ways through the box of slips up to the largest and of parameters within limits.
+
+    Parameters
+    ----------
+    excess : callable
+        Excess torque [N m] at slip and parameter.
+    start : tuple of float
+        A steady slip and the parameter it belongs to.
+    limits : tuple of float
+        Least and largest value of the parameter.
+    largest : float
+        Largest slip.
+
+    Raises
+    ------
+    ConvergenceError
+        If the branch cannot be followed although it is inside the box.
+
+    References
+    ----------
+    H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems", in: Applications of Bifurcation
+    Theory (1977): pseudo-arclength.
+    """
+    path = _Path(excess, limits, largest)
+    begin = np.array([start[0] / largest, (start[1] - limits[0]) / (limits[1] - limits[0])])
+    gradient = path.gradient(begin)
+    along = np.array([-gradient[1], gradient[0]]) / np.hypot(*gradient)
+    back, there = (path.walk(begin, sign * along, -sign * float(np.hypot(*gradient))) for sign in (-1.0, 1.0))
+    z = np.array([*back[::-1], begin, *there])
+    first, folds = len(back), list[int]()
+    for k in range(z.shape[0] - 2, 0, -1):
+        if (z[k, 1] - z[k - 1, 1]) * (z[k + 1, 1] - z[k, 1]) < 0.0:
+            fold = path.fold(z[k - 1], z[k + 1], z[k])
+            at = k + int((fold - z[k]) @ (z[k + 1] - z[k - 1]) > 0.0)
+            z = np.insert(z, at, fold, axis=0)
+            folds, first = [at, *(number + 1 for number in folds)], first + int(at <= first)
+    # on the way of the first tangent the parameter rises where more slip leaves more torque
+    rising = np.sign(np.diff(z[:, 1]))
+    stable = np.append(rising, rising[-1]) > 0.0
+    stable[folds] = False
+    parameter = limits[0] + z[:, 1] * (limits[1] - limits[0])
+    return Branch(z[:, 0] * largest, parameter, stable, tuple(folds), first)
+
+
+class _Path:
+    """A branch in the unit box of slip and parameter."""
+
+    def __init__(self, excess: Callable[[float, float], float], limits: tuple[float, float], largest: float) -> None:
+        self._excess, self._limits, self._largest = excess, limits, largest
+
+    def value(self, z: Array) -> float:
+        low, high = self._limits
+        return self._excess(float(z[0]) * self._largest, low + float(z[1]) * (high - low))
+
+    def gradient(self, z: Array) -> Array:
+        """Slopes of the excess torque, towards the inside of the box."""
+        here, out = self.value(z), []
+        for axis in range(2):
+            moved = z.copy()
+            moved[axis] += _NUDGE if z[axis] < 0.5 else -_NUDGE
+            out.append((self.value(moved) - here) / (moved[axis] - z[axis]))
+        return np.array(out)
+
+    def walk(self, z: Array, tangent: Array, slope: float) -> list[Array]:
+        """Points of the branch from z on until it leaves the box."""
+        points: list[Array] = []
+        step = _FIRST_STEP
+        for _ in range(_MOST_STEPS):
+            reach = _to_edge(z, tangent)
+            if reach <= _SMALLEST_STEP:
+                return points
+            ends = reach <= step
+            across = np.array([-tangent[1], tangent[0]])
+            if ends:  # the last point lies on the edge
+                edge = z + reach * tangent
+                axis = int(np.argmax(np.maximum(-edge, edge - 1.0)))
+                across = np.eye(2)[1 - axis]
+            predicted = np.clip(z + min(step, reach) * tangent, 0.0, 1.0)
+            found = self._across(predicted, across, slope, step)
+            if found is not None:
+                corrected, slope = found
+                chord = (corrected - z) / np.hypot(*(corrected - z))
+                if chord @ tangent >= _TURN:
+                    tangent = 2.0 * (chord @ tangent) * chord - tangent  # as on a circle
+                    points.append(corrected)
+                    if ends:
+                        return points
+                    near = np.hypot(*(corrected - predicted)) < 0.1 * step
+                    z, step = corrected, min(step * (1.5 if near else 1.0), _LARGEST_STEP)
+                    continue
+            step *= 0.5
+            if step < _SMALLEST_STEP:
+                break
+        slip, parameter = z[0] * self._largest, self._limits[0] + z[1] * (self._limits[1] - self._limits[0])
+        raise ConvergenceError(
+            f"the steady slip cannot be followed beyond a cage slip of {slip:.4g} at {parameter:.6g}: it turns within "
+            f"{step:.0e} of the range, where rollers change their motion at once; narrow the range"
+        )
+
+    def _across(self, z: Array, across: Array, slope: float, reach: float) -> tuple[Array, float] | None:
+        """Nearest balance on a line within reach, by the secant method, and the slope there; None if there is none."""
+        at, value = 0.0, self.value(z)
+        for _ in range(_SECANTS):
+            step = -value / slope
+            there = z + (at + step) * across
+            if abs(at + step) > reach or there.min() < 0.0 or there.max() > 1.0:
+                return None
+            if abs(step) <= _PRECISE:
+                return there, slope
+            before, value = value, self.value(there)
+            at += step
+            if value == before:
+                return None
+            slope = (value - before) / step
+        return None
+
+    def fold(self, left: Array, right: Array, middle: Array) -> Array:
+        """Place between two points where the parameter is least, or largest, as at the one in the middle."""
+        from scipy.optimize import minimize_scalar
+
+        upwards, sign = np.array([0.0, 1.0]), 1.0 if middle[1] < left[1] else -1.0
+        best, slope = middle, self.gradient(middle)[1]
+
+        def parameter(slip: float) -> float:
+            nonlocal best, slope
+            found = self._across(np.array([slip, best[1]]), upwards, slope, 1.0)
+            if found is None:
+                raise ConvergenceError(
+                    f"the fold of the steady slips between cage slips of {left[0] * self._largest:.4g} and "
+                    f"{right[0] * self._largest:.4g} cannot be located, where rollers change their motion at once; "
+                    "narrow the range"
+                )
+            best, slope = found
+            return sign * float(best[1])
+
+        low, high = sorted((float(left[0]), float(right[0])))
+        place = minimize_scalar(parameter, bounds=(low, high), method="bounded", options={"xatol": 1e-3 * (high - low)})
+        parameter(float(place.x))
+        return best
+
+
+def _to_edge(z: Array, tangent: Array) -> float:
+    """Length along a direction to the edge of the unit box."""
+    with np.errstate(divide="ignore"):
+        return float(np.where(tangent > 0.0, (1.0 - z) / tangent, np.where(tangent < 0.0, -z / tangent, np.inf)).min())

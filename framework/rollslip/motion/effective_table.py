@@ -1,0 +1,526 @@
+"""Effective friction of a raceway as a table: over the sliding speed, or over sliding and rolling speed.
+
+- mu_e = sum(mu Q)/sum(Q) over the loaded slices of all positions of the orbit at the epicyclic speed (see
+  ``effective_friction``), here as a function of what the contact itself knows: its sliding speed V and its rolling
+  speed u. Cage slip and roller slip, in which the study states it, are these two for either raceway in other units.
+- Over V alone the rolling speed is the epicyclic one. With the rollers near rolling on the outer ring, as most are,
+  the rolling speed of neither contact moves by more than a tenth of the sliding speed.
+- Friction rises over a small sliding speed and falls slowly beyond: equal steps of V/(|V| + V_s), one division and one
+  multiplication for the index. Where it also depends on u the rise goes with the slide-roll ratio, V_s = S u.
+- V_s is free, so it is chosen such that the critical sliding speed, where friction is largest, is a node, whose slope
+  is zero: place and height of the maximum are those of the law. Of the V_s that do so the one counts with which few
+  cells err least. The slope at V = 0 is the law's, too.
+- A law has one second derivative for V < 0 and another for V > 0, so each half is a cubic spline of its own.
+- The slopes of a spline are limited to three times those of the chords beside them (Fritsch & Carlson 1980): cells are
+  monotone, and the cubics have as many extrema as their nodes. Where nodes turn, the cell towards which the slope there
+  points holds the extremum and sets no limit: one that no node hits is neither flattened nor moved (after Hyman 1983).
+- In a map this holds along V on the rows. Between them cubics of smooth laws were not seen to turn more often either;
+  a corner that wanders from row to row ripples there by the error of the table.
+- Friction of a slice depends on its load: thousands of loaded slices are gathered into classes of equal force, as many
+  as the tolerance needs to keep friction, slope at no slip and critical speed.
+- Cells are halved until friction at the quarters of each is right to the tolerance, relative to the largest at that
+  rolling speed; a tenth of the tolerance is left to the classes and a tenth to what lies between the quarters.
+"""
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import RINGS, Array, Assembly, Raceway
+from rollslip.bearing.critical import Critical, locate
+from rollslip.errors import ConvergenceError
+from rollslip_kernels import raceway as compiled
+
+#: Largest sliding speed, relative to the epicyclic rolling speed; beyond it friction is held.
+_REACH: Final = 8.0
+#: Rolling speeds of a map, relative to the epicyclic one, which is a row; beyond them friction is held.
+_ROLLING: Final = (1.0 / 11.0, 3.0)
+#: Sliding speeds at which laws are looked at before there are nodes, over 8 decades.
+_PROBES: Final = 129
+#: A speed that is to be a node is at one of these shares of the way to the largest one, the last for steep rises.
+_SHARES: Final = (*(k / 16 for k in range(1, 16)), *(1.0 - 0.5**k for k in range(5, 11)))
+_FIRST_CELLS, _MOST_CELLS = 64, 4096
+#: Where the first cells err more than this, more of them are needed to tell which mapping is best.
+_UNCLEAR, _CLEAR_CELLS = 0.01, 1024
+_FIRST_ROWS, _MOST_ROWS = 8, 256
+_FIRST_CLASSES, _MOST_CLASSES = 16, 1024
+#: Slices evaluated at a time.
+_AT_ONCE: Final = 1 << 18
+#: Of the tolerance, for the cells and for the classes.
+_CELLS_SHARE, _CLASSES_SHARE = 0.8, 0.1
+#: Of two maxima among the probes that differ by less, either may be the larger one.
+_ALIKE: Final = 0.05
+#: What rounding leaves of the place of a maximum.
+_PLACE: Final = 1e-7
+#: Sliding speed, relative to that at which friction has risen by half, from which the slope at none is taken.
+_NEAR: Final = 1e-4
+
+Law = Callable[[Array], Array]
+
+
+@attrs.frozen(eq=False)
+class EffectiveTable:
+    """A table as ``rollslip_kernels.raceway.effective`` takes it.
+
+    Attributes
+    ----------
+    nodes : ndarray
+        (N, 2) over the sliding speed, (M, N, 4) over rolling and sliding speed.
+    limits : tuple of float
+        V/(|V| + V_s) of the first and the last node.
+    sliding_scale, sliding_ratio : float
+        V_s = sliding_scale + sliding_ratio u [m/s].
+    row_limits : tuple of float
+        u/(u + u_s) of the first and the last row.
+    rolling_scale : float
+        u_s [m/s].
+    error : float
+        Largest error at the quarters of the cells, relative to the largest friction at that rolling speed, and what
+        the classes add.
+    slope_error : float
+        Error of the slope at no slip, relative to it, at the epicyclic rolling speed.
+    critical_speed : float
+        Sliding speed V > 0 of the largest friction at the epicyclic rolling speed [m/s]; NaN if there is none below
+        half the largest sliding speed.
+    critical_error : float
+        Error of ``critical_speed`` or of the friction there, the larger one, relative to it; NaN without one.
+    """
+
+    nodes: Array
+    limits: tuple[float, float]
+    sliding_scale: float = 0.0
+    sliding_ratio: float = 0.0
+    row_limits: tuple[float, float] = (0.0, 1.0)
+    rolling_scale: float = 1.0
+    error: float = 0.0
+    slope_error: float = 0.0
+    critical_speed: float = math.nan
+    critical_error: float = math.nan
+
+    @property
+    def record(self) -> dict[str, object]:
+        """Size and errors by name, as results keep them; what has no value is None."""
+        names = ("error", "slope_error", "critical_speed", "critical_error")
+        found = {name: getattr(self, name) for name in names}
+        known = {name: value if math.isfinite(value) else None for name, value in found.items()}
+        return {"nodes": list(self.nodes.shape[: self.nodes.ndim - 1]), **known}
+
+    @property
+    def curve(self) -> tuple[Array, Array] | None:
+        """Sliding speeds [m/s] and friction at the nodes; None for a table over two speeds."""
+        if self.nodes.ndim != 2:
+            return None
+        return _speed(np.linspace(*self.limits, self.nodes.shape[0]), self.sliding_scale), self.nodes[:, 0]
+
+    def raceway(self, rollers: int) -> object:
+        """Return the compiled raceway of so many rollers."""
+        return compiled.effective(
+            rollers,
+            self.nodes,
+            self.limits,
+            self.sliding_scale,
+            self.sliding_ratio,
+            self.row_limits,
+            self.rolling_scale,
+        )
+
+
+def effective_table(assembly: Assembly, raceway: Raceway, load: Array, tolerance: float, slips: bool) -> EffectiveTable:
+    """Tabulate the effective friction of a raceway.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    raceway : Raceway
+        One of its raceways.
+    load : ndarray
+        Loads per length of a roller at positions of the orbit [N/m], (K, n).
+    tolerance : float
+        Largest error, relative to the largest friction at a rolling speed.
+    slips : bool
+        Over both speeds instead of the sliding speed alone.
+
+    Raises
+    ------
+    ConvergenceError
+        If the tolerance is not reached with the most nodes.
+    DomainError
+        If a law has no value at a speed of the table.
+    """
+    epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
+    rolling = np.array([epicyclic, *(epicyclic * share for share in _ROLLING)][: 3 if slips else 1])
+    law, left = _gathered(raceway, np.sort(load[load > 0.0]), rolling, _CLASSES_SHARE * tolerance)
+    cells = _CELLS_SHARE * tolerance
+    table = map_table(law, epicyclic, cells) if slips else curve_table(partial(law, epicyclic), epicyclic, cells)
+    return attrs.evolve(
+        table,
+        error=table.error + left[0],
+        slope_error=table.slope_error + left[1],
+        critical_error=table.critical_error + left[2],
+    )
+
+
+def table_records(tables: Sequence[EffectiveTable]) -> dict[str, str]:
+    """Return the attribute of a result that says how right its tables of inner and outer raceway are, if it has any."""
+    records = dict(zip(RINGS, (table.record for table in tables), strict=False))
+    return {"effective_tables": json.dumps(records)} if records else {}
+
+
+def curve_table(friction: Law, rolling: float, tolerance: float) -> EffectiveTable:
+    """Tabulate friction over the sliding speed.
+
+    Parameters
+    ----------
+    friction : callable
+        Friction coefficients at sliding speeds V [m/s], (m,) each.
+    rolling : float
+        Rolling speed [m/s], of which the table reaches eight times.
+    tolerance : float
+        Largest error at the quarters of cells, relative to the largest friction.
+
+    Raises
+    ------
+    ConvergenceError
+        If the tolerance is not reached with the most nodes.
+    """
+    shape = _shape(friction, rolling)
+    scale, limit, share = _mapping([(1.0, friction)], shape, rolling)
+
+    def at(x: Array) -> Array:
+        return friction(_speed(x, scale))
+
+    cells = _first_cells(share)
+    fine = at(_halves(limit, 4 * cells))
+    while True:
+        values = fine[::4]
+        slopes = _slopes(limit, values, scale * shape.slope, share if shape.has_critical else 0.0)
+        error = _missed(fine, slopes)
+        if error <= tolerance:
+            break
+        if cells >= _MOST_CELLS:
+            raise _too_coarse(error, tolerance)
+        both = np.empty(8 * cells + 1)
+        both[::2], both[1::2] = fine, at(_halves(limit, 8 * cells)[1::2])
+        cells, fine = 2 * cells, both
+    nodes = np.stack((values, slopes), axis=-1)
+    table = EffectiveTable(nodes, (-limit, limit), sliding_scale=scale, error=error)
+    return _stated(table, shape, nodes, scale)
+
+
+def map_table(friction: Callable[[float, Array], Array], epicyclic: float, tolerance: float) -> EffectiveTable:
+    """Tabulate friction over rolling and sliding speed.
+
+    Parameters
+    ----------
+    friction : callable
+        Friction coefficients at a rolling speed u and sliding speeds V [m/s], (m,) each.
+    epicyclic : float
+        Rolling speed [m/s] about which the map is made: an eleventh to three times of it, and eight times the rolling
+        speed in V.
+    tolerance, Raises
+        As for `curve_table`.
+    """
+    from scipy.interpolate import CubicSpline
+
+    shape = _shape(partial(friction, epicyclic), epicyclic)
+    laws = [(share, partial(friction, share * epicyclic)) for share in (1.0, *_ROLLING)]
+    scale, limit, share = _mapping(laws, shape, epicyclic)
+    ratio, near = scale / epicyclic, _NEAR * shape.half / epicyclic
+    low, high = (part / (part + 1.0) for part in _ROLLING)
+    cells, rows = _first_cells(share), _FIRST_ROWS
+    while cells <= _MOST_CELLS and rows <= _MOST_ROWS:
+        x, e = _halves(limit, 4 * cells), np.linspace(low, high, 2 * rows + 1)
+        u = epicyclic * e / (1.0 - e)
+        true = np.array([friction(one, _speed(x, ratio * one)) for one in u.tolist()])
+        rise = [ratio * one * _slope(partial(friction, one), near * one)[0] for one in u[::2].tolist()]
+        values, step = true[::2, ::4], (high - low) / rows
+        slopes = _slopes(limit, values, np.array(rise))
+        middle = 5 * rows // 8  # the epicyclic row
+        slopes[middle] = _slopes(limit, values[middle], rise[middle], share if shape.has_critical else 0.0)
+        rising, twisting = (step * CubicSpline(e[::2], part, axis=0)(e[::2], 1) for part in (values, slopes))
+        # half-way between the rows
+        values_there, slopes_there = _between(values.T, rising.T, 0.5).T, _between(slopes.T, twisting.T, 0.5).T
+        along = _missed(true[::2], slopes)
+        across = _relative(values_there - true[1::2, ::4], true[1::2])
+        inside = max(
+            _relative(_between(values_there, slopes_there, q / 4) - true[1::2, q::4], true[1::2]) for q in (1, 2, 3)
+        )
+        error = max(along, across, inside)
+        if error <= tolerance:
+            nodes = np.stack((values, slopes, rising, twisting), axis=-1)
+            table = EffectiveTable(
+                nodes,
+                (-limit, limit),
+                sliding_ratio=ratio,
+                row_limits=(low, high),
+                rolling_scale=epicyclic,
+                error=error,
+            )
+            return _stated(table, shape, nodes[middle], scale)
+        cells *= 2 if along > 0.5 * tolerance else 1
+        rows *= 2 if max(across, inside) > max(0.5 * tolerance, along) else 1
+    raise _too_coarse(error, tolerance)
+
+
+# What is to be kept --------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen
+class _Shape:
+    """Slope at no slip and largest friction of a law.
+
+    ``half`` is the sliding speed at which friction has risen by half [m/s], ``slope_error`` that of ``slope``, relative
+    to it.
+    """
+
+    half: float
+    slope: float
+    slope_error: float
+    critical: Critical
+
+    @property
+    def has_critical(self) -> bool:
+        return not math.isnan(self.critical.slip)
+
+
+def _shape(friction: Law, rolling: float) -> _Shape:
+    probe = _probe(rolling)
+    found = friction(probe)
+    risen = np.abs(found)
+    half = float(probe[np.argmax(risen >= 0.5 * risen.max())])
+    end = int(np.searchsorted(probe, 0.5 * _REACH * rolling)) - 1
+    # of maxima of nearly the same height, any may be the largest
+    high = found[1:end] >= (1.0 - _ALIKE) * found[: end + 1].max()
+    peaks = 1 + np.flatnonzero(high & (found[1:end] > found[: end - 1]) & (found[1:end] >= found[2 : end + 1]))
+    maxima = [Critical(math.nan, math.nan, "")]
+    for grid in ([k - 1, k, k + 1, end] for k in peaks.tolist()):
+        maxima.append(locate(lambda V: float(friction(np.array([V]))[0]), probe[grid], found[grid], ""))
+    critical = max(maxima, key=lambda one: -math.inf if math.isnan(one.slip) else one.friction)
+    return _Shape(half, *_slope(friction, _NEAR * half), critical)
+
+
+def _probe(rolling: float) -> Array:
+    return rolling * np.geomspace(1e-7, _REACH, _PROBES)
+
+
+def _slope(friction: Law, near: float) -> tuple[float, float]:
+    """Slope at no slip and its relative error: central differences at ``near`` and half of it thrice, extrapolated.
+
+    Friction has terms in V |V|, so that their errors go with all powers of V.
+    """
+    V = near * 0.5 ** np.arange(4)
+    ahead, behind = np.split(friction(np.concatenate((V, -V))), 2)
+    difference, before = (ahead - behind) / (2.0 * V), math.nan
+    for power in (2.0, 4.0, 8.0):
+        before = float(difference[-1])
+        difference = (power * difference[1:] - difference[:-1]) / (power - 1.0)
+    return float(difference[0]), _apart(before, float(difference[0]))
+
+
+def _apart(found: float, true: float) -> float:
+    """Difference relative to the true value."""
+    return abs(found - true) / (abs(true) or 1.0)
+
+
+def _stated(table: EffectiveTable, shape: _Shape, nodes: Array, scale: float) -> EffectiveTable:
+    """Return a table with the critical speed and the errors that it leaves of a shape; ``nodes`` (N, 2 or more)."""
+    middle, limit = nodes.shape[0] // 2, table.limits[1]
+    slope = float(nodes[middle, 1]) * middle / (limit * scale)
+    table = attrs.evolve(table, slope_error=shape.slope_error + _apart(slope, shape.slope))
+    if not shape.has_critical:
+        return table
+    largest = int(np.argmax(nodes[middle:, 0]))
+    at = float(_speed(np.array(limit * largest / middle), scale))
+    moved = _apart(at, shape.critical.slip), _apart(float(nodes[middle + largest, 0]), shape.critical.friction)
+    return attrs.evolve(table, critical_speed=shape.critical.slip, critical_error=_PLACE + max(moved))
+
+
+# The mapping ---------------------------------------------------------------------------------------------------------
+
+
+def _mapping(laws: Sequence[tuple[float, Law]], shape: _Shape, rolling: float) -> tuple[float, float, float]:
+    """V_s, the limit of V/(V + V_s), and the share of it at which the critical speed, or else the half-way one, is.
+
+    ``laws`` are those that the cells are to follow, the first one that of the shape, and by what their V_s is longer.
+    """
+    reach, node = _REACH * rolling, shape.critical.slip if shape.has_critical else shape.half
+    rises = [_slope(law, _NEAR * shape.half * longer)[0] for longer, law in laws]
+    for cells in (_FIRST_CELLS, _CLEAR_CELLS):
+        least, best = math.inf, (0.0, 0.0, 0.0)
+        for share in _SHARES:
+            if share * reach <= node:
+                continue
+            scale = node * reach * (1.0 - share) / (share * reach - node)
+            limit, error = reach / (reach + scale), 0.0
+            for (longer, law), rise in zip(laws, rises, strict=True):
+                fine = law(_speed(_halves(limit, 4 * cells), scale * longer))
+                error = max(error, _missed(fine, _slopes(limit, fine[::4], scale * longer * rise)))
+            if error < least:
+                least, best = error, (scale, limit, share)
+        if least <= _UNCLEAR:
+            break
+    return best
+
+
+def _first_cells(share: float) -> int:
+    """Fewest cells of which a node is at a share of either half."""
+    cells = _FIRST_CELLS
+    while share * cells % 2.0:
+        cells *= 2
+    return cells
+
+
+def _speed(x: Array, scale: float) -> Array:
+    return np.asarray(scale * x / (1.0 - np.abs(x)))
+
+
+def _halves(limit: float, cells: int) -> Array:
+    """Nodes from -limit to limit, with 0 exactly among them."""
+    half = np.linspace(0.0, limit, cells // 2 + 1)
+    return np.concatenate((-half[:0:-1], half))
+
+
+# The cubics ----------------------------------------------------------------------------------------------------------
+
+
+def _slopes(limit: float, values: Array, rise: Any, share: float = 0.0) -> Array:
+    """Derivatives times the width of a cell at nodes along the last axis, from splines in each half, limited.
+
+    ``rise`` is the derivative in the middle, and ``share`` that of ``limit`` at which friction is largest; 0 for none.
+    """
+    from scipy.interpolate import CubicSpline
+
+    middle = values.shape[-1] // 2
+    step = limit / middle
+    half = step * np.arange(middle + 1)
+
+    def outward(part: Array, rise: Any) -> Array:
+        return np.asarray(step * CubicSpline(half, part, axis=-1, bc_type=((1, rise), "not-a-knot"))(half, 1))
+
+    above = outward(values[..., middle:], rise)
+    below = outward(values[..., middle::-1], np.negative(rise))
+    slopes = np.concatenate((-below[..., :0:-1], above), axis=-1)
+    if share:
+        critical = round(share * middle)
+        slopes[..., middle + critical] = 0.0
+        if np.array_equal(values, -values[..., ::-1]):
+            slopes[..., middle - critical] = 0.0
+    return np.clip(slopes, *_bounds(values, slopes))
+
+
+def _bounds(values: Array, slopes: Array) -> tuple[Array, Array]:
+    """Lowest and highest slopes at nodes along the last axis with which no cell has an extremum that these do not show.
+
+    A cubic is monotone if both its slopes have the sign of the chord and are at most three times as steep. Cells that
+    hold an extremum, since a node turns and its slope points there or since they are flat between a rise and a fall,
+    have a slope of either sign at their ends and with it exactly one.
+    """
+    rise = np.diff(values, axis=-1)
+    sign = np.sign(rise)
+    before, after = sign[..., :-1], sign[..., 1:]
+    turns, points = before * after < 0.0, np.sign(slopes[..., 1:-1])
+    holds = np.zeros(rise.shape, dtype=bool)
+    holds[..., 1:] |= turns & (points == before)
+    holds[..., :-1] |= turns & (points == after)
+    holds[..., 1:-1] |= (sign[..., 1:-1] == 0.0) & (sign[..., :-2] * sign[..., 2:] < 0.0)
+    # of each cell for the node before it and for the one after it: one that turns is free in the cell that holds it
+    turning = np.zeros(values.shape, dtype=bool)
+    turning[..., 1:-1] = turns
+    bounds = []
+    for low in (True, False):
+        least = np.minimum(3.0 * rise, 0.0) if low else np.maximum(3.0 * rise, 0.0)
+        free = np.where(sign * (1.0 if low else -1.0) > 0.0, 0.0, -np.inf if low else np.inf)
+        ends = []
+        for turned in (turning[..., :-1], turning[..., 1:]):
+            wide = np.where(turned | (sign == 0.0), -np.inf if low else np.inf, free)
+            ends.append(np.where(holds, wide, least))
+        at = np.full((2, *values.shape), -np.inf if low else np.inf)
+        at[0, ..., :-1], at[1, ..., 1:] = ends
+        bounds.append(at.max(axis=0) if low else at.min(axis=0))
+    return bounds[0], bounds[1]
+
+
+def _between(values: Array, slopes: Array, share: float) -> Array:
+    """Hermite's cubics at a share of every cell of the last axis."""
+    x, rise = share, np.diff(values, axis=-1)
+    part = values[..., :-1] + x * x * (3.0 - 2.0 * x) * rise
+    return np.asarray(part + x * (1.0 - x) * ((1.0 - x) * slopes[..., :-1] - x * slopes[..., 1:]))
+
+
+def _missed(fine: Array, slopes: Array) -> float:
+    """Largest relative error of cubics at the quarters of their cells; ``fine`` has these and the nodes."""
+    return max(_relative(_between(fine[..., ::4], slopes, q / 4) - fine[..., q::4], fine) for q in (1, 2, 3))
+
+
+def _relative(off: Array, values: Array) -> float:
+    """Largest error relative to the largest value of its row."""
+    largest = np.abs(values).max(axis=-1)
+    return float((np.abs(off).max(axis=-1) / np.where(largest > 0.0, largest, 1.0)).max())
+
+
+def _too_coarse(error: float, tolerance: float) -> ConvergenceError:
+    return ConvergenceError(
+        f"the table of effective friction still has a relative error of {error:.1e} with the most nodes, more than the "
+        f"{tolerance:.1e} that are left to it; raise accuracy.tolerance"
+    )
+
+
+# The law -------------------------------------------------------------------------------------------------------------
+
+
+def _gathered(
+    raceway: Raceway, load: Array, rolling: Array, tolerance: float
+) -> tuple[Callable[[float, Array], Array], tuple[float, float, float]]:
+    """Gather slices of ascending load into as few classes of equal force as leave what is to be kept.
+
+    Returns mean friction over rolling and sliding speed, and the errors of the classes: of friction at any of the
+    rolling speeds, and at the first one of the slope at no slip and of the maximum.
+    """
+    share = load / load.sum()
+    whole = _mean_friction(raceway, load, share)
+    true = [whole(u, _probe(u)) for u in rolling.tolist()]
+    epicyclic = float(rolling[0])
+    shape = _shape(partial(whole, epicyclic), epicyclic) if load.size > _FIRST_CLASSES else None
+    count = _FIRST_CLASSES
+    while shape is not None and count < min(load.size, _MOST_CLASSES):
+        number = np.minimum((count * (np.cumsum(share) - 0.5 * share)).astype(int), count - 1)
+        force = np.asarray(np.bincount(number, share, count), dtype=float)
+        mean = np.bincount(number, share * load, count)[force > 0.0] / force[force > 0.0]
+        law = _mean_friction(raceway, mean, force[force > 0.0])
+        off = max(_relative(law(u, _probe(u)) - one, one) for u, one in zip(rolling.tolist(), true, strict=True))
+        found = _shape(partial(law, epicyclic), epicyclic)
+        slope, place = _apart(found.slope, shape.slope), 0.0
+        if shape.has_critical != found.has_critical:
+            place = math.inf
+        elif shape.has_critical:
+            place = max(
+                _apart(found.critical.slip, shape.critical.slip),
+                _apart(found.critical.friction, shape.critical.friction),
+            )
+        if max(off, slope) <= tolerance and place <= max(tolerance, _PLACE):
+            return law, (off, slope, place)
+        count *= 2
+    return whole, (0.0, 0.0, 0.0)
+
+
+def _mean_friction(raceway: Raceway, load: Array, share: Array) -> Callable[[float, Array], Array]:
+    """Mean friction, over rolling and sliding speed, of slices with loads per length and shares of the force."""
+    part = max(_AT_ONCE // max(load.size, 1), 1)
+
+    def friction(rolling: float, sliding: Array) -> Array:
+        if load.size == 0:
+            return np.zeros_like(sliding)
+        found = []
+        for begin in range(0, sliding.size, part):
+            V = sliding[begin : begin + part]
+            slices = raceway.evaluate(np.tile(load, V.size), rolling, np.repeat(V, load.size))
+            found.append((slices.friction.reshape(V.size, -1) * share).sum(axis=1))  # not by BLAS, whose threads show
+        return np.concatenate(found)
+
+    return friction

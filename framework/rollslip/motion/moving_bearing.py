@@ -1,0 +1,131 @@
+"""What the compiled motions of all levels have in common: names of the unknowns, the ledger, and errors in words."""
+
+import abc
+from collections.abc import Mapping
+from typing import Any
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import RINGS, Array, Assembly
+from rollslip.errors import DomainError, RollslipError
+from rollslip.motion.effective_table import EffectiveTable
+from rollslip_kernels.slices import Slices
+from rollslip_kernels.system import System
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class MovingBearing(abc.ABC):
+    """The motion of one bearing; it belongs to one thread.
+
+    Attributes
+    ----------
+    assembly : Assembly
+        The bearing, with its resistance to rolling.
+    friction : str
+        "constant", "effective" or "conventional".
+    tables : tuple of EffectiveTable
+        Of inner and outer raceway, if friction is effective.
+    slices : tuple of Slices
+        Tables of inner and outer raceway that conventional friction works in.
+    system : System
+        Its rates, Jacobian and watched values: cage slip less the critical one, film parameter less its limit, and at
+        level planar the largest approach at the inner ring, below zero where no roller carries it. Its owner, the
+        compiled motion, counts ``contacts_evaluated``.
+    """
+
+    assembly: Assembly
+    friction: str
+    tables: tuple[EffectiveTable, ...]
+    slices: tuple[Slices, ...]
+    system: System
+
+    @property
+    @abc.abstractmethod
+    def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:
+        """Unknowns of the head, of each roller and of the ledger, in order -> their unit."""
+
+    @abc.abstractmethod
+    def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
+        """Return the state with these slips; 0 epicyclic, 1 at rest, 2 backwards."""
+
+    @abc.abstractmethod
+    def energy(self, y: Array) -> Array:
+        """Return the energy of states (..., n) [J], (...)."""
+
+    @abc.abstractmethod
+    def angular_momentum(self, y: Array) -> Array:
+        """Return the angular momentum about the axis of the bearing [N m s], (...)."""
+
+    @property
+    def direction(self) -> int:
+        """1 or -1: times it, speeds are the real ones."""
+        return self.assembly.kinematics.direction
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Names of the unknowns and their units, in the order of y; those of a roller stand for one each."""
+        head, roller, ledger = self.names
+        return {**head, **roller, **ledger}
+
+    @property
+    def spin_inertia(self) -> float:
+        """Moment of inertia J = m r^2/2 of a roller about its own axis [kg m2]."""
+        return 0.5 * self.assembly.roller_mass * self.assembly.kinematics.roller_radius**2
+
+    def parts(self, y: Array) -> tuple[Array, Array, Array]:
+        """Return head (..., H), rollers (..., Z, B) and ledger (..., L) of states y (..., n), as views."""
+        y = np.asarray(y)
+        head, roller, _ = map(len, self.names)
+        behind = head + self.assembly.scene.bearing.rollers * roller
+        return y[..., :head], y[..., head:behind].reshape(*y.shape[:-1], -1, roller), y[..., behind:]
+
+    def split(self, y: Array) -> dict[str, Array]:
+        """Return the unknowns of states (..., n) by name, (...) or, those of the rollers, (..., Z)."""
+        found: dict[str, Array] = {}
+        for names, part in zip(self.names, self.parts(y), strict=True):
+            found |= {name: part[..., k] for k, name in enumerate(names)}
+        return found
+
+    def works(self, y: Array) -> dict[str, Array]:
+        """Return what the ledger recorded of work done on the motion [J], what it lost being negative, by name."""
+        recorded = self.split(y)
+        senses = {name: name.startswith("work_") - name.startswith("lost_") for name in self.names[2]}
+        return {name: sense * recorded[name] for name, sense in senses.items() if sense}
+
+    def impulse(self, y: Array) -> Array:
+        """Return the angular momentum put in that the ledger recorded [N m s], (...)."""
+        recorded = self.split(y)
+        return np.asarray(sum(recorded[name] for name in self.names[2] if name.startswith("impulse_")))
+
+    def energy_residual(self, y: Array) -> Array:
+        """Return what of the energy the ledger does not explain [J], for states (m, n) from the first on."""
+        residual = self.energy(y) - sum(self.works(y).values())
+        return np.asarray(residual - residual[0])
+
+    def momentum_residual(self, y: Array) -> Array:
+        """Return what of the angular momentum the ledger does not explain [N m s], for states (m, n)."""
+        residual = self.angular_momentum(y) - self.impulse(y)
+        return np.asarray(residual - residual[0])
+
+    def outputs(self, t: Array, y: Array) -> dict[str, Array]:
+        """Return forces, speeds and film parameter of all contacts at stored states, see `Carried.outputs`.
+
+        Raises
+        ------
+        DomainError
+            If a model refuses a state.
+        """
+        found: dict[str, Array] | None = self.system.owner.outputs(t, y)
+        if found is None:
+            raise self.error(self.system.refusal())
+        return found
+
+    def error(self, refusal: Any) -> RollslipError:
+        """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
+        who, what = refusal
+        if who == "drag":
+            return DomainError("the drags give a torque that is not finite; check what drives the cage")
+        error = self.assembly.raceways[RINGS.index(who)].chain.error(what, self.slices[RINGS.index(who)])
+        error.add_note(f"in a contact with the {who} ring")
+        return error

@@ -1,0 +1,301 @@
+"""Run a plan: its studies one after the other, each result with its warnings and its origin."""
+
+import json
+import math
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.regimes import LIGHT, LONG_NAMES, NAMES
+from rollslip.bearing.resolution import finest
+from rollslip.motion.checkpoints import RunStore
+from rollslip.planning.bounds import BoundBrokenError
+from rollslip.planning.estimates import judge, total
+from rollslip.planning.plan import Plan, plan
+from rollslip.results.dataset import provenance
+from rollslip.scene.reading import load_scene
+from rollslip.scene.values import Scene, scene_hash
+from rollslip.studies.dynamics.study import Dynamics
+from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.friction_curve.study import about
+from rollslip.studies.steady_slip.study import SteadySlip
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def run(scene: Scene | str, study: str | None = None) -> "xr.Dataset":
+    """Run one study of a scene.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file.
+    study : str, optional
+        "effective-friction", "friction-curve", "dynamics" or "steady-slip"; by default the first one of the scene.
+
+    Returns
+    -------
+    xarray.Dataset
+        The result, see the study; its attributes hold scene, versions, warnings and citations.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If the scene or a model it names cannot be used.
+    DomainError, ConvergenceError
+        If a law is asked where it is not defined, or an iteration does not end.
+
+    Examples
+    --------
+    >>> result = run("1032930-70C")
+    >>> round(float(result.critical_cage_slip.sel(ring="inner")), 2)
+    0.5
+    """
+    made = plan(scene, study)
+    return execute(made, next(iter(made.studies)))
+
+
+def execute(
+    plan: Plan, study: str, *, kept: Path | None = None, progress: Callable[[str], None] | None = None
+) -> "xr.Dataset":
+    """Return the result of one study of a plan.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is to be run.
+    study : str
+        The study.
+    kept : Path, optional
+        Folder in which a long study in time leaves what it has computed, and from which it goes on; to be removed by
+        who has stored the result.
+    progress : callable, optional
+        Told how far a study in time has come.
+    """
+    begin, processor, running = time.perf_counter(), time.process_time(), plan.studies[study]
+    taken_back = list[str]()
+    while True:
+        assembly = plan.assemblies[study]
+        before = assembly.inner.chain.evaluated
+        try:
+            if isinstance(running, Dynamics):
+                store = None if kept is None else RunStore(kept, scene_hash(plan.scene), study)
+                dataset = running.kept_in(assembly, store, progress)
+            else:
+                dataset = running.run(assembly)
+            break
+        except BoundBrokenError as broken:
+            taken_back.append(str(broken))
+            plan = plan.taking_back(study, broken.bound)
+    evaluated = assembly.inner.chain.evaluated - before
+    cost = {"estimated": plan.seconds_of(study), "actual": time.process_time() - processor}
+    chosen = plan.chosen[study]
+    errors = judge(running, plan.assembly.at(chosen.resolution), chosen)  # nothing of it needs to be watched
+    dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in errors.items()}
+    dataset.attrs |= {
+        "resolution": json.dumps(attrs.asdict(chosen.resolution)),
+        "accuracy": json.dumps(_kept(plan, study, total(errors), "a posteriori")),
+        "cost": json.dumps(cost),
+        "taken_back": json.dumps(taken_back),
+    }
+    told = [*taken_back, *warnings(plan, study, dataset)]
+    dataset.attrs |= provenance(plan, study, told, evaluated, time.perf_counter() - begin)
+    return dataset
+
+
+def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
+    """Return a result that says what it is off from the same at the finest resolution, which is run for that.
+
+    For cage and rollers in motion the finest would take days: they are held against one four times as fine, whose error
+    is a sixteenth. Attribute ``accuracy`` then holds actual errors, and a warning tells of a tolerance not kept.
+
+    Parameters
+    ----------
+    plan : Plan
+        What was run.
+    study : str
+        The study.
+    dataset : Dataset
+        Its result.
+    """
+    running = plan.studies[study]
+    if isinstance(running, EffectiveFriction):
+        running = attrs.evolve(running, map_points=0, per_roller=False)
+    own, resolution, how = plan.chosen[study].resolution, finest(plan.scene), "against the finest"
+    if isinstance(running, Dynamics | SteadySlip):
+        how = "against four times as fine"
+        step = running.relative_tolerance if isinstance(running, Dynamics) else 1.0
+        resolution = attrs.evolve(
+            resolution,
+            slices=plan.scene.accuracy.slices or min(_FINER * own.slices, resolution.slices),
+            instants=min(_FINER * (own.instants or 1), resolution.instants or 1),
+            table_tolerance=own.table_tolerance / _FINER**2,
+            integrator_tolerance=max(step / _FINER**2, resolution.integrator_tolerance or 0.0),
+        )
+    if isinstance(running, Dynamics):
+        running = running.at(resolution)
+    fine = running.run(assemble(plan.scene, resolution))
+    rows = _kept(plan, study, actual_errors(dataset, fine), how)
+    broken = [
+        f"{row['result'].replace('_', ' ')} is off by {row['found']:.1e} of the finest result, more than the "
+        f"tolerance of {row['tolerance']:g}"
+        for row in rows
+        if row["found"] is not None and row["found"] > row["tolerance"]
+    ]
+    told = json.dumps([*broken, *json.loads(dataset.attrs["warnings"])])
+    return dataset.assign_attrs(accuracy=json.dumps(rows), warnings=told)
+
+
+#: How much finer cage and rollers in motion are computed to verify them.
+_FINER: Final = 4
+#: Study -> result -> its variable; a name of several is of a curve, whose largest value is what it is relative to.
+_COMPARED: Final = {
+    "effective-friction": {"friction": "effective_friction", "critical_slip": "critical_cage_slip"},
+    "friction-curve": {"friction": "friction", "critical_slip": "critical_slip"},
+    "steady-slip": {"critical_slip": "largest_drag_slip", "friction": "largest_drag"},
+    "dynamics": {"cage_speed": "cage_speed"},
+}
+
+
+def actual_errors(dataset: "xr.Dataset", fine: "xr.Dataset") -> dict[str, float]:
+    """Return the relative errors of a result against a finer one, infinite where only one has a value."""
+    found = {}
+    for result, name in _COMPARED[dataset.attrs["study"]].items():
+        coarse, true = (np.atleast_1d(one[name].to_numpy()) for one in (dataset, fine))
+        if coarse.shape != true.shape or np.any(np.isnan(coarse) != np.isnan(true)):
+            found[result] = math.inf
+            continue
+        scale = np.abs(true) if result == "critical_slip" else np.nanmax(np.abs(true), axis=-1, keepdims=True)
+        off = np.abs(coarse - true) / np.where(scale > 0.0, scale, 1.0)
+        if not np.all(np.isnan(off)):
+            found[result] = float(np.nanmax(off))
+    return found
+
+
+def _kept(plan: Plan, study: str, found: Mapping[str, float], how: str) -> list[dict[str, Any]]:
+    """Rows of result, tolerance, estimated error and the error that was found."""
+    estimated = plan.chosen[study].total
+
+    def number(errors: Mapping[str, float], result: str) -> float | None:
+        return errors[result] if math.isfinite(errors.get(result, math.inf)) else None
+
+    return [
+        {
+            "result": result,
+            "tolerance": plan.scene.accuracy.of(result),
+            "estimated": number(estimated, result),
+            "found": number(found, result),
+            "how": how,
+        }
+        for result in dict.fromkeys((*estimated, *found))
+    ]
+
+
+def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
+    """Return the quasi-static load distribution of a scene.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file.
+    instants : int
+        Instants spread over one roller pitch; at the first one a roller is in the line of load.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions (ring, instant, roller): normal_force; (ring, instant, roller, slice): load_per_length;
+        (instant, direction): displacement; (instant,): moment; attributes force_residual and moment_residual,
+        relative.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If the scene or a model it names cannot be used.
+    ConvergenceError
+        If forces and moments do not balance to 1e-10.
+    """
+    import xarray as xr
+
+    assembly = assemble(scene if isinstance(scene, Scene) else load_scene(scene))
+    loads = assembly.load_distribution(instants)
+
+    contacts = ("ring", "instant", "roller")
+    return xr.Dataset(
+        {
+            "normal_force": (contacts, np.stack([loads.inner_force, loads.outer_force]), about("N", "normal force")),
+            "load_per_length": (
+                (*contacts, "slice"),
+                np.stack([loads.inner_load, loads.outer_load]),
+                about("N/m", "normal force per length"),
+            ),
+            "displacement": (
+                ("instant", "direction"),
+                loads.displacement,
+                about("m", "displacement of the inner ring"),
+            ),
+            "roller_tilt": (("instant", "roller"), loads.roller_tilt, about("rad", "tilt of the roller")),
+            "moment": ("instant", loads.moment, about("N m", "moment on the inner ring from its misalignment")),
+        },
+        coords={
+            "ring": ("ring", np.array(["inner", "outer"]), about("1", "ring")),
+            "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
+            "angle": (("instant", "roller"), loads.psi, about("rad", "position from the line of load")),
+            "position": ("slice", loads.position, about("m", "position along the roller from its middle")),
+        },
+        attrs={
+            "force_residual": loads.force_residual,
+            "moment_residual": loads.moment_residual,
+            "iterations": loads.iterations,
+        },
+    )
+
+
+def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> list[str]:
+    """Return in words where the models were used outside what they were made for, and what a reader must know."""
+    found: list[str] = []
+    film = plan.assemblies[study].film
+    shares = _regime_shares(dataset)
+    outside = {name: share for name, share in shares.items() if film.regime not in ("all", name) and share > 0.0}
+    if outside:
+        where = " and ".join(f"{share:.0%} {LONG_NAMES[name]}" for name, share in outside.items())
+        found.append(
+            f"film model {film.name!r} holds in the {LONG_NAMES[film.regime]} regime, but of the contact force "
+            f"{where}; there its film may be far off: film 'moes' covers all regimes"
+        )
+    corrections = [f"shear heating of the inlet after {film.inlet_heating!r}"] if film.inlet_heating else []
+    if film.inlet_starvation < 1:
+        corrections.append(f"starvation by a factor of {film.inlet_starvation:g}")
+    if corrections:
+        found.append(f"the film is thinned for {' and '.join(corrections)}, as the scene asks")
+    if "light_share" in dataset:
+        light, what = float(dataset["light_share"].max()), "of the contact force of a ring"
+    else:
+        light, what = float((dataset["load_parameter"] < LIGHT).mean()), "of the normal forces"
+    if light > 0.005:
+        found.append(
+            f"lightly loaded contacts: {light:.0%} {what} with a Moes load parameter M below {LIGHT:g}, where the "
+            "pressure in the film is far from Hertz's, on which traction is based"
+        )
+    accuracy = plan.scene.accuracy
+    if (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
+        remedy = "it is the most that a plan takes" if accuracy.slices is None else "raise accuracy.slices"
+        found.append(
+            f"{plan.chosen[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
+            f"accuracy.tolerance = {accuracy.tolerance:g}; {remedy}"
+        )
+    return found
+
+
+def _regime_shares(dataset: "xr.Dataset") -> dict[str, float]:
+    """Share of the contact force, or of the curve's points, in each film regime."""
+    if "regime_share" in dataset:
+        return {str(name): float(dataset["regime_share"].sel(regime=name).mean()) for name in NAMES}
+    codes = dataset["regime"].to_numpy()
+    return {name: float(np.mean(codes == code)) for code, name in enumerate(NAMES)}

@@ -1,0 +1,148 @@
+"""The values of a scene that can be varied: by dotted key, each with unit, meaning and what it is now.
+
+They are taken from the fields of the bound bearing, so that defaults, the parameters of the models chosen and those of
+the models in them are among them. Lists and tables are not: they are no single value.
+"""
+
+import contextlib
+import types
+from collections.abc import Iterator
+from typing import Any, Union, get_args, get_origin, get_type_hints
+
+import attrs
+
+from rollslip.bearing.assembly import Assembly
+from rollslip.errors import RollslipError
+from rollslip.fields import FieldError
+from rollslip.lubricant.oil import OilTable
+from rollslip.scene.reading import nearest
+from rollslip.studies.study import Study
+from rollslip.units import UnitError, as_written, quantity
+
+__all__ = ["Quantity", "quantities", "unknown"]
+
+
+@attrs.frozen(eq=False)
+class Quantity:
+    """One value of a scene.
+
+    Attributes
+    ----------
+    key : str
+        Its dotted key.
+    unit : str or None
+        SI unit of a number; None for whole numbers, texts, choices and models.
+    doc : str
+        What it means.
+    value : object
+        What it is in the scene; None if the scene gives none.
+    whole : bool
+        Whether it is a whole number.
+    attribute : attrs.Attribute
+        Its field, with the validator.
+    model : str
+        Kind of model that it names, empty if it is none.
+    """
+
+    key: str
+    unit: str | None
+    doc: str
+    value: object
+    whole: bool
+    attribute: "attrs.Attribute[Any]"
+    model: str = ""
+
+    def read(self, raw: object) -> object:
+        """Return a value as the scene takes it, checked as far as one value on its own can be.
+
+        Raises
+        ------
+        UnitError, FieldError
+            What is wrong with it, in one sentence.
+        """
+        value = raw
+        if self.unit is not None:
+            value = quantity(raw, self.unit)
+        elif self.whole:
+            if isinstance(raw, bool) or not isinstance(raw, int | float) or raw != int(raw):
+                raise FieldError(self.key, f"a whole number is expected, not {as_written(raw)}")
+            value = int(raw)
+        elif self.model:
+            return raw  # a name or a table, which is read with the scene
+        if self.attribute.validator is not None:
+            self.attribute.validator(None, self.attribute, value)
+        return value
+
+
+def quantities(assembly: Assembly, studies: dict[str, Study]) -> dict[str, Quantity]:
+    """Return what can be varied of a scene, by key."""
+    scene = assembly.scene
+    found = [
+        *_of(scene.bearing, "bearing"),
+        *_of(scene.surface, "surface"),
+        *_of(scene.operation, "operation"),
+        *_of(scene.accuracy, "accuracy"),
+        *_of_oil(assembly),
+    ]
+    for attribute in attrs.fields(type(scene.models)):
+        kind = attribute.name
+        found.append(_choice(f"models.{kind}", attribute, getattr(scene.models, kind).name, kind))
+        found += _of(assembly.models[kind], f"models.{kind}")
+    if scene.cage is not None:
+        with contextlib.suppress(RollslipError):  # the study that needs a cage says so
+            found += _of(assembly.cage, "cage")
+    for name, study in studies.items():
+        found += _of(study, f"study.{name}")
+    return {one.key: one for one in found}
+
+
+def unknown(key: str, known: dict[str, Quantity]) -> str:
+    """Say that there is no such key, and which there are like it."""
+    tail = {one.rpartition(".")[2]: one for one in reversed(known)}
+    near = nearest(key, known, count=1) or [tail[name] for name in nearest(key.rpartition(".")[2], tail, count=1)]
+    hint = f"did you mean {near[0]!r}?" if near else "'rollslip schema' and 'rollslip models NAME' list the keys"
+    return f"there is no single value of this key to vary; {hint}"
+
+
+def _of(instance: Any, prefix: str) -> Iterator[Quantity]:
+    """Values of an attrs instance and of those in it."""
+    kinds = get_type_hints(type(instance))
+    for attribute in attrs.fields(type(instance)):
+        name = attribute.metadata.get("key", attribute.name)
+        if name is None or attribute.metadata.get("rest"):
+            continue
+        key, value = f"{prefix}.{name}", getattr(instance, attribute.name)
+        if model := attribute.metadata.get("kind"):
+            yield _choice(key, attribute, value.name, model)
+            yield from _of(value, key)
+        elif attrs.has(type(value)):
+            yield from _of(value, key)
+        else:
+            yield from _single(key, kinds.get(attribute.name), attribute, value)
+
+
+def _of_oil(assembly: Assembly) -> Iterator[Quantity]:
+    """Values of the oil: as the scene gives them, else those of the shipped oil that are single numbers."""
+    kinds, written = get_type_hints(OilTable), dict(assembly.scene.lubricant.data)
+    for attribute in attrs.fields(OilTable):
+        name, unit = attribute.name, attribute.metadata.get("unit")
+        value: Any = assembly.scene.lubricant.name if name == "name" else written.get(name)
+        if unit is not None:
+            value = getattr(assembly.lubricant, name, None) if value is None else value
+            try:
+                value = None if value is None else quantity(value, unit)
+            except UnitError:  # a law over temperature
+                value = None
+        yield from _single(f"lubricant.{name}", kinds[name], attribute, value)
+
+
+def _single(key: str, kind: Any, attribute: "attrs.Attribute[Any]", value: object) -> Iterator[Quantity]:
+    if get_origin(kind) in (Union, types.UnionType):
+        kind = next((one for one in get_args(kind) if one is not types.NoneType), kind)
+    if kind in (float, int, str, bool) or (kind is Any and not isinstance(value, tuple)):
+        unit = attribute.metadata.get("unit") or "1" if kind is float else None
+        yield Quantity(key, unit, attribute.metadata.get("doc", ""), value, kind is int, attribute)
+
+
+def _choice(key: str, attribute: "attrs.Attribute[Any]", value: object, kind: str) -> Quantity:
+    return Quantity(key, None, attribute.metadata.get("doc", ""), value, False, attribute, kind)

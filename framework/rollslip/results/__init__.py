@@ -1,0 +1,1 @@
+"""What a result is, how any is stored, drawn and told."""

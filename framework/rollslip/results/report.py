@@ -1,0 +1,501 @@
+"""The report: everything that is known about a run in one HTML file that opens anywhere and stays readable.
+
+- One file without scripts and without anything to load; a content security policy in its head lets the browser hold
+  that. The figures stand in it as SVG, their ids made unique, because ids are shared by the whole page.
+- It is written from the datasets alone, so that a stored result gives the same report years later. What a dataset
+  does not say is left out; what all of them say alike is said once.
+- Every text from a scene or a plugin is escaped where it is put into the page: in `_tag`, in the cells of `_table` and
+  around the figures, nowhere else.
+- It is well-formed XML too, which tests can hold more strictly than HTML.
+"""
+
+import json
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape, unescape
+from numbers import Integral, Real
+from pathlib import Path
+from string import Template
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+
+from rollslip.bearing.regimes import LIGHT, LONG_NAMES
+from rollslip.bearing.resolution import error_text
+from rollslip.campaigns.comparison.findings import bin_tables, findings, tables
+from rollslip.campaigns.pareto import findings as front_findings
+from rollslip.campaigns.sweep import findings as sweep_findings
+from rollslip.campaigns.uncertainty import findings as uncertainty_findings
+from rollslip.lubricant.oil import OilTable
+from rollslip.results.figures import curves, percent
+from rollslip.scene.reading import schema
+from rollslip.studies.dynamics.findings import events_table, ledger_table, sentences, smallest_film
+from rollslip.studies.steady_slip import findings as steady_findings
+from rollslip.studies.study import STUDIES
+from rollslip.units import UnitError, format_quantity
+from rollslip_kernels.slices import CONDITIONS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    Datasets = Mapping[str, xr.Dataset]
+
+__all__ = ["write_report"]
+
+#: Attribute -> what it is called in the table of numbers, and its unit.
+_NUMBERS: Final = {
+    "closure": ("closure: what the rollers spin at", ""),
+    "ring": ("ring", ""),
+    "rolling_speed": ("entrainment speed", "m/s"),
+    "instants": ("instants within a roller pitch", ""),
+    "instants_error": ("relative error left by the instants, estimated", "1"),
+    "slices": ("slices of a roller", ""),
+    "inertia_effect": ("relative effect of the inertia of the rollers' spin", "1"),
+    "curve_error": ("relative error left by the points of the slip-drag curve, estimated", "1"),
+    "slices_error": ("relative error left by the slices, estimated", "1"),
+    "force_residual": ("relative residual of the forces", "1"),
+    "moment_residual": ("relative residual of the moments", "1"),
+    "level": ("level of the motion", ""),
+    "friction": ("friction of the motion", ""),
+    "integrator": ("integrator", ""),
+    "rounds": ("rounds in which choices were timed", ""),
+    "steps": ("steps", ""),
+    "rejected": ("steps rejected", ""),
+    "rate_evaluations": ("evaluations of the rates", ""),
+    "jacobians": ("Jacobians", ""),
+    "contacts_evaluated": ("contacts evaluated in the motion", ""),
+    "real_time_factor": ("time of the motion over that of its integration", "1"),
+    "evaluations": ("slices evaluated", ""),
+    "wall_time": ("wall time", "s"),
+}
+
+#: Screen shows figures larger than print by this factor, so that their letters match the text.
+_ENLARGED: Final = 1.7
+
+
+def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Sequence[Path]], path: Path) -> None:
+    """Write one self-contained HTML file about the results of a run.
+
+    Parameters
+    ----------
+    datasets : mapping of str to xarray.Dataset
+        The results by name, with the attributes of `rollslip.results.dataset.provenance` as far as they are there.
+    figures : mapping of str to sequence of Path
+        SVG files of `rollslip.results.figures.plot`, under the names of their datasets.
+    path : Path
+        The file to write; an older one is replaced.
+    """
+    sections = [
+        ("Warnings", "warnings", _warnings(datasets)),
+        ("What was found", "findings", _findings(datasets)),
+        ("Figures", "figures", _figures(figures)),
+        ("What was modelled and what was left out", "plan", _plan(datasets)),
+        ("Models", "models", _models(datasets)),
+        ("Input", "input", _input(datasets)),
+        ("Oil and contacts", "oil", _oil(datasets)),
+        ("Film regimes and load parameter", "regimes", _regimes(datasets)),
+        ("Numbers", "numbers", _numbers(datasets)),
+        ("Provenance", "provenance", _provenance(datasets)),
+        ("To be cited", "citations", _citations(datasets)),
+        ("Scene as it was written", "scene", _scene(datasets)),
+    ]
+    shown = [section for section in sections if section[2]]
+    titles = [title for _, title in _distinct(datasets, "title") if title]
+    path.write_text(
+        _PAGE.substitute(
+            title=escape(titles[0] if len(titles) == 1 else "Results of rollslip"),
+            style=_STYLE,
+            introduction="".join(_tag("p", text) for _, text in _distinct(datasets, "description") if text),
+            contents="".join(f'<li><a href="#{key}">{heading}</a></li>' for heading, key, _ in shown),
+            sections="".join(
+                f'<section id="{key}" aria-labelledby="{key}-h"><h2 id="{key}-h">{heading}</h2>{body}</section>\n'
+                for heading, key, body in shown
+            ),
+        ),
+        encoding="utf-8",
+    )
+
+
+# Sections: each gives its HTML, or nothing if the datasets say nothing about it -------------------------------------
+
+
+def _warnings(datasets: "Datasets") -> str:
+    return "".join(
+        heading + _list(warnings) for heading, warnings in _per_study(datasets, "warnings", structured=True) if warnings
+    )
+
+
+def _findings(datasets: "Datasets") -> str:
+    body = ""
+    for name, dataset in datasets.items():
+        if dataset.attrs.get("study") == "comparison":
+            body += _tag("h3", name) + _comparison(dataset)
+        elif dataset.attrs.get("study") == "pareto":
+            body += _tag("h3", name) + _fronts(dataset)
+        elif dataset.attrs.get("study") == "dynamics":
+            body += _tag("h3", name) + _motion(dataset)
+        elif dataset.attrs.get("study") == "sweep":
+            body += _tag("h3", name) + _list(_capital(text) + "." for text in sweep_findings.sentences(dataset))
+        elif dataset.attrs.get("study") == "uncertainty":
+            body += _tag("h3", name) + _list(_capital(text) + "." for text in uncertainty_findings.sentences(dataset))
+        elif dataset.attrs.get("study") == "steady-slip":
+            body += _tag("h3", name) + _list(_capital(text) + "." for text in steady_findings.sentences(dataset))
+        elif found := curves(dataset):
+            body += _tag("h3", name) + _list(_capital(curve.finding()) for curve in found)
+    return body
+
+
+def _motion(dataset: "xr.Dataset") -> str:
+    """What is said of a motion in time, its energy ledger and its events."""
+    body = _list(_capital(text) + "." for text in sentences(dataset))
+    return body + _table(*ledger_table(dataset), "Energy ledger") + _table(*events_table(dataset), "Events")
+
+
+def _fronts(dataset: "xr.Dataset") -> str:
+    """What is said of error against cost, and its tables; what nothing dominates has a star."""
+    body = _list(_capital(text) + "." for text in front_findings.findings(dataset))
+    return body + "".join(_table(head, rows, _capital(name)) for name, head, rows in front_findings.tables(dataset))
+
+
+def _comparison(dataset: "xr.Dataset") -> str:
+    """Tables of a comparison, one for each curve, what is said of it, and its differences bin by bin."""
+    body = _tag("p", _capital(dataset.attrs["exchanged"]) + ".") if dataset.attrs["exchanged"] else ""
+    for name, head, rows in tables(dataset):
+        body += _table(head, rows, _capital(name))
+    body += _list(_capital(text) + "." for text in findings(dataset))
+    for name, head, rows in bin_tables(dataset):
+        body += _table(head, rows, f"{_capital(name)}: relative differences by regime")
+    return body
+
+
+def _figures(figures: Mapping[str, Sequence[Path]]) -> str:
+    files = [file for group in figures.values() for file in group]
+    return "".join(_figure(file.read_text(encoding="utf-8"), number, file.stem) for number, file in enumerate(files, 1))
+
+
+def _figure(svg: str, number: int, name: str) -> str:
+    """Put one SVG into the page: without its prologue and metadata, which become caption and label."""
+
+    def metadata(element: str, default: str) -> str:
+        found = re.search(rf"<dc:{element}>(.*?)</dc:{element}>", svg, re.DOTALL)
+        return escape(unescape(found[1]) if found else default)
+
+    caption, findings = metadata("title", name), metadata("description", "")
+    begin = svg.index("<svg")
+    end = svg.index(">", begin)
+    root, drawing = (
+        svg[begin:end],
+        re.sub(r"<metadata>.*?</metadata>|<title>.*?</title>", "", svg[end:], flags=re.DOTALL),
+    )
+    drawing = re.sub(r'(\sid="|href="#|url\(#)', rf"\g<1>figure{number}-", drawing)
+    size = re.search(r' width="([\d.]+)pt"', root)
+    width = f"min(100%,{_ENLARGED * float(size[1]):.0f}pt)" if size else "100%"
+    root = re.sub(r' (?:width|height)="[^"]*"', "", root)
+    label = f'role="img" style="width:{width}" aria-label="{caption} {findings}"'
+    return f"<figure>{root} {label}{drawing}<figcaption>Figure {number}. {caption}</figcaption></figure>\n"
+
+
+def _plan(datasets: "Datasets") -> str:
+    body = ""
+    for heading, parts in _per_study(datasets, "plan", structured=True):
+        body += heading
+        for caption, included in (("Modelled", True), ("Left out", False)):
+            rows = [
+                [p["part"], p["choice"], p["resolution"], error_text(p.get("errors", {})), _cost(p), p["reason"]]
+                for p in parts
+                if p["included"] is included
+            ]
+            body += _table(("part", "choice", "resolution", "estimated error", "estimated cost", "why"), rows, caption)
+    for heading, rows in _per_study(datasets, "accuracy", structured=True):
+        body += heading + _table(
+            ("result", "tolerance", "estimated error", "error", "found"),
+            [
+                [
+                    row["result"].replace("_", " "),
+                    f"{row['tolerance']:g}",
+                    *("-" if row[which] is None else f"{row[which]:.1e}" for which in ("estimated", "found")),
+                    row["how"],
+                ]
+                for row in rows
+            ],
+            "Whether the plan kept its word",
+        )
+    for _, cost in _per_study(datasets, "cost", structured=True):
+        actual, estimated = (format_quantity(cost[which], "s", 2) for which in ("actual", "estimated"))
+        body += f"<p>Time of the processor: {actual}, estimated {estimated}.</p>"
+    return body
+
+
+def _cost(part: Mapping[str, Any]) -> str:
+    seconds = part.get("seconds")
+    return "" if seconds is None else format_quantity(seconds, "s", 2)
+
+
+def _models(datasets: "Datasets") -> str:
+    return "".join(
+        heading
+        + _table(
+            ("kind", "model", "equation", "with parameters", "after"),
+            [
+                [
+                    m["kind"],
+                    [m["name"], f"{m['package']} {m['version']}"],
+                    m["equation"],
+                    m["parameters"],
+                    m["references"],
+                ]
+                for m in models
+            ],
+        )
+        for heading, models in _per_study(datasets, "models", structured=True)
+    )
+
+
+def _input(datasets: "Datasets") -> str:
+    known = _known_keys()
+    body = ""
+    for heading, scene in _per_study(datasets, "scene_resolved", structured=True):
+        rows = []
+        for key, value in _flat({k: v for k, v in scene.items() if k not in ("title", "description")}):
+            unit, meaning = known.get(key, ("", ""))
+            rows.append([key, _value(value, unit), meaning])
+        body += heading + _table(("key", "value", "meaning"), rows)
+    return body
+
+
+def _known_keys() -> dict[str, tuple[str, str]]:
+    """Unit and meaning of the keys of a scene, also of the tables that the reader of scenes leaves raw."""
+    known = {row.key: (row.unit, row.doc) for row in schema()}
+    raw: dict[str, Any] = {"lubricant": OilTable} | {f"study.{name}": study for name, study in STUDIES.items()}
+    for table, owner in raw.items():
+        for field in attrs.fields(owner):
+            known[f"{table}.{field.name}"] = (field.metadata.get("unit") or "", field.metadata.get("doc", ""))
+    return known
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Keys with their tables, and their values; a list of tables is numbered from 1, empty lists are left out."""
+    for key, value in table.items():
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            value = {str(number): inner for number, inner in enumerate(value, 1)}
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{key}.")
+        elif value != []:
+            yield prefix + key, value
+
+
+def _oil(datasets: "Datasets") -> str:
+    body = ""
+    for heading, oil in _per_study(datasets, "lubricant", structured=True):
+        body += heading + _tag("p", f"Oil {oil['name']}. {oil['source'] or ''}")
+    for heading, rings in _per_study(datasets, "conditions", structured=True):
+        rows = [
+            [meaning, *(_value(conditions.get(key), unit) for conditions in rings.values())]
+            for key, (unit, meaning) in CONDITIONS.items()
+        ]
+        body += heading + _table(("quantity", *(f"{ring} ring" for ring in rings)), rows)
+    return body
+
+
+def _regimes(datasets: "Datasets") -> str:
+    rows = []
+    for name, dataset in datasets.items():
+        if "load_parameter" not in dataset or "combination" in dataset.dims:
+            continue
+        for position, (contact, regime, film) in enumerate(_contacts(dataset)):
+            largest, light = float(dataset["load_parameter"][position]), ""
+            if "light_share" in dataset:
+                share = float(dataset["light_share"][position])
+                light = f"{percent(share)} of the force" if share > 0.0 else "none"
+            else:
+                light = "the contact" if largest < LIGHT else "no"
+            regime = regime or ", ".join(
+                f"{LONG_NAMES[str(kind)]} {percent(share)}"
+                for kind, share in zip(dataset["regime"].values, dataset["regime_share"].values[position], strict=True)
+                if share > 0.0
+            )
+            rows.append([f"{name}, {contact}", regime, _value(film, "1", digits=3), f"{largest:.3g}", light])
+    if not rows:
+        return ""
+    head = ("contact", "film regime", "smallest film parameter Λ", "largest M", f"at M < {LIGHT:g}")
+    note = (
+        f"Below M = {LIGHT:g} (Moes load parameter) the pressure in the film is far from Hertz's, on which traction is "
+        "based: friction there is uncertain."
+    )
+    return _table(head, rows) + _tag("p", note)
+
+
+def _contacts(dataset: "xr.Dataset") -> list[tuple[str, str, float]]:
+    """Name of each contact that a study speaks of, its regime if it is one, and its smallest film parameter."""
+    if dataset.attrs.get("study") == "dynamics":
+        return [(f"{ring} ring", "", film) for ring, film in smallest_film(dataset).items()]
+    return [
+        (curve.name, curve.regime, float(curve.film_parameter[curve.film_parameter > 0.0].min(initial=math.inf)))
+        for curve in curves(dataset)
+    ]
+
+
+def _numbers(datasets: "Datasets") -> str:
+    rows = [
+        [label, *(_value(dataset.attrs.get(key), unit, digits=3) for dataset in datasets.values())]
+        for key, (label, unit) in _NUMBERS.items()
+        if any(key in dataset.attrs for dataset in datasets.values())
+    ]
+    return _table(("", *datasets), rows)
+
+
+def _provenance(datasets: "Datasets") -> str:
+    rows = [
+        [label, [f"{value} ({', '.join(names)})" if len(found) > 1 else str(value) for names, value in found]]
+        for key, label in (("source", "scene"), ("scene_hash", "SHA-256 of the scene"), ("created", "created"))
+        if (found := _distinct(datasets, key))
+    ]
+    body = _table(("", "value"), rows)
+    for heading, packages in _per_study(datasets, "packages", structured=True):
+        body += heading + _table(("package", "version"), [list(item) for item in packages.items()])
+    return body
+
+
+def _citations(datasets: "Datasets") -> str:
+    texts = [text for _, found in _distinct(datasets, "citations") for text in json.loads(found)]
+    return _list(dict.fromkeys(texts))
+
+
+def _scene(datasets: "Datasets") -> str:
+    return "".join(
+        f"{heading}<details><summary>show</summary>{_tag('pre', text)}</details>"
+        for heading, text in _per_study(datasets, "scene")
+        if text
+    )
+
+
+# What they share ----------------------------------------------------------------------------------------------------
+
+
+def _distinct(datasets: "Datasets", attribute: str) -> list[tuple[list[str], Any]]:
+    """Values of an attribute, each with the names of the datasets that have it."""
+    found: dict[Any, list[str]] = {}
+    for name, dataset in datasets.items():
+        if attribute in dataset.attrs:
+            found.setdefault(dataset.attrs[attribute], []).append(name)
+    return [(names, value) for value, names in found.items()]
+
+
+def _per_study(datasets: "Datasets", attribute: str, *, structured: bool = False) -> list[tuple[str, Any]]:
+    """Values of an attribute, each under a heading that says whose it is unless all datasets have the same."""
+    found = _distinct(datasets, attribute)
+    return [
+        (_tag("h3", ", ".join(names)) if len(found) > 1 else "", json.loads(value) if structured else value)
+        for names, value in found
+    ]
+
+
+def _value(value: object, unit: str, digits: int = 6) -> str:
+    """Show a value for people: numbers with their unit, lists item by item, texts as they are."""
+    if isinstance(value, list):
+        return ", ".join(_value(item, unit, digits) for item in value)
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, Integral) and not unit:
+        return f"{int(value):,}"
+    if not isinstance(value, Real):
+        return str(value)
+    try:
+        return format_quantity(float(value), unit or "1", digits)
+    except UnitError:  # a unit for which there is no other way to write it
+        return f"{float(value):.{digits}g} {unit}"
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _tag(name: str, text: object) -> str:
+    return f"<{name}>{escape(str(text))}</{name}>"
+
+
+def _list(texts: "Iterator[str] | Sequence[str] | Mapping[str, None]") -> str:
+    items = "".join(_tag("li", text) for text in texts)
+    return f"<ul>{items}</ul>" if items else ""
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str = "") -> str:
+    """Return a table whose first column names its rows; a cell that is a list has one line for each item."""
+    if not rows:
+        return ""
+    columns = "".join(f'<th scope="col">{escape(text)}</th>' for text in head)
+    body = "".join(
+        f'<tr><th scope="row">{escape(str(first))}</th>{"".join(f"<td>{_cell(cell)}</td>" for cell in cells)}</tr>\n'
+        for first, *cells in rows
+    )
+    title = _tag("caption", caption) if caption else ""
+    return f'<div class="wide"><table>{title}<thead><tr>{columns}</tr></thead><tbody>{body}</tbody></table></div>\n'
+
+
+def _cell(cell: object) -> str:
+    return "<br/>".join(escape(str(item)) for item in (cell if isinstance(cell, list) else [cell]))
+
+
+_STYLE: Final = """
+:root { color-scheme: light dark; --ink: #1b1f24; --paper: #fff; --quiet: #59636e; --rule: #d1d9e0; --tint: #f4f6f8;
+  --alarm: #b45309; --alarm-tint: #fff7e6; --link: #0b5cad; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e6e9ec; --paper: #15181c; --quiet: #9aa4af; --rule: #3a424b;
+  --tint: #1e2329; --alarm: #f0b849; --alarm-tint: #2c2413; --link: #7ab7ff; } }
+@media print { :root { color-scheme: light; --ink: #000; --paper: #fff; --quiet: #444; --rule: #bbb; --tint: #fff;
+  --alarm: #8a4000; --alarm-tint: #fff; --link: #000; } }
+* { box-sizing: border-box; }
+body { margin: 0 auto; padding: 2rem 1.25rem 4rem; max-width: 62rem; color: var(--ink); background: var(--paper);
+  font: 1rem/1.55 system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif; }
+h1 { font-size: 1.7rem; line-height: 1.25; margin: 0 0 .5rem; }
+h2 { font-size: 1.25rem; margin: 2.5rem 0 .75rem; padding-bottom: .25rem; border-bottom: 1px solid var(--rule); }
+h3 { font-size: 1rem; margin: 1.25rem 0 .25rem; }
+p, ul { margin: .5rem 0; max-width: 46rem; }
+a { color: var(--link); }
+nav ul { display: flex; flex-wrap: wrap; gap: .1rem 1.25rem; padding: 0; list-style: none; max-width: none; }
+#warnings { margin-top: 1.5rem; padding: .75rem 1.25rem; border-left: .4rem solid var(--alarm);
+  background: var(--alarm-tint); }
+#warnings h2 { margin: 0; border: 0; color: var(--alarm); }
+figure { margin: 1.5rem 0; break-inside: avoid; }
+figure svg { display: block; height: auto; padding: .5rem; background: #fff; }
+figcaption { margin-top: .5rem; color: var(--quiet); max-width: 46rem; }
+.wide { overflow-x: auto; margin: .75rem 0; }
+table { border-collapse: collapse; width: 100%; font-size: .875rem; line-height: 1.4; }
+caption { text-align: left; font-weight: 600; padding: .25rem 0; }
+th, td { text-align: left; vertical-align: top; padding: .3rem .75rem .3rem 0; border-bottom: 1px solid var(--rule);
+  overflow-wrap: break-word; min-width: 5rem; }
+thead th { color: var(--quiet); font-weight: 600; }
+tbody th { font-weight: 400; min-width: 8rem; }
+tr { break-inside: avoid; }
+summary { cursor: pointer; color: var(--link); }
+pre { overflow-x: auto; padding: 1rem; background: var(--tint); font-size: .8rem; line-height: 1.4; }
+@media print { body { padding: 0; max-width: none; font-size: 10pt; } nav, summary { display: none; }
+  .wide { overflow: visible; } td { overflow-wrap: anywhere; } pre { white-space: pre-wrap; }
+  h2, h3, caption { break-after: avoid; }
+  details::details-content { content-visibility: visible; block-size: auto; } }
+"""
+
+_PAGE: Final = Template(
+    """<!DOCTYPE html>
+<html lang="en" xmlns="http://www.w3.org/1999/xhtml">
+<head>
+<meta charset="utf-8"/>
+<meta name="viewport" content="width=device-width, initial-scale=1"/>
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'"/>
+<title>$title</title>
+<style>$style</style>
+</head>
+<body>
+<header>
+<h1>$title</h1>
+$introduction
+<nav aria-label="Contents"><ul>$contents</ul></nav>
+</header>
+<main>
+$sections</main>
+</body>
+</html>
+"""
+)

@@ -1,0 +1,1 @@
+"""Study dynamics: cage and rollers in time."""

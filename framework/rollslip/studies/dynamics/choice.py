@@ -1,0 +1,227 @@
+"""Chooses friction, level of detail and integrator of cage and rollers in motion, where a scene leaves them open.
+
+- The motion itself is gone through with few slices and loose steps, once in either way. That costs a hundredth of what
+  it does with many, and its difference is the error of the simpler way, with all that averages out or adds up.
+- Rollers that hit their pockets let the cage swing without moving its mean, and how they do so is chaotic: no tolerance
+  makes two integrators agree on it. The levels are therefore held against each other by means over orbits of the cage.
+- Integrators are held against each other by their cost at the same error. Explicit ones are only tried where the motion
+  is worth it, and where its stiffness and the cost of the rates allow them to be cheaper, so that their package is not
+  imported for nothing. They have to be far cheaper, since timings vary, and the choice should not vary with them.
+- What cannot be estimated is taken as finely as there is.
+"""
+
+import math
+import time
+from collections.abc import Collection, Mapping
+from functools import cached_property
+from typing import Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Array, Assembly
+from rollslip.bearing.load_map import LoadMap, build_load_map
+from rollslip.catalogue.registry import available, get_model
+from rollslip.errors import ConvergenceError, RollslipError
+from rollslip.motion.moving_bearing import MovingBearing
+from rollslip.motion.time_integration import Trajectory
+from rollslip.studies.dynamics.study import Dynamics
+
+#: What a plan chooses -> the finest of it that needs nothing more from a scene.
+OPEN: Final = {"friction": "conventional", "level": "pocket", "integrator": None}
+#: Slices and error of tables, with which motions are tried.
+_FEW, _TABLE = 12, 1e-3
+#: Shares of the tolerance of the cage speed that the simpler friction and the simpler level may take.
+_SHARE: Final = {"friction": 0.3, "level": 0.2}
+#: Error of their steps, relative to the tolerance of the cage speed, and the largest one.
+_STEP, _LOOSEST = 0.1, 1e-3
+#: Orbits of the cage over which levels are compared, and instants of each.
+_ORBITS, _INSTANTS = 3, 64
+#: Time [s] over which integrators are compared, and tolerances of a step: that of all, and that they are held against.
+_SHORT: Final = {"cage-set": 5e-2, "pocket": 1e-2, "planar": 3e-3}
+_USUAL, _FINE = 1e-5, 1e-8
+#: Least evaluations of an explicit method in a step of an implicit one, and in the time in which the fastest part of
+#: the motion decays: the real axis belongs to the stability of the usual ones up to about half their evaluations.
+_PER_STEP, _PER_DECAY = 3, 1.0
+_CALLS: Final = 20
+#: Time [s] of a whole motion that is worth trying others, and how much cheaper they have to be.
+_WORTH, _CHEAPER = 0.5, 2.0
+
+
+@attrs.frozen(kw_only=True)
+class MotionChoice:
+    """What was chosen of friction, level and integrator, with reasons and the errors that the simpler ones leave."""
+
+    settings: Mapping[str, Any] = attrs.field(factory=dict)
+    reasons: Mapping[str, str] = attrs.field(factory=dict)
+    errors: Mapping[str, Mapping[str, float]] = attrs.field(factory=dict)
+
+
+def choose_motion(study: Dynamics, assembly: Assembly, named: Collection[str]) -> MotionChoice:
+    """Choose what a scene does not name of friction, level and integrator.
+
+    Parameters
+    ----------
+    study : Dynamics
+        The study; what is not named in it counts for nothing.
+    assembly : Assembly
+        The bearing at the resolution that was chosen for it.
+    named : collection of str
+        Settings that the scene gives.
+
+    Raises
+    ------
+    RollslipError
+        If the bearing cannot be set in motion at all.
+    """
+    unnamed = [name for name in OPEN if name not in named]
+    if not unnamed:
+        return MotionChoice()
+    if assembly.scene.accuracy.exact:
+        finest = {name: finest for name in unnamed if (finest := OPEN[name]) is not None}
+        return MotionChoice(settings=finest, reasons=dict.fromkeys(finest, "an exact result is asked for"))
+    study = attrs.evolve(study, film_limit=0.0)  # an event, which moves nothing
+    trials, settings = _Trials(assembly), dict[str, Any]()
+    reasons, errors = dict[str, str](), dict[str, Mapping[str, float]]()
+    for name in unnamed:
+        try:
+            choice, reasons[name], left = getattr(trials, name)(attrs.evolve(study, **settings))
+        except RollslipError as error:
+            choice = OPEN[name] or getattr(study, name)
+            reasons[name], left = f"there is no estimate of what a simpler one would leave: {error}", None
+        settings[name] = choice
+        if left is not None:
+            errors[name] = {"cage_speed": left}
+    return MotionChoice(settings=settings, reasons=reasons, errors=errors)
+
+
+@attrs.frozen(eq=False)
+class _Trials:
+    """Motions of a bearing with few slices."""
+
+    assembly: Assembly
+    _made: dict[tuple[str, str], MovingBearing] = attrs.field(factory=dict, init=False)
+
+    @cached_property
+    def few(self) -> Assembly:
+        resolution = self.assembly.resolution
+        slices = min(_FEW, resolution.slices)
+        return self.assembly.at(attrs.evolve(resolution, slices=slices, quadrature="equal", table_tolerance=_TABLE))
+
+    @cached_property
+    def loads(self) -> LoadMap:
+        return build_load_map(self.few.resisting(), _TABLE)
+
+    @property
+    def asked(self) -> float:
+        """Tolerance of the cage speed."""
+        return self.assembly.scene.accuracy.of("cage_speed")
+
+    def moving(self, study: Dynamics) -> MovingBearing:
+        """The bearing in motion, by friction and level made once."""
+        if (key := (study.friction, study.level)) not in self._made:
+            self._made[key] = study.moving(self.few, self.loads)
+        return self._made[key]
+
+    def speeds(self, study: Dynamics, times: Array, tolerance: float) -> Array:
+        """Cage speed at some times, relative to the epicyclic one."""
+        moving = self.moving(study)
+        found = _finished(study, study.tried(moving, times, tolerance))
+        return np.asarray(moving.split(found.y)["cage_speed"] / self.few.kinematics.epicyclic_cage_speed)
+
+    def friction(self, study: Dynamics) -> tuple[str, str, float | None]:
+        """Effective friction where it moves the cage as conventional friction does, over all of the time."""
+        times = np.linspace(0.0, study.duration, _INSTANTS + 1)
+        tolerance = min(_STEP * self.asked, _LOOSEST)
+        conventional, effective = (
+            self.speeds(attrs.evolve(study, friction=friction, level="cage-set"), times, tolerance)
+            for friction in ("conventional", "effective")
+        )
+        off, allowed = float(np.abs(conventional - effective).max()), _SHARE["friction"] * self.asked
+        found = f"with few slices the two frictions give cage speeds that differ by up to {off:.1e}"
+        if off <= allowed:
+            return "effective", f"{found}, less than the {allowed:.1e} that it may take", off
+        return "conventional", f"{found}, more than the {allowed:.1e} that effective friction may take", None
+
+    def level(self, study: Dynamics) -> tuple[str, str, float | None]:
+        """Cage-set where play in the pockets does not move the mean speed of the cage, orbit by orbit."""
+        speed = abs(self.few.kinematics.epicyclic_cage_speed)
+        orbits = int(min(study.duration * speed / (2.0 * math.pi), _ORBITS))
+        span = orbits * 2.0 * math.pi / speed if orbits else study.duration
+        times = np.linspace(0.0, span, max(orbits, 1) * _INSTANTS + 1)
+        friction = "constant" if study.friction == "constant" else "effective"
+        tolerance = min(_STEP * self.asked, _LOOSEST)
+        alone, within = (
+            self.speeds(attrs.evolve(study, friction=friction, level=level), times, tolerance)
+            for level in ("cage-set", "pocket")
+        )
+        off = within - alone
+        means = np.abs(off[1:].reshape(-1, _INSTANTS).mean(axis=1))
+        moved, allowed = float(means.max()), _SHARE["level"] * self.asked
+        found = (
+            f"play in the pockets moves the mean speed of the cage by up to {moved:.1e} (and lets it "
+            f"swing by {np.ptp(off):.1e})"
+        )
+        other = "; planar only where the scene names it, with the masses it needs"
+        if moved <= allowed:
+            return (
+                "cage-set",
+                f"{found}, less than the {allowed:.1e} that leaving it out may take{other}",
+                moved,
+            )
+        return "pocket", f"{found}, more than the {allowed:.1e} that leaving it out may take{other}", None
+
+    def integrator(self, study: Dynamics) -> tuple[str, str, float | None]:
+        """The one that the study takes by default, unless an explicit one is cheaper at the same error."""
+        span = min(_SHORT[study.level], study.duration)
+        more = self.assembly.slices / self.few.slices if study.friction == "conventional" else 1.0
+        moving = self.moving(study)
+        own = self._cost(study, moving, span)
+        spectrum = np.linalg.eigvals(moving.system.jacobian(own.found.last_t, own.found.last_y))
+        begin = time.process_time()
+        for _ in range(_CALLS):
+            moving.system(own.found.last_t, own.found.last_y)
+        rate, stiffness = (time.process_time() - begin) / _CALLS, float(np.abs(spectrum).max())
+        least = max(_PER_STEP * own.found.steps, _PER_DECAY * stiffness * span)
+        name, whole = study.method(self.assembly).name, more * study.duration / span
+        takes = f"{name} takes about {own.seconds * whole:.2g} s for the whole motion"
+        if own.seconds * whole < _WORTH:
+            return name, f"{takes}, too little to try others", None
+        if least * rate >= own.seconds:
+            return name, f"{takes}; rates of {stiffness:.2g}/s cost an explicit one {least * rate * whole:.2g} s", None
+        true = _speed(moving, _finished(study, study.tried(moving, np.array([0.0, span]), _FINE)))
+        costs, tolerance = dict[str, float](), _STEP * self.asked * span / study.duration
+        for other in (name, *available("integrator")):
+            if other != name and not get_model("integrator", other).explicit:
+                continue
+            one = own if other == name else self._cost(attrs.evolve(study, integrator=other), moving, span)
+            off = abs(_speed(moving, one.found) / true - 1.0)
+            # steps shorten with the error to the power of the order
+            order = get_model("integrator", other).order or 1
+            costs[other] = whole * one.seconds * max(off / tolerance, 1.0) ** (1.0 / order)
+        best = min(costs, key=lambda one: costs[one] * (1.0 if one == name else _CHEAPER))
+        told = ", ".join(f"{one} {cost:.2g} s" for one, cost in costs.items())
+        return best, f"the cheapest of those tried, by far or by default, at the error it may leave: {told}", None
+
+    def _cost(self, study: Dynamics, moving: MovingBearing, span: float) -> "_Tried":
+        begin = time.process_time()
+        found = _finished(study, study.tried(moving, np.array([0.0, span]), _USUAL))
+        return _Tried(found, time.process_time() - begin)
+
+
+@attrs.frozen(eq=False)
+class _Tried:
+    """A motion and its cost [s]."""
+
+    found: Trajectory
+    seconds: float
+
+
+def _finished(study: Dynamics, found: Trajectory) -> Trajectory:
+    if found.outcome != "finished":
+        raise ConvergenceError(f"{study.friction} friction at level {study.level}: {found.message}")
+    return found
+
+
+def _speed(moving: MovingBearing, found: Trajectory) -> float:
+    return float(moving.split(found.y)["cage_speed"][-1])

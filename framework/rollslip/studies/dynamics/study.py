@@ -1,0 +1,548 @@
+"""Study dynamics: cage and rollers in time, with constant, effective or conventional friction.
+
+- The scene names the level of detail (`LEVELS`), the friction and the integrator, or leaves them to the plan
+  (`rollslip.studies.dynamics.choice`); each level is one compiled right-hand side (`rollslip.motion.carried`,
+  `rollslip.motion.planar`).
+- Beside the motion a ledger is integrated: what the rings give, what each group of contacts takes. What it leaves of
+  the energy is stored, as the plainest measure of how far a result can be trusted.
+- Slip past the critical value means that friction falls as slip rises. It is an event, located in time, and ends the
+  run if the scene says so; a cage that runs away is a result, not a failure.
+- What was computed is kept, however the run ends: the outcome is an attribute in words.
+"""
+
+import contextlib
+import json
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import RINGS, Array, Assembly
+from rollslip.bearing.critical import Critical
+from rollslip.bearing.load_map import LoadMap
+from rollslip.bearing.regimes import NAMES
+from rollslip.bearing.resolution import Resolution
+from rollslip.catalogue.registry import structure_model
+from rollslip.errors import DomainError, PluginError, SceneError
+from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
+from rollslip.models import IntegratorModel
+from rollslip.motion.carried import carried_motion
+from rollslip.motion.checkpoints import RunStore
+from rollslip.motion.effective_table import table_records
+from rollslip.motion.moving_bearing import MovingBearing
+from rollslip.motion.planar import PlanarMotion, PlanarSettings, planar_motion
+from rollslip.motion.raceway_friction import FRICTION
+from rollslip.motion.time_integration import InitialValueProblem, Trajectory, integrate
+from rollslip.scene.reading import Where, structure
+from rollslip.scene.values import Scene, resolved
+from rollslip.studies.effective_friction.study import EffectiveFriction, LoadedRaceways, regime_variables
+from rollslip.studies.friction_curve.study import about, slip_grid
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Levels of detail -> what moves.
+LEVELS: Final = {
+    "cage-set": "cage and rollers' spin; the rollers keep the cage's spacing",
+    "pocket": "also every roller within its pocket",
+    "planar": "also inner ring and cage in the plane, rollers along the radius",
+}
+#: Level -> number of unknowns of the head and of each roller.
+UNKNOWNS: Final = {"cage-set": (2, 1), "pocket": (2, 3), "planar": (10, 5)}
+#: Level -> typical step [s] at a tolerance of 1e-5 and evaluations of the rates in it, for estimates of cost.
+_STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
+#: Watched values, in the order of the systems -> what their rising through zero means, and their falling.
+WATCHED: Final = (
+    ("cage slip passes the critical value", "cage slip falls below the critical value"),
+    ("the smallest film parameter rises above its limit", "the smallest film parameter falls below its limit"),
+    ("a contact of the inner ring closes: rollers carry it again", "the last contact of the inner ring opens"),
+)
+#: What an integrator says in its message where a model has refused.
+_REFUSED: Final = "the rates are not defined"
+#: Instants of a pitch for the critical slip; more move it by less than an event is worth.
+_INSTANTS: Final = 4
+#: Relative tolerance at which rounding begins to govern the steps, 100 times that of numbers.
+_LEAST_TOLERANCE: Final = 2.3e-14
+
+
+@attrs.frozen(kw_only=True)
+class Dynamics:
+    """Settings of the study."""
+
+    level: str = parameter(
+        default="cage-set", doc="what moves; a plan chooses where it is not given", validator=one_of(*LEVELS)
+    )
+    friction: str = parameter(
+        default="effective",
+        doc="of every slice at every step (conventional), effective friction of the raceways, or a constant; a plan "
+        "chooses between the first two where it is not given",
+        validator=one_of(*FRICTION),
+    )
+    effective_over: str = parameter(
+        default="sliding-speed",
+        doc="effective friction over the sliding speed at each raceway, or over cage slip and roller slip",
+        validator=one_of("sliding-speed", "slips"),
+    )
+    friction_coefficient: float = parameter(
+        default=0.05, unit="1", doc="coefficient of constant friction", validator=non_negative
+    )
+    friction_speed: float = parameter(
+        default=0.05, unit="m/s", doc="sliding speed over which constant friction sets in", validator=positive
+    )
+    duration: float = parameter(default=1.0, unit="s", doc="time to go through", validator=positive)
+    points: int = parameter(default=1001, doc="instants stored, evenly spread with both ends", validator=at_least(2))
+    cage_slip: float = parameter(default=0.0, unit="1", doc="slip of the cage at the start: 1 at rest, 2 backwards")
+    roller_slip: float = parameter(default=0.0, unit="1", doc="slip of the rollers at the start: 1 at rest")
+    integrator: Any = parameter(
+        default="rodas5p",
+        doc="integrator, by name or as a table with its parameters; a plan chooses where it is not given",
+    )
+    relative_tolerance: float = parameter(
+        default=1e-5,
+        unit="1",
+        doc="error of a step, relative to the magnitude of an unknown",
+        validator=in_range(_LEAST_TOLERANCE, 0.1),
+    )
+    stop_at: str = parameter(default="end", doc="where the run ends", validator=one_of("end", "critical"))
+    film_limit: float = parameter(
+        default=0.0, unit="1", doc="film parameter whose passing is an event; 0 for none", validator=non_negative
+    )
+    planar: PlanarSettings | None = attrs.field(
+        default=None, metadata={"doc": "masses, damping, gravity and load of level planar", "unit": None}
+    )
+
+    def __attrs_post_init__(self) -> None:
+        if self.film_limit > 0.0 and self.friction != "conventional":
+            raise FieldError("film_limit", f"only known to friction = 'conventional', not to {self.friction!r}")
+
+    def at(self, resolution: Resolution) -> "Dynamics":
+        """Return the settings with what a resolution says of friction, level, integrator and its tolerance."""
+        said: dict[str, Any] = {
+            "friction": resolution.friction,
+            "level": resolution.level,
+            "integrator": resolution.integrator,
+            "relative_tolerance": resolution.integrator_tolerance,
+        }
+        return attrs.evolve(self, **{name: value for name, value in said.items() if value is not None})
+
+    def evaluations(self, assembly: Assembly) -> int:
+        """Return about how many slices the study will evaluate, from steps such as bearings of this size took."""
+        if self.friction != "conventional":
+            return 0
+        loads = assembly.load_distribution(1)
+        loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
+        step, evaluations = _STEPS[self.level]
+        steps = self.duration / step * (1e-5 / self.relative_tolerance) ** 0.2
+        return int(loaded) * int(evaluations * steps + self.points)
+
+    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
+        """Return the drags and the integrator.
+
+        Raises
+        ------
+        SceneError, PluginError
+            If the scene has no cage, or they are not there.
+        """
+        drags = (("drag", model) for model in assembly.cage.drags)
+        return *drags, ("integrator", self.method(assembly))
+
+    def run(self, assembly: Assembly) -> "xr.Dataset":
+        """Return the motion.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions (time,): cage_speed, cage_slip, energy, energy_residual, angular_momentum, momentum_residual;
+            (time, roller): roller_speed, roller_slip, orbit_angle; (ring, time, roller): normal_force, traction_force,
+            sliding_speed, film_parameter, NaN without load; (work, time): work_done; (event,): event_time, event_what,
+            event_rising; with effective friction its curves (inner_node,): inner_sliding, inner_friction, and so outer,
+            and how right they are, attribute effective_tables (`EffectiveTable.record` by ring, JSON);
+            at levels pocket and planar (time, roller): pocket_force, pocket_displacement; at level planar (direction,
+            time): ring_displacement, cage_displacement, and (time,): land_eccentricity.
+
+        Raises
+        ------
+        SceneError
+            If the scene has no cage, or level planar lacks its settings.
+        DomainError, ConvergenceError
+            If loads or friction cannot be tabulated.
+        """
+        return self.kept_in(assembly, None)
+
+    def kept_in(
+        self,
+        assembly: Assembly,
+        store: RunStore | None,
+        progress: Callable[[str], None] | None = None,
+    ) -> "xr.Dataset":
+        """Return what `run` does, going on from what a store has, and writing to it what is computed."""
+        return self.at(assembly.resolution)._kept_in(assembly, store, progress)
+
+    def _kept_in(
+        self, assembly: Assembly, store: RunStore | None, progress: Callable[[str], None] | None
+    ) -> "xr.Dataset":
+        integrator = self.method(assembly)
+        if self.level == "planar":
+            self._of_planar(assembly)
+        settings = averaging(assembly.scene)
+        raceways = settings.loaded(assembly, assembly.resolution.instants or _INSTANTS)
+        critical = _critical(settings, raceways)
+        moving = self.moving(assembly, critical_slip=critical.slip)
+        system = moving.system
+        times = np.linspace(0.0, self.duration, self.points)
+        start, first_step, before = moving.initial(self.cage_slip, self.roller_slip), 0.0, None
+        if store is not None and (before := store.load(times, start.size)) is not None:
+            start, first_step = before.last_y, before.last_step
+        done, parts = (0, 0) if before is None or store is None else (before.t.size, len(store.parts()))
+
+        def keep(number: int, trajectory: Trajectory) -> None:
+            if store is not None:
+                store.write(parts + number, trajectory)
+            if progress is not None:
+                progress(f"{trajectory.last_t:.4g} of {self.duration:.4g} s")
+
+        found = integrate(
+            InitialValueProblem(
+                rates=system,
+                y=start,
+                t=0.0 if before is None else before.last_t,
+                atol=self.relative_tolerance * system.scale,
+                jacobian=system.jacobian,
+                watch=system.watch if system.watched else None,
+                breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
+            ),
+            integrator,
+            times[done:],
+            rtol=self.relative_tolerance,
+            stop=frozenset({0} if self.stop_at == "critical" and not math.isnan(critical.slip) else ()),
+            first_step=first_step,
+            keep=keep,
+        )
+        found = _explained(found, moving)
+        if before is not None:
+            found = before.then(found)
+        # by now models may fail as in the run, or anew
+        outputs, found = _outputs(moving, found)
+        slip = 1.0 - moving.split(found.y)["cage_speed"][[0, -1]] / assembly.kinematics.epicyclic_cage_speed
+        regimes, found = _regimes(raceways, np.clip(slip, 0.0, settings.max_cage_slip), found)
+        return self._dataset(assembly, moving, found, outputs, critical, integrator).assign(regimes)
+
+    def tried(self, moving: MovingBearing, times: Array, tolerance: float) -> Trajectory:
+        """Return the motion from its start, at some times [s] and a relative tolerance, nothing watched or kept."""
+        problem = InitialValueProblem(
+            rates=moving.system,
+            y=moving.initial(self.cage_slip, self.roller_slip),
+            t=0.0,
+            atol=tolerance * moving.system.scale,
+            jacobian=moving.system.jacobian,
+            breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
+        )
+        return integrate(problem, self.method(moving.assembly), times, rtol=tolerance)
+
+    def moving(
+        self, assembly: Assembly, loads: LoadMap | None = None, *, critical_slip: float = math.nan
+    ) -> MovingBearing:
+        """Return the bearing in motion; its loads over the orbit may be known, but for level planar."""
+        options: dict[str, Any] = {
+            "friction": self.friction,
+            "effective_over": self.effective_over,
+            "coefficient": self.friction_coefficient,
+            "transition": self.friction_speed,
+            "critical_slip": critical_slip,
+            "film_limit": self.film_limit or math.nan,
+        }
+        if self.level == "planar":
+            return planar_motion(assembly, self._of_planar(assembly), **options)
+        return carried_motion(assembly, level=self.level, loads=loads, **options)
+
+    def _of_planar(self, assembly: Assembly) -> PlanarSettings:
+        """Settings of level planar, which a scene that names it must give."""
+        if self.planar is None:
+            where = Where(assembly.scene.origins, ("study", "dynamics"))
+            raise SceneError(
+                [
+                    where.at("planar").says(
+                        "missing, but required for level = 'planar'; give [study.dynamics.planar] with the mass that "
+                        "moves with the inner ring, such as inner_ring_mass = '5 kg'"
+                    )
+                ]
+            )
+        return self.planar
+
+    def method(self, assembly: Assembly) -> IntegratorModel:
+        """Return the integrator.
+
+        Raises
+        ------
+        SceneError, PluginError
+            If its parameters are wrong, or it is not there.
+        """
+        problems: list[str] = []
+        where = Where(assembly.scene.origins, ("study", "dynamics", "integrator"))
+        made = structure_model("integrator", self.integrator, where, problems)
+        if problems or not isinstance(made, IntegratorModel):
+            raise SceneError(problems)
+        return made
+
+    def degrees_of_freedom(self, assembly: Assembly) -> int:
+        """Number of unknowns, without those of the ledger."""
+        head, roller = UNKNOWNS[self.level]
+        return head + roller * assembly.scene.bearing.rollers
+
+    def _dataset(
+        self,
+        assembly: Assembly,
+        moving: MovingBearing,
+        found: Trajectory,
+        outputs: dict[str, Array],
+        critical: Critical,
+        integrator: IntegratorModel,
+    ) -> "xr.Dataset":
+        import xarray as xr
+
+        k, sign = assembly.kinematics, assembly.kinematics.direction
+        t, y = found.t, found.y
+        of = moving.split(y)
+        cage, spin = of["cage_speed"], of["roller_spin"]
+        rollers_at = of["cage_angle"][:, None] + 2.0 * np.pi / spin.shape[1] * np.arange(spin.shape[1])
+        orbit, place = of.get("orbital_speed", cage[:, None]), of.get("pocket_position")
+        if place is not None:
+            rollers_at = rollers_at + place / k.orbit_radius
+        relative = spin + orbit
+        cage_slip = 1.0 - cage / k.epicyclic_cage_speed
+        works = moving.works(y)
+        contact, rollers = ("ring", "time", "roller"), ("time", "roller")
+
+        def by_ring(name: str) -> Array:
+            return np.moveaxis(outputs[name], 1, 0)
+
+        variables: dict[str, Any] = {
+            "cage_speed": ("time", sign * cage, about("rad/s", "speed of the cage")),
+            "cage_slip": ("time", cage_slip, about("1", "cage slip")),
+            "roller_speed": (rollers, sign * relative, about("rad/s", "spin of a roller relative to its orbit")),
+            "roller_slip": (rollers, 1.0 - relative / k.epicyclic_roller_speed, about("1", "roller slip")),
+            "orbit_angle": (
+                rollers,
+                np.mod(rollers_at, 2.0 * np.pi),
+                about("rad", "position from the line of load, in the sense of the orbit"),
+            ),
+            "normal_force": (contact, by_ring("normal_force"), about("N", "normal force")),
+            "traction_force": (contact, by_ring("traction_force"), about("N", "traction, along the orbit")),
+            "sliding_speed": (contact, by_ring("sliding_speed"), about("m/s", "sliding speed")),
+            "film_parameter": (
+                contact,
+                by_ring("film_parameter"),
+                about("1", "smallest film parameter Lambda of a roller") | {"film_status": self._film_status()},
+            ),
+            "energy": ("time", moving.energy(y), about("J", "kinetic energy, and elastic energy of the pockets")),
+            "work_done": (("work", "time"), np.array(list(works.values())), about("J", "work done since the start")),
+            "energy_residual": (
+                "time",
+                moving.energy_residual(y),
+                about("J", "energy that the ledger does not explain"),
+            ),
+            "angular_momentum": ("time", moving.angular_momentum(y), about("N m s", "angular momentum about the axis")),
+            "momentum_residual": (
+                "time",
+                moving.momentum_residual(y),
+                about("N m s", "angular momentum that the ledger does not explain"),
+            ),
+            "event_time": ("event", np.array([e.time for e in found.events]), about("s", "time of the event")),
+            "event_what": (
+                "event",
+                np.array(
+                    [WATCHED[e.watched][not e.rising] for e in found.events], dtype=np.dtypes.StringDType()
+                ).astype(object),
+                about("1", "what happened"),
+            ),
+            "event_rising": (
+                "event",
+                np.array([int(e.rising) for e in found.events], dtype=int),
+                about("1", "1 where the watched value rose through its limit, 0 where it fell"),
+            ),
+        }
+        if place is not None:
+            variables["pocket_force"] = (
+                rollers,
+                outputs["pocket_force"],
+                about("N", "force of a roller on its pocket"),
+            )
+            variables["pocket_displacement"] = (
+                rollers,
+                place,
+                about("m", "place of a roller from its pocket's middle"),
+            )
+        for ring, table in zip(RINGS, moving.tables, strict=False):
+            if (curve := table.curve) is not None:
+                node = f"{ring}_node"
+                at = f"nodes of the effective friction of the {ring} raceway"
+                variables[f"{ring}_sliding"] = (node, curve[0], about("m/s", f"sliding speed, {at}"))
+                variables[f"{ring}_friction"] = (node, curve[1], about("1", f"friction coefficient, {at}"))
+        for what in ("inner_ring", "cage"):
+            if f"{what}_x" in of:
+                variables[f"{what.removeprefix('inner_')}_displacement"] = (
+                    ("direction", "time"),
+                    np.array([of[f"{what}_x"], of[f"{what}_y"]]),
+                    about("m", f"displacement of the {what.replace('_', ' ')}"),
+                )
+        if isinstance(moving, PlanarMotion) and (clearance := assembly.cage.land_clearance) is not None:
+            x, y = of["cage_x"], of["cage_y"]
+            if assembly.cage.guidance == "inner":
+                x, y = x - of["inner_ring_x"], y - of["inner_ring_y"]
+            variables["land_eccentricity"] = (
+                "time",
+                np.hypot(x, y) / clearance,
+                about("1", "eccentricity of the cage on the land that guides it, in clearances"),
+            )
+        steady, steady_status = _steady(t, cage_slip, cage, assembly.scene.accuracy.tolerance)
+        return xr.Dataset(
+            variables,
+            {
+                "time": ("time", t, about("s", "time")),
+                "roller": ("roller", np.arange(spin.shape[1]), about("1", "roller")),
+                "ring": ("ring", np.array(RINGS), about("1", "ring")),
+                "work": ("work", np.array(list(works)), about("1", "what the work was done by")),
+                "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
+            },
+            attrs={
+                "study": "dynamics",
+                "level": self.level,
+                "friction": self.friction,
+                "integrator": integrator.name,
+                "relative_tolerance": self.relative_tolerance,
+                "outcome": found.outcome,
+                "outcome_message": found.message,
+                "failed_by": _failed_by(found),
+                "steps": found.steps,
+                "rejected": found.rejected,
+                "rate_evaluations": found.evaluations,
+                "jacobians": found.jacobians,
+                "contacts_evaluated": int(moving.system.owner.contacts_evaluated),
+                "integration_time": found.wall_time,
+                "real_time_factor": float(t[-1] - t[0]) / found.wall_time if found.wall_time > 0.0 else math.inf,
+                "critical_cage_slip": critical.slip,
+                "critical_status": critical.status,
+                "steady_cage_slip": steady,
+                "steady_status": steady_status,
+                "drag": json.dumps([{"name": drag.name, "equation": drag.equation} for drag in assembly.cage.drags]),
+                "cage": json.dumps(resolved(assembly.cage), default=str),
+                **table_records(moving.tables),
+            },
+        )
+
+    def _film_status(self) -> str:
+        if self.friction == "conventional":
+            return "of the loaded slices"
+        return f"friction is {self.friction}, which knows no film; run with friction = 'conventional' to know it"
+
+
+def _failed_by(found: Trajectory) -> str:
+    """Return what failed: a "model" that raised, the "domain" one was asked outside of, the "solver", or nothing."""
+    if found.outcome != "failed":
+        return ""
+    if isinstance(found.error, DomainError):
+        return "domain"
+    raised = any(note.startswith("raised by") for note in _notes(found.error))
+    return "model" if raised or isinstance(found.error, PluginError) else "solver"
+
+
+def _explained(found: Trajectory, moving: MovingBearing) -> Trajectory:
+    """Return a trajectory that says what stopped it, and in a model's words what that model refused."""
+    if found.outcome == "stopped":
+        last = found.events[-1]
+        return attrs.evolve(found, message=f"{found.message}: {WATCHED[last.watched][not last.rising]}")
+    if found.outcome == "failed" and _REFUSED in found.message:
+        error = moving.error(moving.system.refusal())
+        return attrs.evolve(found, error=error, message="; ".join((f"{found.message}: {error}", *_notes(error))))
+    return attrs.evolve(found, message="; ".join((found.message, *_notes(found.error))))
+
+
+def _notes(error: BaseException | None) -> tuple[str, ...]:
+    return tuple(getattr(error, "__notes__", ()))
+
+
+def _failing(found: Trajectory, error: Exception, what: str) -> Trajectory:
+    """Return a trajectory to which this happened when it was evaluated; what it ended early by stays."""
+    if found.outcome in ("failed", "interrupted"):
+        return found
+    message = f"{type(error).__name__} when {what} of the stored instants were computed: {error}"
+    return attrs.evolve(found, outcome="failed", error=error, message="; ".join((message, *_notes(error))))
+
+
+def _outputs(moving: MovingBearing, found: Trajectory) -> tuple[dict[str, Array], Trajectory]:
+    """Forces and speeds at the stored states, NaN where a model fails; and the trajectory, which says so."""
+    try:
+        return moving.outputs(found.t, found.y), found
+    except Exception as error:
+        found = _failing(found, error, "forces")
+    instants, rollers = found.t.size, moving.assembly.scene.bearing.rollers
+    names = ("normal_force", "traction_force", "sliding_speed", "film_parameter")
+    outputs = {name: np.full((instants, len(RINGS), rollers), np.nan) for name in names}
+    outputs["pocket_force"] = np.full((instants, rollers), np.nan)
+    for k in range(instants):
+        with contextlib.suppress(Exception):  # it has been told
+            row = moving.outputs(found.t[k : k + 1], found.y[k : k + 1])
+            for name, values in outputs.items():
+                values[k] = row[name][0]
+    return outputs, found
+
+
+def averaging(scene: Scene) -> EffectiveFriction:
+    """Return how the raceways' contacts are averaged: the scene's own settings of study effective-friction.
+
+    Raises
+    ------
+    SceneError
+        If they are wrong.
+    """
+    problems = list[str]()
+    where = Where(scene.origins, ("study", "effective-friction"))
+    study = structure(EffectiveFriction, scene.study.get("effective-friction", {}), where, problems)
+    if study is None:
+        raise SceneError(problems)
+    return study
+
+
+def _critical(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
+    """Cage slip of the largest effective friction on the inner ring."""
+    slip = slip_grid(study.max_cage_slip, study.points)
+    return raceways.critical(slip, raceways.curve(slip))[0]
+
+
+def _regimes(raceways: LoadedRaceways, slip: Array, found: Trajectory) -> tuple[dict[str, Any], Trajectory]:
+    """Film regimes and load parameters of the contacts at some cage slips, NaN if a model fails; as `_outputs`."""
+    try:
+        shares = raceways.regimes(raceways.speeds(slip))
+    except Exception as error:
+        found = _failing(found, error, "film regimes")
+        unknown = np.full(len(RINGS), np.nan)
+        shares = np.full((len(RINGS), len(NAMES)), np.nan), unknown, unknown
+    return regime_variables(*shares), found
+
+
+def _steady(t: Array, slip: Array, speed: Array, tolerance: float) -> tuple[float, str]:
+    """Mean slip over the last orbit, and whether it would stay.
+
+    Means over three equal spans of whole orbits, the last three eighths of the run or so, give by Aitken's rule where
+    the slip is going.
+    """
+    orbit = 2.0 * math.pi / abs(float(speed[-1])) if speed[-1] != 0.0 else math.inf
+    if t[-1] - t[0] < 3.0 * orbit:
+        return math.nan, "the run is shorter than three orbits of the rollers"
+    span = orbit * max(1.0, (t[-1] - t[0]) // (8.0 * orbit))
+    spans = [(t > t[-1] - k * span) & (t <= t[-1] - (k - 1) * span) for k in (3, 2, 1)]
+    if not all(map(np.any, (*spans, last := t > t[-1] - orbit))):
+        return math.nan, "too few instants are stored to tell; raise study.dynamics.points"
+    mean, (first, second, third) = float(slip[last].mean()), (float(slip[one].mean()) for one in spans)
+    allowed = tolerance * max(abs(mean), 1e-2)
+    before, moved = second - first, third - second
+    if max(abs(before), abs(moved), abs(mean - third)) <= allowed:
+        return mean, "steady"
+    if not 0.0 <= moved < 0.95 * before and not before * 0.95 < moved <= 0.0:
+        return math.nan, f"not steady: slip moves from {first:.4g} over {second:.4g} to {third:.4g}"
+    end = third + moved**2 / (before - moved)
+    if abs(end - mean) <= allowed:
+        return mean, "steady"
+    return math.nan, f"not steady: cage slip is {mean:.4g} and goes to about {end:.3g}"

@@ -1,0 +1,1 @@
+"""Study effective-friction: friction of each raceway as a whole over cage slip."""

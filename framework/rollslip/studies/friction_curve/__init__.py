@@ -1,0 +1,1 @@
+"""Study friction-curve: friction of one contact over its slide-roll ratio."""

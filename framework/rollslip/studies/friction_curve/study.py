@@ -1,0 +1,229 @@
+"""Study friction-curve: friction of one contact against its slide-roll ratio, for given normal forces."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Array, Assembly, Raceway
+from rollslip.bearing.chain import along
+from rollslip.bearing.critical import locate
+from rollslip.bearing.raceway import LoadedContacts
+from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
+from rollslip.errors import DomainError
+from rollslip.fields import at_least, one_of, parameter, positive
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Some variables of a result, and their coordinates.
+Only: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
+
+
+@attrs.frozen(kw_only=True)
+class FrictionCurve:
+    """Settings of the study."""
+
+    normal_force: tuple[float, ...] = parameter(
+        default=(300.0,),
+        unit="N",
+        doc="normal forces of the contact",
+        validator=attrs.validators.deep_iterable(positive),
+    )
+    ring: str = parameter(default="inner", doc="ring of the contact", validator=one_of("inner", "outer"))
+    max_slip: float = parameter(default=0.3, unit="1", doc="largest slide-roll ratio V/u", validator=positive)
+    points: int = parameter(default=201, doc="points of the curve, denser towards zero", validator=at_least(5))
+
+    def evaluations(self, assembly: Assembly) -> int:
+        """Return about how many slices the study will evaluate."""
+        half = -(-assembly.slices // 2)  # the other carries the same
+        return len(self.normal_force) * self.points * (half + 1)
+
+    @property
+    def slip_range(self) -> float:
+        """Slip up to which the curves go."""
+        return self.max_slip
+
+    @property
+    def averaged(self) -> bool:
+        """Whether the curves are means over the instants of a pitch."""
+        return False
+
+    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
+        """Return friction for each normal force, which no instant changes, (k, forces, n)."""
+        contacts = self.contacts(assembly)
+        found = _friction([(one, self.rolling_speed(assembly), slip) for one in contacts])
+        return np.broadcast_to(found, (len(instants), len(found), slip.size))
+
+    def rolling_speed(self, assembly: Assembly) -> float:
+        """Return the entrainment speed of the contact [m/s], that of the bearing without slip."""
+        speeds = assembly.kinematics.surface_speeds(0.0, 0.0)
+        return float(speeds.inner_rolling if self.ring == "inner" else speeds.outer_rolling)
+
+    def contacts(self, assembly: Assembly) -> list[LoadedContacts]:
+        """Return the loaded slices of the contact, for each normal force."""
+        raceway = assembly.inner if self.ring == "inner" else assembly.outer
+        return [
+            LoadedContacts(raceway, balanced_load(assembly, raceway, force)[None], assembly.widths, 1.0)
+            for force in self.normal_force
+        ]
+
+    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
+        """Return nothing: contacts are all there is."""
+        return ()
+
+    def run(self, assembly: Assembly) -> "xr.Dataset":
+        """Return the curves.
+
+        The contact rolls at the entrainment speed of the bearing without slip and is loaded evenly but for the
+        roller's profile; film, pressure and regime are those of its most loaded slice.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions (normal_force, slip): friction, film_thickness, film_parameter, regime; per normal force
+            half_width, pressure, critical_slip with critical_friction and critical_status.
+        """
+        import xarray as xr
+
+        slip, u, contacts = slip_grid(self.max_slip, self.points), self.rolling_speed(assembly), self.contacts(assembly)
+        friction = _friction([(one, u, slip) for one in contacts])
+        found, coords = self._found(slip, u, contacts, friction)
+        rows = [_most_loaded(one, u, slip) for one in contacts]
+
+        def stacked(name: str) -> Array:
+            return np.stack([row[name] for row in rows])
+
+        both, force = ("normal_force", "slip"), ("normal_force",)
+        return xr.Dataset(
+            {
+                "friction": found["friction"],
+                "film_thickness": (
+                    both,
+                    stacked("film_thickness"),
+                    about("m", f"film thickness, {assembly.film.location}"),
+                ),
+                "film_parameter": (both, stacked("film_parameter"), about("1", "film parameter Lambda")),
+                "regime": (
+                    both,
+                    stacked("regime"),
+                    about("1", "film regime") | {"flag_values": [0, 1, 2, 3], "flag_meanings": " ".join(NAMES)},
+                ),
+                "half_width": (force, stacked("half_width"), about("m", "Hertz half width")),
+                "pressure": (force, stacked("pressure"), about("Pa", "mean Hertz pressure")),
+                "load_parameter": (force, stacked("M"), about("1", "Moes load parameter M")),
+                "lubricant_parameter": (force, stacked("L"), about("1", "Moes lubricant parameter L")),
+                **found,
+            },
+            coords=coords,
+            attrs={"study": "friction-curve", "ring": self.ring, "rolling_speed": u},
+        )
+
+    @staticmethod
+    def together(cases: "Sequence[tuple[FrictionCurve, Assembly]]", names: frozenset[str]) -> list[Only] | None:
+        """Return what `run` does of curves and critical slips, for several contacts at once; None if more is asked."""
+        if not names <= {"friction", "critical_slip", "critical_friction", "critical_status"}:
+            return None
+        made = [
+            (study, slip_grid(study.max_slip, study.points), study.rolling_speed(assembly), study.contacts(assembly))
+            for study, assembly in cases
+        ]
+        curves = iter(_friction([(one, u, slip) for _, slip, u, contacts in made for one in contacts]))
+        return [study._found(slip, u, contacts, [next(curves) for _ in contacts]) for study, slip, u, contacts in made]
+
+    def _found(self, slip: Array, u: float, contacts: list[LoadedContacts], friction: list[Array]) -> Only:
+        """Variables of the curves and their maxima, and their coordinates."""
+        critical = [locate(_at(one, u), slip, curve, "max_slip") for one, curve in zip(contacts, friction, strict=True)]
+        force = ("normal_force",)
+        return {
+            "friction": (("normal_force", "slip"), np.stack(friction), about("1", "friction coefficient")),
+            "critical_slip": (
+                force,
+                np.array([c.slip for c in critical]),
+                about("1", "slide-roll ratio of the largest friction"),
+            ),
+            "critical_friction": (
+                force,
+                np.array([c.friction for c in critical]),
+                about("1", "largest friction coefficient"),
+            ),
+            "critical_status": (
+                force,
+                np.array([c.status for c in critical]),
+                about("1", "what was found of the critical slip"),
+            ),
+        }, {
+            "normal_force": ("normal_force", np.array(self.normal_force), about("N", "normal force of the contact")),
+            "slip": ("slip", slip, about("1", "slide-roll ratio V/u")),
+        }
+
+
+def slip_grid(largest: float, points: int) -> Array:
+    """Return slips from 0 to the largest, quadratically denser towards 0, where friction rises steeply."""
+    return np.asarray(largest * np.linspace(0.0, 1.0, points) ** 2)
+
+
+def about(unit: str, long_name: str) -> dict[str, Any]:
+    """Return the attributes that every variable of a result has."""
+    return {"units": unit, "long_name": long_name}
+
+
+def balanced_load(assembly: Assembly, raceway: Raceway, force: float) -> Array:
+    """Load per length [N/m] of the slices of an aligned contact that carries a normal force [N], (slices,)."""
+    if assembly.slices == 1:
+        return np.array([force / assembly.scene.bearing.roller_length])
+    drop = (
+        assembly.drop - assembly.drop.min()
+    )  # approaches are measured from the first touch, else small ones round off
+    load = _balanced(lambda approach: assembly.deflect(approach - drop, raceway.ring), assembly.widths, force)
+    if not np.any(load > 0.0):
+        raise DomainError(
+            f"a normal force of {force:g} N is lost along a roller of {assembly.scene.bearing.roller_length:g} m: "
+            "its load per length is below all floats; give more of it"
+        )
+    return load
+
+
+def _balanced(deflection: Callable[[float], tuple[Array, Array]], widths: Array, force: float) -> Array:
+    """Loads that carry a force: Newton's method over the approach, which bisection keeps within its bracket."""
+    low, high, approach = 0.0, np.inf, 1e-6
+    while True:
+        load, stiffness = deflection(approach)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # far above a tiny force
+            excess = float((load * widths / force).sum()) - 1.0
+            step = excess / float((stiffness * widths / force).sum())
+        low, high = (low, approach) if excess > 0.0 else (approach, high)
+        guess = approach - step
+        if not low < guess < high:
+            guess = 0.5 * (low + high) if high < np.inf else 2.0 * approach
+        if abs(guess - approach) <= 4e-15 * approach or excess == 0.0 or not low < guess < high:
+            return load
+        approach = guess
+
+
+def _friction(cases: Sequence[tuple[LoadedContacts, float, Array]]) -> list[Array]:
+    """Friction coefficients of contacts at their entrainment speeds [m/s] and slide-roll ratios, (n,) each."""
+    found = along([contacts.job(np.full_like(slip, u), slip * u) for contacts, u, slip in cases])
+    return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(cases, found, strict=True)]
+
+
+def _at(contacts: LoadedContacts, u: float) -> Callable[[float], float]:
+    """Friction coefficient at one slide-roll ratio."""
+    return lambda slip: float(_friction([(contacts, u, np.array([slip]))])[0][0])
+
+
+def _most_loaded(contacts: LoadedContacts, u: float, slip: Array) -> dict[str, Any]:
+    """Film, pressure and regime of the most loaded slice at some slide-roll ratios."""
+    raceway = contacts.raceway
+    slices = raceway.evaluate(np.full(slip.size, contacts.slices.load.max()), u, slip * u)
+    M, L = moes_groups(slices)
+    return {
+        "film_thickness": slices.film_thickness,
+        "film_parameter": slices.film_thickness / raceway.conditions.roughness,
+        "regime": film_by_regime(*groups(slices))[1].astype(np.int8),
+        "half_width": slices.half_width[0],
+        "pressure": slices.pressure[0],
+        "M": M[0],
+        "L": L[0],
+    }

@@ -1,0 +1,162 @@
+"""Figures of steady slip: driving torque and drag over cage slip, the rollers' orbit, slips through their fold.
+
+Style, sizes and files are those of `rollslip.results.style`. Everything reads in grey: what the cage does not hold is
+dashed.
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.results.style import (
+    MARKER,
+    MODEL_COLOURS,
+    ONE_COLUMN,
+    RING_COLOURS,
+    ROW,
+    TWO_COLUMNS,
+    axis_label,
+    plain_ticks,
+)
+from rollslip.studies.steady_slip.findings import varied
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.artist import Artist
+    from matplotlib.figure import Figure
+
+__all__ = ["steady_figures"]
+
+Array = NDArray[np.float64]
+
+_OPEN: dict[str, Any] = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 0.9}
+
+
+def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Draw the figures; give name, caption and figure of each."""
+    which = f"{dataset.attrs['friction']} friction"
+    yield (
+        "steady-slip",
+        f"Torque with which the rollers drive the cage and drag over cage slip, {which}.",
+        _torques(dataset),
+    )
+    if "steady" in dataset.sizes:
+        caption = f"Normal force and roller slip over the orbit at the steady cage slips, {which}."
+        yield "steady-slip-orbit", caption, _orbit(dataset)
+    for name in varied(dataset):
+        if name in dataset:
+            caption = (
+                f"Steady cage slip against {name.replace('_', ' ')}, {which}; dashed is what the cage does not hold."
+            )
+            yield f"steady-slip-{name.replace('_', '-')}", caption, _branches(dataset, name)
+
+
+def _torques(dataset: "xr.Dataset") -> "Figure":
+    from matplotlib.figure import Figure
+    from scipy.interpolate import PchipInterpolator
+
+    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
+    axes = figure.subplots()
+    plain_ticks(axes)
+    slip, driving = dataset["cage_slip"].to_numpy(), dataset["driving_torque"].to_numpy()
+    fine = np.linspace(0.0, slip[-1], 400)
+    drag = dataset["drag_torque"].to_numpy()
+    curve = PchipInterpolator(slip, driving)(fine)
+    handles: list[Artist] = [*axes.plot(100 * fine, curve, color=MODEL_COLOURS[0], label="the rollers drive")]
+    handles += axes.plot(100 * slip, drag, color=MODEL_COLOURS[1], linewidth=1.0, label="the drags resist")
+    largest = float(dataset["largest_drag"])
+    if not np.isnan(largest):
+        place = 100 * float(dataset["largest_drag_slip"]), largest
+        words = f"largest drag, {largest:.3g} N m"
+        handles += axes.plot(*place, linestyle="none", color="black", marker="^", markersize=4, label=words)
+    for stable, style, words in ((1, MARKER, "steady slip"), (0, _OPEN, "steady slip that is not held")):
+        if "steady" in dataset.sizes and (chosen := dataset["stable"].to_numpy() == stable).any():
+            at = 100 * dataset["steady_slip"].to_numpy()[chosen]
+            of = ", ".join(f"{value:.3g} %" for value in at)
+            torque = dataset["torque"].to_numpy()[chosen]
+            handles += axes.plot(at, torque, linestyle="none", color="black", label=f"{words}, {of}", zorder=4, **style)
+    axes.set_xlim(0.0, 100 * slip[-1])
+    axes.set_ylim(min(0.0, float(driving.min())), 1.08 * max(driving.max(), min(drag.max(), 2.0 * driving.max())))
+    axes.set_xlabel(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
+    axes.set_ylabel("Torque on the cage [N m]")
+    return _with_legend(figure, handles)
+
+
+def _orbit(dataset: "xr.Dataset") -> "Figure":
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
+    forces, slips = figure.subplots(1, 2)
+    plain_ticks(forces, slips)
+    angle = np.degrees(dataset["angle"].to_numpy())
+    centred = np.argsort((angle + 180.0) % 360.0)
+    shown = (angle[centred] + 180.0) % 360.0 - 180.0
+    handles: list[Artist] = []
+    for k in range(dataset.sizes["steady"]):
+        one = dataset.isel(steady=k)
+        style: dict[str, Any] = {"linestyle": "solid" if int(one["stable"]) else "dashed"}
+        for ring in one["ring"].to_numpy():
+            force = one["normal_force"].sel(ring=ring).to_numpy()[centred]
+            forces.plot(shown, force, color=RING_COLOURS[str(ring)], **style)
+        roller, cage = 100 * one["roller_slip"].to_numpy()[centred], 100 * float(one["steady_slip"])
+        slips.plot(shown, roller, color="black", **style)
+        words = f"cage slip {cage:.3g} %, {str(one['stability'].item()).partition(':')[0]}"
+        handles.append(Line2D([], [], color="black", label=words, **style))
+    handles += [Line2D([], [], color=colour, label=f"{ring} ring") for ring, colour in RING_COLOURS.items()]
+    for axes in (forces, slips):
+        axes.set_xlabel("Position from the line of load [°]")
+        axes.set_xlim(-180.0, 180.0)
+        axes.set_xticks(range(-180, 181, 90))
+    forces.set_ylim(bottom=0.0)
+    forces.set_ylabel(axis_label(dataset["normal_force"], "$Q$", "N"))
+    slips.set_ylabel(axis_label(dataset["roller_slip"], r"$S_\mathrm{r}$", "%"))
+    figure.legend(handles=handles, loc="outside upper left", ncols=2)
+    figure.set_figheight(TWO_COLUMNS[1] + ROW * (-(-len(handles) // 2) - 1))
+    return figure
+
+
+def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
+    axes = figure.subplots()
+    plain_ticks(axes)
+    value, unit, symbol = _for_people(dataset, name)
+    slip, branch = 100 * dataset[f"{name}_slip"].to_numpy(), dataset[f"{name}_branch"].to_numpy()
+    stable, fold = dataset[f"{name}_stable"].to_numpy() == 1, dataset[f"{name}_fold"].to_numpy() == 1
+    for number in np.unique(branch):
+        for kind, style in ((stable | fold, "solid"), (~stable, "dashed")):  # a fold belongs to both
+            axes.plot(value, np.where(kind & (branch == number), slip, np.nan), color=MODEL_COLOURS[0], linestyle=style)
+    handles: list[Artist] = [
+        Line2D([], [], color=MODEL_COLOURS[0], label="steady slip"),
+        Line2D([], [], color=MODEL_COLOURS[0], linestyle="dashed", label="steady slip that is not held"),
+    ]
+    if fold.any():
+        words = ", ".join(f"{at:.4g} {unit}" for at in value[fold])
+        handles += axes.plot(
+            value[fold], slip[fold], linestyle="none", color="black", label=f"fold, {words}", zorder=4, **MARKER
+        )
+    axes.set_ylim(bottom=0.0)
+    axes.set_xlabel(axis_label(dataset[name], symbol, unit))
+    axes.set_ylabel(axis_label(dataset[f"{name}_slip"], r"$S_\mathrm{c}$", "%"))
+    return _with_legend(figure, handles)
+
+
+def _for_people(dataset: "xr.Dataset", name: str) -> tuple[Array, str, str]:
+    """Values of what was varied in the unit that people use, the unit, and the symbol."""
+    values = dataset[name].to_numpy()
+    if name == "inner_speed":
+        return values * 30.0 / np.pi, "rpm", r"$n_\mathrm{i}$"
+    if name == "temperature":
+        return values - 273.15, "°C", r"$\vartheta$"
+    return values, "N", r"$F_\mathrm{r}$"
+
+
+def _with_legend(figure: "Figure", handles: "list[Artist]") -> "Figure":
+    figure.legend(handles=handles, loc="outside upper left")
+    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
+    return figure

@@ -1,0 +1,435 @@
+"""Study steady-slip: at which cage slips a bearing runs on, found without integrating in time.
+
+- The rollers drive the cage, drags resist it; where both are in balance the slip is steady
+  (`rollslip.motion.torque_balance`). Traction has a maximum, so there are two such slips or none
+  (`rollslip.motion.continuation`): at the smaller one more slip brings more torque and the cage holds it, at the larger
+  one it runs away.
+- The driving torque over cage slip is the slip-drag curve: its maximum is the largest drag the cage can carry.
+- The positions of the orbit are doubled until the torque stands still; what the last doubling still moved is reported,
+  as is what the inertia of the rollers does.
+- Against radial load, speed and temperature the slips are followed through the fold, where stable and unstable ones
+  meet: the smallest load that still carries the drag.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import RINGS, Array, Assembly, assemble
+from rollslip.bearing.critical import Critical, locate
+from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
+from rollslip.errors import ConvergenceError, SceneError
+from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
+from rollslip.motion.continuation import Branch, TorqueCurve, follow, steady_slips, torque_curve
+from rollslip.motion.effective_table import table_records
+from rollslip.motion.torque_balance import Orbit, TorqueBalance, effective_curves
+from rollslip.scene.reading import Where, evolve
+from rollslip.studies.effective_friction.study import regime_variables
+from rollslip.studies.friction_curve.study import about
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Doublings start at this many positions of an orbit or more, and give up at this many instants of a pitch.
+_FIRST_POSITIONS, _MOST_INSTANTS = 56, 256
+#: Slips at which accuracy is judged, relative to the largest.
+_JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
+#: Step of the slip by which the excess torque is differentiated, relative to the slip and to the largest one.
+_STEP = 1e-4
+#: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
+_LEVEL = 1e-3
+#: What the slips can be followed against -> (unit, what a fold is in words).
+VARIED: Final = {
+    "radial_load": ("N", "radial load"),
+    "inner_speed": ("rad/s", "speed of the inner ring"),
+    "temperature": ("K", "temperature"),
+}
+
+
+def _range(name: str) -> Any:
+    unit, what = VARIED[name]
+    return parameter(
+        default=(), unit=unit, doc=f"least and largest {what} against which the slips are followed; empty for not"
+    )
+
+
+@attrs.frozen(kw_only=True)
+class SteadySlip:
+    """Settings of the study."""
+
+    max_cage_slip: float = parameter(
+        default=0.9, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
+    )
+    points: int = parameter(
+        default=25, doc="first cage slips of the slip-drag curve; more are added where it bends", validator=at_least(6)
+    )
+    friction: str = parameter(
+        default="conventional",
+        doc="friction of every slice, or the effective friction of the raceways",
+        validator=one_of("conventional", "effective"),
+    )
+    inertia: bool = parameter(default=True, doc="whether the spin of a roller has inertia along the orbit")
+    radial_load: tuple[float, ...] = _range("radial_load")
+    inner_speed: tuple[float, ...] = _range("inner_speed")
+    temperature: tuple[float, ...] = _range("temperature")
+
+    def __attrs_post_init__(self) -> None:
+        for name in VARIED:
+            limits = getattr(self, name)
+            if limits and not (len(limits) == 2 and limits[0] < limits[1]):
+                raise FieldError(name, f"must be two values that ascend, or empty, not {list(limits)}")
+
+    def evaluations(self, assembly: Assembly) -> int:
+        """Return about how many slices the study will evaluate."""
+        loads = assembly.load_distribution(1)
+        loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
+        per_orbit = 10 * 2 * max(1, _FIRST_POSITIONS // assembly.scene.bearing.rollers)
+        followed = sum(bool(getattr(self, name)) for name in VARIED)
+        return int(loaded) * per_orbit * (3 * self.points + 60 + 350 * followed)
+
+    @property
+    def slip_range(self) -> float:
+        """Slip up to which the curves go."""
+        return self.max_cage_slip
+
+    @property
+    def averaged(self) -> bool:
+        """Whether the curves are means over the instants of a pitch."""
+        return True
+
+    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
+        """Return the driving torque, (k, 1, n), each number of instants for itself."""
+        bearing = assembly.resisting()
+        balances = [self._balance(bearing, m) for m in instants]
+        return np.array([[[balance.torque(float(s)) for s in slip]] for balance in balances])
+
+    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
+        """Return the drags.
+
+        Raises
+        ------
+        SceneError, PluginError
+            If the scene has no cage, or they are not there.
+        """
+        return tuple(("drag", model) for model in assembly.cage.drags)
+
+    def run(self, assembly: Assembly) -> "xr.Dataset":
+        """Return the slip-drag curve, the steady slips, and how they go with what is varied.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions (cage_slip,): driving_torque, drag_torque; (steady,): steady_slip, cage_speed, torque, stable,
+            stability, multiplier; (ring, steady): effective_friction, film_parameter; (steady, angle): roller_slip;
+            (ring, steady, angle): normal_force, all of these only if there is a steady slip; scalars: status,
+            largest_drag, largest_drag_slip, largest_drag_status. For each varied quantity X, if a branch was found,
+            (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit, X_limit_slip, X_limit_status.
+
+        Raises
+        ------
+        SceneError
+            If the scene has no cage, or no roller is loaded on the inner ring.
+        DomainError
+            If a law has no value at a slip of the range, or the epicyclic cage speed is zero.
+        ConvergenceError
+            If rollers find no motion that repeats after an orbit, or doubling the positions does not settle it.
+        """
+        assembly = _loaded(assembly).resisting()
+        balance, errors = self._converged(assembly)
+        instants = balance.instants
+        curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
+        largest = locate(balance.torque, curve.slip, curve.torque, "max_cage_slip")
+        slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
+        states = [balance.orbit(slip) for slip in slips or [share * self.max_cage_slip for share in _JUDGED]]
+        variables, coords = self._curve(balance, curve, largest)
+        if slips:
+            variables |= self._steady(balance, curve, states)
+            angle = 2.0 * np.pi * np.arange(states[0].roller_slip.size) / states[0].roller_slip.size
+            coords["angle"] = (
+                "angle",
+                angle,
+                about("rad", "position from the line of load, in the sense of the orbit"),
+            )
+        variables |= _films(balance, states, steady=bool(slips))
+        variables["status"] = ((), _status(balance, curve, largest, slips), about("1", "what was found"))
+        for name in VARIED:
+            if limits := getattr(self, name):
+                found = self._followed(assembly, instants, name, limits, slips)
+                variables |= _branches(name, limits, found)
+        import xarray as xr
+
+        return xr.Dataset(
+            variables,
+            coords,
+            attrs={
+                "study": "steady-slip",
+                "friction": self.friction,
+                "inertia": int(self.inertia),
+                "inertia_effect": self._inertia_effect(balance),
+                "instants": instants,
+                "curve_error": curve.error,
+                "slices": assembly.slices,
+                **errors,
+                **table_records(balance.tables),
+            },
+        )
+
+    def only(self, assembly: Assembly, names: frozenset[str]) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        """Return steady slips and status as `run` finds them; None if more is asked than these."""
+        if not names <= {"steady_slip", "status"}:
+            return None
+        assembly = _loaded(assembly).resisting()
+        instants = assembly.resolution.instants
+        balance = self._balance(assembly, instants) if instants is not None else self._doubled(assembly)[0]
+        curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
+        slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
+        largest = locate(balance.torque, curve.slip, curve.torque, "max_cage_slip")
+        found: dict[str, Any] = {
+            "status": ((), _status(balance, curve, largest, slips), about("1", "what was found")),
+            "steady_slip": ("steady", np.array(slips), about("1", "steady cage slip")),
+        }
+        return found, {"steady": ("steady", np.arange(len(slips)), about("1", "steady cage slip"))}
+
+    def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
+        return TorqueBalance(
+            assembly,
+            assembly.cage.drags,
+            instants=instants,
+            effective=effective_curves(assembly, instants) if self.friction == "effective" else None,
+            inertia=self.inertia,
+        )
+
+    def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
+        """Balance at the instants of the resolution, or at those that settle it, then with the errors that are left."""
+        if assembly.resolution.instants is not None:
+            return self._balance(assembly, assembly.resolution.instants), {}
+        balance, moved = self._doubled(assembly)
+        return balance, {"instants_error": moved, "slices_error": self._slices_error(balance)}
+
+    def _doubled(self, assembly: Assembly) -> tuple[TorqueBalance, float]:
+        """Double the instants until the torque moves by less than the tolerance, relative to its largest value."""
+        tolerance, before = assembly.scene.accuracy.tolerance, None
+        instants, moved = -(-_FIRST_POSITIONS // assembly.scene.bearing.rollers), np.inf
+        while instants <= _MOST_INSTANTS:
+            balance = self._balance(assembly, instants)
+            torque = self._judged(balance)
+            if before is not None:
+                moved = _moved(before, torque)
+                if moved <= tolerance:
+                    return balance, moved
+            before, instants = torque, 2 * instants
+        raise ConvergenceError(
+            f"the driving torque still moves by {moved:.1e} (relative) from {instants // 4} to {instants // 2} "
+            f"instants of a pitch; raise accuracy.tolerance, which is {tolerance:g}"
+        )
+
+    def _judged(self, balance: TorqueBalance) -> Array:
+        return np.array([balance.torque(share * self.max_cage_slip) for share in _JUDGED])
+
+    def _inertia_effect(self, balance: TorqueBalance) -> float:
+        """Largest relative difference of the torque without inertia of the rollers from that with it."""
+        torques = [self._judged(balance), self._judged(balance.with_inertia(not self.inertia))]
+        inert, free = torques if self.inertia else reversed(torques)
+        scale = np.abs(inert)
+        return float((np.abs(free - inert) / np.where(scale > 0.0, scale, 1.0)).max())
+
+    def _slices_error(self, balance: TorqueBalance) -> float:
+        """Relative error that the slices leave: what half as many change."""
+        if balance.assembly.slices == 1:
+            return 0.0
+        coarser = self._balance(balance.assembly.coarser(), balance.instants)
+        return _moved(self._judged(coarser), self._judged(balance))
+
+    def _curve(
+        self, balance: TorqueBalance, curve: TorqueCurve, largest: Critical
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        drag = np.array([-balance.drag(float(slip)) for slip in curve.slip])
+        return {
+            "driving_torque": ("cage_slip", curve.torque, about("N m", "torque with which the rollers drive the cage")),
+            "drag_torque": ("cage_slip", drag, about("N m", "torque with which the drags resist the cage")),
+            "largest_drag": ((), largest.friction, about("N m", "largest drag torque that the cage can carry")),
+            "largest_drag_slip": ((), largest.slip, about("1", "cage slip of the largest drag torque")),
+            "largest_drag_status": ((), largest.status, about("1", "what was found of the largest drag torque")),
+        }, {
+            "cage_slip": ("cage_slip", curve.slip, about("1", "cage slip")),
+            "ring": ("ring", np.array(RINGS), about("1", "ring")),
+        }
+
+    def _steady(self, balance: TorqueBalance, curve: TorqueCurve, states: list[Orbit]) -> dict[str, Any]:
+        kinds = [self._stability(balance, curve, state) for state in states]
+        rings, carried = ("ring", "steady"), [0.0 - balance.drag(state.cage_slip) for state in states]
+        force = np.stack([state.force for state in states], axis=1)
+        traction = np.stack([state.traction for state in states], axis=1)
+        total = force.sum(axis=2)
+        friction = np.divide(traction.sum(axis=2), total, out=np.full_like(total, np.nan), where=total > 0.0)
+        direction = balance.assembly.kinematics.direction
+        speeds = np.array([direction * balance.cage_speed(state.cage_slip) for state in states])
+        return {
+            "steady_slip": ("steady", np.array([s.cage_slip for s in states]), about("1", "steady cage slip")),
+            "cage_speed": ("steady", speeds, about("rad/s", "cage speed")),
+            "torque": ("steady", np.array(carried), about("N m", "drag torque that is carried")),
+            "stable": ("steady", np.array([kind == "stable" for kind in kinds]).astype(np.int8), about("1", "held")),
+            "stability": ("steady", np.array(kinds), about("1", "stability in words")),
+            "multiplier": (
+                "steady",
+                np.array([s.multiplier for s in states]),
+                about("1", "what an orbit leaves of a disturbance of the rollers' spin"),
+            ),
+            "effective_friction": (rings, friction, about("1", "effective friction coefficient, mean over the orbit")),
+            "roller_slip": (("steady", "angle"), np.stack([s.roller_slip for s in states]), about("1", "roller slip")),
+            "normal_force": (("ring", "steady", "angle"), force, about("N", "normal force")),
+        }
+
+    def _stability(self, balance: TorqueBalance, curve: TorqueCurve, state: Orbit) -> str:
+        """Say whether the cage holds a slip: whether more slip leaves more torque to speed it up."""
+        step = _STEP * max(state.cage_slip, _STEP * self.max_cage_slip)
+        low, high = max(state.cage_slip - step, 0.0), min(state.cage_slip + step, self.max_cage_slip)
+        slope = (balance.excess(high) - balance.excess(low)) / (high - low)
+        if abs(slope) * self.max_cage_slip <= _LEVEL * float(np.abs(curve.torque).max()):
+            return "a fold: a stable and an unstable slip meet"
+        if slope < 0.0:
+            return "unstable: with more slip the rollers drive the cage less than the drag asks for"
+        return "stable" if abs(state.multiplier) < 1.0 else "unstable: the rollers do not hold their spin"
+
+    def _followed(
+        self,
+        assembly: Assembly,
+        instants: int,
+        name: str,
+        limits: tuple[float, float],
+        slips: list[float],
+    ) -> list[Branch]:
+        """Branches of steady slips against a quantity of the operation, that of the least slip first."""
+        scene, last = assembly.scene, dict[float, TorqueBalance]()
+
+        def balance(value: float) -> TorqueBalance:
+            if value not in last:
+                last.clear()
+                there = assemble(evolve(scene, {f"operation.{name}": value}), assembly.resolution)
+                last[value] = self._balance(there.watched(*assembly.inner.chain.bounds).resisting(), instants)
+            return last[value]
+
+        def at(value: float) -> list[float]:
+            one = balance(value)
+            curve = torque_curve(one.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
+            return steady_slips(curve, one.torque, one.drag)
+
+        here = float(getattr(scene.operation, name))
+        starts = [(slip, here) for slip in slips if limits[0] <= here <= limits[1] and slip > 0.0]
+        if not starts:
+            starts = [(slip, value) for value in limits for slip in at(value)]
+        found: list[Branch] = []
+        for slip, value in starts:
+            if not any(branch.passes(slip, value) for branch in found):
+                found.append(follow(lambda s, p: balance(p).excess(s), (slip, value), limits, self.max_cage_slip))
+        return found
+
+
+def _loaded(assembly: Assembly) -> Assembly:
+    """Refuse a bearing in which nothing drives the rollers; else the difference of two roundings would.
+
+    Raises
+    ------
+    SceneError
+        If no roller is loaded on the inner ring.
+    """
+    if not assembly.load_distribution(2).inner_force.any():
+        operation, bearing = assembly.scene.operation, assembly.scene.bearing
+        raise SceneError(
+            [
+                Where(assembly.scene.origins, ("operation", "radial_load")).says(
+                    f"no roller is loaded on the inner ring with {operation.radial_load:g} N and "
+                    f"bearing.radial_clearance = {bearing.radial_clearance:g} m, so nothing drives the cage; give a "
+                    "radial load or a negative clearance"
+                )
+            ]
+        )
+    return assembly
+
+
+def _moved(before: Array, after: Array) -> float:
+    return float(np.abs(after - before).max() / (np.abs(after).max() or 1.0))
+
+
+def _films(balance: TorqueBalance, states: list[Orbit], *, steady: bool) -> dict[str, Any]:
+    """Film regimes of the contacts over the orbits, and their smallest film parameter."""
+    n = len(states)
+    share, light, largest, thinnest = np.zeros((2, 4)), np.zeros(2), np.zeros(2), np.full((2, n), np.nan)
+    for k, state in enumerate(states):
+        for i, contacts in enumerate(balance.evaluated(state)):
+            if contacts.total == 0.0:
+                continue
+            slices, force = contacts.slices, contacts.force / contacts.total
+            thinnest[i, k] = slices.film_thickness.min() / slices.conditions.roughness
+            code = film_by_regime(*groups(slices))[1].astype(int)
+            share[i] += np.bincount(code, weights=force, minlength=4) / n
+            M = moes_groups(slices)[0]
+            largest[i] = max(largest[i], M.max())
+            light[i] += force[M < LIGHT].sum() / n
+    where = ", at the steady slips" if steady else ", over the range of slips"
+    found = regime_variables(share, largest, light, where)
+    if steady:
+        found["film_parameter"] = (("ring", "steady"), thinnest, about("1", "smallest film parameter Lambda"))
+    return found
+
+
+def _status(balance: TorqueBalance, curve: TorqueCurve, largest: Critical, slips: list[float]) -> str:
+    if balance.rolls_freely:
+        return "no drag, no slip: nothing resists the cage, which runs at its epicyclic speed"
+    if slips:
+        return "found"
+    if balance.excess(float(curve.slip[-1])) > 0.0:
+        return (
+            f"no steady slip up to {curve.slip[-1]:g}: what acts on the cage drives it, and it runs faster than its "
+            "epicyclic speed"
+        )
+    best = int(np.argmax(curve.torque))
+    slip, torque = (
+        (float(curve.slip[best]), float(curve.torque[best]))
+        if np.isnan(largest.slip)
+        else (largest.slip, largest.friction)
+    )
+    return (
+        f"the drag is larger than the cage can carry up to a cage slip of {curve.slip[-1]:g} "
+        f"({-balance.drag(slip):.3g} N m where the rollers drive it with most, {torque:.3g} N m at a slip of "
+        f"{slip:.3g}): slip runs away"
+    )
+
+
+def _branches(name: str, limits: tuple[float, float], found: list[Branch]) -> dict[str, Any]:
+    unit, what = VARIED[name]
+
+    def along(values: list[Any], unit: str, text: str) -> tuple[str, Array, dict[str, Any]]:
+        return f"{name}_point", np.concatenate(values), about(unit, text)
+
+    limit = found[0].nearest_fold() if found else None
+    value, slip, status = np.nan, np.nan, "found"
+    if limit is not None:
+        value, slip = float(found[0].parameter[limit]), float(found[0].slip[limit])
+    elif found:
+        status = f"no limit of the {what}: the steady slips have no fold between {limits[0]:g} and {limits[1]:g} {unit}"
+    else:
+        ends = f"{limits[0]:g} nor at {limits[1]:g} {unit}"
+        status = f"no limit of the {what}: the cage carries its drag neither at {ends}"
+    branches = (
+        {
+            name: along([b.parameter for b in found], unit, what),
+            f"{name}_slip": along([b.slip for b in found], "1", "steady cage slip"),
+            f"{name}_stable": along([b.stable.astype(np.int8) for b in found], "1", "whether the cage holds it"),
+            f"{name}_fold": along(
+                [b.at_fold.astype(np.int8) for b in found], "1", "whether stable and unstable slips meet"
+            ),
+            f"{name}_branch": along(
+                [np.full(b.slip.size, k) for k, b in enumerate(found)], "1", "number of the branch"
+            ),
+        }
+        if found
+        else {}
+    )
+    return branches | {
+        f"{name}_limit": ((), value, about(unit, f"{what} at which stable and unstable slips meet")),
+        f"{name}_limit_slip": ((), slip, about("1", "cage slip there")),
+        f"{name}_limit_status": ((), status, about("1", "what was found of the limit")),
+    }

@@ -1,0 +1,298 @@
+"""The cage of a scene: its table, what is estimated, what drags take from the scene, and faults in words."""
+
+import attrs
+import numpy as np
+import pytest
+
+from rollslip import evolve, load_scene, register
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.cage import Cage, Drags, TotalResistance, estimated_inertia
+from rollslip.catalogue import discovery
+from rollslip.errors import PluginError, SceneError
+from rollslip.models import DragModel
+from rollslip.scene import resolved
+from rollslip.scene.reading import parse_scene
+from rollslip_plugins.drag import Churning, ConstantTorque, CoulombPocket, PetroffLand
+from rollslip_plugins.resistance import Hysteresis, RollingResistance
+
+SCENE = load_scene("1032930-50C")
+#: The same without a cage.
+BARE = SCENE.text.partition("[cage]")[0] + "[operation]" + SCENE.text.partition("[operation]")[2]
+WEIGHT = {"mass": "0.4 kg", "inertia": "0.0033 kg m2"}
+
+
+def bearing(*drag, scene=SCENE, **table):
+    """The bearing with a cage."""
+    return assemble(evolve(scene, {"cage": WEIGHT | table | ({"drag": list(drag)} if drag else {})}))
+
+
+def faults(**table):
+    with pytest.raises(SceneError) as caught:
+        _ = assemble(evolve(SCENE, {"cage": table})).cage
+    return [problem.removeprefix("changes: ") for problem in caught.value.problems]
+
+
+# The table -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_cage_is_read_with_its_units():
+    cage = bearing(
+        pocket_clearance="0.3 mm",
+        pocket_stiffness="1e8 N/m",
+        pocket_damping="0.5 s/m",
+        pocket_contact="film",
+        guidance="outer",
+        land_radius="94 mm",
+        land_width="8 mm",
+        land_clearance="0.2 mm",
+        unbalance="20 g mm",
+    ).cage
+    assert cage == Cage(
+        mass=0.4,
+        inertia=0.0033,
+        pocket_clearance=3e-4,
+        pocket_stiffness=1e8,
+        pocket_damping=0.5,
+        pocket_contact="film",
+        guidance="outer",
+        land_radius=0.094,
+        land_width=0.008,
+        land_clearance=2e-4,
+        unbalance=2e-5,
+    )
+    assert not cage.drags
+
+
+def test_what_is_silent_is_estimated_from_the_bearing():
+    free, inner, outer = (bearing(guidance=guidance).cage for guidance in ("roller", "inner", "outer"))
+    assert bearing().cage == free
+    assert free.pocket_clearance == pytest.approx(0.225e-3, rel=1e-12)
+    assert (free.land_radius, free.land_width, free.land_clearance) == (None, None, None)
+    # the shoulder stands 3 mm over the raceway, of 82.5 and 97.5 mm
+    assert inner.land_radius == pytest.approx(0.0855, rel=1e-12)
+    assert outer.land_radius == pytest.approx(0.0945, rel=1e-12)
+    assert outer.land_width == pytest.approx(0.0075, rel=1e-12)
+    assert outer.land_clearance == pytest.approx(0.0025 * 0.0945, rel=1e-12)
+    assert bearing(guidance="inner", land_radius="90 mm").cage.land_clearance == pytest.approx(2.25e-4, rel=1e-12)
+
+
+def test_the_proposed_inertia_is_in_the_range_for_the_bearing():
+    """0.35 to 0.45 kg and 3 to 3.6e-3 kg m2 for a cage of bronze in the 1032930."""
+    mass, inertia = estimated_inertia(SCENE.bearing)
+    assert 0.35 < mass < 0.45
+    assert 3e-3 < inertia < 3.6e-3
+    # as many rollers as fit, and few, leave some cage
+    for rollers in (3, 37):
+        assert estimated_inertia(attrs.evolve(SCENE.bearing, rollers=rollers))[0] > 0
+
+
+def test_mass_and_inertia_are_required_and_proposed():
+    missing = [
+        "cage.mass: missing, but required (mass of the cage); one of bronze for this bearing may have '375 g' (D)",
+        "cage.inertia: missing, but required (moment of inertia of the cage); one of bronze for this bearing may have "
+        "'0.00304 kg m2' (D)",
+    ]
+    assert faults(guidance="outer") == missing
+    with pytest.raises(SceneError) as caught:
+        _ = assemble(parse_scene(BARE, "mine.toml")).cage
+    assert [problem.removeprefix("mine.toml: ") for problem in caught.value.problems] == missing
+    # what is proposed can be read
+    assert bearing(mass="375 g", inertia="0.00304 kg m2").cage.mass == 0.375
+
+
+def test_all_faults_are_found_at_once():
+    found = faults(
+        mass="0.4 K",
+        inertia=-1,
+        pocket_contact="rubber",
+        guidance="outer",
+        land_width="-1 mm",
+        lande=3,
+        drag=[{"model": "churning", "rollers": "3 m"}, 7, {"model": "hysteresis", "los": 1}],
+    )
+    expected = [
+        "cage.mass: '0.4 K' is a temperature, here a mass is expected",
+        "cage.inertia: must be above 0",
+        "cage.pocket_contact: must be one of 'metal', 'film', not 'rubber'",
+        "cage.land_width: must be above 0",
+        "cage.lande: unknown key; known are drag, guidance",
+        "cage.drag[0].rollers: '3 m' is a length, here a plain number is expected",
+        "cage.drag[1]: a drag model is expected: its name, or a table with model = 'NAME'",
+        "cage.drag[2].los: unknown key, did you mean 'loss'?",
+    ]
+    for sentence in expected:
+        assert any(problem.startswith(sentence) for problem in found), (sentence, found)
+    assert len(found) == len(expected)
+
+
+@pytest.mark.parametrize(
+    ("table", "sentence"),
+    [
+        ({"guidance": "outside"}, "cage.guidance: must be one of 'roller', 'inner', 'outer', not 'outside'"),
+        ({"guidance": ["outer"]}, "cage.guidance: a text is expected, not a list"),
+        ({"guidance": "outer", "land_radius": "94"}, "cage.land_radius: '94' has no unit"),
+        ({"land_width": "8 mm"}, "cage.land_width: only read for guidance = 'inner' or 'outer', not for 'roller'"),
+        ({"drag": "churning"}, "cage.drag: a list is expected, not 'churning'"),
+        ({"drags": []}, "cage.drags: unknown key, did you mean 'drag'?"),
+        ({"pocket_clearance": "-0.1 mm"}, "cage.pocket_clearance: must be at least 0, not -100 um"),
+        (
+            {"drag": ["pocket-friction", {"model": "pocket-friction", "coefficient": 0.2}]},
+            "cage.drag: a pocket has one friction, here are pocket-friction, pocket-friction",
+        ),
+        ({"drag": ["hysteresis"] * 9}, "cage.drag: at most 8 of a sort can be added, here are 9"),
+    ],
+)
+def test_a_fault_is_one_sentence(table, sentence):
+    (found,) = faults(**WEIGHT, **table)
+    assert found.startswith(sentence)
+
+
+def test_a_fault_names_file_and_line():
+    text = BARE + '\n[cage]\nmass = "0.4 kg"\ninertia = "0.0033 kg m2"\ndrag = ["petroff-land"]\n'
+    line = text.splitlines().index('drag = ["petroff-land"]') + 1
+    with pytest.raises(SceneError) as caught:
+        _ = assemble(parse_scene(text, "mine.toml")).cage
+    assert caught.value.problems[0] == (
+        f"mine.toml:{line}: cage.drag[0].ring: drag 'petroff-land' needs it, and the scene gives no ring whose land "
+        "guides the cage; give one here or in cage.guidance"
+    )
+    with pytest.raises(
+        PluginError, match=rf"mine.toml:{line}: cage.drag\[0\]: no drag is called 'petrof'; did you mean"
+    ):
+        _ = assemble(parse_scene(text.replace("petroff-land", "petrof"), "mine.toml")).cage
+
+
+def test_only_who_asks_for_the_cage_reads_it():
+    wrong = assemble(evolve(SCENE, {"cage": {"colour": "green"}}))
+    assert wrong.inner.chain is not None
+    with pytest.raises(SceneError, match=r"cage\.colour: unknown key"):
+        _ = wrong.cage
+    right = bearing()
+    assert right.cage is right.cage
+
+
+def test_a_resolved_cage_reads_as_the_same():
+    cage = bearing("pocket-friction", guidance="inner").cage
+    table = resolved(cage)
+    assert "drags" not in table
+    assert assemble(evolve(SCENE, {"cage": table})).cage == cage
+
+
+# What drags take from the scene --------------------------------------------------------------------------------------
+
+
+def test_a_drag_takes_from_the_scene_what_it_is_not_given():
+    a = bearing("petroff-land", {"model": "churning", "density": "930 kg/m3", "rollers": 14}, guidance="outer")
+    land, rollers = a.cage.drags.torques
+    assert land == PetroffLand(
+        ring="outer",
+        viscosity=a.lubricant.at(323.15).viscosity,
+        radius=a.cage.land_radius,
+        width=a.cage.land_width,
+        clearance=a.cage.land_clearance,
+    )
+    assert rollers == Churning(
+        density=930.0, rollers=14.0, roller_diameter=0.015, roller_length=0.015, orbit_radius=0.09
+    )
+    own = bearing(
+        {"model": "petroff-land", "viscosity": "2 mPa s", "ring": "inner"}, guidance="outer"
+    ).cage.drags.torques[0]
+    assert (own.viscosity, own.ring) == (2e-3, "inner")
+
+
+def test_the_oil_of_a_drag_has_the_temperature_of_the_scene():
+    cold, warm = (
+        bearing("petroff-land", guidance="inner", scene=evolve(SCENE, {"operation.temperature": T})).cage.drags.torques[
+            0
+        ]
+        for T in ("40 degC", "100 degC")
+    )
+    # MIL-L-7808: 11.6 and 2.87 mPa s
+    assert cold.viscosity == pytest.approx(11.60e-3, rel=1e-3)
+    assert warm.viscosity == pytest.approx(2.87e-3, rel=2e-3)
+
+
+def test_density_is_that_of_the_users_oil():
+    oil = {
+        "viscosity_law": "walther",
+        "density": "950 kg/m3",
+        "points": [
+            {"temperature": "40 degC", "kinematic_viscosity": "12 mm2/s"},
+            {"temperature": "100 degC", "kinematic_viscosity": "3.2 mm2/s"},
+        ],
+        "pressure_viscosity": "11 1/GPa",
+        "conductivity": "0.14 W/(m K)",
+        "eyring_stress": "4 MPa",
+        "shear_modulus": "0.3 GPa",
+    }
+    own = evolve(SCENE, {"lubricant": oil})
+    assert bearing("churning", scene=own).cage.drags.torques[0].density == 950.0
+    assert faults(**WEIGHT, drag=["churning"]) == [
+        "cage.drag[0].density: drag 'churning' needs it, and the scene gives no density of the oil; a density is "
+        "expected, such as '7800 kg/m3'"
+    ]
+
+
+def test_a_resistance_reads_what_the_oil_must_give():
+    def without(scene):
+        assembly = assemble(evolve(scene, {"cage": WEIGHT | {"drag": ["rolling-resistance"]}}))
+        conditions = attrs.evolve(assembly.inner.conditions, pressure_viscosity=float("nan"))
+        return attrs.evolve(assembly, inner=attrs.evolve(assembly.inner, conditions=conditions))
+
+    with pytest.raises(SceneError, match=r"gives no pressure_viscosity .* which model 'rolling-resistance' needs"):
+        _ = without(SCENE).cage
+
+
+# Bound ---------------------------------------------------------------------------------------------------------------
+
+
+def test_the_drags_are_sorted():
+    drags = bearing(
+        {"model": "constant-torque", "size": "0.2 N m"}, "rolling-resistance", "pocket-friction", "hysteresis"
+    ).cage.drags
+    assert drags == Drags(
+        torques=(ConstantTorque(size=0.2),),
+        resistance=TotalResistance(terms=(RollingResistance(), Hysteresis())),
+        pocket_friction=CoulombPocket(),
+    )
+    assert [drag.name for drag in drags] == ["constant-torque", "rolling-resistance", "hysteresis", "pocket-friction"]
+    assert bearing("hysteresis").cage.drags.resistance == Hysteresis()
+    assert list(bearing("hysteresis").cage.drags) == [Hysteresis()]
+    assert bearing("constant-torque").cage.drags.torque(300.0, 667.0, 0.0) == pytest.approx(-0.1, rel=1e-5)
+
+
+def test_resistance_runs_behind_the_friction():
+    plain, with_both = bearing(), bearing("rolling-resistance", "hysteresis")
+    assert plain.resisting() is plain
+    resisting = with_both.resisting()
+    loads = np.linspace(5e3, 5e4, 9)
+    for before, after in zip(plain.raceways, resisting.raceways, strict=True):
+        one, other = before.evaluate(loads, 29.8, 0.5), after.evaluate(loads, 29.8, 0.5)
+        np.testing.assert_array_equal(other.friction, one.friction)
+        assert np.all(np.isnan(one.resistance))
+        c = after.conditions
+        a = 2.0796226511 * np.sqrt(c.viscosity * 29.8 * loads)
+        GU = c.pressure_viscosity * c.viscosity * 29.8 / c.radius
+        b = 4.318 * c.radius / c.pressure_viscosity * GU**0.658 * (loads / (c.modulus * c.radius)) ** 0.0126
+        steel = 0.01 * loads * other.half_width / (3 * np.pi * c.radius)
+        np.testing.assert_allclose(other.resistance, (a**-5 + b**-5) ** -0.2 + steel, rtol=1e-12)
+    # the bearing itself stays as it is
+    assert len(with_both.inner.chain.models) == len(resisting.inner.chain.models) - 1
+
+
+def test_a_drag_of_this_process_is_taken(monkeypatch):
+    monkeypatch.setattr(discovery, "_registered", {})
+
+    @attrs.frozen
+    class Linear(DragModel):
+        """A torque in proportion to the speed."""
+
+        name = "linear"
+        equation = "T = -w_c"
+        references = ("Nobody.",)
+
+        def torque(self, cage_speed, inner_speed, outer_speed):
+            return -cage_speed
+
+    register(Linear)
+    assert bearing("linear").cage.drags.torque(3.0, 0.0, 0.0) == -3.0

@@ -1,0 +1,144 @@
+"""A resolution holds every numerical choice, and a study runs exactly the one it is given."""
+
+import attrs
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.load_map import build_load_map
+from rollslip.bearing.resolution import Resolution, as_stated, finest
+from rollslip.errors import SceneError
+from rollslip.fields import FieldError
+from rollslip.studies.dynamics.study import Dynamics
+from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.friction_curve.study import FrictionCurve
+from rollslip.studies.steady_slip.study import SteadySlip
+
+SCENE = evolve(load_scene("1032930-70C"), {"accuracy.slices": 15})
+STUDY = EffectiveFriction(max_cage_slip=0.95, points=21, map_points=0)
+TILTED = evolve(SCENE, {"bearing.profile": "none", "operation.misalignment": "0.05 mrad"})
+
+
+@pytest.mark.parametrize("quadrature", ["equal", "gauss"])
+def test_slices_are_a_quadrature_along_the_roller(quadrature):
+    position, widths = Resolution(slices=24, quadrature=quadrature).slicing(0.015)
+    assert np.all(np.diff(position) > 0.0)
+    np.testing.assert_array_equal(position, -position[::-1])
+    for f, allowed in ((lambda x: 1.0 + 0.0 * x, 1e-14), (lambda x: np.exp(300.0 * x), 2e-3)):
+        whole = quad(f, -0.0075, 0.0075, epsabs=0.0, epsrel=1e-13)[0]
+        assert f(position) @ widths == pytest.approx(whole, rel=allowed if quadrature == "equal" else 1e-14)
+
+
+@pytest.mark.parametrize("scene", [SCENE, TILTED], ids=["profile", "tilt"])
+def test_both_quadratures_go_to_the_same_loads_and_friction(scene):
+    def found(slices, quadrature):
+        resolution = Resolution(slices=slices, quadrature=quadrature, instants=1)
+        assembly = assemble(scene, resolution)
+        force = assembly.load_distribution(1).inner_force[0]
+        return np.append(force / force.max(), STUDY.run(assembly).effective_friction[0] / 5e-3)
+
+    equal, gauss = found(801, "equal"), found(120, "gauss")
+    assert np.abs(equal - gauss).max() < 3e-4  # both err by about 2 over the square of their number
+    assert np.abs(found(24, "gauss") - equal).max() < 3e-3
+
+
+def test_a_study_runs_exactly_the_resolution_it_is_given():
+    resolution = Resolution(slices=9, quadrature="gauss", instants=3)
+    for study, scene in ((STUDY, SCENE), (SteadySlip(points=8), SCENE)):
+        result = study.run(assemble(scene, resolution))
+        assert (result.attrs["slices"], result.attrs["instants"]) == (9, 3)
+        assert "instants_error" not in result.attrs
+    moved = STUDY.run(assemble(SCENE, Resolution(slices=9, quadrature="gauss")))
+    assert moved.attrs["instants"] > 3
+    assert moved.attrs["instants_error"] <= 1e-3
+
+
+def test_what_nobody_planned_is_as_the_scene_states():
+    assert assemble(SCENE).resolution == as_stated(SCENE) == Resolution(slices=15)
+    best = finest(SCENE)
+    assert best.slices == 15  # it is part of what the scene asks for
+    assert best.instants == 128
+    assert best.table_tolerance < 1e-6
+
+
+def test_dynamics_takes_friction_level_and_integrator_from_a_resolution():
+    study = Dynamics(duration=1e-3, points=3)
+    resolution = Resolution(
+        slices=5, instants=2, friction="conventional", level="pocket", integrator="rk45", integrator_tolerance=1e-4
+    )
+    attributes = study.run(assemble(SCENE, resolution)).attrs
+    taken = [attributes[name] for name in ("friction", "level", "integrator", "relative_tolerance")]
+    assert taken == ["conventional", "pocket", "rk45", 1e-4]
+    assert study.at(Resolution()) == study
+
+
+def test_gauss_slices_carry_the_forces_of_a_motion():
+    """Forces of the compiled motion are those of the equilibrium, whatever the widths of the slices."""
+    assembly = assemble(SCENE, Resolution(slices=11, quadrature="gauss", table_tolerance=1e-3))
+    loads = build_load_map(assembly, 1e-3)
+    study = Dynamics(friction="conventional", duration=1e-4, points=2)
+    forces = study.run(assembly).normal_force[:, 0]
+    found = assembly.load_distribution(1, assembly.kinematics.epicyclic_cage_speed)
+    for ring, force in zip(forces.to_numpy(), (found.inner_force[0], found.outer_force[0]), strict=True):
+        np.testing.assert_allclose(np.nan_to_num(ring), force, atol=2 * loads.error * force.sum())
+
+
+def test_stages_run_in_numpy_where_a_resolution_says_so():
+    fast, plain = (STUDY.run(assemble(SCENE, Resolution(slices=7, instants=1, compiled=c))) for c in (True, False))
+    np.testing.assert_allclose(plain.effective_friction, fast.effective_friction, rtol=1e-10)
+    assert assemble(SCENE, Resolution(compiled=False)).inner.chain.block == 0
+
+
+def test_leaving_boundary_friction_out_changes_nothing_in_a_full_film():
+    """Above the limit of the blend its share is exactly zero; below it there is a difference."""
+    rough = evolve(SCENE, {f"surface.{part}_roughness": "0.4 um" for part in ("inner_raceway", "roller")})
+    for scene, same in ((SCENE, True), (rough, False)):
+        with_it, without = (
+            FrictionCurve(normal_force=(300.0,), points=31).run(assemble(scene, Resolution(slices=7, boundary=b)))
+            for b in (True, False)
+        )
+        assert (float(with_it.film_parameter.min()) >= 1.5) == same
+        assert np.array_equal(with_it.friction, without.friction) == same
+    assert assemble(SCENE, Resolution(boundary=False)).traction.name == "muraki"
+
+
+def test_another_law_of_the_full_film_takes_its_place():
+    assembly = assemble(SCENE, Resolution(traction="eyring"))
+    assert (assembly.traction.name, assembly.traction.hydrodynamic.name) == ("lambda-blend", "eyring")
+    assert assembly.traction.evaluated_to(1e-3) == assembly.traction
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"slices": 0}, "slices: must be from 1 to 10000, not 0"),
+        ({"instants": 0}, "instants: must be at least 1, not 0"),
+        ({"quadrature": "simpson"}, "quadrature: must be one of"),
+        ({"table_tolerance": 0.0}, "table_tolerance: must be between 0 and 1"),
+    ],
+)
+def test_what_a_resolution_cannot_be_is_said(wrong, message):
+    with pytest.raises(FieldError, match=message):
+        Resolution(**wrong)
+
+
+def test_a_resolution_is_a_value():
+    assert hash(Resolution(slices=7)) == hash(Resolution(slices=7))
+    with pytest.raises(attrs.exceptions.FrozenInstanceError):
+        Resolution().slices = 3
+
+
+def test_a_map_takes_more_slices_than_a_table_holds():
+    """More loaded slices than are evaluated at a time, for fewer speeds than parts of them."""
+    study = EffectiveFriction(points=5, map_points=2, max_cage_slip=0.3)
+    fine = study.run(assemble(SCENE, Resolution(slices=2001, instants=8)))
+    coarse = study.run(assemble(SCENE, Resolution(slices=301, instants=8)))
+    np.testing.assert_allclose(fine.friction_map, coarse.friction_map, rtol=1e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize(("key", "word"), [("tolerance", "exact"), ("slices", "auto")])
+def test_a_word_that_is_not_known_is_answered_with_the_one_that_is(key, word):
+    with pytest.raises(SceneError, match=f"accuracy.{key}: .*'exakt'.*; or write '{word}'"):
+        evolve(load_scene("1032930-70C"), {f"accuracy.{key}": "exakt"})

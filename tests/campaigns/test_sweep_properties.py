@@ -1,0 +1,319 @@
+"""Whatever happens to a sweep, its result has the bits of one that nothing happens to, and counts what has failed.
+
+The faults are drawn: tasks come back in any order, are computed twice, lost, lost with their worker or refused, and
+Ctrl-C comes in between, once and twice. The processes that really die are in ``test_sweep_faults``.
+"""
+
+import contextlib
+import json
+import random
+import signal
+import threading
+from collections import Counter
+from concurrent.futures import BrokenExecutor, Executor, Future
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import rollslip
+from rollslip.campaigns.sweep import findings as sweep_findings
+from rollslip.campaigns.sweep.folder import begin, finish, merge, status
+from rollslip.campaigns.sweep.journal import Journal, journals, only_writer, running, states
+from rollslip.campaigns.sweep.point import FAILED, STATUSES, Row, compute
+from rollslip.campaigns.sweep.result import collect
+from rollslip.campaigns.sweep.run import run_sweep
+from rollslip.campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep
+from rollslip.engine import Engine
+from rollslip.errors import BusyError, EngineError, OutputError
+
+SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5})
+OVER = {"operation.radial_load": "500:5000:4", "models.traction.hydrodynamic": ["muraki", "eyring", "maxwell-eyring"]}
+COUNT = 12
+
+#: What can become of a task.
+FATES = ("comes", "comes", "comes last", "comes twice", "lost", "dies", "refused", "Ctrl-C")
+
+
+@attrs.frozen
+class Fateful(Engine):
+    """Computes in this thread, but for what is fated; when no fate is left, everything comes."""
+
+    name = "fateful"
+    fates: list = attrs.field(factory=list)
+    seed: int = 0
+    task_seconds: float = 0.0
+
+    def executor(self):
+        return _Fateful(self.fates, random.Random(self.seed))
+
+    def workers(self, executor):
+        return 3
+
+
+class _Fateful(Executor):
+    def __init__(self, fates, chance):
+        self.fates, self.chance, self.late = fates, chance, []
+
+    def submit(self, fn, /, *arguments):
+        future, fate = Future(), "comes"
+        if fn is compute and self.fates:
+            fate = self.fates.pop(0)
+        if fate == "refused":
+            raise RuntimeError("no more tasks")
+        if fate == "Ctrl-C":
+            signal.raise_signal(signal.SIGINT)
+        if fate == "lost":
+            future.set_exception(ConnectionError("gone"))
+        elif fate == "dies":
+            future.set_exception(BrokenExecutor("died"))
+        elif fate == "comes last":
+            timer = threading.Timer(self.chance.uniform(0.0, 0.02), lambda: future.set_result(fn(*arguments)))
+            future.set_running_or_notify_cancel()
+            timer.start()
+        else:
+            for _ in range(1 + (fate == "comes twice")):
+                result = fn(*arguments)
+            future.set_result(result)
+        return future
+
+
+def planned(over=OVER, **options):
+    return plan_sweep(SCENE, over, study="friction-curve", output=["friction"], **options)
+
+
+def same(one, other):
+    """Whether two datasets hold the same bits, but for times."""
+    return one.drop_vars("seconds").drop_attrs(deep=False).identical(other.drop_vars("seconds").drop_attrs(deep=False))
+
+
+def counted(sweep, folder):
+    """Check that everybody who counts points counts the same, and return that."""
+    size, dataset, told = sweep.design.size, collect(sweep, folder), status(folder, errors=1000)
+    codes = states(folder, size)
+    counts = Counter(STATUSES[code - 1] if code else "pending" for code in codes)
+    assert Counter(dataset["status"].to_numpy().ravel().tolist()) == counts
+    assert {name: count for name, count in json.loads(dataset.attrs["counts"]).items() if count} == dict(counts)
+    assert told.counts == counts - Counter(pending=counts["pending"])
+    assert told.total == size
+    assert {number: of for number, of, _ in told.errors} == {
+        number: STATUSES[code - 1] for number, code in enumerate(codes) if code > 1
+    }
+    assert len(status(folder, errors=1).errors) == min(1, len(told.errors))
+    words = ", ".join(f"{counts[name]} {name}" for name in (*STATUSES, "pending") if counts[name])
+    assert sweep_findings.topics(dataset)["points"] == [words]
+    assert {name: count for name, count in sweep_findings.record(dataset)["counts"].items() if count} == dict(counts)
+    warnings = json.loads(dataset.attrs["warnings"])
+    assert bool(warnings) == (counts["ok"] < size)
+    assert not warnings or warnings[0].startswith(f"{size - counts['ok']} of {size} points have no result: ")
+    if "friction" in dataset:
+        ranges = sweep_findings.record(dataset)["outputs"]["friction"]
+        each = dataset["friction"].size // size
+        assert ranges["missing"] == each * (size - counts["ok"])
+        assert ranges["values"] == each * counts["ok"]
+    return counts
+
+
+@pytest.fixture(scope="module")
+def serial(tmp_path_factory):
+    folder, sweep = tmp_path_factory.mktemp("serial"), planned()
+    store_sweep(sweep, folder)
+    run_sweep(sweep, folder, engine=rollslip.get_model("engine", "serial"))
+    return collect(sweep, folder)
+
+
+def survives(runs, seed, task_seconds, serial, folder):
+    """Run a sweep again and again under what is fated; compare all that it gives meanwhile with the serial bits."""
+    sweep = planned()
+    store_sweep(sweep, folder)
+    for fates in runs:
+        with contextlib.suppress(EngineError, KeyboardInterrupt):
+            settled = run_sweep(sweep, folder, engine=Fateful([*fates], seed, task_seconds))
+            assert settled.interrupted or settled.progress.done == COUNT
+        assert not running(folder)
+        counted(sweep, folder)
+        partial = collect(sweep, folder)
+        done = (partial["status"] == "ok").to_numpy()
+        if done.any():
+            assert np.array_equal(partial["friction"].to_numpy()[done], serial["friction"].to_numpy()[done])
+            assert np.isnan(partial["friction"].to_numpy()[~done]).all()
+    settled = run_sweep(open_sweep(folder), folder, engine=Fateful([], seed, task_seconds))
+    assert settled.progress.done == COUNT
+    assert set(settled.progress.counts) <= {"ok", "crashed"}  # one that dies alone too has killed its worker
+    run_sweep(sweep, folder, engine=Fateful([], seed, task_seconds), again=FAILED)
+    assert counted(sweep, folder) == {"ok": COUNT}
+    assert same(collect(sweep, folder), serial)
+
+
+FATED = {
+    "runs": st.lists(st.lists(st.sampled_from(FATES), max_size=COUNT), max_size=4),
+    "seed": st.integers(0, 1000),
+    "task_seconds": st.sampled_from([0.0, 0.005, 0.02, 10.0]),
+}
+
+
+@settings(deadline=None, max_examples=8)
+@given(**FATED)
+def test_nothing_that_happens_changes_a_bit(runs, seed, task_seconds, serial, tmp_path_factory):
+    survives(runs, seed, task_seconds, serial, tmp_path_factory.mktemp("fated"))
+
+
+@pytest.mark.slow
+@settings(deadline=None, max_examples=500)
+@given(**FATED)
+def test_nothing_that_happens_changes_a_bit_over_many_draws(runs, seed, task_seconds, serial, tmp_path_factory):
+    survives(runs, seed, task_seconds, serial, tmp_path_factory.mktemp("fated"))
+
+
+# What failed is counted ----------------------------------------------------------------------------------------------
+
+
+@settings(deadline=None, max_examples=15)
+@given(
+    journals=st.lists(
+        st.lists(st.tuples(st.integers(0, COUNT - 1), st.sampled_from(STATUSES)), max_size=2 * COUNT), max_size=3
+    )
+)
+def test_a_failed_point_is_counted_by_everybody_until_it_succeeds(journals, tmp_path_factory):
+    folder, sweep = tmp_path_factory.mktemp("counted"), planned()
+    store_sweep(sweep, folder)
+    rows = {row.number: row for row in compute(sweep.work, [(n, sweep.design.changes(n)) for n in range(COUNT)]).rows}
+    wanted = dict.fromkeys(range(COUNT), "pending")
+    for written in journals:
+        journal = Journal(folder, {"engine": "serial", "sweep": sweep.hash})
+        journal.write([rows[n] if end == "ok" else Row(n, "", end, f"it {end}", 0.0) for n, end in written])
+        for number, ended in written:
+            wanted[number] = "ok" if "ok" in (ended, wanted[number]) else ended
+        journal.close("complete")
+    assert counted(sweep, folder) == Counter(wanted.values())
+    assert collect(sweep, folder)["status"].to_numpy().ravel().tolist() == [*wanted.values()]
+    settled = run_sweep(sweep, folder, engine=Fateful())
+    assert settled.progress.counts == counted(sweep, folder)
+    assert settled.progress.failed == COUNT - settled.progress.counts["ok"]
+    assert settled.progress.here == Counter(wanted.values())["pending"]
+
+
+# Journals that were damaged, lost or put elsewhere -------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """The folder of a sweep that is done."""
+    sweep = planned()
+    folder = begin(sweep, tmp_path_factory.mktemp("kept") / "s")
+    run_sweep(sweep, folder, engine=rollslip.get_model("engine", "serial"))
+    return folder
+
+
+@settings(deadline=None, max_examples=25)
+@given(data=st.data())
+def test_a_damaged_journal_is_refused_or_changes_no_bit(data, kept, serial, tmp_path_factory):
+    content = bytearray((kept / "journal-000000.sqlite").read_bytes())
+    damage = data.draw(st.sampled_from(["cut", "bit", "garbage", "zeros"]))
+    place = data.draw(st.integers(0, len(content) - 1))
+    if damage == "cut":
+        del content[place:]
+    elif damage == "bit":
+        content[place] ^= 1 << data.draw(st.integers(0, 7))
+    else:
+        length = data.draw(st.sampled_from([16, 512, 4096]))
+        new = bytes(length) if damage == "zeros" else random.Random(place).randbytes(length)
+        content[place : place + length] = new[: len(content) - place]
+    folder = tmp_path_factory.mktemp("damaged")
+    (folder / "journal-000000.sqlite").write_bytes(content)
+    (folder / "sweep.json").write_bytes((kept / "sweep.json").read_bytes())
+    sweep, said = planned(), ""
+    try:
+        status(folder)
+        partial = collect(open_sweep(folder), folder)
+    except OutputError as error:
+        said = str(error)
+        (folder / "journal-000000.sqlite").unlink()
+    if said:
+        assert "journal-000000.sqlite: is not a journal that can be read (" in said
+        assert "move it away and resume" in said
+    elif (done := (partial["status"] == "ok").to_numpy()).any():
+        assert np.array_equal(partial["friction"].to_numpy()[done], serial["friction"].to_numpy()[done])
+    run_sweep(sweep, folder, engine=Fateful())
+    assert same(collect(sweep, folder), serial)
+
+
+def test_a_folder_that_has_lost_what_it_is_takes_its_journals_up_again(serial, tmp_path):
+    sweep = planned()
+    folder = begin(sweep, tmp_path / "s")
+    run_sweep(sweep, folder, engine=Fateful())
+    finish(sweep, folder)
+    (folder / "sweep.json").write_text("{")
+    with pytest.raises(
+        OutputError, match=r"cannot be read .*; remove it; the same command as before, with --out .*/s,"
+    ):
+        open_sweep(folder)
+    (folder / "sweep.json").unlink()
+    with pytest.raises(OutputError, match=r"there is no sweep\.json; the same command .* --out .*/s, makes"):
+        status(folder)
+    with pytest.raises(OutputError, match=r"journal-000000.sqlite: is a journal of another sweep; move it away"):
+        begin(planned({"operation.radial_load": "1 kN"}), folder)
+    assert begin(sweep, folder) == folder
+    assert run_sweep(sweep, folder).why == "all points are done"
+    assert same(finish(sweep, folder), serial)
+    assert len(journals(folder)) == 1
+
+
+def test_a_journal_of_another_sweep_is_not_counted(kept, tmp_path):
+    other = planned({"operation.radial_load": "500:5000:12"})
+    folder = begin(other, tmp_path / "s")
+    (folder / "journal-000000.sqlite").write_bytes((kept / "journal-000000.sqlite").read_bytes())
+    for ask in (lambda: run_sweep(other, folder), lambda: collect(other, folder)):
+        with pytest.raises(OutputError, match=r"journal-000000.sqlite: is a journal of another sweep; move it away"):
+            ask()
+
+
+def test_a_folder_has_one_writer_at_a_time(tmp_path):
+    sweep = planned()
+    folder = begin(sweep, tmp_path / "s")
+    with only_writer(folder):
+        assert running(folder)
+        assert status(folder).running
+        with pytest.raises(BusyError, match="s: is being computed; wait for it, or end it; how far it is: rol"):
+            run_sweep(sweep, folder)
+        with pytest.raises(BusyError, match="s: being computed; wait for it, or end it, and merge then"):
+            merge([folder], tmp_path / "whole")
+    assert not running(folder)
+    assert not journals(folder)
+    assert not (tmp_path / "whole").exists()
+
+
+def test_pieces_of_other_packages_are_not_merged(tmp_path):
+    pieces = [begin(planned(shard=(k, 2)), tmp_path / "s") for k in (1, 2)]
+    for piece in pieces:
+        stored = json.loads((piece / "sweep.json").read_text())
+        stored["facts"]["packages"]["scipy"] = "1.0"
+        (piece / "sweep.json").write_text(json.dumps(stored))
+    with pytest.raises(OutputError, match=r"since then has changed:\n  packages\.scipy: '1\.0' -> "):
+        merge(pieces, tmp_path / "whole")
+
+
+def test_pieces_that_overlap_or_lack_one_are_merged_and_lose_nothing(serial, tmp_path):
+    pieces = []
+    for shard in ((1, 3), (2, 3), (1, 2)):
+        sweep = planned(shard=shard)
+        pieces.append(begin(sweep, tmp_path / "array"))
+        run_sweep(sweep, pieces[-1], engine=Fateful())
+    merged = merge([*pieces, pieces[0]], tmp_path / "whole")
+    wanted = {*range(0, 12, 3), *range(1, 12, 3), *range(0, 12, 2)}
+    assert counted(merged, tmp_path / "whole") == {"ok": len(wanted), "pending": 12 - len(wanted)}
+    assert run_sweep(merged, tmp_path / "whole", engine=Fateful()).progress.here == 12 - len(wanted)
+    assert same(collect(merged, tmp_path / "whole"), serial)
+    # a merge that was cut off before it could say what it has made
+    (tmp_path / "whole" / "sweep.json").unlink()
+    merged = merge(pieces, tmp_path / "whole")
+    assert same(collect(merged, tmp_path / "whole"), serial)
+
+
+def test_a_piece_without_points_says_so(tmp_path):
+    sweep = planned({"operation.radial_load": "500:5000:2"}, shard=(3, 4))
+    folder = begin(sweep, tmp_path / "s")
+    assert run_sweep(sweep, folder).why == "all points are done"
+    assert sweep_findings.sentences(finish(sweep, folder)) == ["no points"]

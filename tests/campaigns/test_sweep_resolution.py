@@ -1,0 +1,69 @@
+"""How finely sweeps compute their points, and what of a study they compute."""
+
+import json
+
+import attrs
+import numpy as np
+import pytest
+
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.resolution import finest
+from rollslip.campaigns.sweep.point import compute, unpacked
+from rollslip.campaigns.sweep.sampling import probabilities
+from rollslip.campaigns.sweep.sweep import plan_sweep
+from rollslip.scene.reading import evolve, load_scene
+from rollslip.studies.outputs import evaluate
+from rollslip.studies.study import settings
+
+OVER = {"lubricant.pressure_viscosity_factor": "0.75:1.25"}
+
+
+class TestTheResolutionOfASweep:
+    """It is chosen once, before the first point, and belongs to what the sweep is."""
+
+    def test_points_keep_the_error_that_the_scene_states_with_fewer_slices(self):
+        made = plan_sweep("1032930-70C", OVER, samples=128, output=["critical_cage_slip", "critical_friction"])
+        (chosen,) = made.resolutions.chosen.values()
+        assert chosen.slices < 801
+        assert chosen.instants < 128
+        for number in (90,):
+            changes = made.design.changes(number)
+            (row,) = compute(made.work, [(number, changes)]).rows
+            found = unpacked(json.loads(row.layout), row.numbers, row.texts)
+            scene = evolve(load_scene("1032930-70C"), changes)
+            study = settings(scene, "effective-friction")["effective-friction"]
+            exact, *_ = evaluate(study, assemble(scene, finest(scene)), made.outputs)
+            for name in ("critical_cage_slip", "critical_friction"):
+                assert found[name][0] == pytest.approx(exact[name][1][0], rel=scene.accuracy.tolerance)
+
+    def test_other_laws_have_their_own_and_pieces_the_same(self):
+        over = OVER | {"models.film": ["moes", "dowson-1968"]}
+        made = plan_sweep("1032930-70C", over, samples=128)
+        assert list(made.resolutions.chosen) == ['["moes"]', '["dowson-1968"]']
+        assert plan_sweep("1032930-70C", over, samples=128, shard=(2, 3)).hash == made.hash
+        assert made.facts["resolutions"] == made.resolutions.facts
+
+    def test_few_points_are_computed_as_stated(self):
+        assert not plan_sweep("1032930-70C", OVER, samples=16).resolutions.chosen
+
+    def test_the_resolution_counts_in_what_a_sweep_is(self):
+        made = plan_sweep("1032930-70C", OVER, samples=128)
+        assert attrs.evolve(made, resolutions=type(made.resolutions)()).hash != made.hash
+
+
+def test_lean_steady_slips_are_those_of_a_run():
+    scene = load_scene("1032930-70C")
+    study = settings(scene, "steady-slip")["steady-slip"]
+    found, _ = study.only(assemble(scene), frozenset({"steady_slip", "status"}))
+    whole = study.run(assemble(scene))
+    assert found["steady_slip"][1].tolist() == whole.steady_slip.values.tolist()
+    assert found["status"][1] == whole.status.item()
+
+
+def test_samples_after_saltelli_exchange_one_dimension_at_a_time_and_begin_alike():
+    few, many = probabilities("saltelli", 8, 3, 5), probabilities("saltelli", 16, 3, 5)
+    assert np.array_equal(many[:40], few)
+    blocks = many.reshape(16, 5, 3)
+    for k in range(3):
+        assert np.array_equal(np.delete(blocks[:, 2 + k], k, axis=1), np.delete(blocks[:, 0], k, axis=1))
+        assert np.array_equal(blocks[:, 2 + k, k], blocks[:, 1, k])

@@ -1,0 +1,315 @@
+"""Allowable slip and margin: what is asked for, what samples give, what failed ones do, and going on."""
+
+import json
+from collections import Counter
+
+import attrs
+import numpy as np
+import pytest
+import xarray as xr
+from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import rollslip
+from rollslip.campaigns.sweep.point import FAILED, STATUSES
+from rollslip.campaigns.sweep.run import Progress, Settled
+from rollslip.campaigns.uncertainty import estimators
+from rollslip.campaigns.uncertainty import margin as allowable
+from rollslip.campaigns.uncertainty.findings import failed, record, sentences
+from rollslip.campaigns.uncertainty.margin import expected_seconds, plan_margin, run_margin, uncertainty
+from rollslip.cli.main import cli
+from rollslip.errors import OutputError, SceneError
+from rollslip.results.figures import plot
+from rollslip.scene import FrozenTable
+from rollslip.scene.reading import load_scene
+
+#: Few slices and slips: what is tested is what is made of the points.
+SCENE = rollslip.evolve(load_scene("1032930-70C"), {"accuracy.slices": 3, "study.effective-friction.points": 9})
+
+
+def uncertain(**table):
+    raw = {**SCENE.raw, "uncertainty": table}
+    return attrs.evolve(SCENE, uncertainty=FrozenTable(table), raw=FrozenTable(raw))
+
+
+ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", "scatter": 0.2}}}
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "said"),
+    [
+        (SCENE, {"probability": 1.0}, "probability: must be from 0.5 to below 1, not 1"),
+        (SCENE, {"until": 0.0}, "until: a half width above 0 is expected"),
+        (SCENE, {"samples": 1}, "samples: a distribution needs 2 at least, not 1"),
+        (SCENE, {"samples": 8, "steady": 9}, "steady: the samples of the steady slip are the first of all 8, not 9"),
+        (SCENE, {"indices": 12}, "indices: the design after Saltelli needs a power of two, 4 or more rows, not 12"),
+        (SCENE, {"steady_indices": 2}, "steady_indices: the design after Saltelli needs a power of two"),
+        (
+            attrs.evolve(SCENE, cage=None),
+            {"samples": 8, "steady_indices": 4},
+            "steady_indices: the scene has no table [cage], so there is no steady slip",
+        ),
+        (
+            uncertain(
+                lubricant={
+                    "pressure_viscosity_factor": {"distribution": "uniform", "scatter": 0.2},
+                    "eyring_stress": {"distribution": "lognormal", "scatter": 0.2},
+                },
+                correlation=[
+                    {"between": ["lubricant.pressure_viscosity_factor", "lubricant.eyring_stress"], "coefficient": 0.5}
+                ],
+            ),
+            {"samples": 8, "steady": 0, "indices": 4},
+            "Sobol indices need independent inputs, and these are correlated",
+        ),
+    ],
+)
+def test_what_is_wrong_is_said_before_anything_runs(scene, options, said):
+    with pytest.raises(SceneError) as error:
+        plan_margin(scene, **options)
+    assert said in str(error.value)
+
+
+def test_steady_slips_are_never_more_than_samples():
+    assert len(plan_margin(SCENE, samples=4).steady.design.samples) == 4
+
+
+def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
+    made = plan_margin(SCENE, samples=8, steady=0)
+    assert list(made.critical.uncertainty.distributions) == [
+        "lubricant.viscosity_factor",
+        "lubricant.pressure_viscosity_factor",
+        "lubricant.eyring_stress",
+        "lubricant.shear_modulus",
+    ]
+    found = uncertainty(SCENE, samples=8, steady=0)
+    (warning,) = json.loads(found.attrs["warnings"])
+    assert "the scatter is the one that the oil comes with" in warning
+    assert "So and Klaus" in warning
+    assert not plan_margin(uncertain(**ALPHA), samples=8, steady=0).scatter
+
+
+def test_data_of_the_scene_do_not_scatter_like_those_of_the_oil():
+    scene = rollslip.evolve(SCENE, {"lubricant.pressure_viscosity": "12 1/GPa"})
+    assert (
+        "lubricant.pressure_viscosity_factor"
+        not in plan_margin(scene, samples=8, steady=0).critical.uncertainty.distributions
+    )
+
+
+def test_every_shipped_oil_says_how_uncertain_it_is():
+    from rollslip_plugins.lubricants import lubricants
+
+    for oil in lubricants():
+        assert {one.quantity for one in oil.scatter} >= {"pressure_viscosity_factor", "eyring_stress"}
+        for one in oil.scatter:
+            assert one.grade in ("(B)", "(C)", "(D)")
+            assert one.source
+
+
+def test_the_distribution_is_that_of_the_points(tmp_path):
+    # the critical slip falls with the coefficient: the k-th smallest slip is that of the k-th largest factor
+    found = uncertainty(uncertain(**ALPHA), samples=32, steady=3, probability=0.9, out=tmp_path / "kept")
+    factors = np.sort(found.input_value.to_numpy()[0])[[-4, -16]].tolist()  # of 32, 3.2 and 16 lie below
+    swept = rollslip.sweep(SCENE, {"lubricant.pressure_viscosity_factor": factors}, study="effective-friction")
+    slips = swept.critical_cage_slip.sel(ring="inner").to_numpy()
+    told = found.quantile_value.sel(quantity="critical slip")
+    assert told.sel(probability=[0.1, 0.5]).to_numpy() == pytest.approx(slips, rel=1e-12)
+    assert found.allowable_slip == told.sel(probability=0.1)
+    assert found.margin == 1.0
+    assert found.margin_low == pytest.approx(0.025 ** (1 / 3))  # Clopper and Pearson where all of three hold
+    assert rollslip.open_result(tmp_path / "kept" / "uncertainty.nc").identical(found)
+    json.dumps(record(found), allow_nan=False)
+
+
+def _points(status, slips):
+    return xr.Dataset(
+        {
+            "critical_cage_slip": (("sample", "ring"), np.stack([slips, np.full(len(slips), np.nan)], axis=1)),
+            "critical_friction": (("sample", "ring"), np.full((len(slips), 2), 0.01)),
+            "status": ("sample", np.array(status)),
+        },
+        {"ring": ["inner", "outer"], "sample": np.arange(len(slips))},
+    )
+
+
+def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatch):
+    slips = np.linspace(0.1, 0.2, 64)
+    slips[::16] = np.nan
+    slips[5] = np.nan
+    status = ["crashed" if k % 16 == 0 else "ok" for k in range(64)]  # number 5 has none in the range
+    made = plan_margin(uncertain(**ALPHA), samples=64, steady=0, probability=0.9)
+    monkeypatch.setattr(
+        allowable, "run_sweep", lambda *args, **options: Settled(Progress(64, {}, 0, 0.0), "", "", False)
+    )
+    monkeypatch.setattr(allowable, "collect", lambda sweep, folder: _points(status, slips))
+    found = run_margin(made, tmp_path / "failed")
+    one = found.sel(quantity="critical slip")
+    assert [int(one[name]) for name in ("samples", "known", "beyond", "unknown")] == [64, 59, 1, 4]
+    assert "4 of 64 points are crashed; they count as the worst and as the best" in found.attrs["warnings"]
+    assert "1 beyond the range or without end, 4 without a value" in " ".join(sentences(found))
+    whole = np.where(np.isnan(slips), np.inf, slips)
+    for treated in (-np.inf, np.inf):
+        values = np.where(np.array(status) == "ok", whole, treated)
+        exact = allowable.quantile(values, 0.1)
+        assert found.allowable_low <= exact.low
+        assert exact.high <= found.allowable_high
+    assert np.isfinite(found.allowable_slip)
+
+
+@settings(deadline=None, max_examples=15)
+@given(
+    ends=st.lists(st.sampled_from([*STATUSES, "ok", "ok", "ok"]), min_size=16, max_size=16), beyond=st.integers(0, 16)
+)
+def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
+    slips = np.where(np.arange(16) < beyond, np.nan, np.linspace(0.1, 0.2, 16))
+    slips[[end != "ok" for end in ends]] = np.nan
+    counts = Counter(ends)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(allowable, "run_sweep", lambda *args, **options: Settled(Progress(16, {}, 0, 0.0), "", "", False))
+        patch.setattr(allowable, "collect", lambda sweep, folder: _points(ends, slips))
+        made = plan_margin(uncertain(**ALPHA), samples=16, steady=0, probability=0.5)
+        found = run_margin(made, tmp_path_factory.mktemp("ends"))
+    told = record(found)
+    assert told["points"] == {"critical": dict(counts)}
+    one = told["quantities"]["critical slip"]
+    assert one["unknown"] == failed(found) == 16 - counts["ok"]
+    assert one["beyond_the_range"] == np.isnan(slips).sum() - one["unknown"]
+    assert one["samples"] == one["known"] + one["beyond_the_range"] + one["unknown"] == 16
+    warned = [text for text in json.loads(found.attrs["warnings"]) if "points are" in text]
+    assert sorted(warned) == sorted(
+        f"critical: {counts[end]} of 16 points are {end}; they count as the worst and as the best"
+        for end in FAILED
+        if counts[end]
+    )
+    assert not one["unknown"] or f"{one['unknown']} without a value" in " ".join(sentences(found))
+
+
+def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(allowable, "_FIRST", 32)
+    options = {"samples": 48, "steady": 0, "probability": 0.95}
+    made = plan_margin(uncertain(**ALPHA), **options)
+    whole = run_margin(made, tmp_path / "whole")
+
+    class StopError(Exception):
+        pass
+
+    def stop(progress):
+        if progress.done > 20:
+            raise StopError
+
+    with pytest.raises(StopError):
+        run_margin(made, tmp_path / "cut", report=stop)
+    again = run_margin(plan_margin(uncertain(**ALPHA), **options, engine="serial"), tmp_path / "cut")
+    assert again.drop_attrs().identical(whole.drop_attrs())
+    assert list(whole.batch_samples.values) == [32, 48]
+    with pytest.raises(OutputError, match="holds samples of another scene"):
+        run_margin(plan_margin(uncertain(**ALPHA), **options | {"seed": 1}), tmp_path / "cut")
+
+
+def test_batches_end_when_the_interval_is_narrow_enough(monkeypatch):
+    monkeypatch.setattr(allowable, "_FIRST", 32)
+    wide = uncertainty(uncertain(**ALPHA), samples=256, steady=0, probability=0.8, until=0.5)
+    assert list(wide.batch_samples.values) == [32]
+    assert wide.sizes["sample"] == 32
+    width = 0.5 * float(wide.allowable_high - wide.allowable_low)
+    narrow = uncertainty(uncertain(**ALPHA), samples=256, steady=0, probability=0.8, until=0.75 * width)
+    assert narrow.sizes["batch"] > 1
+    assert 0.5 * float(narrow.allowable_high - narrow.allowable_low) <= 0.75 * width
+    assert np.array_equal(narrow.value[:, :32], wide.value, equal_nan=True)
+
+
+def test_the_command_writes_result_figures_and_report(tmp_path):
+    out = tmp_path / "made"
+    arguments = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8", "--steady", "0"]
+    done = CliRunner().invoke(
+        cli, [*arguments, "--indices", "4", "--probability", "0.5", "--out", str(out), "--report"]
+    )
+    assert done.exit_code == 0, done.output
+    assert "is below its critical slip with probability 0.5" in done.output
+    assert {path.name for path in out.glob("*.*")} >= {
+        "uncertainty.nc", "uncertainty.svg", "uncertainty-indices.svg", "report.html",
+    }  # fmt: skip
+    assert "total Sobol index: lubricant.pressure_viscosity_factor" in (out / "report.html").read_text()
+    plain = CliRunner().invoke(cli, [*arguments, "--out", str(out / "plain"), "--no-plots", "--json"])
+    assert json.loads(plain.stdout)["allowable_slip"]["value"] > 0.0
+
+
+def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
+    over = {"operation.radial_load": "2 kN:6 kN:2", "operation.inner_speed": "4000 rpm:8000 rpm:2"}
+    grid = rollslip.sweep(SCENE, over, study="effective-friction")
+    assert [path.name for path in plot(grid, tmp_path)] == ["sweep-map.svg"]
+    over = {"lubricant.eyring_stress": "3 MPa:6 MPa", "models.film": ["moes", "dowson-1968"]}
+    models = rollslip.sweep(SCENE, over, samples=4, study="effective-friction")
+    (file,) = plot(models, tmp_path)
+    assert file.name == "sweep-models.svg"
+    assert "the medians are up to" in file.read_text()
+
+
+def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
+    made = plan_margin(uncertain(**ALPHA), samples=8, steady=0, indices=16)
+
+    def points(sweep, folder):
+        n = len(sweep.design.samples)
+        lost = np.arange(n) == 4
+        slips = np.where(lost, np.nan, sweep.design.samples[:, 0])
+        return _points(np.where(lost, "crashed", "ok"), slips)
+
+    monkeypatch.setattr(
+        allowable, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+    )
+    monkeypatch.setattr(allowable, "collect", points)
+    found = run_margin(made, tmp_path / "made")
+    assert int(found.indexed_rows.sel(indexed="critical slip")) == 8
+    assert found.first_order.sel(indexed="critical slip").item() == pytest.approx(1.0, abs=0.5)
+    assert "made of 8 of 16 rows" in " ".join(sentences(found))
+    assert "indices: 1 of 48 points are crashed" in found.attrs["warnings"]
+
+
+def test_the_steady_slip_has_indices_where_they_are_asked_for(tmp_path, monkeypatch):
+    scatter = {
+        "pressure_viscosity_factor": {"distribution": "uniform", "scatter": 0.2},
+        "viscosity_factor": {"distribution": "uniform", "scatter": 0.2},
+    }
+    made = plan_margin(uncertain(lubricant=scatter), samples=8, steady=0, steady_indices=256)
+    assert list(made.sweeps) == ["critical", "steady-indices"]
+
+    def points(sweep, folder):
+        n, (alpha, viscosity) = len(sweep.design.samples), sweep.design.samples.T
+        if sweep.study == "effective-friction":
+            return _points(["ok"] * n, alpha)
+        # two slips of which the smallest counts: a linear one, of which each part of the variance is known
+        slips = 0.1 * np.stack([2.0 * alpha + viscosity, 2.0 * alpha + viscosity + 1.0], axis=1)
+        away = alpha > 1.19
+        slips[away] = np.nan
+        words = np.where(away, "the drag is larger than the cage can carry: slip runs away", "found")
+        return xr.Dataset(
+            {
+                "steady_slip": (("sample", "steady"), slips),
+                "study_status": ("sample", words),
+                "status": ("sample", ["ok"] * n),
+            }
+        )
+
+    monkeypatch.setattr(
+        allowable, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+    )
+    monkeypatch.setattr(allowable, "collect", points)
+    found = run_margin(made, tmp_path / "made").sel(indexed=["steady slip"])
+    assert int(found.indexed_asked.item()) == int(found.indexed_rows.item()) == 256
+    # what runs away counts as at the end of the range, 0.9, far from all others
+    values = points(made.steady_varied, None)
+    slips = np.where(np.isnan(values.steady_slip[:, 0]), 0.9, values.steady_slip[:, 0]).reshape(-1, 4)
+    exact = estimators.indices(slips[:, 0], slips[:, 1], slips[:, 2:].T, seed=0)
+    assert found.total_order.to_numpy()[0] == pytest.approx(exact.total[0], rel=1e-12)
+    assert int(found.indexed_beyond.item()) == int(np.isnan(values.steady_slip[:, 0]).sum()) > 0
+    assert json.loads(found.attrs["points"])["steady-indices"] == {"ok": 1024}
+    assert "share of the variance of steady slip" in " ".join(sentences(found))
+
+
+def test_what_it_will_take_is_told_beforehand():
+    made = plan_margin(uncertain(**ALPHA), samples=8, steady=4, steady_indices=8)
+    told = expected_seconds(made)
+    assert list(told) == ["critical", "steady", "steady-indices"]
+    assert 0.0 < told["critical"] < told["steady"] < told["steady-indices"]

@@ -1,0 +1,206 @@
+"""What ``rollslip plugins new`` writes: whole and valid for every kind, and nothing where a name cannot be used."""
+
+import ast
+import re
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from rollslip.catalogue.registry import KINDS
+from rollslip.catalogue.scaffold import new, package
+from rollslip.errors import OutputError, RollslipError
+from rollslip.fields import FieldError
+
+FORMS = [(kind, False) for kind in KINDS] + [(kind, True) for kind in ("contact", "film", "traction", "drag")]
+every_form = pytest.mark.parametrize(
+    ("kind", "compiled"), FORMS, ids=[f"{kind}-compiled" if compiled else kind for kind, compiled in FORMS]
+)
+
+
+@every_form
+def test_a_package_is_written_whole(kind: str, compiled: bool, tmp_path: Path) -> None:
+    made = new("rollslip-my-law", kind, compiled, tmp_path)
+    assert made == tmp_path / "rollslip-my-law"
+    source = "src/rollslip_my_law"
+    expected = {".gitignore", "LICENSE", "README.md", "pyproject.toml", f"{source}/__init__.py", f"{source}/py.typed"}
+    expected |= {f"{source}/{kind}.py", "tests/test_rollslip_my_law.py"}
+    expected |= {f"{source}/heun.py"} if kind == "integrator" else set()
+    if compiled:
+        expected |= {"setup.py", f"{source}/_kernel.pyx", f"{source}/_kernel.pyi"}
+    written = {path.relative_to(made).as_posix(): path for path in made.rglob("*") if path.is_file()}
+    assert set(written) == expected
+    assert {name: path.read_text(encoding="utf-8") for name, path in written.items()} == package(
+        "rollslip-my-law", kind, compiled
+    )
+    assert list(tmp_path.iterdir()) == [made]
+    assert made.stat().st_mode & 0o700 == 0o700
+
+
+@every_form
+def test_the_metadata_lead_to_the_model(kind: str, compiled: bool) -> None:
+    texts = package("rollslip-my-law", kind, compiled)
+    metadata = tomllib.loads(texts["pyproject.toml"])
+    project = metadata["project"]
+    assert project["name"] == "rollslip-my-law"
+    assert project["entry-points"] == {f"rollslip.{kind}": {"my-law": f"rollslip_my_law.{kind}"}}
+    assert "rollslip>=0.1,<0.2" in project["dependencies"]
+    assert {re.split("[<>=]", one)[0] for one in project["optional-dependencies"]["test"]} >= {"pytest"}
+    builders = {re.split("[<>=]", one)[0] for one in metadata["build-system"]["requires"]}
+    assert builders == ({"setuptools", "Cython", "rollslip"} if compiled else {"setuptools"})
+
+    tree = ast.parse(texts[f"src/rollslip_my_law/{kind}.py"])
+    hooks = [
+        node.name
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef) and [ast.unparse(one) for one in node.decorator_list] == ["hookimpl"]
+    ]
+    assert hooks == [KINDS[kind]]
+    strings = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
+    assert "my-law" in strings
+    methods = {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+    assert ("kernel" in methods) == compiled
+
+
+@every_form
+def test_the_files_are_python_and_nothing_is_left_to_fill_in(kind: str, compiled: bool) -> None:
+    imported = {"numpy": "numpy", "attrs": "attrs", "scipy": "scipy"}
+    for path, text in package("quick", kind, compiled).items():
+        assert "$" not in text, path
+        assert not re.search(r"^@(compiled|python)\b", text, re.MULTILINE), path
+        assert text == "" or text.endswith("\n"), path
+        assert not re.search(r"[ \t]$|\t|\n\n\n\n", text, re.MULTILINE), path
+        assert max(map(len, text.splitlines()), default=0) <= 120, path
+        if path.endswith((".py", ".pyi")):
+            tree = ast.parse(text, path)
+            assert path.endswith(".pyi") or text == "" or ast.get_docstring(tree), path
+            if path.startswith("src/"):
+                modules = {name.split(".")[0] for name in re.findall(r"^(?:from|import) ([\w.]+)", text, re.MULTILINE)}
+                wanted = tomllib.loads(package("quick", kind, compiled)["pyproject.toml"])["project"]["dependencies"]
+                for module in modules & set(imported):
+                    assert any(one.startswith(imported[module]) for one in wanted), (path, module)
+
+
+def test_every_template_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    read = set()
+    real = Path.read_text
+
+    def noted(path: Path, *arguments: object, **options: object) -> str:
+        read.add(path.name)
+        return real(path, *arguments, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Path, "read_text", noted)
+    for kind, compiled in FORMS:
+        package("quick", kind, compiled)
+    monkeypatch.undo()
+    assert {entry.name for entry in (files("rollslip.catalogue") / "templates").iterdir()} <= read
+
+
+# Faults ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("My Law", "'My Law' is not made of lower-case letters and digits with single hyphens, a letter first; "
+         "'my-law' would do"),
+        ("my_law", "'my-law' would do"),
+        ("1-law", "'law' would do"),
+        ("my--law", "'my-law' would do"),
+        ("law-", "'law' would do"),
+        ("../law", "'law' would do"),
+        ("", "'' is not made of lower-case letters and digits with single hyphens, a letter first"),
+        ("§", "'§' is not made of"),
+        ("gesetz-für", "'gesetz-f-r' would do"),
+        ("law\n", "'law' would do"),
+        ("lambda", "'lambda' is a word of Python's own"),
+        ("match", "'match' is a word of Python's own"),
+        ("queue", "a module 'queue' would hide Python's own"),
+        ("tests", "a module 'tests' would hide Python's own or that of the tests"),
+        ("numpy", "a module 'numpy' is installed already"),
+        ("rollslip", "a module 'rollslip' is installed already"),
+        ("rollslip-plugins", "a module 'rollslip_plugins' is installed already"),
+        ("film-model", "'film-model' would make a class 'FilmModel' beside rollslip's own"),
+        ("rollslip-slices", "'rollslip-slices' would make a class 'Slices' beside rollslip's own"),
+        ("rollslip-1949", "'rollslip-1949' would make a class '1949', which begins with a digit"),
+        ("test-law", "pytest would take a class 'TestLaw' for tests"),
+        ("moes", "package rollslip offers a film called 'moes' already"),
+        ("rollslip-moes", "package rollslip offers a film called 'moes' already"),
+    ],
+)  # fmt: skip
+def test_a_name_that_cannot_be_used_is_refused_with_a_reason(name: str, sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(FieldError) as error:
+        new(name, "film", False, tmp_path)
+    assert str(error.value).startswith("name: ")
+    assert sentence in str(error.value)
+    assert "\n" not in str(error.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_name_of_another_kind_is_free(tmp_path: Path) -> None:
+    assert new("moes", "traction", False, tmp_path).is_dir()
+
+
+@pytest.mark.parametrize(
+    ("kind", "sentence"),
+    [
+        ("tracton", "kind: no kind of model is called 'tracton'; did you mean 'traction'?"),
+        ("zzz", "there are: contact, film, traction, drag, integrator, engine, lubricant, bearing, surface"),
+    ],
+)
+def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(FieldError) as error:
+        new("law", kind, False, tmp_path)
+    assert sentence in str(error.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("kind", ["integrator", "engine", "lubricant", "bearing", "surface"])
+def test_what_has_no_compiled_form_is_refused_one(kind: str, tmp_path: Path) -> None:
+    with pytest.raises(FieldError, match=f"{kind} has no compiled form, only contact, film, traction, drag have"):
+        new("law", kind, True, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("there", ["file", "folder", "empty folder", "dangling link"])
+def test_what_is_there_already_is_left_alone(there: str, tmp_path: Path) -> None:
+    target = tmp_path / "law"
+    if there == "file":
+        target.write_text("mine")
+    elif there == "dangling link":
+        target.symlink_to(tmp_path / "nothing")
+    else:
+        target.mkdir()
+        if there == "folder":
+            (target / "notes").write_text("mine")
+    before = sorted(path.name for path in tmp_path.rglob("*"))
+    with pytest.raises(OutputError, match=r"law: exists, and is left as it is; choose another name or folder"):
+        new("law", "film", False, tmp_path)
+    assert sorted(path.name for path in tmp_path.rglob("*")) == before
+
+
+def test_nothing_is_left_when_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    real = Path.write_text
+
+    def full(path: Path, text: str, *arguments: object, **options: object) -> int:
+        if path.suffix == ".toml":
+            raise OSError(28, "No space left on device")
+        return real(path, text, *arguments, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(OutputError, match=r"law: cannot be written \(No space left on device\)"):
+        new("law", "film", False, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(
+        RollslipError, match=r"file/law: cannot be written \(.*\); nothing was written; choose another folder"
+    ):
+        new("law", "film", False, tmp_path / "file")
+
+
+def test_missing_folders_above_are_made(tmp_path: Path) -> None:
+    assert (new("law", "film", False, tmp_path / "a" / "b") / "pyproject.toml").is_file()

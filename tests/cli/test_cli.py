@@ -1,0 +1,297 @@
+"""The command line as a person uses it, mistakes included: what it prints, writes, leaves behind and returns."""
+
+import json
+import os
+import re
+import signal
+import stat
+import subprocess
+import sys
+import time
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rollslip
+from rollslip.results.dataset import VOLATILE
+
+QUICK = ["--study", "friction-curve", "--no-plots"]
+
+
+def command(*arguments, cwd, code=0, **environment):
+    """Run the installed program in a process of its own; return what it printed."""
+    done = subprocess.run(
+        [sys.executable, "-c", "from rollslip.cli import main; main()", *map(str, arguments)],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | environment,
+    )
+    assert done.returncode == code, f"{done.returncode}\n{done.stdout}\n{done.stderr}"
+    assert "Traceback" not in done.stderr
+    return done
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """A scene file of the user's own to spoil, and its text."""
+    text = (files("rollslip") / "scenes" / "1032930-70C.toml").read_text()
+    path = tmp_path / "own.toml"
+    path.write_text(text)
+
+    def write(old, new):
+        assert old in text, old
+        path.write_text(text.replace(old, new))
+        line = next(n for n, row in enumerate(path.read_text().splitlines(), 1) if new.split("\n")[-1] in row)
+        return path, line
+
+    write.path = path
+    return write
+
+
+def test_a_run_writes_data_plots_and_report(tmp_path):
+    done = command("run", "1032930-70C", "--report", cwd=tmp_path)
+    assert re.match(
+        r"rollslip \S+ \| 1032930-70C [0-9a-f]{12} \| contact palmgren \(rollslip \S+\), film moes", done.stdout
+    )
+    assert "inner ring: critical slip" in done.stdout
+    assert "warning: lightly loaded contacts" in done.stderr
+    names = {path.name for path in (tmp_path / "1032930-70C-results").iterdir()}
+    assert {"effective-friction.nc", "friction-curve.nc", "report.html"} <= names
+    assert sum(name.endswith(".svg") for name in names) >= 2
+    again = command("run", "1032930-70C", *QUICK, cwd=tmp_path)
+    assert "written to 1032930-70C-results-2" in again.stdout
+
+
+def test_json_is_json_and_says_null_with_a_status(tmp_path):
+    coarse = ["--set", "accuracy.slices=15"]
+    done = command("run", "1032930-70C", *coarse, "--no-plots", "--json", "--out", "o", cwd=tmp_path)
+    said = json.loads(done.stdout)
+    outer = said["studies"]["effective-friction"]["results"]["outer ring"]
+    assert outer["critical_slip"] is None
+    assert outer["status"].startswith("no critical slip")
+    stored = rollslip.open_result(tmp_path / "o" / "effective-friction.nc")
+    inner = said["studies"]["effective-friction"]["results"]["inner ring"]["critical_slip"]
+    assert inner == float(stored.critical_cage_slip.sel(ring="inner"))
+    assert said["scene_hash"] == stored.attrs["scene_hash"]
+    for arguments in (["plan", "1032930-70C"], ["info", "1032930-70C"], ["info"], ["models"], ["models", "film"],
+                      ["models", "muraki"], ["schema"], ["info", "o/effective-friction.nc"]):  # fmt: skip
+        json.loads(command(*arguments, "--json", cwd=tmp_path).stdout)
+
+
+def test_a_result_comes_back_as_it_was_and_can_be_run_again(tmp_path):
+    result = rollslip.run("1032930-50C", "friction-curve")
+    path = tmp_path / "r.nc"
+    from rollslip.results.dataset import save
+
+    save(result, path)
+    stored = rollslip.open_result(path)
+    assert stored.identical(result)
+    assert set(stored.attrs) >= {"scene", "scene_hash", "scene_resolved", "packages", "models", "warnings", "citations"}
+    from rollslip.scene.reading import parse_scene
+
+    again = rollslip.run(parse_scene(stored.attrs["scene"], stored.attrs["source"]), "friction-curve")
+    for volatile in set(VOLATILE) & stored.attrs.keys():
+        again.attrs[volatile] = stored.attrs[volatile]
+    assert again.identical(stored)
+    assert all("units" in v.attrs and "long_name" in v.attrs for v in stored.variables.values())
+
+
+def test_cite_names_the_sources_of_a_scene_and_of_its_result(tmp_path):
+    of_scene = command("cite", "1032930-30C", cwd=tmp_path).stdout
+    assert of_scene.startswith("Klebanov")
+    assert "Moes H." in of_scene
+    assert "Sakaguchi" in of_scene
+    assert "Kragelskii" in of_scene  # of a model inside the blend
+    command("run", "1032930-30C", *QUICK, "--out", "o", cwd=tmp_path)
+    assert command("cite", "o/friction-curve.nc", cwd=tmp_path).stdout == of_scene
+    changed = json.loads(command("cite", "1032930-30C", "--set", "models.film=blok", "--json", cwd=tmp_path).stdout)
+    assert any("Blok" in text for text in changed)
+    done = command("cite", "o/friction-curve.nc", "--set", "a.b=1", cwd=tmp_path, code=2)
+    assert "a result cannot be changed" in done.stderr
+
+
+def test_set_changes_the_scene(tmp_path):
+    plain, changed = (
+        json.loads(command("run", "1032930-30C", *QUICK, "--json", "--out", out, *extra, cwd=tmp_path).stdout)
+        for out, extra in (("a", []), ("b", ["--set", "lubricant.eyring_stress=10 MPa", "--set", "models.film=blok"]))
+    )
+    assert plain["scene_hash"] != changed["scene_hash"]
+    assert changed["models"]["film"] == "blok"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("eyring_stress", "eyring_stres", "lubricant.eyring_stres: unknown key, did you mean 'eyring_stress'?"),
+        ('roller_diameter = "15 mm"', 'roller_diameter = "15 kg"', "bearing.roller_diameter: '15 kg' is a mass"),
+        ('roller_diameter = "15 mm"', 'roller_diameter = "1,5 mm"', "a decimal comma is not read; write '1.5 mm'"),
+        ('roller_diameter = "15 mm"', 'roller_diameter = "-15 mm"', "bearing.roller_diameter: must be above 0"),
+        ('roller_roughness = "0.1 um"', 'roller_roughness = "0 um"', "surface.roller_roughness: must be above 0"),
+        ("rollers = 28", "rollers = 38", "bearing.rollers: 38 rollers of 15 mm do not fit"),
+        ("rollers = 28", "rollers = 12.9", "bearing.rollers: "),
+        ("rollers = 28", "rollers = true", "bearing.rollers: "),
+        ('radial_load = "3415 N"', 'radial_load = "0 N"', "no roller is loaded on the inner ring"),
+        ('temperature = "70 degC"', 'temperature = "250 degC"', "250 degC"),
+        ('name = "mil-prf-7808"', 'name = "sae-30"', "gives no conductivity"),
+        ('closure = "epicyclic"', 'closure = "epicycle"', "closure: must be one of"),
+        ("boundary_limit = 0.01", "boundary_limit = 2.0", "hydrodynamic_limit: must be above boundary_limit"),
+    ],
+)
+def test_a_bad_scene_gets_one_sentence_with_its_line(tmp_path, scene, old, new, says):
+    if "radial_load" in old:
+        scene('radial_clearance = "0 mm"', 'radial_clearance = "50 um"')
+        scene.path.write_text(scene.path.read_text().replace(old, new))
+        path, line = scene.path, None
+    else:
+        path, line = scene(old, new)
+    done = command("run", path, "--out", "o", cwd=tmp_path, code=2)
+    assert says in done.stderr
+    if line is not None and "temperature" not in old and "name" not in old and "boundary_limit" not in old:
+        assert f"own.toml:{line}: " in done.stderr
+    assert not (tmp_path / "o").exists()
+
+
+def test_all_mistakes_are_reported_at_once(tmp_path, scene):
+    text = scene.path.read_text().replace("rollers = 28", "rollers = -3").replace('"15 mm"', '"15"')
+    scene.path.write_text(text.replace("tolerance = 1e-3", "tolerance = 7\nextra = 1"))
+    done = command("run", scene.path, cwd=tmp_path, code=2)
+    assert len(done.stderr.splitlines()) >= 5
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ("models.film=moess", "models.film: no film is called 'moess'; did you mean 'moes'"),
+        ("models.traction.hydrodynamic=murki", "did you mean 'muraki'"),
+        ("lubricant.name=mil-7808", "did you mean 'mil-prf-7808'"),
+    ],
+)
+def test_a_model_that_does_not_exist_gets_the_nearest(tmp_path, change, says):
+    done = command("run", "1032930-70C", "--set", change, "--out", "o", cwd=tmp_path, code=5)
+    assert says in done.stderr
+    assert not (tmp_path / "o").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["run", "1032930-71C"], "1032930-70C"),
+        (["run", "missing.toml"], "there is no such file"),
+        (["run", "1032930-70C", "--study", "effective-frction"], "did you mean 'effective-friction'"),
+        (["run", "1032930-70C", "--set", "operation.radial_load"], "KEY=VALUE"),
+        (["info", "missing.nc"], "there is no such file"),
+        (["run"], "Missing argument"),
+        (["rum"], "No such command"),
+    ],
+)
+def test_wrong_usage(tmp_path, arguments, says):
+    done = command(*arguments, cwd=tmp_path, code=2)
+    assert says in done.stderr
+
+
+def test_models_that_do_not_exist(tmp_path):
+    assert "did you mean 'muraki'" in command("models", "murak", cwd=tmp_path, code=5).stderr
+
+
+def test_a_formula_outside_its_regime_warns(tmp_path):
+    done = command("run", "1032930-70C", *QUICK, "--set", "models.film=herrebrugh", "--out", "o", cwd=tmp_path)
+    assert "warning: film model 'herrebrugh' holds in the elastic-isoviscous regime" in done.stderr
+    stored = rollslip.open_result(tmp_path / "o" / "friction-curve.nc")
+    assert "herrebrugh" in stored.attrs["warnings"]
+
+
+def test_a_folder_that_holds_files_is_left_alone(tmp_path):
+    target = tmp_path / "o"
+    target.mkdir()
+    (target / "mine.txt").write_text("precious")
+    done = command("run", "1032930-70C", *QUICK, "--out", "o", cwd=tmp_path, code=2)
+    assert "o: exists and holds files; name another --out, or --overwrite it" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["o"]
+    assert (target / "mine.txt").read_text() == "precious"
+    command("run", "1032930-70C", *QUICK, "--out", "o", "--overwrite", cwd=tmp_path)
+    assert {path.name for path in target.iterdir()} == {"friction-curve.nc"}
+
+
+def test_an_empty_folder_is_used_and_a_file_is_not(tmp_path):
+    (tmp_path / "o").mkdir()
+    command("run", "1032930-70C", *QUICK, "--out", "o", cwd=tmp_path)
+    (tmp_path / "f").write_text("")
+    assert "f: is not a folder" in command("run", "1032930-70C", *QUICK, "--out", "f", cwd=tmp_path, code=2).stderr
+
+
+def test_a_folder_that_cannot_be_written_is_said(tmp_path):
+    done = command("run", "1032930-70C", *QUICK, "--out", "/proc/nothing/o", cwd=tmp_path, code=2)
+    assert "/proc/nothing/o: cannot be written" in done.stderr
+    if os.geteuid() != 0:  # nothing is forbidden to root
+        locked = tmp_path / "locked"
+        locked.mkdir()
+        locked.chmod(stat.S_IRUSR | stat.S_IXUSR)
+        assert (
+            "cannot be written"
+            in command("run", "1032930-70C", *QUICK, "--out", "locked/o", cwd=tmp_path, code=2).stderr
+        )
+
+
+@pytest.mark.parametrize(("how", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_run_leaves_no_half_file(tmp_path, how, code):
+    process = subprocess.Popen(
+        [sys.executable, "-c", "from rollslip.cli import main; main()", "run", "1032930-70C", "--out", "o",
+         "--set", "accuracy.slices=4001", "--set", "study.effective-friction.closure=free-roller"],
+        cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 60
+    while not any(tmp_path.iterdir()):  # it has begun to write
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.02)
+    process.send_signal(how)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert "Traceback" not in said
+    assert not any(tmp_path.iterdir())
+
+
+def test_plan_says_what_is_left_out_and_why(tmp_path):
+    said = json.loads(command("plan", "1032930-70C", "--set", "bearing.profile=none", "--json", cwd=tmp_path).stdout)
+    slices = next(part for part in said["parts"] if part["part"] == "slices")
+    assert (slices["included"], slices["choice"]) == (False, "one slice per contact")
+    assert "part" in command("plan", "1032930-70C", cwd=tmp_path).stdout
+    rows = {r["part"]: r for r in rollslip.plan("1032930-70C").as_dict()["parts"]}
+    assert rows["slices"]["included"]
+    assert not rows["unloaded contacts"]["included"]
+    assert not rows["cage, drag and integrators"]["included"]
+    misaligned = rollslip.evolve(
+        rollslip.load_scene("1032930-70C"), {"operation.misalignment": "0.1 mrad", "bearing.profile": "none"}
+    )
+    rows = {r["part"]: r for r in rollslip.plan(misaligned).as_dict()["parts"]}
+    assert rows["slices"]["included"]
+    assert "the misalignment" in rows["slices"]["reason"]
+
+
+def test_report_from_stored_results(tmp_path):
+    command("run", "1032930-30C", "--set", "accuracy.slices=5", "--no-plots", "--out", "o", cwd=tmp_path)
+    command("report", "o/friction-curve.nc", "o/effective-friction.nc", "--out", "r.html", cwd=tmp_path)
+    assert (tmp_path / "r.html").read_text().lower().startswith("<!doctype html>")
+    assert "exists" in command("report", "o/friction-curve.nc", "--out", "r.html", cwd=tmp_path, code=2).stderr
+    (tmp_path / "no.nc").write_text("nothing")
+    assert "is not a netCDF file" in command("report", "no.nc", "--out", "s.html", cwd=tmp_path, code=2).stderr
+
+
+@pytest.mark.parametrize(("slices", "tolerance"), [(201, 1e-4), pytest.param(401, 1e-5, marks=pytest.mark.slow)])
+def test_the_fine_result_agrees_with_the_default_one(slices, tolerance):
+    """What the plan leaves out or coarsens stays below the tolerance of the scene."""
+    scene = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"study.effective-friction.map_points": 0})
+    default = rollslip.run(scene)
+    fine = rollslip.run(rollslip.evolve(scene, {"accuracy.slices": slices, "accuracy.tolerance": tolerance}))
+    ratio = default.critical_cage_slip.sel(ring="inner") / fine.critical_cage_slip.sel(ring="inner")
+    assert float(np.abs(ratio - 1.0)) < 1e-3
+
+
+def test_every_shipped_scene_runs(tmp_path):
+    for entry in (files("rollslip") / "scenes").iterdir():
+        if entry.name.endswith(".toml"):
+            assert isinstance(rollslip.run(Path(entry.name).stem).attrs["evaluations"], int | np.integer)

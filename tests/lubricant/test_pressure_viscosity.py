@@ -1,0 +1,244 @@
+"""Viscosity under pressure: reference numbers, what the laws share, ranges, and the choice as a scene makes it."""
+
+import csv
+import json
+import math
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rollslip import Chain, Conditions, evolve, get_model, load_scene, plan, run
+from rollslip.bearing.assembly import assemble
+from rollslip.errors import DomainError, SceneError
+from rollslip.lubricant import Constant, Lubricant, lubricant_from_table
+from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi, from_oil, with_law
+from rollslip.models import TractionModel
+from rollslip_kernels.slices import Slices
+from rollslip_plugins.blend import LambdaBlend
+from rollslip_plugins.lubricants import mil_prf_7808
+from strategies import NumpyForm, decades, evaluated, forms, law_of, or_zero
+
+#: Polyphenyl ether 5P4E after Ehret, Dowson and Taylor (1998); units in the file's form.
+ETHER = {
+    "glass_temperature": "-28.2 degC",
+    "a1": 134.2,
+    "a2": 1.929e-9,
+    "b1": 4.815,
+    "b2": 0.16e-9,
+    "c1": 16.01,
+    "c2": 20.69,
+}
+FIVE_RINGS = Yasutomi(**ETHER | {"glass_temperature": 273.15 - 28.2})
+LAWS = [Barus(), Roelands(), FIVE_RINGS]
+every_law = pytest.mark.parametrize("law", forms(LAWS))
+
+with (Path(__file__).parents[1] / "references" / "pressure_viscosity.csv").open() as file:
+    REFERENCES = [
+        (row["law"], *(float(row[key]) for key in ("temperature", "pressure", "viscosity", "thermoviscosity")))
+        for row in csv.DictReader(file)
+    ]
+
+
+def oil(law):
+    return Lubricant(
+        name="a test's", description="", source="", viscosity=mil_prf_7808.viscosity,
+        pressure_viscosity=mil_prf_7808.pressure_viscosity, pressure_viscosity_law=law,
+        minimum_temperature=290.0, maximum_temperature=390.0,
+    )  # fmt: skip
+
+
+def conditions(law, temperature):
+    state = oil(law_of(law)).at(temperature)
+    return Conditions(
+        temperature=temperature,
+        viscosity=state.viscosity,
+        pressure_viscosity=state.pressure_viscosity,
+        thermoviscosity=state.thermoviscosity,
+        pressure_thermoviscosity=state.pressure_thermoviscosity,
+    )
+
+
+@every_law
+def test_laws_give_the_reference_numbers(law):
+    """Against 50 digits: ln(eta) is of order 30, so that its rounding alone moves eta by some 1e-14."""
+    rows = [row for row in REFERENCES if row[0] == law.name]
+    assert len(rows) >= 11
+    for _, T, p, viscosity, thermoviscosity in rows:
+        slices = evaluated(law, conditions(law, T), pressure=p)
+        np.testing.assert_allclose(slices.film_viscosity, viscosity, rtol=5e-14)
+        np.testing.assert_allclose(slices.film_thermoviscosity, thermoviscosity, rtol=5e-14)
+
+
+def test_barus_and_roelands_differ_fourfold_at_0_4_gigapascals():
+    """What a published comparison would be missing: at 30 degC the MIL-L-7808 laws are 4.5 apart."""
+    rows = {(law, T, p): eta for law, T, p, eta, _ in REFERENCES}
+    assert rows["barus", 303.15, 4e8] / rows["roelands", 303.15, 4e8] == pytest.approx(4.497, rel=1e-3)
+
+
+@every_law
+@settings(deadline=None, max_examples=60)
+@given(T=st.floats(300.0, 380.0), p=or_zero(decades(3, 8)), more=st.floats(1.0, 1.5))
+def test_viscosity_rises_with_pressure_from_that_of_the_oil(law, T, p, more):
+    oil_here = conditions(law, T)
+    slices = evaluated(law, oil_here, pressure=[0.0, p, p * more])
+    zero, low, high = slices.film_viscosity
+    assert zero == oil_here.viscosity
+    assert zero <= low <= high * (1 + 1e-14)
+    assert slices.film_thermoviscosity[0] == pytest.approx(oil_here.thermoviscosity, rel=1e-14)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+@pytest.mark.parametrize("T", [303.15, 343.15])
+def test_the_initial_slope_is_the_coefficient_of_the_oil(law, T):
+    """alpha = dln(eta)/dp at ambient pressure, for a law that takes it from the oil and for one that fixes it."""
+    here, p = conditions(law, T), 1.0
+    slope = math.log(law.at(here, p)[0] / here.viscosity) / p
+    # the difference quotient loses 1e-16/(alpha p) = 1e-8 of its digits
+    assert slope == pytest.approx(here.pressure_viscosity, rel=1e-6)
+    assert here.pressure_viscosity > 5e-9
+
+
+def test_yasutomi_is_the_glass_viscosity_at_the_glass_transition():
+    """At T = Tg(p) the law's own viscosity is eta_g = 1e12 Pa s: the definition its constants are fitted to."""
+    T = 343.15
+    p = (math.exp((T - FIVE_RINGS.glass_temperature) / FIVE_RINGS.a1) - 1) / FIVE_RINGS.a2
+    ambient = 1e12 * 10 ** (-16.01 * (T - 244.95) / (20.69 + T - 244.95))
+    rise = FIVE_RINGS.at(Conditions(temperature=T, viscosity=ambient, thermoviscosity=0.1), p * (1 - 1e-14))[0]
+    assert rise == pytest.approx(1e12, rel=1e-9)
+    # its atmospheric viscosity at 98.9 degC is of the size of the fluid's data sheet, 13 mm2/s and some 1100 kg/m3 (C)
+    hot = 1e12 * 10 ** (-16.01 * (98.9 + 28.2) / (20.69 + 98.9 + 28.2))
+    assert 0.5 < hot / 0.0145 < 2
+
+
+@pytest.mark.parametrize("law", forms([FIVE_RINGS]))
+def test_below_the_glass_transition_there_is_no_viscosity(law):
+    with pytest.raises(DomainError, match="yasutomi: slice 1 is outside its domain"):
+        evaluated(law, conditions(law, 303.15), pressure=[1e8, 1e9, 1e8])
+    with pytest.raises(DomainError, match="yasutomi"):  # the oil itself is one
+        evaluated(law, Conditions(temperature=240.0, viscosity=1.0, thermoviscosity=0.1), pressure=0.0)
+
+
+@pytest.mark.parametrize("law", forms([Roelands()]))
+def test_roelands_has_no_value_for_an_oil_thinner_than_its_pole(law):
+    thin = Conditions(viscosity=6e-5, pressure_viscosity=1e-8, thermoviscosity=0.02, pressure_thermoviscosity=0.0)
+    with pytest.raises(DomainError, match=r"roelands: viscosity = 6e-05 Pa s is outside its domain \(>= 6.3"):
+        evaluated(law, thin, pressure=1e8)
+
+
+@pytest.mark.parametrize("law", LAWS[:2], ids=lambda law: law.name)
+@settings(deadline=None, max_examples=60)
+@given(
+    viscosity=decades(-3.9, 1),
+    alpha=or_zero(decades(-10, -7.5)),
+    beta=decades(-3, -1),
+    gamma=or_zero(decades(-12, -9)),
+    pressures=st.lists(or_zero(decades(4, 9)), min_size=1, max_size=5),
+)
+def test_compiled_and_numpy_agree(law, viscosity, alpha, beta, gamma, pressures):
+    here = Conditions(
+        viscosity=viscosity, pressure_viscosity=alpha, thermoviscosity=beta, pressure_thermoviscosity=gamma
+    )
+    compiled, numpy = (evaluated(form, here, pressure=pressures) for form in (law, NumpyForm(law)))
+    np.testing.assert_allclose(compiled.film_viscosity, numpy.film_viscosity, rtol=1e-12)
+    # near the pole of Roelands's law the two parts of the fall cancel
+    size = np.maximum(np.abs(numpy.film_thermoviscosity), beta)
+    assert np.all(np.abs(compiled.film_thermoviscosity - numpy.film_thermoviscosity) <= 1e-11 * size)
+
+
+def test_local_pressures_of_any_shape():
+    here = conditions(Barus(), 320.0)
+    viscosity, fall = Barus().at(here, np.full((2, 3), 1e8))
+    assert viscosity.shape == fall.shape == (2, 3)
+    with mpmath.workdps(30):
+        expected = mpmath.mpf(here.viscosity) * mpmath.exp(mpmath.mpf(here.pressure_viscosity) * mpmath.mpf(1e8))
+    np.testing.assert_allclose(viscosity, float(expected), rtol=1e-15)
+
+
+# In an oil, a scene and a bearing ------------------------------------------------------------------------------------
+
+
+def own(**changes):
+    table = {
+        "name": "mil-prf-7808",
+        "pressure_viscosity_law": "yasutomi",
+        "yasutomi": ETHER,
+        **changes,
+    }
+    return lubricant_from_table({k: v for k, v in table.items() if v is not None}, lambda name: mil_prf_7808)
+
+
+def test_a_law_that_fixes_the_coefficient_is_believed():
+    made = own()
+    assert made.pressure_viscosity_law == FIVE_RINGS
+    state = made.at(343.15)
+    assert state.pressure_viscosity == FIVE_RINGS.coefficient(343.15) != mil_prf_7808.at(343.15).pressure_viscosity
+    assert math.isnan(state.pressure_thermoviscosity)  # so that no law that reads gamma is bound to it
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"pressure_viscosity_law": "barus"}, "lubricant.yasutomi: the constants and .* need each other"),
+        ({"yasutomi": None}, "lubricant.yasutomi: the constants and .* need each other"),
+        ({"yasutomi": {**ETHER, "c1": 0.0}}, "lubricant.yasutomi.c1: must be above 0"),
+        ({"yasutomi": {k: v for k, v in ETHER.items() if k != "b2"}}, "lubricant.yasutomi.b2: missing"),
+        ({"pressure_viscosity": 1e-8}, "lubricant.pressure_viscosity: not with Yasutomi's law"),
+        ({"pressure_viscosity_factor": 1.2}, "lubricant.pressure_viscosity_law: 'yasutomi' fixes alpha itself"),
+        ({"pressure_viscosity_law": "barrus"}, "lubricant.pressure_viscosity_law: must be one of 'barus'"),
+    ],
+)
+def test_what_a_scene_gets_wrong(changes, says):
+    with pytest.raises(SceneError, match=says):
+        own(**changes)
+
+
+def test_the_choice_reaches_the_contacts_the_plan_and_the_citations():
+    scene = evolve(load_scene("1032930-70C"), {"lubricant.pressure_viscosity_law": "roelands", "accuracy.slices": 11})
+    assert [m.name for m in assemble(scene).inner.chain.models][1:3] == ["moes", "roelands"]
+    part = next(part for part in plan(scene).parts if part.part == "viscosity at pressure")
+    assert part.choice == "roelands"
+    assert "mil-prf-7808" in part.reason
+    small = evolve(scene, {"study.effective-friction.points": 9, "study.effective-friction.map_points": 0})
+    result = run(small, "effective-friction")
+    assert any("Roelands" in text for text in json.loads(result.attrs["citations"]))
+    barus = run(evolve(small, {"lubricant.pressure_viscosity_law": "barus"}), "effective-friction")
+    # thinner under pressure, so that the film heats less and friction peaks later and lower
+    assert float(result.critical_friction[0]) < float(barus.critical_friction[0])
+
+
+def test_the_law_reaches_a_model_and_its_children_that_ask_for_it():
+    import attrs
+
+    @attrs.frozen(kw_only=True)
+    class Local(TractionModel):
+        name = "local"
+        law: PressureViscosity = from_oil()
+
+        def evaluate(self, slices):
+            raise NotImplementedError
+
+    changed = with_law(LambdaBlend(hydrodynamic=Local()), Roelands())
+    assert changed.hydrodynamic.law == Roelands()
+    untouched = LambdaBlend()
+    assert with_law(untouched, Roelands()) is untouched
+
+
+def test_an_oil_without_the_data_of_its_law_is_refused_in_words():
+    scene = evolve(
+        load_scene("1032930-70C"),
+        {"lubricant.pressure_viscosity_law": "yasutomi", **{f"lubricant.yasutomi.{k}": v for k, v in ETHER.items()}},
+    )
+    assert assemble(scene).lubricant.pressure_viscosity_law == FIVE_RINGS
+    bare = Lubricant(
+        name="thin", description="", source="", viscosity=Constant(0.01), minimum_temperature=290.0,
+        maximum_temperature=390.0,
+    )  # fmt: skip
+    slices = Slices(1, Conditions(**{k: getattr(bare.at(300.0), k) for k in ("viscosity", "pressure_viscosity")}))
+    slices.pressure[:] = 1e8
+    with pytest.raises(DomainError, match="barus: needs"):
+        Chain(Barus())(slices)
+    assert get_model("traction", "muraki").reads >= {"film_viscosity", "film_thermoviscosity"}

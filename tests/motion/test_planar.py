@@ -1,0 +1,986 @@
+"""Plane motion: against Lagrange's equations, closed solutions, the equilibrium, and its own ledger."""
+
+import csv
+import functools
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.special import gamma
+
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
+from rollslip.errors import DomainError, SceneError
+from rollslip.fields import FieldError
+from rollslip.motion.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
+from rollslip.motion.raceway_friction import named_friction
+from rollslip_kernels import planar as kernels
+from rollslip_kernels import raceway as friction_kernels
+from rollslip_kernels.rosenbrock import Rosenbrock
+from rollslip_kernels.system import RefusedError
+from rollslip_plugins.drag import PetroffLand
+
+CAGE = {"mass": 0.4, "inertia": 3.3e-3}
+TINY = 1e-30  # of a complex step: exact to rounding
+
+
+@functools.cache
+def scene_of(rollers=28, guidance="roller", drag=(), cage=(), more=()):
+    held = {**CAGE, "guidance": guidance, "drag": list(drag), **dict(cage)}
+    changes = {"bearing.rollers": rollers, "accuracy.slices": 15, "cage": held}
+    return evolve(load_scene("1032930-50C"), changes | dict(more))
+
+
+def motion(scene, friction="constant", coefficient=0.05, transition=0.1, **given):
+    found = PlanarSettings(**{"inner_ring_mass": 3.0} | given)
+    return planar_motion(
+        assemble(scene), found, friction=friction, coefficient=coefficient, transition=transition, tolerance=1e-2
+    )
+
+
+# Lagrange's equations ------------------------------------------------------------------------------------------------
+
+
+class Lagrange:
+    """The same bearing written down once more: energy, velocities of points, and virtual work by complex steps.
+
+    q = ring x, y; cage x, y, phi; chi, theta, rho of every roller, psi = phi + 2 pi j/Z + chi.
+    """
+
+    def __init__(self, planar, kind):
+        self.planar, self.kind = planar, kind
+        a, self.cage, self.set = planar.assembly, planar.assembly.cage, planar.settings
+        self.assembly, self.k, self.b = a, a.kinematics, a.scene.bearing
+        self.Z, self.m = self.b.rollers, a.roller_mass
+        self.J = self.m * self.k.roller_radius**2 / 2
+        sign = self.k.direction
+        self.wi, self.wo = sign * self.k.inner_speed, sign * self.k.outer_speed
+        g, at = self.set.gravity, self.set.gravity_direction
+        self.g = g * np.array([np.cos(at), sign * np.sin(at)])
+        if kind == "effective":
+            self.table = named_friction(
+                a, kind, effective_over="sliding-speed", coefficient=0.0, transition=0.0, tolerance=1e-2
+            ).capsules
+        self.e = self.cage.unbalance / self.cage.mass
+        self.pitch = 2 * np.pi * np.arange(self.Z) / self.Z
+
+    def coordinates(self, y):
+        head, rollers, _ = self.planar.parts(y)
+        chi = rollers[:, 0] / self.k.orbit_radius
+        q = np.concatenate((head[[0, 1, 4, 5, 9]], chi, 0 * chi, rollers[:, 3]))
+        speeds = np.concatenate((head[[2, 3, 6, 7, 8]], rollers[:, 1] - head[8], rollers[:, 2], rollers[:, 4]))
+        return q, speeds
+
+    def parts(self, x, pitch=0.0):
+        Z = self.Z
+        return x[0:2], x[2:4], x[4], x[4] + pitch + x[5 : 5 + Z], x[5 + Z : 5 + 2 * Z], x[5 + 2 * Z :]
+
+    def energy(self, q, dq):
+        _, _, phi, _, _, rho = self.parts(q, self.pitch)
+        vi, vc, w, orbit, spin, rise = self.parts(dq)
+        radius = self.k.orbit_radius + rho
+        vx, vy = vc[0] - self.e * w * np.sin(phi), vc[1] + self.e * w * np.cos(phi)
+        about_centre = self.cage.inertia - self.cage.mass * self.e**2
+        return 0.5 * (
+            np.sum(self.m * (rise**2 + (radius * orbit) ** 2) + self.J * spin**2)
+            + self.set.inner_ring_mass * (vi[0] ** 2 + vi[1] ** 2)
+            + self.cage.mass * (vx**2 + vy**2)
+            + about_centre * w**2
+        )
+
+    def mass_matrix(self, q):
+        unit = np.eye(q.size)
+        # the energy is quadratic in the speeds; where two have nothing to do with each other this is exactly zero
+        return np.array([[self.energy(q, a + b) - self.energy(q, a - b) for b in unit] for a in unit]) / 2
+
+    def places(self, q):
+        """Inner and outer approach, place in the pocket along orbit and radius: what elastic forces work on (4, Z)."""
+        ring, cage, _, psi, _, rho = self.parts(q, self.pitch)
+        c, s = np.cos(psi), np.sin(psi)
+        inner = ring[0] * c + ring[1] * s - self.b.radial_clearance / 2 - rho
+        pocket = self.k.orbit_radius * q[5 : 5 + self.Z]
+        return np.array([inner, rho, pocket - (cage[1] * c - cage[0] * s), rho - (cage[0] * c + cage[1] * s)])
+
+    def slips(self, q, dq):
+        """Sliding and twice the rolling speed on both rings, sliding on the bars ahead, behind, outside, inside (8, Z).
+
+        From the velocities of the bodies' points where they touch; that point itself goes round with the roller.
+        """
+        ring, cage, _, psi, _, _ = self.parts(q, self.pitch)
+        vi, vc, wc, w, spin, rise = self.parts(dq)
+        c, s = np.cos(psi), np.sin(psi)
+        Ri, Ro, r = self.k.inner_radius, self.k.outer_radius, self.k.roller_radius
+        touch = Ri + ring[0] * c + ring[1] * s
+        on_ring = vi[1] * c - vi[0] * s + self.wi * Ri - touch * w
+        on_roller = (touch + r) * w + r * spin - touch * w
+        outer_ring, outer_roller = Ro * (self.wo - w), (Ro - r) * w - r * spin - Ro * w
+        # radial velocity of the roller's front (and back), and of the cage there
+        centre = rise - (vc[0] * c + vc[1] * s) - (cage[1] * c - cage[0] * s) * w
+        turning = r * (spin + wc)
+        # the same along the orbit, of its outermost (and innermost) point; the cage turns with it by w_c r
+        along = self.k.orbit_radius * (w - wc) + (cage[0] * c + cage[1] * s) * w - (vc[1] * c - vc[0] * s)
+        outermost, innermost = along - r * spin - r * wc, along + r * spin + r * wc
+        return np.array(
+            [
+                on_ring - on_roller,
+                on_ring + on_roller,
+                outer_ring - outer_roller,
+                -(outer_ring + outer_roller),
+                centre + turning,
+                centre - turning,
+                outermost,
+                innermost,
+            ]
+        )
+
+    def contact_forces(self, place, rate, sliding, doubled):
+        """Force and traction and rolling resistance of both contacts, by the framework's own arrays."""
+        drop, widths = self.assembly.drop, self.assembly.widths
+        found = []
+        for n, raceway in enumerate(self.assembly.raceways):
+            elastic, _ = self.assembly.deflect(place[n][:, None] - drop, raceway.ring)
+            z = self.set.contact_damping * rate[n]
+            load = elastic * np.where(z > 0, 1 + z, 1 / (1 - np.minimum(z, 0)))[:, None]
+            Q = load @ widths
+            traction, resistance = np.zeros(self.Z), np.zeros(self.Z)
+            V, u = sliding[n], doubled[n] / 2
+            if self.kind == "constant":
+                traction = 0.05 * Q * V / np.sqrt(V**2 + 0.1**2)
+            elif self.kind == "effective":
+                traction = friction_kernels.friction(self.table[n], 0.0, Q, V, u, 0.0)[0]
+            else:
+                on = load > 0
+                film = np.broadcast_to(np.hypot(u, 1e-3)[:, None], load.shape)[on]
+                done = raceway.evaluate(load[on], film, np.broadcast_to(V[:, None], load.shape)[on])
+                mu, per_length = np.zeros_like(load), np.zeros_like(load)
+                mu[on] = done.friction
+                traction = (mu * load) @ widths
+                if raceway.chain.resists:
+                    per_length[on] = done.resistance
+                    resistance = per_length @ widths * u / np.hypot(u, 1e-3)
+            found.append((elastic @ widths, Q, traction, resistance))
+        return found
+
+    def pocket(self, z, rate, play, contact="metal"):
+        """Elastic and whole force of the bars ahead and behind (2, Z) each."""
+        c = self.cage
+        d = np.array([z, -z]) - play / 2
+        rate = np.array([rate, -rate])
+        soft = 0.02 / c.pocket_stiffness
+        rounded = np.where(d > soft, d, np.where(d > -soft, (d + soft) ** 2 / (4 * soft), 0.0))
+        spring = c.pocket_stiffness * rounded
+        zeta = c.pocket_damping * rate
+        force = spring * np.where(zeta > 0, 1 + zeta, 1 / (1 - np.minimum(zeta, 0)))
+        if contact == "film":
+            rough = self.assembly.inner.conditions.roughness
+            over = -d - rough
+            over = np.where(over > rough, over, np.where(over > -rough, (over + rough) ** 2 / (4 * rough), 0.0))
+            eta = self.assembly.lubricant.at(self.assembly.scene.operation.temperature).viscosity
+            closing = np.maximum(rate, 0.0)
+            force += (
+                3 * np.sqrt(2) * np.pi * eta * self.b.roller_length * (self.k.roller_radius / (rough + over)) ** 1.5
+                * closing**2 / (closing + 1e-4)
+            )  # fmt: skip
+        return spring, force
+
+    def land(self, q, dq):
+        """Forces on ring and cage, torques on ring and cage, elastic power and loss of the land."""
+        if self.cage.guidance == "roller":
+            return np.zeros(2), np.zeros(2), 0.0, 0.0, 0.0, 0.0
+        numbers = land_numbers(self.planar)
+        ring, cage, *_ = self.parts(q, self.pitch)
+        vi, vc, w, *_ = self.parts(dq)
+        if self.cage.guidance == "inner":
+            fx, fy, journal, bush, stored, lost = land_by_quadrature(ring - cage, vi - vc, self.wi, w, numbers)
+            force = np.array([fx, fy])
+            return force, -force, journal, bush, -stored, lost
+        fx, fy, journal, bush, stored, lost = land_by_quadrature(cage, vc, w, self.wo, numbers)
+        return np.zeros(2), np.array([fx, fy]), bush, journal, -stored, lost
+
+    def rates(self, t, y):
+        """Rates of all unknowns in the order of the system, by Lagrange's equations."""
+        q, dq = self.coordinates(y)
+        n, Z = q.size, self.Z
+        unit, held = 1j * TINY * np.eye(n), self.cage
+        places, speeds = self.places(q), self.slips(q, dq)
+        d_places = np.array([self.places(q + u).imag / TINY for u in unit])  # (n, 4, Z)
+        d_slips = np.array([self.slips(q, u).imag / TINY for u in unit])  # (n, 8, Z): linear in the speeds
+        rate = np.tensordot(dq, d_places, axes=1)
+        inner, outer = self.contact_forces(places[:2], rate[:2], speeds[[0, 2]], speeds[[1, 3]])
+        spring, bars = self.pocket(places[2], rate[2], held.pocket_clearance, held.pocket_contact)
+        if held.guidance == "roller":
+            radial_spring, radial = self.pocket(places[3], rate[3], held.pocket_radial_clearance)
+        else:
+            radial_spring = radial = np.zeros((2, Z))
+        spring, bars = np.concatenate((spring, radial_spring)), np.concatenate((bars, radial))
+        mu = 0.0 if held.drags.pocket_friction is None else held.drags.pocket_friction.coefficient
+        rub = mu * bars * speeds[4:] / np.sqrt(speeds[4:] ** 2 + 1e-2**2)
+        slip_forces = np.array([inner[2], inner[3], outer[2], outer[3], *rub])
+        stored, borne = spring[::2] - spring[1::2], bars[::2] - bars[1::2]
+        place_forces = np.array([inner[1], outer[1], *borne])
+        Q = -np.tensordot(d_slips, slip_forces, axes=2) - np.tensordot(d_places, place_forces, axes=2)
+
+        # gravity through the height of every centre of mass; load and drag
+        ring, cage, phi, psi, _, rho = self.parts(q, self.pitch)
+        height = np.zeros(n)
+        radius = self.k.orbit_radius + rho
+        height[0:2] = self.set.inner_ring_mass * self.g
+        height[2:4] = self.cage.mass * self.g
+        height[4] = self.cage.unbalance * (self.g[1] * np.cos(phi) - self.g[0] * np.sin(phi))
+        height[4] += np.sum(self.m * radius * (self.g[1] * np.cos(psi) - self.g[0] * np.sin(psi)))
+        height[5 : 5 + Z] = self.m * radius * (self.g[1] * np.cos(psi) - self.g[0] * np.sin(psi))
+        height[5 + 2 * Z :] = self.m * (self.g[0] * np.cos(psi) + self.g[1] * np.sin(psi))
+        load = self.assembly.scene.operation.radial_load * self.planar.planar.load_factor(t)
+        sign = self.k.direction
+        torques = [
+            m for m in self.cage.drags.torques if self.cage.guidance == "roller" or not isinstance(m, PetroffLand)
+        ]
+        drag = sum(sign * m.torque(sign * dq[4], sign * self.wi, sign * self.wo) for m in torques)
+        on_ring, on_cage, ring_torque, cage_torque, land_stored, land_lost = self.land(q, dq)
+        Q += height
+        Q[0] += load
+        Q[0:2] += on_ring
+        Q[2:4] += on_cage
+        Q[4] += drag + cage_torque
+
+        # M q'' = Q + dT/dq - (dM/dt) q'
+        M = self.mass_matrix(q + 1j * TINY * dq)
+        by_place = np.array([self.energy(q + u, dq).imag / TINY for u in unit])
+        acceleration = np.linalg.solve(M.real, Q + by_place - M.imag / TINY @ dq)
+
+        drives = speeds - np.tensordot(dq, d_slips, axes=1)  # what of the sliding comes from the rings alone
+        outer_ring_torque = ring_torque if self.cage.guidance == "outer" else 0.0
+        inner_ring_torque = ring_torque if self.cage.guidance == "inner" else 0.0
+        L = {
+            "work_rings": np.sum(slip_forces * drives) - inner_ring_torque * self.wi - outer_ring_torque * self.wo,
+            "work_load": load * dq[0],
+            "work_gravity": height @ dq,
+            "work_drag": drag * dq[4],
+            "work_raceway_elastic": -np.sum(inner[0] * rate[0] + outer[0] * rate[1]),
+            "work_cage_elastic": -np.sum(stored * rate[2:]) + land_stored,
+            "lost_inner": np.sum(inner[2] * speeds[0]),
+            "lost_outer": np.sum(outer[2] * speeds[2]),
+            "lost_rolling": np.sum(inner[3] * speeds[1] + outer[3] * speeds[3]),
+            "lost_damping": np.sum((inner[1] - inner[0]) * rate[0] + (outer[1] - outer[0]) * rate[1]),
+            "lost_pockets": np.sum((borne - stored) * rate[2:]) + np.sum(rub * speeds[4:]),
+            "lost_land": land_lost,
+            "impulse_rings": np.sum(self.k.inner_radius * (inner[2] + inner[3]))
+            + np.sum(self.k.outer_radius * (outer[2] - outer[3])) - ring_torque,
+            "impulse_load": -load * ring[1],
+            "impulse_gravity": height[4]
+            + self.set.inner_ring_mass * (ring[0] * self.g[1] - ring[1] * self.g[0])
+            + self.cage.mass * (cage[0] * self.g[1] - cage[1] * self.g[0]),
+            "impulse_drag": drag,
+        }  # fmt: skip
+        ai, ac, aw, alpha, sigma, rising = self.parts(acceleration)
+        vi, vc, w, orbit, _, rise = self.parts(dq)
+        block = np.stack((self.k.orbit_radius * (orbit - w), alpha, sigma, rise, rising), axis=-1)
+        return np.concatenate((vi, ai, vc, ac, [aw, w], block.ravel(), [L[name] for name in LEDGER])), acceleration
+
+
+def land_numbers(planar):
+    cage, s = planar.assembly.cage, planar.settings
+    eta = planar.assembly.lubricant.at(planar.assembly.scene.operation.temperature).viscosity
+    return {
+        "eta": eta, "radius": cage.land_radius, "width": cage.land_width, "clearance": cage.land_clearance,
+        "floor": planar.assembly.inner.conditions.roughness / cage.land_clearance,
+        "stiffness": s.land_stiffness, "damping": s.land_damping, "friction": s.land_friction,
+    }  # fmt: skip
+
+
+NODES = np.polynomial.legendre.leggauss(400)
+
+
+def land_by_quadrature(D, V, journal, bush, n):
+    """Reynolds's equation for a short bearing integrated numerically over the half-circle where the film closes."""
+    R, L, c = n["radius"], n["width"], n["clearance"]
+    distance = np.hypot(*D)
+    d = D / distance
+    gap = 1 - distance / c
+    gap = gap if gap > 2 * n["floor"] else n["floor"] * (1 + np.exp(gap / n["floor"] - 2))
+    film = d * c * (1 - gap)
+    mean = (journal + bush) / 2
+    squeeze = V - mean * np.array([-D[1], D[0]])
+    x, w = NODES
+    middle = np.arctan2(squeeze[1], squeeze[0])
+    b, w = middle + x * np.pi / 2, w * np.pi / 2
+    e, t = np.array([np.cos(b), np.sin(b)]), np.array([-np.sin(b), np.cos(b)])
+    h, dh = c - film @ e, -(film @ t)
+    P = n["eta"] * L**3 * (squeeze @ e) / h**3
+    dP = n["eta"] * L**3 * ((squeeze @ t) / h**3 - 3 * (squeeze @ e) * dh / h**4)
+    force = -R * (e * P) @ w
+    round_, weight = np.pi * x, 2 * w
+    shear = 2 * 0.5 * np.sum(weight * n["eta"] * R**3 * L / (c - film[0] * np.cos(round_) - film[1] * np.sin(round_)))
+    shear *= journal - bush
+    # shear stress on the journal: -eta R (w_j - w_b)/h - (h/2) dp/(R db); on the bush: the first reversed
+    flow = 0.5 * R * np.sum(w * h * dP)
+    # the pressure stands at its true place, by c (1 - gap) <= |D| nearer: D x F with the real distance
+    flow *= distance / (c * (1 - gap))
+    on_journal, on_bush = -shear - flow, shear - flow
+    lost = shear * (journal - bush) - force @ squeeze
+    stored = 0.0
+    if distance > c:
+        t0 = np.array([-d[1], d[0]])
+        closing = V @ d
+        elastic = n["stiffness"] * (distance - c)
+        z = n["damping"] * closing
+        normal = elastic * (1 + z if z > 0 else 1 / (1 - z))
+        slip = V @ t0 + R * journal - (R + distance) * bush
+        rub = n["friction"] * normal * slip / np.sqrt(slip**2 + 1e-6)
+        force = force - normal * d - rub * t0
+        on_journal -= rub * R
+        on_bush += rub * (R + distance)
+        stored, lost = elastic * closing, lost + (normal - elastic) * closing + rub * slip
+    return *force, on_journal, on_bush, stored, lost  # stored is the power that goes into the elastic contact
+
+
+def random_state(planar, seed):
+    """Some contacts loaded and some open, rollers at both bars, everything moving; not a state that lasts."""
+    rng = np.random.default_rng(seed)
+    y = planar.initial(0.05, 0.1)
+    head, rollers, ledger = planar.parts(y)
+    half = planar.assembly.scene.bearing.radial_clearance / 2
+    head[:2] += rng.normal(0.0, 4e-6, 2) + np.array([half, 0.0])
+    head[2:4] = rng.normal(0.0, 0.02, 2)
+    play = planar.assembly.cage.land_clearance or 1.5 * planar.assembly.cage.pocket_radial_clearance
+    head[4:6] = rng.uniform(-0.6, 0.6, 2) * play
+    head[6:8] = rng.normal(0.0, 0.3, 2)
+    head[8:10] += rng.normal(0.0, 5.0), rng.uniform(-0.3, 0.3)
+    gap = planar.assembly.cage.pocket_clearance / 2
+    rollers[:, 0] = rng.uniform(-1.6, 1.6, planar.assembly.scene.bearing.rollers) * gap
+    rollers[:, 1] += rng.normal(0.0, 5.0, planar.assembly.scene.bearing.rollers)
+    rollers[:, 2] += rng.normal(0.0, 50.0, planar.assembly.scene.bearing.rollers)
+    rollers[:, 3] = np.abs(rollers[:, 3]) + rng.normal(0.0, 3e-6, planar.assembly.scene.bearing.rollers)
+    rollers[:, 4] = rng.normal(0.0, 0.02, planar.assembly.scene.bearing.rollers)
+    ledger[:] = rng.normal(size=ledger.size)
+    return y
+
+
+CASES = {
+    "constant": (scene_of(5), {}),
+    "constant, guided by a film's play": (
+        scene_of(
+            6,
+            drag=("pocket-friction",),
+            cage=(("pocket_contact", "film"), ("pocket_radial_clearance", 1e-4), ("unbalance", 2e-4)),
+        ),
+        {"gravity_direction": 2.0},
+    ),
+    "effective, inner land": (scene_of(5, "inner", cage=(("unbalance", 2e-4),)), {"gravity_direction": 0.7}),
+    "effective, outer land": (
+        scene_of(5, "outer", ("petroff-land", "constant-torque"), cage=(("pocket_contact", "film"),)),
+        {"contact_damping": 2.0},
+    ),
+    "conventional, resisting": (
+        scene_of(4, drag=("rolling-resistance", "pocket-friction"), cage=(("unbalance", 1e-3),)),
+        {"load_times": (0.0, 1.0), "load_factors": (1.0, 3.0), "gravity": 50.0},
+    ),
+    "conventional, mirrored, clearance": (
+        scene_of(
+            4,
+            "inner",
+            ("constant-torque", "pocket-friction"),
+            (("unbalance", 3e-4),),
+            (
+                ("operation.inner_speed", "-6371 rpm"),
+                ("operation.outer_speed", "500 rpm"),
+                ("bearing.radial_clearance", "20 um"),
+            ),
+        ),
+        {"gravity_direction": -1.0},
+    ),
+}
+
+
+@functools.cache
+def case(name):
+    scene, more = CASES[name]
+    planar = motion(scene, name.split(",")[0], **more)
+    return planar, planar.system, Lagrange(planar, name.split(",")[0])
+
+
+def yardstick(planar, y, rates):
+    """What the error of every rate is measured by: its kind's largest, or what the largest force at work would do."""
+    head, rollers, ledger = planar.parts(np.abs(rates))
+    done = planar.planar.outputs([0.0], y[None])
+    contact = done["normal_force"].max()
+    pocket = max(np.abs(done["pocket_force"]).max(), np.abs(done["pocket_radial_force"]).max())
+    of_head = np.empty(len(HEAD))
+    of_head[[0, 1]], of_head[[4, 5]], of_head[9] = head[:2].max(), head[4:6].max(), head[9]
+    of_head[[2, 3]] = max(head[2:4].max(), contact / planar.settings.inner_ring_mass)
+    # a small force is the difference of displacements as large as the clearance, and no better known than that
+    pocket = max(pocket, planar.assembly.cage.pocket_stiffness * planar.assembly.cage.pocket_clearance / 2)
+    pocket += planar.assembly.cage.unbalance * y[8] ** 2
+    of_head[[6, 7]] = max(head[6:8].max(), pocket / planar.assembly.cage.mass)
+    of_head[8] = max(head[8], 1.0, pocket * planar.assembly.kinematics.orbit_radius / planar.assembly.cage.inertia)
+    works = np.where([name.startswith("impulse") for name in LEDGER], ledger[12:].max(), ledger[:12].max())
+    return np.concatenate((of_head, np.broadcast_to(rollers.max(axis=0), rollers.shape).ravel(), works))
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("seed", range(4))
+def test_rates_are_those_of_lagranges_equations(name, seed):
+    planar, system, lagrange = case(name)
+    y = random_state(planar, seed)
+    expected, _ = lagrange.rates(0.3, y)
+    found = system.rates(0.3, y)
+    assert np.all(np.abs(found - expected) <= 1e-12 * yardstick(planar, y, expected))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_random_states_touch_every_bar(name):
+    planar, _, _ = case(name)
+    states = np.array([random_state(planar, seed) for seed in range(4)])
+    done = planar.planar.outputs(np.zeros(4), states)
+    assert set(np.sign(done["pocket_force"]).flat) >= {-1.0, 1.0}
+    guided = planar.assembly.cage.guidance == "roller"
+    assert set(np.sign(done["pocket_radial_force"]).flat) == ({-1.0, 0.0, 1.0} if guided else {0.0})
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("seed", range(4))
+def test_energy_and_angular_momentum_change_by_what_the_ledger_records(name, seed):
+    planar, system, lagrange = case(name)
+    y = random_state(planar, seed)
+    rates = system.rates(0.3, y)
+    head, rollers, ledger = planar.parts(rates)
+    q, dq = lagrange.coordinates(y)
+    acceleration = np.concatenate((head[[2, 3, 6, 7, 8]], rollers[:, 1] - head[8], rollers[:, 2], rollers[:, 4]))
+    power = lagrange.energy(q + 1j * TINY * dq, dq + 1j * TINY * acceleration).imag / TINY
+    # terms that cancel among themselves are as large as the power of one contact's force
+    done = planar.planar.outputs([0.0], y[None])
+    largest = max(np.abs(ledger[:12]).max(), done["normal_force"].max() * 0.1)
+    assert sum(planar.works(rates).values()) == pytest.approx(power, abs=1e-12 * largest)
+
+    # d/dt of L, which is bilinear in places and speeds, by the states a tiny time apart
+    still = y.copy()
+    still[-len(LEDGER) :] = 0.0
+    ahead = planar.angular_momentum(still + 1e-30j * rates).imag / 1e-30
+    arm = planar.assembly.kinematics.orbit_radius
+    assert planar.impulse(rates) == pytest.approx(ahead, abs=1e-12 * arm * done["normal_force"].max())
+
+
+def test_kinetic_energy_is_that_of_all_moving_masses():
+    for name in CASES:
+        planar, _, lagrange = case(name)
+        y = random_state(planar, 7)
+        assert planar.energy(y) == pytest.approx(lagrange.energy(*lagrange.coordinates(y)), rel=1e-14)
+        assert np.all(planar.energy(np.stack((y, 2 * y)))[0] == planar.energy(y))
+
+
+@pytest.mark.parametrize("name", ["constant", "effective, inner land", "conventional, mirrored, clearance"])
+def test_nothing_but_head_and_own_block_moves_a_roller(name):
+    planar, system, _ = case(name)
+    y = random_state(planar, 5)
+    before = planar.parts(system.rates(0.0, y))[1]
+    changed = y.copy()
+    changed[-len(LEDGER) :] += 1.0
+    changed[len(HEAD) : len(HEAD) + len(ROLLER)] *= 1.001
+    after = planar.parts(system.rates(0.0, changed))[1]
+    assert np.all(after[1:] == before[1:])
+    assert np.any(after[0] != before[0])
+
+
+# The start -----------------------------------------------------------------------------------------------------------
+
+
+def test_it_starts_at_rest_in_the_equilibrium_of_the_bearing():
+    # no damping: where rollers go round, approaches change while forces balance
+    planar = motion(scene_of(), coefficient=0.0, gravity=0.0, contact_damping=0.0)
+    y = planar.initial(cage_slip=0.1)
+    head, rollers, _ = planar.parts(y)
+    held = planar.assembly.load_distribution(cage_speed=head[8])
+    assert head[:2] == pytest.approx(held.displacement[0], rel=1e-12, abs=1e-18)
+    done = planar.planar.outputs([0.0], y[None])
+    assert done["normal_force"][0, 0] == pytest.approx(held.inner_force[0], abs=1e-9)
+    assert done["normal_force"][0, 1] == pytest.approx(held.outer_force[0], abs=1e-9)
+    moving, rising, _ = planar.parts(planar.system.rates(0.0, y))
+    load = planar.assembly.scene.operation.radial_load
+    assert np.all(np.abs(moving[2:4]) <= 1e-10 * load / planar.settings.inner_ring_mass)
+    # the equilibrium has the rollers' mass on the orbit, here it is rho further out
+    left = rising[:, 4] - head[8] ** 2 * rollers[:, 3]
+    assert np.all(np.abs(left) <= 1e-10 * load / planar.assembly.roller_mass)
+
+
+@pytest.mark.parametrize("speed", ["6371 rpm", "-6371 rpm"])
+def test_a_heavy_ring_pulls_the_start_out_of_the_line_of_load(speed):
+    scene = scene_of(more=(("operation.inner_speed", speed),))
+    planar = motion(scene, coefficient=0.0, inner_ring_mass=40.0, gravity_direction=1.2, contact_damping=0.0)
+    y = planar.initial()
+    moving, _, _ = planar.parts(planar.system.rates(0.0, y))
+    assert np.all(np.abs(moving[2:4]) <= 1e-9)
+    assert y[1] * planar.assembly.kinematics.direction > 0.1 * y[0]
+
+
+def test_a_ring_that_was_pushed_away_settles_in_the_equilibrium():
+    planar = motion(scene_of(5), coefficient=0.0, gravity=0.0, contact_damping=30.0)
+    y = planar.initial(cage_slip=1.0, roller_slip=1.0)
+    y[0] += 1e-6
+    system = planar.system
+    found = solve_ivp(system, (0.0, 8e-3), y, method="LSODA", rtol=1e-9, atol=1e-9 * system.scale, jac=system.jacobian)
+    head, rollers, _ = planar.parts(found.y[:, -1])
+    psi = (
+        2 * np.pi * np.arange(5) / 5 + rollers[:, 0] / planar.assembly.kinematics.orbit_radius
+    )  # pushed aside a little
+    b = planar.assembly.scene.bearing
+    case = LoadCase(psi[None], b.roller_length, planar.assembly.drop, radial_clearance=b.radial_clearance,
+                    radial_load=planar.assembly.scene.operation.radial_load)  # fmt: skip
+    held = solve_equilibrium(case, planar.assembly.raceways)
+    # as rollers drift out of the load it creeps on, 2e-7 m/s, against which the damping holds 6e-6 of the force
+    assert head[0] == pytest.approx(held.displacement[0, 0], rel=5e-6)
+    assert abs(found.y[2, -1]) < 3e-7 < 1e-4 * np.abs(found.y[2]).max()
+
+
+# Closed solutions ----------------------------------------------------------------------------------------------------
+
+
+def rollers_alone(damping=0.0, coefficient=0.0, transition=0.1):
+    """Three straight rollers that touch neither the inner ring nor their pockets, nor feel a load."""
+    more = ("bearing.radial_clearance", "2 mm"), ("bearing.profile", "none")
+    scene = scene_of(3, cage=(("pocket_clearance", 1.0),), more=more)
+    given = {"gravity": 0.0, "contact_damping": damping, "inner_ring_mass": 1e12}
+    planar = motion(scene, coefficient=coefficient, transition=transition, **given)
+    y = np.zeros(planar.system.n)
+    planar.parts(y)[1][:, 3] = -5e-4
+    return planar, planar.system, y
+
+
+def impact(damping, speed):
+    """Largest approach, duration and speed of parting of a roller thrown at the outer ring."""
+    planar, system, y = rollers_alone(damping)
+    at = len(HEAD) + 3
+    y[at], y[at + 1] = 0.0, speed
+
+    def parts(t, y):
+        return y[at] if t > 0 else 1.0
+
+    def deepest(t, y):
+        return y[at + 1]
+
+    parts.terminal = True
+    found = solve_ivp(
+        system, (0.0, 1e-3), y, method="DOP853", rtol=1e-12, atol=1e-14 * system.scale, max_step=2e-6,
+        events=(parts, deepest),
+    )  # fmt: skip
+    depth = found.y_events[1][0, at]
+    force = 1e9 * planar.assembly.deflect(np.array([1e-6]), "outer")[0][0] * planar.assembly.widths[0]
+    return depth, found.t_events[0][0], -found.y_events[0][0, at + 1], force / 1e9, planar, found
+
+
+def test_an_impact_takes_the_depth_and_the_time_of_its_closed_solution():
+    # w = K d^n between straight parts: m v0^2/2 = K d^(n+1)/(n+1) and
+    # T = 2 int_0^d dx/v = (2 d/v0) sqrt(pi) Gamma(1 + 1/(n+1))/Gamma(1/2 + 1/(n+1))      [Johnson 1985, eq. 11.23 ff.]
+    speed, n = 0.1, 10 / 9
+    depth, duration, rebound, at_a_micrometre, planar, _ = impact(0.0, speed)
+    m, K = planar.assembly.roller_mass, at_a_micrometre / 1e-6**n
+    expected = ((n + 1) * m * speed**2 / (2 * K)) ** (1 / (n + 1))
+    assert depth == pytest.approx(expected, rel=1e-9)
+    p = 1 / (n + 1)
+    assert duration == pytest.approx(2 * expected / speed * np.sqrt(np.pi) * gamma(1 + p) / gamma(0.5 + p), rel=1e-9)
+    assert rebound == pytest.approx(speed, rel=1e-9)
+
+
+@pytest.mark.parametrize("damping", [0.3, 5.0])
+def test_an_impact_with_damping_parts_at_the_speed_of_its_closed_solution(damping):
+    # in: m v dv/dd = -w (1 + c v); out, at speed u: m u du/dd = -w/(1 + c u); the same elastic work W both ways:
+    # W/m = v0/c - ln(1 + c v0)/c^2 = u^2/2 + c u^3/3
+    speed = 0.2
+    _, _, rebound, _, planar, found = impact(damping, speed)
+    c = damping
+    work = speed / c - np.log1p(c * speed) / c**2
+    assert rebound**2 / 2 + c * rebound**3 / 3 == pytest.approx(work, rel=1e-8)
+    lost = planar.parts(found.y_events[0][0])[2][list(LEDGER).index("lost_damping")]
+    assert lost == pytest.approx(planar.assembly.roller_mass / 2 * (speed**2 - rebound**2), rel=1e-8)
+    assert rebound < speed
+
+
+def test_a_roller_thrown_round_slides_until_it_rolls():
+    # The disc that is thrown without spin, on the inside of a ring: N = m a w^2, so w' = -mu w^2 and J s' = mu N r:
+    # w = w0/(1 + mu w0 t), r s = 2 a (w0 - w). From t = 1/(2 mu w0) on it rolls, at w = 2/3 w0; a third of its energy
+    # is gone.
+    mu, w0 = 0.1, 300.0
+    planar, system, y = rollers_alone(coefficient=mu, transition=1e-2)
+    k, m = planar.assembly.kinematics, planar.assembly.roller_mass
+    a = k.outer_radius - k.roller_radius
+    rollers = planar.parts(y)[1]
+    rollers[:, 1] = w0
+    force, approach = m * a * w0**2, np.geomspace(1e-9, 1e-4, 4001)
+    rollers[:, 3] = np.interp(
+        force, planar.assembly.deflect(approach, "outer")[0] * planar.assembly.widths[0], approach
+    )
+    y[8] = w0  # the cage goes along
+    at = len(HEAD)
+
+    def nearly_rolls(t, y):
+        return k.roller_radius * y[at + 2] - a * y[at + 1] + 1e-2 * a * w0
+
+    end = 1 / (2 * mu * w0)
+    found = solve_ivp(
+        system, (0.0, 1.5 * end), y, method="DOP853", rtol=1e-8, atol=1e-9 * system.scale,
+        events=nearly_rolls, dense_output=True,
+    )  # fmt: skip
+    half = planar.parts(found.sol(end / 2))[1][0]
+    assert half[1] == pytest.approx(w0 / (1 + mu * w0 * end / 2), rel=1e-4)
+    assert k.roller_radius * half[2] == pytest.approx(2 * a * (w0 - half[1]), rel=1e-4)
+    slow = (2 + 1e-2) / 3
+    assert found.t_events[0][0] == pytest.approx((1 / slow - 1) / (mu * w0), rel=3e-4)
+    _, last, ledger = planar.parts(found.y[:, -1])
+    assert last[:, 1] == pytest.approx(2 / 3 * w0, rel=1e-4)
+    assert k.roller_radius * last[:, 2] == pytest.approx(a * last[:, 1], rel=1e-6)
+    assert ledger[list(LEDGER).index("lost_outer")] == pytest.approx(3 * m * a**2 * w0**2 / 6, rel=3e-4)
+
+
+def test_three_rollers_move_as_in_an_independent_program():
+    # references/planar_exudyn.py: full geometry, bodies in space. What is left are small displacements against the
+    # radii, 1e-4, and another smoothing of Coulomb's law at rest; they show most where the third roller parts from the
+    # inner ring and floats.
+    with (Path(__file__).parents[1] / "references" / "planar_exudyn.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    expected = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+    scene = scene_of(3, cage=(("pocket_clearance", 1.0),), more=(("bearing.profile", "none"),))
+    planar = motion(scene, coefficient=0.05, transition=1e-3, gravity=0.0, contact_damping=0.0)
+    y = np.zeros(planar.system.n)
+    y[9] = np.radians(0.5)
+    t = expected["t"]
+    found = solve_ivp(
+        planar.system, (0.0, t[-1]), y, method="DOP853", rtol=1e-9, atol=1e-10 * planar.system.scale, t_eval=t
+    )
+    u = planar.split(found.y.T)
+    turned = u["cage_angle"][:, None] + u["pocket_position"] / planar.assembly.kinematics.orbit_radius
+    ours = {"inner_ring_x": u["inner_ring_x"], "inner_ring_y": u["inner_ring_y"]}
+    for j in range(3):
+        ours[f"position_{j}"] = turned[:, j]
+        expected[f"position_{j}"] -= 2 * np.pi * j / 3
+        for name in ("orbital_speed", "roller_spin", "radial_position"):
+            ours[f"{name.removeprefix('roller_')}_{j}"] = u[name][:, j]
+    assert ours.keys() == expected.keys() - {"t"}
+    largest = {kind: max(np.abs(v).max() for n, v in expected.items() if n.startswith(kind))
+               for kind in ("inner", "position", "orbital", "spin", "radial")}  # fmt: skip
+    assert largest["spin"] > 500
+    assert largest["radial"] > 4e-6
+    for name, values in ours.items():
+        scale = largest[name.split("_")[0]]
+        assert np.abs(values - expected[name]).max() <= (1e-3 if name == "radial_position_2" else 2e-4) * scale, name
+
+
+# The land ------------------------------------------------------------------------------------------------------------
+
+LAND = {"eta": 0.0086, "radius": 0.0945, "width": 7.5e-3, "clearance": 2.4e-4, "floor": 1e-3,
+        "stiffness": 1e8, "damping": 0.3, "friction": 0.1}  # fmt: skip
+
+
+def land(D, V, journal, bush, **changes):
+    n = LAND | changes
+    return kernels.land(
+        *np.array(D) * n["clearance"], *V, journal, bush,
+        radius=n["radius"], clearance=n["clearance"], film=n["radius"] * n["eta"] * (n["width"] / n["clearance"]) ** 3,
+        shear=2 * np.pi * n["eta"] * n["width"] * n["radius"] ** 3 / n["clearance"],
+        floor=n["floor"], stiffness=n["stiffness"], damping=n["damping"], friction=n["friction"],
+    )  # fmt: skip
+
+
+def test_a_centred_land_drags_as_petroff_says():
+    n = LAND
+    model = PetroffLand(
+        ring="outer", viscosity=n["eta"], radius=n["radius"], width=n["width"], clearance=n["clearance"]
+    )
+    x, y, journal, bush, stored, lost = land((0.0, 0.0), (0.0, 0.0), 300.0, 50.0)
+    assert (x, y, stored) == (0.0, 0.0, 0.0)
+    assert journal == pytest.approx(model.torque(300.0, 0.0, 50.0), rel=1e-14)
+    assert bush == -journal
+    assert lost == pytest.approx(-journal * 250.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("eps", [1e-6, 0.1, 0.5, 0.9, 0.99])
+def test_an_eccentric_land_carries_the_load_of_ocvirk(eps):
+    # Ocvirk (1952) for a journal in a bush at rest; F along and across the line of centres, with
+    # W = eta U L^3/(4 c^2) eps/(1 - eps^2)^2 sqrt(16 eps^2 + pi^2 (1 - eps^2)), tan(phi) = pi sqrt(1 - eps^2)/(4 eps)
+    n, w = LAND, 300.0
+    x, y, *_ = land((eps, 0.0), (0.0, 0.0), w, 0.0)
+    load = n["eta"] * w * n["radius"] * n["width"] ** 3 / (4 * n["clearance"] ** 2) * eps / (1 - eps**2) ** 2
+    assert np.hypot(x, y) == pytest.approx(load * np.sqrt(16 * eps**2 + np.pi**2 * (1 - eps**2)), rel=1e-12)
+    assert -y / x == pytest.approx(np.pi * np.sqrt(1 - eps**2) / (4 * eps), rel=1e-12)
+    assert x < 0 < y  # back to the middle, and on in the sense of rotation
+
+
+def test_a_journal_that_whirls_at_half_its_speed_is_not_carried():
+    x, y, *_ = land((0.4, 0.0), (0.0, 0.4 * LAND["clearance"] * 150.0), 300.0, 0.0)
+    assert np.hypot(x, y) < 1e-12 * np.hypot(*land((0.4, 0.0), (0.0, 0.0), 300.0, 0.0)[:2])
+
+
+def test_a_centred_journal_is_damped_alike_in_every_direction():
+    # half-circle of int cos^2 = pi/2: F = -R eta (L/c)^3 V pi/2
+    n = LAND
+    for angle in np.linspace(0.0, 6.0, 7):
+        V = 0.03 * np.array([np.cos(angle), np.sin(angle)])
+        x, y, *_ = land((0.0, 0.0), V, 100.0, -100.0)
+        expected = -n["radius"] * n["eta"] * (n["width"] / n["clearance"]) ** 3 * np.pi / 2 * V
+        assert [x, y] == pytest.approx(expected, rel=1e-13, abs=1e-13 * np.abs(expected).max())
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    eps=st.floats(1e-3, 0.97),
+    angle=st.floats(-7.0, 7.0),
+    speed=st.floats(1e-4, 1.0),
+    towards=st.floats(-7.0, 7.0),
+    journal=st.floats(-700.0, 700.0),
+    bush=st.floats(-700.0, 700.0),
+)
+def test_the_films_force_and_torques_are_those_of_its_pressure(eps, angle, speed, towards, journal, bush):
+    D = eps * np.array([np.cos(angle), np.sin(angle)])
+    V = speed * np.array([np.cos(towards), np.sin(towards)])
+    found = np.array(land(D, V, journal, bush))
+    expected = np.array(land_by_quadrature(D * LAND["clearance"], V, journal, bush, LAND))
+    scale = np.abs(expected)
+    scale[:2] = np.hypot(*expected[:2])
+    scale[2:4] = scale[2:4].max()
+    assert np.all(np.abs(found - expected) <= 1e-11 * scale + 1e-14)
+
+
+def test_a_land_stays_finite_and_one_function_beyond_its_clearance():
+    at = np.linspace(0.9, 1.1, 2001)
+    found = np.array([land((e, 0.0), (0.02, 0.01), 300.0, 0.0) for e in at])
+    assert np.all(np.isfinite(found))
+    steps = np.abs(np.diff(found, axis=0)).max(axis=0)
+    assert np.all(steps <= 0.15 * np.abs(found).max(axis=0))
+    assert found[-1, 0] < -LAND["stiffness"] * 0.09 * LAND["clearance"]
+    # a bearing's floor of the film: no gap is thinner than it
+    film = np.array([land((e, 0.0), (0.02, 0.0), 0.0, 0.0, stiffness=1e-9)[0] for e in (1.0, 1.5)])
+    assert 1.0 <= film[1] / film[0] < 3.0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_land_that_rubs_is_that_of_the_written_law(seed):
+    rng = np.random.default_rng(seed)
+    angle, over = rng.uniform(0, 6), rng.uniform(1.0, 1.05)
+    D, V = over * np.array([np.cos(angle), np.sin(angle)]), rng.normal(0, 0.2, 2)
+    found = np.array(land(D, V, 300.0, -20.0))
+    expected = np.array(land_by_quadrature(D * LAND["clearance"], V, 300.0, -20.0, LAND | {"eta": 0.0}))
+    film = np.array(land(D, V, 300.0, -20.0, stiffness=1e-30))
+    assert found - film == pytest.approx(expected, rel=1e-10, abs=1e-10 * np.abs(found).max())
+
+
+# The load in time ----------------------------------------------------------------------------------------------------
+
+
+def test_the_load_follows_its_table_on_lines_or_in_steps():
+    history = {"load_times": (0.01, 0.02, 0.05), "load_factors": (1.0, 0.0, 2.0)}
+    lines = motion(scene_of(5), **history)
+    found = [lines.planar.load_factor(t) for t in (0.0, 0.01, 0.015, 0.02, 0.035, 0.05, 1.0)]
+    assert found == pytest.approx([1.0, 1.0, 0.5, 0.0, 1.0, 2.0, 2.0], abs=1e-15)
+    assert lines.settings.breakpoints == (0.01, 0.02, 0.05)
+    steps = motion(scene_of(5), load_between="held", **history)
+    found = [steps.planar.load_factor(t) for t in (0.0, 0.01, 0.015, 0.02, 0.0200005, 0.020001, 0.035, 0.05, 0.0501)]
+    assert found == pytest.approx([1.0, 1.0, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 2.0], abs=1e-9)
+    assert steps.settings.breakpoints == pytest.approx((0.01, 0.02, 0.020001, 0.05, 0.050001), rel=1e-15)
+
+
+def test_the_load_pushes_the_ring_by_its_factor():
+    planar = motion(scene_of(5), load_times=(0.0, 1.0), load_factors=(1.0, 3.0), gravity=0.0, coefficient=0.0)
+    system, y = planar.system, planar.initial()
+    load = planar.assembly.scene.operation.radial_load
+    pushed = system.rates(0.5, y)[2] - system.rates(0.0, y)[2]
+    assert pushed == pytest.approx(load / planar.settings.inner_ring_mass, rel=1e-12)
+
+
+# In motion -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["constant", "effective, inner land", "conventional, mirrored, clearance"])
+def test_the_ledger_closes_over_a_run(name):
+    planar, system, _ = case(name)
+    y = planar.initial(cage_slip=0.2)
+    y[2:4] += 0.01
+    found = solve_ivp(system, (0.0, 4e-4), y, method="DOP853", rtol=1e-11, atol=1e-12 * system.scale, max_step=4e-6)
+    states = found.y.T
+    gained = planar.energy(states) - planar.energy(y)
+    turned = np.abs(planar.parts(states)[2]).max()
+    assert gained == pytest.approx(sum(planar.works(states).values()), abs=1e-9 * max(turned, planar.energy(y)))
+    momentum = planar.angular_momentum(states) - planar.angular_momentum(y)
+    assert momentum == pytest.approx(planar.impulse(states), abs=1e-9 * abs(planar.angular_momentum(y)))
+    lost = planar.parts(states)[2][:, [name.startswith("lost") for name in LEDGER]]
+    assert np.all(np.diff(lost, axis=0) >= -1e-12 * turned)
+
+
+def stepped(planar, end, rtol=1e-5, scale=None, count=401):
+    """Instants, states and steps of a run with the integrator that studies use."""
+    scale = planar.system.scale if scale is None else scale
+    t = np.linspace(0.0, end, count)
+    y = np.empty((count, planar.system.n))
+    solver = Rosenbrock(planar.system.capsule, 0.0, planar.initial(), end, rtol, rtol * scale)
+    assert solver.advance(t_out=t, y_out=y) == ("finished", count), solver.message
+    return t, y, solver.steps
+
+
+def test_rollers_hold_their_cage():
+    # Three orbits from the middle of the play: it falls upon the rollers and goes round with them. A roller's place
+    # along the radius is rho - x_c.e, so that one of two neighbours bounds |x_c| cos(pi/Z) by half the play, its own
+    # deflection and the depth of the bar, which holds a weight of 4 N with 0.1 um, and its impacts with a few.
+    play, rollers = 1e-4, 10
+    scene = scene_of(
+        rollers,
+        drag=("constant-torque", "pocket-friction"),
+        cage=(("pocket_radial_clearance", play),),
+        more=(("accuracy.slices", 3),),
+    )
+    planar = motion(scene)
+    t, y, _ = stepped(planar, 0.062, count=4001)
+    u, done = planar.split(y), planar.outputs(t, y)
+    assert u["cage_angle"][-1] > 2 * np.pi * 2.9
+    away = np.hypot(u["cage_x"], u["cage_y"])
+    assert away[0] == 0.0
+    reach = play / 2 + np.abs(u["radial_position"]).max() + 4e-6
+    assert 0.9 * play / 2 < away.max() < reach / np.cos(np.pi / rollers)
+    assert 4.0 < np.abs(done["pocket_radial_force"]).max() < 500.0
+    turned = np.abs(planar.parts(y)[2]).max()
+    assert np.abs(planar.energy_residual(y)).max() <= 1e-5 * turned
+
+
+def test_motion_along_the_radius_is_as_exact_as_it_need_be():
+    # the scale of it, 30 deflections: against a run held to 1e-9, and with the steps that one deflection would take
+    planar = motion(scene_of(drag=("constant-torque",), more=(("accuracy.slices", 5),)))
+    fine, tight = planar.system.scale, planar.system.scale
+    planar.parts(tight)[1][:, 3:] /= 30
+    t, exact, _ = stepped(planar, 6e-3, 1e-9)
+    runs = [stepped(planar, 6e-3, 1e-5, scale)[1:] for scale in (fine, tight)]
+    assert runs[0][1] < 0.6 * runs[1][1]
+    force = planar.outputs(t, exact)["normal_force"]
+    assert np.abs(planar.outputs(t, runs[0][0])["normal_force"] - force).max() <= 1e-3 * force.max()
+    for name in ("cage_speed", "cage_x", "pocket_position", "roller_spin"):
+        expected = planar.split(exact)[name]
+        assert np.abs(planar.split(runs[0][0])[name] - expected).max() <= 2e-3 * np.ptp(expected), name
+
+
+def test_a_mirrored_bearing_moves_as_its_image():
+    """Both rings the other way, gravity mirrored: in the mirror's coordinates the same motion."""
+    ways = [(("operation.inner_speed", speed),) for speed in ("6371 rpm", "-6371 rpm")]
+    scenes = [scene_of(5, "inner", ("constant-torque",), (("unbalance", 1e-3),), way) for way in ways]
+    found = []
+    for scene, sign in zip(scenes, (1, -1), strict=True):
+        planar = motion(scene, "conventional", gravity_direction=sign * 0.7)
+        y = random_state(planar, 3)
+        found.append(planar.system.rates(0.0, y))
+    assert found[1] == pytest.approx(found[0], rel=1e-12, abs=1e-12)
+
+
+def test_a_drag_of_the_land_is_its_film():
+    with_drag = motion(scene_of(5, "outer", ("petroff-land", "constant-torque")))
+    without = motion(scene_of(5, "outer", ("constant-torque",)))
+    y = random_state(without, 1)
+    assert np.all(with_drag.system.rates(0.0, y) == without.system.rates(0.0, y))
+
+
+# Bad input -----------------------------------------------------------------------------------------------------------
+
+
+def test_what_tilts_is_refused():
+    tilted = scene_of(5, more=(("operation.misalignment", "1 mrad"),))
+    with pytest.raises(DomainError, match=r"operation\.misalignment is 0\.001 rad.*level 'pocket'"):
+        motion(tilted)
+    table = {"shape": "table", "position": ["-7.5 mm", "7.5 mm"], "drop": ["0 um", "3 um"]}
+    with pytest.raises(DomainError, match=r"bearing\.profile the same to both"):
+        motion(scene_of.__wrapped__(5, more=(("bearing.profile", table),)))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"inner_ring_mass": 0.0}, "inner_ring_mass: must be above 0"),
+        ({"load_times": (0.0, 1.0)}, "load_factors: needs one value for each of 2 times, not 0"),
+        ({"load_times": (1.0, 1.0), "load_factors": (1.0, 2.0)}, "load_times: must ascend"),
+        ({"load_times": (float("nan"), 1.0), "load_factors": (1.0, 2.0)}, "load_times: must ascend"),
+        ({"load_times": (0.0,), "load_factors": (-1.0,)}, "load_factors: must be at least 0"),
+        (
+            {"load_times": (1.0, 1.0 + 1e-7), "load_factors": (1.0, 2.0), "load_between": "held"},
+            "load_times: must be more",
+        ),
+        ({"load_between": "cubic"}, "load_between: must be one of"),
+        ({"contact_damping": -1.0}, "contact_damping: must be at least 0"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused(given, message):
+    with pytest.raises(FieldError, match=message):
+        _ = PlanarSettings(**{"inner_ring_mass": 3.0} | given).breakpoints
+
+
+def test_a_contact_that_its_law_refuses_says_which():
+    planar = motion(scene_of(5, more=(("models.contact", "lundberg"),)))
+    system, y = planar.system, planar.initial()
+    y[len(HEAD) + 3] = 1.0  # a metre deep
+    with pytest.raises(ArithmeticError):
+        system.rates(0.0, y)
+    who, (what, stage, member, index) = planar.planar.refusal()
+    assert (who, what, stage, member, index) == ("outer deflection", "status", 0, "", 0)
+    with pytest.raises(DomainError, match="lundberg-deflection: slice 0 is outside its domain") as caught:
+        planar.outputs(np.zeros(1), y[None])
+    assert caught.value.__notes__ == ["in a contact with the outer ring"]
+    with pytest.raises(DomainError, match="lundberg-deflection"):
+        raise planar.error(planar.system.refusal())
+
+
+@pytest.mark.parametrize(("body", "at"), [("inner ring", 0), ("cage", 4)])
+def test_what_is_no_small_displacement_is_refused(body, at):
+    scene = scene_of(5, cage=(("pocket_clearance", 1.0),), more=(("bearing.radial_clearance", "2 mm"),))
+    planar = motion(scene, gravity=0.0)
+    limit = planar.assembly.kinematics.roller_radius / 10
+    y = np.zeros(planar.system.n)
+    y[at : at + 2] = -0.5 * limit, 0.8 * limit
+    planar.system.watch(0.0, y)
+    y[at + 3] = 10.0  # upwards and out
+    solver = Rosenbrock(planar.system.capsule, 0.0, y, 1.0, 1e-6, 1e-6 * planar.system.scale)
+    assert solver.advance()[0] == "failed"
+    assert "not defined" in solver.message
+    assert np.hypot(*solver.y[at : at + 2]) > limit
+    words = f"the {body} is displaced by 0.00[0-9]+ m, beyond what small displacements describe .*0.00075 m"
+    with pytest.raises(DomainError, match=words):
+        raise planar.error(planar.system.refusal())
+    with pytest.raises(RefusedError):
+        planar.system.watch(solver.t, solver.y)
+
+
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        ({}, 0.225e-3),
+        ({"pocket_clearance": "0.3 mm"}, 3e-4),
+        ({"pocket_clearance": "0.3 mm", "pocket_radial_clearance": "0 mm"}, 0.0),
+        ({"guidance": "inner"}, None),
+    ],
+)
+def test_the_play_along_the_radius_is_that_along_the_orbit_unless_given(table, expected):
+    cage = assemble(evolve(load_scene("1032930-50C"), {"cage": {**CAGE, **table}})).cage
+    assert cage.pocket_radial_clearance == (expected and pytest.approx(expected, rel=1e-12))
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        (
+            {"guidance": "outer", "pocket_radial_clearance": "0.1 mm"},
+            "cage.pocket_radial_clearance: only read for guidance = 'roller', not for 'outer'",
+        ),
+        ({"pocket_radial_clearance": "-0.1 mm"}, "cage.pocket_radial_clearance: must be at least 0, not -100 um"),
+        ({"pocket_radial_clearance": "0.1"}, "cage.pocket_radial_clearance: '0.1' has no unit"),
+    ],
+)
+def test_a_play_that_cannot_be_is_refused(table, message):
+    with pytest.raises(SceneError) as caught:
+        _ = assemble(evolve(load_scene("1032930-50C"), {"cage": {**CAGE, **table}})).cage
+    (found,) = caught.value.problems
+    assert message in found
+
+
+def test_friction_that_is_refused_says_where():
+    planar = motion(scene_of(5), "conventional")
+    y = planar.initial()
+    planar.parts(y)[1][:, 3] = 1.0  # pressures beyond what the oil's law can hold
+    with pytest.raises(ArithmeticError):
+        planar.system.rates(0.0, y)
+    with pytest.raises(DomainError, match="film_viscosity that is not finite") as caught:
+        raise planar.error(planar.system.refusal())
+    assert caught.value.__notes__ == ["in a contact with the outer ring"]

@@ -1,0 +1,228 @@
+"""A plan keeps the error that a scene states; whatever it leaves out changes nothing, or is taken back in."""
+
+import itertools
+import json
+
+import attrs
+import numpy as np
+import pytest
+
+import rollslip
+from plan_scenes import STUDY, TRACTIONS, judge, pick, points, scene
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.resolution import Resolution, finest
+from rollslip.planning.bounds import BoundaryFriction, BoundBrokenError, ExactLaw
+from rollslip.planning.estimates import Bound, difference
+from rollslip.planning.execution import execute, verify
+from rollslip.planning.plan import changed, plan
+from rollslip.studies.effective_friction.study import EffectiveFriction
+
+BASE = evolve(
+    load_scene("1032930-70C"),
+    {"accuracy.slices": "auto", "study.effective-friction": {"points": 11, "map_points": 0, "max_cage_slip": 0.9}},
+)
+#: Films so thick that asperities do not touch.
+SMOOTH = {f"surface.{part}_roughness": "10 nm" for part in ("inner_raceway", "outer_raceway", "roller")}
+#: Held against this where the tolerance is at least 1e-3: it errs by some 3e-5.
+FINE = Resolution(slices=301, instants=32)
+
+
+def cheap(x):
+    """Whether a scene is quickly computed, and its tolerance at least 1e-3."""
+    traction = str(pick(TRACTIONS, x[10]))
+    return x[12] < 1 / 3 and x[8] < 15 / 16 and "maxwell" not in traction
+
+
+@pytest.mark.parametrize("k", range(12))
+def test_a_plan_keeps_the_error_that_a_scene_states(k):
+    x = [x for x in points(128) if cheap(x)][k]
+    verdict = judge(scene(x), FINE)
+    assert not verdict.refused
+    assert verdict.kept, (verdict.tolerance, verdict.actual, verdict.resolution)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("k", range(200))
+def test_a_plan_keeps_its_word_against_the_finest(k):
+    verdict = judge(scene(points(200)[k]))
+    if verdict.refused:
+        pytest.skip(verdict.refused)
+    assert verdict.kept, (verdict.tolerance, verdict.actual, verdict.resolution)
+
+
+def test_a_smaller_tolerance_takes_more_slices_and_instants():
+    chosen = [plan(evolve(BASE, {"accuracy.tolerance": t}), STUDY).chosen[STUDY] for t in (1e-2, 1e-3, 1e-4)]
+    for coarse, fine in itertools.pairwise(chosen):
+        assert fine.resolution.slices > 2 * coarse.resolution.slices
+        assert fine.resolution.instants > coarse.resolution.instants
+        assert fine.total["critical_slip"] < coarse.total["critical_slip"]
+    for one, tolerance in zip(chosen, (1e-2, 1e-3, 1e-4), strict=True):
+        assert max(one.total.values()) <= tolerance
+
+
+def test_a_tolerance_of_a_result_is_its_own():
+    strict = plan(evolve(BASE, {"accuracy.critical_slip": 1e-5}), STUDY).chosen[STUDY]
+    assert strict.resolution.slices > plan(BASE, STUDY).chosen[STUDY].resolution.slices
+    assert strict.total["critical_slip"] <= 1e-5
+
+
+def test_exact_is_the_finest_of_everything():
+    made = plan(evolve(BASE, {"accuracy.tolerance": "exact"}), STUDY)
+    assert made.chosen[STUDY].resolution == finest(BASE)
+    assert made.chosen[STUDY].left_out == ()
+
+
+def test_fixed_slices_stay():
+    made = plan(evolve(BASE, {"accuracy.slices": 33}), STUDY)
+    assert made.assemblies[STUDY].slices == 33
+    (row,) = (part for part in made.parts if part.part == "slices")
+    assert "accuracy.slices fixes" in row.reason
+    coarse = execute(plan(evolve(BASE, {"accuracy.slices": 5, "accuracy.tolerance": 1e-4}), STUDY), STUDY)
+    assert "raise accuracy.slices" in " ".join(json.loads(coarse.attrs["warnings"]))
+
+
+def test_one_slice_serves_where_the_load_is_even():
+    straight = evolve(BASE, {"bearing.profile": "none"})
+    study = EffectiveFriction(points=11, map_points=0)
+    one = study.run(assemble(straight, Resolution(slices=9, instants=2)))
+    circular = evolve(BASE, {"bearing.profile": {"shape": "circular", "radius": 1e7}})  # a drop of 3e-12 m
+    nine = study.run(assemble(circular, Resolution(slices=9, instants=2)))
+    assert (one.attrs["slices"], nine.attrs["slices"]) == (1, 9)
+    np.testing.assert_allclose(nine.effective_friction, one.effective_friction, rtol=1e-5)
+
+
+def test_unloaded_contacts_take_no_part():
+    """The mean by force over all slices is that over the loaded ones: the others weigh nothing."""
+    assembly = assemble(BASE, Resolution(slices=9, instants=2))
+    raceways = EffectiveFriction(map_points=0).loaded(assembly, 2)
+    slip = np.array([0.1, 0.5])
+    speeds = assembly.kinematics.surface_speeds(slip, 0.0)
+    load = raceways.distribution.inner_load.ravel()
+    assert 0 < np.count_nonzero(load) < load.size
+    force = (raceways.distribution.inner_load * assembly.widths).ravel()
+    for k, found in enumerate(raceways.curve(slip)[0]):
+        least = np.where(load > 0.0, load, load[load > 0.0].min())
+        friction = assembly.inner.evaluate(least, speeds.inner_rolling[k], speeds.inner_sliding[k]).friction
+        assert found == pytest.approx(friction @ force / force.sum(), rel=1e-12)
+
+
+def test_boundary_friction_is_left_out_of_full_films_without_a_trace():
+    made = plan(evolve(BASE, SMOOTH), STUDY)
+    assert not made.chosen[STUDY].resolution.boundary
+    assert made.assemblies[STUDY].traction.name == "muraki"
+    result = execute(made, STUDY)
+    whole = made.at(STUDY, attrs.evolve(made.chosen[STUDY].resolution, boundary=True))
+    assert whole.assemblies[STUDY].traction.name == "lambda-blend"
+    assert np.array_equal(result.effective_friction, execute(whole, STUDY).effective_friction)
+    assert json.loads(result.attrs["taken_back"]) == []
+
+
+def test_boundary_friction_is_taken_back_in_where_a_film_is_thin():
+    """A plan that leaves it out of the rough bearing breaks its bound; the result is that of one that did not."""
+    honest = plan(evolve(BASE, {"surface.inner_raceway_roughness": "0.6 um"}), STUDY)
+    assert honest.chosen[STUDY].resolution.boundary
+    left_out = (BoundaryFriction(1.5),)
+    chosen = attrs.evolve(honest.chosen[STUDY], left_out=left_out)
+    wrong = attrs.evolve(honest, chosen={STUDY: chosen}).at(STUDY, attrs.evolve(chosen.resolution, boundary=False))
+    result, unguarded = execute(wrong, STUDY), execute(honest, STUDY)
+    assert np.array_equal(result.effective_friction, unguarded.effective_friction)
+    (said,) = json.loads(result.attrs["taken_back"])
+    assert "boundary friction was left out, but a film parameter of" in said
+    assert said in json.loads(result.attrs["warnings"])
+    assert json.loads(result.attrs["resolution"])["boundary"]
+
+
+def test_a_closed_form_serves_only_within_its_bounds():
+    traction = {"model": "maxwell-eyring"}
+    stiff = {"models.traction": traction, "lubricant.shear_modulus": "1 GPa", "lubricant.eyring_stress": "10 MPa"}
+    named = evolve(BASE, stiff | {"study.effective-friction.max_cage_slip": 1e-4, "accuracy.tolerance": 2e-2})
+    made = plan(named, STUDY)
+    resolution = made.chosen[STUDY].resolution
+    if resolution.traction == "named":
+        pytest.fail(f"the closed form should serve at this little slip: {made.chosen[STUDY].errors}")
+    result = execute(made, STUDY)
+    exact = execute(made.at(STUDY, attrs.evolve(resolution, traction="named")), STUDY)
+    scale = np.abs(exact.effective_friction).max("cage_slip")
+    assert float((np.abs(result.effective_friction - exact.effective_friction) / scale).max()) <= 2e-3
+    assert plan(evolve(BASE, stiff), STUDY).chosen[STUDY].resolution.traction == "named"
+    tight = attrs.evolve(made.chosen[STUDY], left_out=(ExactLaw("the law", 1e-9, 1.0, 1e9),))
+    again = execute(attrs.evolve(made, chosen={STUDY: tight}).at(STUDY, resolution), STUDY)
+    assert np.array_equal(again.effective_friction, exact.effective_friction)
+    assert "a strain rate of" in json.loads(again.attrs["taken_back"])[0]
+
+
+def test_a_bound_is_watched_at_every_evaluation():
+    bound = BoundaryFriction(1.5)
+    watched = assemble(BASE, Resolution(slices=5)).watched(bound)
+    with pytest.raises(BoundBrokenError, match=r"is below 1\.5; it was taken back in") as caught:
+        watched.inner.evaluate(np.full(3, 1e5), 1.0, 0.1)
+    assert caught.value.bound is bound
+    watched.inner.evaluate(np.full(3, 1e3), 60.0, 0.1)
+    assert watched.at(Resolution(slices=9)).inner.chain.bounds == (bound,)
+
+
+def test_a_result_says_what_was_estimated_and_found():
+    made = plan(BASE, STUDY)
+    result = execute(made, STUDY)
+    rows = {row["result"]: row for row in json.loads(result.attrs["accuracy"])}
+    assert rows.keys() == {"friction", "critical_slip"}
+    assert all(row["how"] == "a posteriori" and row["found"] <= row["tolerance"] for row in rows.values())
+    verified = verify(made, STUDY, result)
+    for row in json.loads(verified.attrs["accuracy"]):
+        assert row["how"] == "against the finest"
+        assert row["found"] <= row["estimated"] <= row["tolerance"]
+    assert verified.drop_attrs().identical(result.drop_attrs())
+    assert set(json.loads(result.attrs["cost"])) == {"estimated", "actual"}
+
+
+def test_a_broken_word_is_told():
+    made = plan(BASE, STUDY)
+    coarse = made.at(STUDY, Resolution(slices=5, instants=1))
+    result = verify(coarse, STUDY, execute(coarse, STUDY))
+    assert "more than the tolerance of 0.001" in json.loads(result.attrs["warnings"])[0]
+
+
+def test_only_what_changes_is_shown():
+    assert changed(plan(BASE, STUDY), plan(BASE, STUDY)) == []
+    other = plan(evolve(BASE, {"bearing.profile": "none", "models.film": "dowson-1968"}), STUDY)
+    parts = {one.part: (one, two) for one, two in changed(plan(BASE, STUDY), other) if one and two}
+    assert {"film", "slices"} <= parts.keys()
+    assert "contact" not in parts
+    assert parts["film"][1].choice.startswith("dowson-1968")
+
+
+def test_what_cannot_be_estimated_is_left_to_the_run():
+    """No roller is loaded on the inner ring: the plan is printed, the run says why there is no result."""
+    idle = evolve(BASE, {"operation.radial_load": 0.0, "bearing.radial_clearance": "50 um"})
+    made = plan(idle, STUDY)
+    assert "no roller is loaded" in made.chosen[STUDY].failed
+    with pytest.raises(rollslip.errors.SceneError, match="no roller is loaded"):
+        execute(made, STUDY)
+
+
+def test_a_bound_is_that_of_the_largest_error():
+    bound = Bound.over((2, 4), [{"friction": 1e-2}, {"friction": 5e-3}], 8)
+    assert bound.constants["friction"] == pytest.approx(max(4e-2 / (1 - 1 / 16), 8e-2 / (1 - 1 / 4)))
+    assert bound.needed({"friction": 1e-4}) == pytest.approx((bound.constants["friction"] / 1e-4) ** 0.5)
+    one, two = (np.array([[1.0, 2.0]]), np.array([0.1])), (np.array([[1.0, 2.2]]), np.array([np.nan]))
+    assert difference(one, one) == {"friction": 0.0, "critical_slip": 0.0}
+    assert difference(two, one) == {"friction": pytest.approx(0.1), "critical_slip": np.inf}
+
+
+@pytest.mark.slow
+def test_a_followed_branch_is_watched_too():
+    """Slips followed to where the bearing is so hot that its films are thin: what was left out is taken back in."""
+    cool = evolve(
+        BASE,
+        {
+            "bearing.profile": "none",
+            "study.steady-slip": {"points": 6, "max_cage_slip": 0.3, "temperature": ["70 degC", "110 degC"]},
+            **{f"surface.{part}_roughness": "0.19 um" for part in ("inner_raceway", "outer_raceway", "roller")},
+        },
+    )
+    made = plan(cool, "steady-slip")
+    assert not made.chosen["steady-slip"].resolution.boundary
+    result = execute(made, "steady-slip")
+    assert "boundary friction was left out" in json.loads(result.attrs["taken_back"])[0]
+    assert json.loads(result.attrs["resolution"])["boundary"]

@@ -1,0 +1,276 @@
+"""Rival blends: the share that asperities carry, against quadrature and printed numbers; compiled and NumPy alike."""
+
+import csv
+from pathlib import Path
+
+import attrs
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from foreign_stages import Stage
+from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene, plan
+from rollslip.errors import SceneError
+from rollslip.fields import FieldError
+from rollslip.testing import Conformance
+from rollslip_plugins.blend import REACH, GreenwoodTripp, LambdaBlend, LinearBlend, ZhouHoeprich, asperity_integral
+from rollslip_plugins.boundary import Constant, Kragelsky
+from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
+from strategies import NumpyForm, decades, films, forms, law_of
+
+REFERENCE = Path(__file__).parents[1] / "references" / "greenwood_tripp.csv"
+WITH_INTEGRAL = [
+    {key: float(value) for key, value in row.items()} for row in csv.DictReader(REFERENCE.read_text().splitlines())
+]
+NOT_YET = {"boundary": Constant(coefficient=1.0), "hydrodynamic": Constant(coefficient=5e-324)}  # friction is the share
+
+BLENDS = [
+    LinearBlend(),
+    LinearBlend(boundary_limit=0.0, hydrodynamic_limit=3.0, boundary=Constant(), hydrodynamic=MaxwellEyring()),
+    ZhouHoeprich(),
+    ZhouHoeprich(factor=2.32, exponent=0.97, hydrodynamic=Eyring()),
+    GreenwoodTripp(),
+    GreenwoodTripp(roughness_parameter=0.03, slope_parameter=1e-2, hydrodynamic=ZhouHoeprich(boundary=Constant())),
+]
+every_blend = pytest.mark.parametrize("model", forms(BLENDS))
+some = settings(deadline=None, max_examples=60)
+ROUNDING = 2e-13
+STEEL = 2.286e11
+
+
+def share_of(model, film_parameter, pressure=4e8, modulus=STEEL):
+    """Share of boundary friction, through the chain: the friction of a boundary of 1 and a film of nothing."""
+    bare = attrs.evolve(law_of(model), **NOT_YET)
+    form = bare if law_of(model) is model else NumpyForm(bare)
+    film_parameter, pressure = np.broadcast_arrays(np.atleast_1d(np.asarray(film_parameter, dtype=float)), pressure)
+    slices = Slices(
+        film_parameter.size,
+        Conditions(roughness=2.0**-22, modulus=modulus),  # a power of two: the quotient is exact
+        film_thickness=film_parameter * 2.0**-22,
+        pressure=pressure,
+        rolling_speed=1.0,
+        sliding_speed=1.0,
+    )
+    Chain(form)(slices)
+    return slices.friction.copy()
+
+
+# The integral of Greenwood and Tripp ---------------------------------------------------------------------------------
+
+
+def test_the_asperity_integral_is_that_of_the_definition():
+    """Forty digits of the parabolic cylinder function and of the integral itself, see tests/references."""
+    x = np.array([row["separation"] for row in WITH_INTEGRAL])
+    np.testing.assert_allclose(asperity_integral(x), [row["integral"] for row in WITH_INTEGRAL], rtol=1e-14)
+
+
+@some
+@given(x=st.floats(0.0, REACH, exclude_max=True))
+def test_the_asperity_integral_anywhere(x):
+    """F_5/2(x) = Gamma(7/2)/sqrt(2 pi) exp(-x^2/4) D_-7/2(x)."""
+    with mpmath.workdps(30):
+        x = mpmath.mpf(x)
+        expected = mpmath.gamma(3.5) / mpmath.sqrt(2 * mpmath.pi) * mpmath.exp(-x * x / 4) * mpmath.pcfd(-3.5, x)
+    # exp(-x^2/2) alone loses x^2/2 roundings
+    np.testing.assert_allclose(asperity_integral(float(x)), float(expected), rtol=2.5e-15 + 1.2e-16 * float(x) ** 2)
+
+
+def test_the_asperity_integral_is_the_table_of_greenwood_and_tripp():
+    """Their table of F_5/2 has five decimals (0.61664 at 0, from recall; exactly it is 0.61663)."""
+    table = {0.0: 0.61664, 0.5: 0.24040, 1.0: 0.08056, 1.5: 0.02286, 2.0: 0.00542, 2.5: 0.00106, 3.0: 0.00017}
+    np.testing.assert_allclose(asperity_integral(np.array(list(table))), list(table.values()), rtol=0, atol=6e-6)
+
+
+def test_the_asperity_integral_ends_where_it_is_half_a_unit_in_the_last_place():
+    ends = asperity_integral(np.array([np.nextafter(REACH, 0), REACH, 1e300, np.inf]))
+    np.testing.assert_allclose(ends[0] / asperity_integral(np.zeros(1)), 2.0**-53, rtol=1e-13)
+    assert np.all(ends[1:] == 0)
+
+
+def test_what_is_said_of_the_usual_fit():
+    """4.4086e-5 (4 - x)^6.804 of Patir and Cheng against the integral."""
+    x = np.array([0.0, 1.0, 2.0, 3.0])
+    error = 4.4086e-5 * (4 - x) ** 6.804 / asperity_integral(x) - 1
+    assert error.round(2).tolist() == [-0.11, -0.04, -0.09, -0.74]
+
+
+# The share -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
+@pytest.mark.parametrize("row", WITH_INTEGRAL, ids=lambda row: f"{row['separation']:g}")
+def test_greenwood_and_tripps_pressure_is_the_sum_of_hertzian_tips(form, row):
+    """Summed over distances and heights of the tips by quadrature, with 1/sum((1-nu^2)/E): half of our E'."""
+    model = GreenwoodTripp(
+        roughness_parameter=row["density"] * row["sigma"] * row["beta"], slope_parameter=row["sigma"] / row["beta"]
+    )
+    share = share_of(form(model), row["separation"] or 1e-300, pressure=1e9, modulus=2 * row["modulus"])
+    np.testing.assert_allclose(share * 1e9, row["pressure"], rtol=1e-13)
+
+
+@pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
+def test_asperities_carry_no_more_than_the_load(form):
+    """Without a film, 26 MPa between steel surfaces: all of a light load, little of a heavy one."""
+    share = share_of(form(GreenwoodTripp()), 1e-9, pressure=np.array([1.0, 2.64e7, 2.65e7, 1e9]))
+    assert share[:2].tolist() == [1.0, 1.0]
+    np.testing.assert_allclose(share[2:] * [2.65e7, 1e9], 26.41e6, rtol=1e-3)
+
+
+@pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
+@some
+@given(film_parameter=decades(-6, 2), factor=decades(-1, 1), exponent=st.floats(0.3, 3.0))
+def test_zhou_and_hoeprichs_share_is_as_printed(form, film_parameter, factor, exponent):
+    """N_a/N = exp(-B Lambda^C), their Eq. (29), in thirty digits; below 2^-53 it is none."""
+    with mpmath.workdps(30):
+        power = mpmath.mpf(factor) * mpmath.mpf(film_parameter) ** mpmath.mpf(exponent)
+        expected = float(mpmath.exp(-power))
+    share = share_of(form(ZhouHoeprich(factor=factor, exponent=exponent)), film_parameter)[0]
+    if abs(float(power) - 53 * np.log(2)) > 1e-12:
+        expected = expected if expected > 2.0**-53 else 0.0
+        # the exponent is known to some roundings of its size
+        np.testing.assert_allclose(share, expected, rtol=1e-15 * (2 + 4 * float(power)), atol=1e-323)
+
+
+def test_zhou_and_hoeprichs_share_has_the_published_numbers():
+    """Aihara on his fit: for Lambda over 2 almost all of the load is on the film. Schwarz et al.: B 2.32, C 0.97."""
+    default, raceway = ZhouHoeprich(), get_model("traction", "zhou-hoeprich", factor=2.32, exponent=0.97)
+    assert share_of(default, 2.0) == pytest.approx(0.016, abs=5e-4)
+    assert share_of(raceway, 1.0) == pytest.approx(np.exp(-2.32))
+    assert default.full_film_from == pytest.approx(12.35, abs=0.01)
+
+
+@pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
+def test_a_linear_blend_is_a_straight_line(form):
+    share = share_of(form(LinearBlend(boundary_limit=0.5, hydrodynamic_limit=2.5)), [1e-9, 0.5, 1.0, 2.0, 2.5, 9.0])
+    np.testing.assert_allclose(share, [1.0, 1.0, 0.75, 0.25, 0.0, 0.0], rtol=1e-15, atol=1e-323)
+
+
+def test_a_linear_blend_is_the_power_blend_with_power_one():
+    film_parameter = np.linspace(1e-3, 2.0, 401)
+    np.testing.assert_array_equal(
+        share_of(LinearBlend(), film_parameter), share_of(LambdaBlend(exponent=1.0), film_parameter)
+    )
+
+
+@every_blend
+@some
+@given(start=decades(-6, 1.2), pressure=decades(5, 9.6), step=decades(-12, 0))
+def test_the_share_falls_from_one_to_none_without_a_jump(model, start, pressure, step):
+    thicker = start * (1 + step)
+    share = share_of(model, [start, thicker, 1e6], pressure)
+    assert np.all((share >= 0) & (share <= 1))
+    assert share[0] >= share[1] * (1 - 1e-14)
+    assert share[2] <= 1e-300
+    # -dshare/dln(Lambda) is at most C/e (exponential), Lambda_hd/band (line), and Lambda^2 + 7/2 (asperities): their
+    # integral is exp(-Lambda^2/2) times the mean of exp(-Lambda t) over t^(5/2) exp(-t^2/2), where Lambda <t> <= 7/2
+    assert share[0] - share[1] <= (min(thicker, REACH) ** 2 + 3.5) * np.log1p(step) + 1e-13
+
+
+@pytest.mark.parametrize("model", forms(BLENDS[4:]))
+@some
+@given(film_parameter=decades(-3, 0.8), pressure=decades(5, 9.6), factor=decades(0, 2))
+def test_the_share_of_asperities_falls_with_pressure_alone(model, film_parameter, pressure, factor):
+    """They carry what they carry: share times pressure is the same, unless it is all."""
+    light, heavy = share_of(model, film_parameter, np.array([pressure, pressure * factor]))
+    assert heavy <= light
+    if light < 1:
+        np.testing.assert_allclose(heavy * factor, light, rtol=1e-14)
+
+
+# The blend -----------------------------------------------------------------------------------------------------------
+
+
+@every_blend
+@settings(deadline=None, max_examples=30)
+@given(film=films(), ratio=decades(-3, 1.2))
+def test_a_blend_is_its_children_by_their_shares(model, film, ratio):
+    """mu = share mu_bd + (1 - share) mu_hd, between the two; one of them alone where the share is 0 or 1."""
+    law = law_of(model)
+    film = film.with_(roughness=film.columns["film_thickness"] / ratio, modulus=STEEL)
+    speed = np.concatenate([film.speed(np.logspace(-6, 6, 13)), [0.0]])
+    children = [
+        film.friction(child if model is law else NumpyForm(child), speed) for child in (law.boundary, law.hydrodynamic)
+    ]
+    friction = film.friction(model, speed)
+    slices = film.slices(law, speed)
+    share = law.share(slices)
+    larger = np.maximum(*children)
+    expected = share * children[0] + (1 - share) * children[1]
+    # the share, a film parameter of two roundings to a power or in an exponent, is known to some roundings of its own
+    assert np.all(np.abs(friction - expected) <= ROUNDING * larger + 1e-300)
+    assert np.all(friction >= np.minimum(*children) - ROUNDING * larger)
+    assert np.all(friction <= larger * (1 + ROUNDING) + 1e-300)
+    if ratio >= law.full_film_from * (1 + 1e-12):
+        assert np.all(share == 0)
+        np.testing.assert_allclose(friction, children[1], rtol=0 if model is law else ROUNDING, atol=1e-300)
+    if ratio <= law.full_film_from * (1 - 1e-12):
+        assert np.all(share > 0)
+
+
+@pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
+@pytest.mark.parametrize("n", [1, 257, 600])
+def test_a_child_is_evaluated_only_where_it_is_needed(form, n):
+    """Asperities carry nothing beyond the reach of their heights, and all of a light load without a film."""
+    seen = {"boundary": [], "hydrodynamic": []}
+
+    def child(which):
+        def evaluate(part):
+            seen[which] += part.load.tolist()
+            part.friction[...] = 0.1
+
+        return Stage(evaluate)
+
+    kinds = np.arange(n) % 3
+    slices = Slices(n, Conditions(roughness=1e-7, modulus=STEEL), load=np.arange(n), pressure=np.where(kinds, 4e8, 1e4))
+    slices.film_thickness[:] = 1e-7 * np.array([1e-3, 1.0, 8.0])[kinds]
+    Chain(form(GreenwoodTripp(boundary=child("boundary"), hydrodynamic=child("hydrodynamic"))))(slices)
+    assert seen["boundary"] == np.flatnonzero(kinds < 2).tolist()
+    assert seen["hydrodynamic"] == np.flatnonzero(kinds > 0).tolist()
+
+
+def test_a_blend_asks_for_the_pressure_only_if_its_share_does():
+    bare = {"boundary": Kragelsky(), "hydrodynamic": Constant()}
+    slip = {"rolling_speed", "sliding_speed", "film_thickness", "roughness"}
+    assert LinearBlend(**bare).reads == ZhouHoeprich(**bare).reads == slip
+    assert GreenwoodTripp(**bare).reads == slip | {"pressure", "modulus"}
+    assert GreenwoodTripp().reads == Muraki().reads | slip | {"modulus"}
+
+
+# Parameters and scenes -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("cls", "parameters", "field"),
+    [
+        (LinearBlend, {"boundary_limit": 2.0}, "hydrodynamic_limit"),
+        (ZhouHoeprich, {"factor": 0.0}, "factor"),
+        (ZhouHoeprich, {"exponent": -1.0}, "exponent"),
+        (GreenwoodTripp, {"roughness_parameter": 0.0}, "roughness_parameter"),
+        (GreenwoodTripp, {"slope_parameter": 1.0}, "slope_parameter"),
+    ],
+)
+def test_parameters_out_of_range_are_refused(cls, parameters, field):
+    with pytest.raises(FieldError, match=f"^{field}: must be "):
+        cls(**parameters)
+
+
+def test_extreme_constants_keep_a_film_parameter():
+    assert ZhouHoeprich(factor=1e-300, exponent=0.01).full_film_from == np.inf
+    assert share_of(ZhouHoeprich(factor=1e-300, exponent=0.01), 1e9) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("name", ["linear-blend", "zhou-hoeprich", "greenwood-tripp"])
+def test_a_scene_takes_each_blend(name):
+    scene = evolve(load_scene("1032930-70C"), {"models.traction": {"model": name, "hydrodynamic": "eyring"}})
+    rows = {part.part: part for part in plan(scene, "friction-curve").parts}
+    assert rows["traction"].choice.startswith(name)
+    assert rows["boundary friction"].included == (name != "linear-blend")
+    with pytest.raises(SceneError, match=r"models\.traction\.exponents: unknown"):
+        plan(evolve(scene, {"models.traction": {"model": name, "exponents": 2.0}}))
+
+
+@pytest.mark.slow
+class TestOtherParameters(Conformance):
+    models = BLENDS[1::2]

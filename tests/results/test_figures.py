@@ -1,0 +1,270 @@
+"""Figures: the same bytes each time, and on them what the dataset says."""
+
+import json
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from html import unescape
+
+import numpy as np
+import pytest
+from matplotlib import style
+from matplotlib.figure import Figure
+
+from rollslip.bearing.assembly import assemble
+from rollslip.results.figures import Curve, curves, percent, plot
+from rollslip.results.style import STYLE, plain_ticks
+from rollslip.scene import resolved
+from rollslip.scene.reading import evolve, load_scene
+from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.friction_curve.study import FrictionCurve
+
+COLD = evolve(load_scene("1032930-30C"), {"bearing.profile": "none"})
+THERMAL = "beyond it the thermal branch"
+
+
+def dataset(study, scene=COLD):
+    result = study.run(assemble(scene))
+    result.attrs["scene_resolved"] = json.dumps(resolved(scene))
+    return result
+
+
+def effective(scene=COLD, **settings):
+    defaults = {"points": 21, "map_points": 0, "max_cage_slip": 0.4}
+    return dataset(EffectiveFriction(**{**defaults, **settings}), scene)
+
+
+def contact(scene=COLD, **settings):
+    return dataset(FrictionCurve(**{"points": 41, **settings}), scene)
+
+
+@pytest.fixture(scope="module")
+def everything():
+    """Both rings have a critical slip, and rollers and map are there."""
+    result = effective(evolve(COLD, {"lubricant.pressure_viscosity_factor": 1.5}), map_points=5, per_roller=True)
+    assert np.isfinite(result.critical_cage_slip).all()
+    return result
+
+
+@pytest.fixture(scope="module")
+def drawn(everything, tmp_path_factory):
+    return plot(everything, tmp_path_factory.mktemp("drawn"))
+
+
+def words(path):
+    """Return what is written on a figure; letters are outlines, and what they say stands beside them."""
+    return [unescape(text).strip() for text in re.findall(r"<!--(.*?)-->", path.read_text(), re.DOTALL)]
+
+
+def only(paths):
+    (path,) = paths
+    return path
+
+
+def metadata(path, name):
+    return next(e.text for e in ET.parse(path).iter() if e.tag == f"{{http://purl.org/dc/elements/1.1/}}{name}")
+
+
+def test_two_runs_write_the_same_bytes(tmp_path, everything, drawn):
+    assert [path.name for path in drawn] == [
+        "effective-friction.svg",
+        "effective-friction-rollers.svg",
+        "effective-friction-map.svg",
+    ]
+    again = plot(everything, tmp_path / "again")
+    assert [path.read_bytes() for path in drawn] == [path.read_bytes() for path in again]
+
+
+def test_another_process_with_another_style_writes_the_same_bytes(tmp_path):
+    (tmp_path / "matplotlibrc").write_text("font.size: 20\nlines.linewidth: 9\nsvg.fonttype: none\n")
+    result = contact()
+    result.to_netcdf(tmp_path / "r.nc", engine="h5netcdf")
+    code = (
+        "from pathlib import Path; from rollslip.results.figures import plot; import xarray\n"
+        "plot(xarray.open_dataset('r.nc', engine='h5netcdf'), Path('there'))"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True)
+    here = only(plot(result, tmp_path / "here"))
+    assert (tmp_path / "there" / here.name).read_bytes() == here.read_bytes()
+
+
+def test_figures_leave_no_state_and_no_pyplot(tmp_path):
+    code = (
+        "import sys; from rollslip.results import figures as plots; assert 'matplotlib' not in sys.modules\n"
+        "import matplotlib; from pathlib import Path; from rollslip.bearing.assembly import assemble\n"
+        "from rollslip.studies.friction_curve.study import FrictionCurve\n"
+        "from rollslip.scene.reading import load_scene\n"
+        "before = matplotlib.rcParams.copy()\n"
+        "plots.plot(FrictionCurve(points=5).run(assemble(load_scene('1032930-70C'))), Path('figures'))\n"
+        "assert matplotlib.rcParams.copy() == before and 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True)
+
+
+def test_a_figure_loads_nothing_and_holds_no_bitmap(drawn):
+    for path in drawn:
+        root = ET.parse(path).getroot()
+        links = [v for e in root.iter() for k, v in e.attrib.items() if k.endswith("href")]
+        assert links
+        assert all(link.startswith("#") for link in links)
+        assert not [e for e in root.iter() if e.tag.endswith(("}image", "}script", "}text"))]
+
+
+def test_axes_say_what_they_show_in_which_unit(tmp_path, drawn):
+    curve, rollers, chart = drawn
+    cage, mu = r"Cage slip $S_\mathrm{c}$ [%]", r"Effective friction coefficient $\mu_\mathrm{e}$ [–]"
+    assert {cage, mu} <= set(words(curve))
+    assert {cage, r"Friction coefficient $\mu$ [–]", "Normal force $Q$ [N]"} <= set(words(rollers))
+    assert {cage, mu, r"Roller slip $S_\mathrm{r}$ [%]", "inner ring", "outer ring"} <= set(words(chart))
+    assert {r"Slide–roll ratio $V/u$ [%]", r"Friction coefficient $\mu$ [–]"} <= set(
+        words(only(plot(contact(), tmp_path)))
+    )
+
+
+def test_the_critical_slip_is_written_at_its_maximum(everything, drawn):
+    curve, rollers, chart = drawn
+    for ring in ("inner", "outer"):
+        value = percent(float(everything.critical_cage_slip.sel(ring=ring)))
+        assert value in words(curve)
+        assert value in words(chart)
+        assert (value in words(rollers)) == (ring == "inner")
+        assert f"{ring} ring: critical cage slip {value}" in metadata(curve, "description")
+
+
+@pytest.mark.parametrize("scene", [COLD, evolve(load_scene("1032930-70C"), {"bearing.profile": "none"})])
+@pytest.mark.parametrize("closure", ["epicyclic", "outer-rolling", "free-roller"])
+def test_a_thermal_branch_is_shown_exactly_where_there_is_a_maximum(tmp_path, scene, closure):
+    result = effective(scene, closure=closure, max_cage_slip=0.2)
+    path = only(plot(result, tmp_path))
+    written, found = " ".join(words(path)), np.isfinite(result.critical_cage_slip.to_numpy())
+    assert (THERMAL in written) == found.any()
+    assert ("no critical slip" in written) == (not found.all())
+    dashed = r"stroke-dasharray: [^;]*; stroke-dashoffset: 0; stroke: #(?:0072b2|e69f00); stroke-width: 1\.4"
+    assert len(re.findall(dashed, path.read_text())) == found.sum()
+
+
+def test_without_a_maximum_words_say_why(tmp_path):
+    path = only(plot(contact(normal_force=(100.0, 300.0), max_slip=0.01), tmp_path))
+    written = words(path)
+    assert "no critical slip: friction still rises at the end of the range" in written
+    assert not any(THERMAL in text for text in written)
+    assert "raise max_slip" in metadata(path, "description")
+
+
+def test_words_name_the_curves_they_are_true_of(tmp_path):
+    result = contact(normal_force=(50.0, 518.0))
+    assert np.isfinite(result.critical_slip.to_numpy()).tolist() == [False, True]
+    written = " ".join(words(only(plot(result, tmp_path))))
+    assert "50 N: no critical slip" in written
+    assert "518 N: no critical slip" not in written
+
+
+def test_the_kind_of_film_is_said_and_shaded_where_it_is_not_full(tmp_path):
+    full = " ".join(words(only(plot(contact(), tmp_path))))
+    assert "(full film), rigid-piezoviscous" in full
+    assert "mixed film" not in full
+    rough = evolve(COLD, {"surface.inner_raceway_roughness": "2 um"})
+    assert r"mixed film: smallest $\Lambda$ < 1.5" in words(only(plot(contact(rough), tmp_path)))
+    percentage = evolve(rough, {"models.traction.hydrodynamic_limit": "150 %"})
+    assert r"mixed film: smallest $\Lambda$ < 1.5" in words(only(plot(contact(percentage), tmp_path)))
+    unsaid = contact(rough)
+    del unsaid.attrs["scene_resolved"]
+    assert "film" not in " ".join(words(only(plot(unsaid, tmp_path))))
+
+
+def test_a_closure_without_friction_on_the_outer_ring_gives_a_zero_line(tmp_path):
+    result = effective(closure="outer-rolling", map_points=5, per_roller=True)
+    paths = plot(result, tmp_path)
+    assert "outer ring: no critical slip: there is no friction in the range" in " ".join(words(paths[0]))
+    assert len(paths) == 3
+
+
+def test_gaps_in_the_curves_stay_gaps(tmp_path, everything):
+    holed = everything.copy(deep=True)
+    for name in ("effective_friction", "film_parameter"):
+        holed[name][:, 4:7] = np.nan
+    holed["friction_map"][0, 2:, 2:] = np.nan
+    for path in plot(holed, tmp_path):
+        assert "nan" not in re.sub(r"<!--.*?-->", "", path.read_text())
+
+
+def test_curves_without_any_value_are_drawn_as_empty_axes(tmp_path):
+    empty = contact(normal_force=(300.0,), max_slip=0.01)
+    for name in ("friction", "film_parameter"):
+        empty[name][:] = np.nan
+    written = words(only(plot(empty, tmp_path)))
+    assert r"300 N: $\Lambda$ unknown, rigid-piezoviscous" in written
+    assert "In this range" not in curves(empty)[0].finding()
+
+
+def test_no_friction_at_all_is_drawn(tmp_path, everything):
+    still = everything.copy(deep=True)
+    for name in ("effective_friction", "roller_friction", "friction_map"):
+        still[name][:] = 0.0
+    still["critical_cage_slip"][:] = still["critical_friction"][:] = np.nan
+    assert len(plot(still, tmp_path)) == 3
+
+
+@pytest.mark.parametrize("largest", [1e-8, 1e-3])
+def test_very_small_slips_are_drawn(tmp_path, largest):
+    assert len(plot(contact(max_slip=largest), tmp_path)) == 1
+
+
+def test_a_study_without_figures_gives_none_and_no_folder(tmp_path, everything):
+    other = everything.assign_attrs(study="something-else")
+    assert plot(other, tmp_path / "figures") == []
+    assert curves(other) == []
+    assert not (tmp_path / "figures").exists()
+
+
+def make_curve(slip, friction, critical_slip, critical_friction):
+    return Curve(
+        name="a",
+        of="friction coefficient",
+        against="cage slip",
+        slip=np.array(slip),
+        friction=np.array(friction),
+        film_parameter=np.ones(len(slip)),
+        critical_slip=critical_slip,
+        critical_friction=critical_friction,
+        status="found",
+    )
+
+
+def test_the_thermal_branch_runs_from_the_maximum_to_where_friction_rises_again():
+    x, y, begin, end = make_curve([0.0, 0.1, 0.2, 0.3, 0.4], [0.0, 2.0, 1.0, 0.5, 0.8], 0.12, 2.1).branches()
+    assert (x[begin], y[begin]) == (0.12, 2.1)
+    assert (x[end], y[end]) == (0.3, 0.5)
+    assert np.all(np.diff(x) > 0.0)
+
+
+def test_a_maximum_on_the_grid_is_not_doubled():
+    x, y, begin, _ = make_curve([0.0, 0.1, 0.2], [0.0, 2.0, 1.0], 0.1, 2.0).branches()
+    assert x.tolist() == [0.0, 0.1, 0.2]
+    assert y.tolist() == [0.0, 2.0, 1.0]
+    assert begin == 1
+
+
+def test_without_a_maximum_there_is_no_thermal_branch():
+    x, _, begin, end = make_curve([0.0, 0.1, 0.2], [0.0, 1.0, 2.0], np.nan, np.nan).branches()
+    assert begin == end == x.size - 1
+
+
+def test_percent():
+    assert [percent(v) for v in (0.1105, 0.24, 1.0, 3e-7)] == ["11.1 %", "24.0 %", "100 %", "3.00e-05 %"]
+
+
+@pytest.mark.parametrize("limits", [(-2e-3, 5e-3), (0.0, 40.0), (0.0, 3e6), (-180.0, 180.0)])
+def test_numbers_at_ticks_are_plain_letters_that_say_the_same(limits):
+    labels, powers = [], []
+    for plain in (False, True):
+        with style.context(["default", dict(STYLE)]):
+            axes = Figure().subplots()
+            if plain:
+                plain_ticks(axes)
+            axes.set_ylim(limits)
+            labels.append([label.get_text() for label in axes.get_yticklabels()])
+            powers.append(axes.yaxis.get_major_formatter().get_offset())
+    assert labels[0] == [rf"$\mathdefault{{{text}}}$" for text in labels[1]]
+    assert powers[0] == powers[1]

@@ -1,0 +1,326 @@
+"""The report: one well-formed page that loads nothing, says all that the datasets say, and trusts no text."""
+
+import json
+import re
+import xml.etree.ElementTree as ET
+from collections import Counter
+from html.parser import HTMLParser
+from urllib.parse import urlsplit
+
+import pytest
+
+from rollslip.bearing.assembly import assemble
+from rollslip.results.figures import percent, plot
+from rollslip.results.report import write_report
+from rollslip.scene import resolved
+from rollslip.scene.reading import load_scene
+from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.friction_curve.study import FrictionCurve
+
+SCENE = load_scene("1032930-30C")
+HOSTILE = "<script>alert('1')</script> & \"quoted\" <b>bold</b> $title"
+VOID = {"meta", "br"}
+
+
+def provenance(**changes):
+    """Return the attributes of a result, short and all different, so that each is found on the page."""
+    return {
+        "title": "A bearing & its slip",
+        "description": "What <i>it</i> is about.",
+        "source": "some-scene.toml",
+        "scene": 'title = "x"  # <verbatim> & so on',
+        "scene_resolved": json.dumps(resolved(SCENE)),
+        "scene_hash": "0123abcd" * 8,
+        "packages": json.dumps({"rollslip": "7.8.9", "numpy": "2.0.1"}),
+        "models": json.dumps(
+            [
+                {
+                    "kind": "film",
+                    "name": "moes",
+                    "package": "some-package",
+                    "version": "4.5.6",
+                    "equation": "H < M & so on",
+                    "references": ["Moes 1992.", "Another 1993."],
+                    "parameters": "Moes(a=1)",
+                }
+            ]
+        ),
+        "lubricant": json.dumps({"name": "some-oil", "source": "some handbook"}),
+        "conditions": json.dumps(
+            {
+                ring: {"viscosity": 0.0163, "effusivity": 12986.0, "conductivity": float("nan")}
+                for ring in ("inner", "outer")
+            }
+        ),
+        "plan": json.dumps(
+            [
+                {
+                    "part": "slices",
+                    "included": True,
+                    "choice": "profile x",
+                    "resolution": "17 slices",
+                    "reason": "uneven",
+                },
+                {"part": "inlet", "included": False, "choice": "none", "resolution": "", "reason": "nobody asked"},
+            ]
+        ),
+        "warnings": json.dumps(["mind the load < 2"]),
+        "citations": json.dumps(["Klebanov 2022. https://doi.org/10.3103/S1068366622010068", "Moes 1992."]),
+        "evaluations": 1234567,
+        "wall_time": 1.5,
+        "created": "2030-01-02T03:04:05+00:00",
+    } | changes
+
+
+@pytest.fixture(scope="module")
+def results():
+    assembly = assemble(SCENE)
+    return {
+        "effective-friction": EffectiveFriction(points=11, map_points=4, per_roller=True).run(assembly),
+        "friction-curve": FrictionCurve(points=21, normal_force=(300.0, 518.0)).run(assembly),
+    }
+
+
+@pytest.fixture(scope="module")
+def figures(results, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("figures")
+    return {name: plot(dataset, folder) for name, dataset in results.items()}
+
+
+def written(results, figures, folder, **attributes):
+    path = folder / "report.html"
+    write_report({name: dataset.assign_attrs(attributes) for name, dataset in results.items()}, figures, path)
+    return path.read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def page(results, figures, tmp_path):
+    return written(results, figures, tmp_path, **provenance())
+
+
+class Page(HTMLParser):
+    """What a browser sees: elements with their attributes, and the text of each section."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.elements, self.open, self.text = [], [], ""
+        self.feed(html)
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def test_it_is_well_formed_html_and_xml(page):
+    assert page.startswith("<!DOCTYPE html>")
+    assert Page(page).elements[0] == ("html", {"lang": "en", "xmlns": "http://www.w3.org/1999/xhtml"})
+    ET.fromstring(page)
+
+
+def test_it_has_no_script_and_loads_nothing(page):
+    elements = Page(page).elements
+    assert not {tag for tag, _ in elements} & {"script", "link", "img", "image", "iframe", "object", "embed", "base"}
+    for tag, attributes in elements:
+        for name, value in attributes.items():
+            assert not name.startswith("on")
+            if name in ("src", "href", "xlink:href", "srcset", "data", "action"):
+                assert value.startswith("#"), (tag, name, value)
+    assert not re.search(r"@import|url\((?!#)", page)
+    assert not re.search(r"https?:", page.split("<style>")[1].split("</style>")[0])
+    policy = next(a["content"] for t, a in elements if a.get("http-equiv") == "Content-Security-Policy")
+    assert policy.startswith("default-src 'none'")
+
+
+def test_addresses_are_only_namespaces_and_text(page):
+    for attributes in (attributes for _, attributes in Page(page).elements):
+        for name, value in attributes.items():
+            if urlsplit(value or "").scheme in ("http", "https"):
+                assert name.startswith("xmlns")
+
+
+def test_ids_are_unique_and_every_reference_has_its_target(page):
+    ids = Counter(attributes["id"] for _, attributes in Page(page).elements if "id" in attributes)
+    assert max(ids.values()) == 1
+    targets = set(re.findall(r'href="#([^"]+)"', page)) | set(re.findall(r"url\(#([^)]+)\)", page))
+    assert len(targets) > 50
+    assert targets <= set(ids)
+
+
+def test_every_figure_has_a_caption_and_a_label(page, figures):
+    number = sum(map(len, figures.values()))
+    assert number == 4
+    drawings = [attributes for tag, attributes in Page(page).elements if tag == "svg"]
+    assert len(drawings) == page.count("<figcaption>") == number
+    for drawing in drawings:
+        assert drawing["role"] == "img"
+        assert "ring" in drawing["aria-label"]
+        assert drawing["viewbox"]
+        assert not {"width", "height"} & set(drawing)
+    assert "Figure 4. Friction of one contact with the inner ring, entrainment speed 29.8 m/s." in page
+
+
+def test_tables_have_headers(page):
+    root = ET.fromstring(page)
+    space = "{http://www.w3.org/1999/xhtml}"
+    tables = list(root.iter(f"{space}table"))
+    assert len(tables) >= 8
+    for table in tables:
+        assert {cell.get("scope") for cell in table.find(f"{space}thead").iter(f"{space}th")} == {"col"}
+        for row in table.find(f"{space}tbody"):
+            assert row[0].get("scope") == "row"
+            assert len(row) == len(table.find(f"{space}thead")[0])
+
+
+def test_it_says_what_was_found(page, results):
+    text = Page(page).text
+    for ring in ("inner", "outer"):
+        value = float(results["effective-friction"].critical_cage_slip.sel(ring=ring))
+        assert f"{ring.capitalize()} ring: critical cage slip {percent(value)}" in text
+    for force, value in zip(("300 N", "518 N"), results["friction-curve"].critical_slip.values, strict=True):
+        assert f"{force}: critical slip {percent(value)}, where the friction coefficient is largest" in text
+
+
+def test_it_says_in_words_that_there_is_no_critical_slip(figures, tmp_path):
+    flat = FrictionCurve(points=11, max_slip=1e-3).run(assemble(SCENE))
+    text = Page(written({"friction-curve": flat}, {}, tmp_path)).text
+    assert "no critical slip: friction still rises at the end of the range, 0.001; raise max_slip" in text
+    assert "In this range the friction coefficient reaches" in text
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "A bearing & its slip",
+        "What <i>it</i> is about.",
+        "mind the load < 2",
+        "some-scene.toml",
+        "0123abcd" * 8,
+        "2030-01-02T03:04:05+00:00",
+        "7.8.9",
+        "some-package 4.5.6",
+        "H < M & so on",
+        "Moes(a=1)",
+        "Another 1993.",
+        "Oil some-oil. some handbook",
+        "16.3 mPa s",
+        "12986 J/(m2 K s^0.5)",
+        "17 slices",
+        "nobody asked",
+        'title = "x"  # <verbatim> & so on',
+        "https://doi.org/10.3103/S1068366622010068",
+        "1,234,567",
+        "1.5 s",
+        "bearing.roller_diameter",
+        "15 mm",
+        "6371 rpm",
+        "30 degC",
+        "300 N, 518 N",
+        "epicyclic",
+        "rigid-piezoviscous",
+        "Below M = 2",
+    ],
+)
+def test_it_says(page, words):
+    assert words in Page(page).text
+
+
+def test_what_all_say_alike_is_said_once(page):
+    text = Page(page).text
+    for words in ("mind the load < 2", "nobody asked", "Another 1993.", "some handbook", "<verbatim>"):
+        assert text.count(words) == 1
+    assert text.count("Moes 1992.") == 2  # once with the model, once to be cited
+
+
+def test_what_differs_is_said_of_each(results, figures, tmp_path):
+    both = {
+        name: dataset.assign_attrs(
+            provenance(title=name, warnings=json.dumps([f"warning of {name}"]), source=f"{k}.toml")
+        )
+        for k, (name, dataset) in enumerate(results.items())
+    }
+    path = tmp_path / "report.html"
+    write_report(both, figures, path)
+    text = Page(path.read_text()).text
+    assert "Results of rollslip" in text
+    for k, name in enumerate(results):
+        assert f"warning of {name}" in text
+        assert f"{k}.toml ({name})" in text
+
+
+def test_texts_of_users_are_escaped(results, figures, tmp_path):
+    lists = {"warnings": [HOSTILE], "citations": [HOSTILE], "packages": {HOSTILE: HOSTILE}}
+    model = ("kind", "name", "package", "version", "equation", "parameters")
+    tables = {
+        "models": [dict.fromkeys(model, HOSTILE) | {"references": [HOSTILE]}],
+        "plan": [{**dict.fromkeys(("part", "choice", "resolution", "reason"), HOSTILE), "included": True}],
+        "lubricant": {"name": HOSTILE, "source": HOSTILE},
+        "conditions": {HOSTILE: {"viscosity": HOSTILE}},
+        "scene_resolved": {HOSTILE: {HOSTILE: HOSTILE, "list": [{"a": HOSTILE}, {"a": [HOSTILE, True]}]}},
+    }
+    plain = dict.fromkeys(("title", "description", "source", "scene", "scene_hash", "created", "closure"), HOSTILE)
+    attributes = provenance(**plain, **{key: json.dumps(value) for key, value in (lists | tables).items()})
+    named = {HOSTILE: results["effective-friction"]}
+    html = written(named, {HOSTILE: figures["effective-friction"]}, tmp_path, **attributes)
+    page = Page(html)
+    assert not {tag for tag, _ in page.elements} & {"script", "b"}
+    assert page.text.count(HOSTILE) > 25
+    ET.fromstring(html)
+
+
+def test_captions_are_escaped(results, tmp_path):
+    hostile = results["effective-friction"].assign_attrs(closure=HOSTILE)
+    html = written({"e": hostile}, {"e": plot(hostile, tmp_path)}, tmp_path)
+    assert not {tag for tag, _ in Page(html).elements} & {"script", "b"}
+    assert HOSTILE in Page(html).text
+    ET.fromstring(html)
+
+
+@pytest.mark.parametrize("missing", [*provenance(), "closure", "instants", "ring"])
+def test_a_missing_attribute_leaves_its_part_out(results, tmp_path, missing):
+    datasets = {name: dataset.assign_attrs(provenance()) for name, dataset in results.items()}
+    for dataset in datasets.values():
+        dataset.attrs.pop(missing, None)
+    html = written(datasets, {}, tmp_path)
+    ET.fromstring(html)
+    assert 'id="findings"' in html
+
+
+def test_a_dataset_that_says_nothing_gives_an_empty_page(results, tmp_path):
+    bare = results["friction-curve"].copy()
+    bare.attrs = {}
+    page = Page(written({"a": bare}, {}, tmp_path))
+    assert "section" not in {tag for tag, _ in page.elements}
+
+
+def test_unimportant_values_are_shown_for_what_they_are(results, figures, tmp_path):
+    resolved_scene = {"plugins": {"require": []}, "study": {"x": {"on": True, "points": [{"t": 1.25}, {"t": 2.5}]}}}
+    html = written(results, figures, tmp_path, **provenance(scene_resolved=json.dumps(resolved_scene)))
+    text = Page(html).text
+    assert "plugins.require" not in text
+    assert "study.x.onyes" in text.replace("\n", "")
+    assert "study.x.points.22.5" not in text
+    assert "study.x.points.2.t2.5" in text
+
+
+def test_contacts_at_light_load_are_flagged(page, results):
+    text = Page(page).text
+    share = float(results["effective-friction"].light_share.sel(ring="inner"))
+    assert share > 0.0
+    assert f"{percent(share)} of the force" in text
+    assert "at M < 2" in text
+
+
+def test_the_same_input_gives_the_same_page(results, figures, tmp_path):
+    assert written(results, figures, tmp_path, **provenance()) == written(results, figures, tmp_path, **provenance())

@@ -1,0 +1,404 @@
+"""Study dynamics: what its numbers must obey, at every level and with every friction; events, stops and settings."""
+
+import re
+
+import numpy as np
+import pytest
+
+import rollslip
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.errors import PluginError, SceneError
+from rollslip.fields import FieldError
+from rollslip.motion.planar import PlanarSettings
+from rollslip.planning.execution import execute
+from rollslip.planning.plan import plan
+from rollslip.results.dataset import open_result, save
+from rollslip.studies.dynamics.findings import energy_closure, momentum_closure
+from rollslip.studies.dynamics.study import Dynamics, _steady
+from rollslip.studies.steady_slip.study import SteadySlip
+
+SHIPPED = load_scene("1032930-50C")
+FAST = {"bearing.rollers": 12, "accuracy.slices": 5, "accuracy.tolerance": 1e-2}
+LEVELS = ("cage-set", "pocket", "planar")
+FRICTIONS = ("constant", "effective", "conventional")
+#: All levels with all frictions; those that are long only by name.
+LONG = {("planar", "constant"), ("planar", "conventional"), ("pocket", "constant")}
+EVERY = [
+    pytest.param(level, friction, marks=[pytest.mark.slow] if (level, friction) in LONG else [])
+    for level in LEVELS
+    for friction in FRICTIONS
+]
+RING = PlanarSettings(inner_ring_mass=5.0)
+MADE = {}
+
+
+def brake(torque):
+    return {"model": "constant-torque", "size": torque, "transition": 1.0}
+
+
+def bearing(*drags, cage=None, **changes):
+    """The shipped bearing with fewer rollers and slices, and these drags; made once."""
+    key = repr((drags, cage, changes))
+    if key not in MADE:
+        own = {"mass": 0.4, "inertia": 3.3e-3, "drag": list(drags)} | (cage or {})
+        MADE[key] = assemble(evolve(SHIPPED, {"cage": own} | FAST | changes))
+    return MADE[key]
+
+
+def run(assembly, level="cage-set", friction="effective", duration=0.05, points=51, **settings):
+    """The motion, which went to its end."""
+    dataset = started(assembly, level, friction, duration, points, **settings)
+    assert dataset.attrs["outcome"] == "finished", dataset.attrs["outcome_message"]
+    return dataset
+
+
+def started(assembly, level="cage-set", friction="effective", duration=0.05, points=51, **settings):
+    return Dynamics(
+        level=level,
+        friction=friction,
+        duration=duration,
+        points=points,
+        planar=RING if level == "planar" else None,
+        **settings,
+    ).run(assembly)
+
+
+def distance(one, other):
+    """Largest difference of the cage's speed, relative."""
+    return float(np.abs(one.cage_speed - other.cage_speed).max() / np.abs(other.cage_speed).max())
+
+
+# Ledger -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("level", "friction"), EVERY)
+def test_the_ledger_closes_to_the_tolerance(level, friction):
+    """Energy and angular momentum; a hundredth of the tolerance leaves a fraction of the energy's residual."""
+    drags = [brake(0.3), "hysteresis", {"model": "pocket-friction", "coefficient": 0.1}]
+    closures = []
+    for tolerance in (1e-5, 1e-7):
+        found = run(
+            bearing(*drags), level, friction, duration=0.01, points=11, relative_tolerance=tolerance, cage_slip=0.05
+        )
+        closures.append(energy_closure(found))
+        assert closures[-1] < 100.0 * tolerance
+        assert momentum_closure(found) < tolerance
+        assert float(np.abs(found.work_done.isel(time=-1)).sum()) > 0.1
+    assert closures[1] < closures[0] / 4.0
+
+
+# Known motions ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("level", "friction"), [e for e in EVERY if e.values[0] != "planar"])
+def test_without_drag_the_cage_keeps_epicyclic_speed(level, friction):
+    found = run(bearing(), level, friction)
+    assert float(np.abs(found.cage_slip).max()) < 1e-9
+    # noise of rounding grows in steps over which a roller becomes loaded, as far as the tolerance of 1e-5 lets it
+    assert float(np.abs(found.roller_slip).max()) < 1e-6
+    assert found.attrs["drag"] == "[]"
+    assert found.sizes["event"] == 0
+
+
+@pytest.mark.parametrize(("duration", "steady"), [(0.5, False), (2.0, False), (4.0, True), (20.0, True)])
+def test_steady_is_said_where_the_slip_is_within_the_tolerance_of_its_end(duration, steady):
+    """Slip that goes to 5 % with a time constant of 0.4 s, swinging a little with every orbit of 20 ms."""
+    t = np.linspace(0.0, duration, 2001)
+    slip = 0.05 * (1.0 - np.exp(-t / 0.4)) + 1e-5 * np.sin(2 * np.pi * t / 0.02)
+    mean, status = _steady(t, slip, np.full(t.size, 2 * np.pi / 0.02), 1e-3)
+    if steady:
+        assert status == "steady"
+        assert mean == pytest.approx(0.05, rel=1e-3)
+    else:
+        assert np.isnan(mean)
+        assert float(status.split()[-1]) == pytest.approx(0.05, rel=0.05)
+
+
+def test_steady_is_not_said_of_short_sparse_or_growing_slip():
+    t, turning = np.linspace(0.0, 1.0, 501), np.full(501, 2 * np.pi / 0.02)
+    assert "shorter than three orbits" in _steady(0.05 * t, 0.0 * t, turning, 1e-3)[1]
+    assert "too few instants" in _steady(t[::100], 0.0 * t[::100], turning[::100], 1e-3)[1]
+    assert _steady(t, 0.01 * np.exp(t), turning, 1e-3)[1].startswith("not steady: slip moves from")
+    assert _steady(t, 0.0 * t, turning, 1e-3) == (0.0, "steady")
+
+
+@pytest.mark.parametrize(("level", "friction"), EVERY)
+def test_a_mirrored_bearing_moves_as_in_a_mirror(level, friction):
+    """Turned the other way, all speeds change their sign and everything else stays; positions are counted along the
+    orbit, so they stay too."""
+    turned, mirrored = (
+        run(bearing(brake(0.3), **{"operation.inner_speed": speed}), level, friction, duration=0.01, points=6)
+        for speed in (667.2, -667.2)
+    )
+    assert np.all(turned.cage_speed > 0.0)
+    for name in ("cage_speed", "roller_speed"):
+        assert np.abs(turned[name] + mirrored[name]).max() < 1e-9 * np.abs(turned[name]).max()
+    for name in ("cage_slip", "normal_force", "traction_force", "energy", "work_done"):
+        assert np.abs(turned[name] - mirrored[name]).max() < 1e-7 * np.abs(turned[name]).max(), name
+    assert np.abs(np.exp(1j * turned.orbit_angle) - np.exp(1j * mirrored.orbit_angle)).max() < 1e-9
+
+
+def test_the_same_run_is_the_same_to_the_last_bit():
+    one, other = (run(bearing(brake(0.3)), "pocket", "conventional", duration=0.005) for _ in range(2))
+    for name in one.data_vars:
+        if one[name].dtype.kind == "f":
+            assert np.array_equal(one[name], other[name], equal_nan=True), name
+
+
+@pytest.mark.parametrize(
+    ("level", "friction"),
+    [
+        ("cage-set", "effective"),
+        ("cage-set", "conventional"),
+        ("planar", "effective"),
+        pytest.param("planar", "conventional", marks=pytest.mark.slow),
+    ],
+)
+def test_a_smaller_tolerance_brings_the_answer_nearer(level, friction):
+    """Against a run at 1e-11: the error goes with the tolerance, which a method with control of its steps promises.
+
+    A hundredth of it leaves from a fifteenth to a hundredth: loads over the orbit are smooth to the first derivative
+    only. At level pocket impacts follow each other, and two runs of different tolerance part after some of them.
+    """
+
+    def at(tolerance):
+        return run(
+            bearing(brake(0.3)),
+            level,
+            friction,
+            duration=0.02 if level == "cage-set" else 0.003,
+            points=21,
+            cage_slip=0.1,
+            roller_slip=0.1,
+            relative_tolerance=tolerance,
+        ).roller_speed
+
+    exact = at(1e-11)
+    errors = [float(np.abs(at(tolerance) - exact).max() / np.abs(exact).max()) for tolerance in (1e-4, 1e-6, 1e-8)]
+    assert all(error < 10.0 * tolerance for error, tolerance in zip(errors, (1e-4, 1e-6, 1e-8), strict=True))
+    assert errors[1] < errors[0] / 8.0
+    assert errors[2] < errors[1] / 8.0
+
+
+@pytest.mark.parametrize("name", ["rk23", "rk45", "dop853", "radau", "bdf", "lsoda"])
+def test_every_integrator_finds_the_same_motion(name):
+    settings = {"duration": 0.01, "points": 6, "cage_slip": 0.02, "relative_tolerance": 1e-7}
+    ours = run(bearing(brake(0.3)), **settings)
+    theirs = run(bearing(brake(0.3)), integrator=name, **settings)
+    assert distance(theirs, ours) < 1e-6
+    assert theirs.attrs["integrator"] == name
+    assert theirs.attrs["rejected"] == -1
+
+
+def braked(duration):
+    """All 28 rollers of 15 slices, with a drag under which they come to slip by 5 %."""
+    assembly = bearing(brake(0.3), **{"bearing.rollers": 28, "accuracy.slices": 15, "accuracy.tolerance": 1e-3})
+    settings = {"duration": duration, "points": 1001}
+    return assembly, *(run(assembly, friction=friction, **settings) for friction in ("conventional", "effective"))
+
+
+def test_effective_friction_moves_the_bearing_as_conventional_friction_does():
+    """The paper's claim: within 1 % of the cage's speed, from the same start to the end."""
+    _, one, other = braked(1.5)
+    assert distance(one, other) < 0.01
+    assert float(one.cage_slip[-1]) == pytest.approx(0.05, abs=0.01)
+    assert float(other.cage_slip[-1]) == pytest.approx(float(one.cage_slip[-1]), rel=0.03)
+
+
+@pytest.mark.slow
+def test_the_steady_slip_is_that_of_study_steady_slip():
+    assembly, one, other = braked(6.0)
+    for found, friction in ((one, "conventional"), (other, "effective")):
+        slip = float(SteadySlip(friction=friction).run(assembly).steady_slip[0])
+        assert found.attrs["steady_cage_slip"] == pytest.approx(slip, rel=2e-3)
+
+
+def test_effective_friction_over_slips_is_that_over_sliding_speed():
+    """The 2-D map knows the rolling speed too; near pure rolling it is nearly the same."""
+    one, two = (
+        run(bearing(brake(0.3)), effective_over=over, cage_slip=0.02, roller_slip=0.02)
+        for over in ("sliding-speed", "slips")
+    )
+    assert distance(one, two) < 1e-3
+    assert not np.array_equal(one.cage_speed, two.cage_speed)
+
+
+@pytest.mark.parametrize("friction", FRICTIONS)
+def test_rollers_are_free(friction):
+    """What the rings do to the spin of a roller over an orbit is what its spin gains; drag and pockets do nothing."""
+    orbit = 2.0 * np.pi / 305.8 / (1.0 - 0.005)
+    assembly = bearing(brake(0.2))
+    found = run(assembly, friction=friction, duration=2.0 * orbit, points=4001, relative_tolerance=1e-8)
+    last = found.isel(time=slice(2000, None))
+    inner, outer = last.traction_force.sel(ring="inner", drop=True), last.traction_force.sel(ring="outer", drop=True)
+    time, spin = last.time.values, (last.roller_speed - last.cage_speed).values
+    radius = assembly.kinematics.roller_radius
+    gained = 0.5 * assembly.roller_mass * radius**2 * (spin[-1] - spin[0]) / (time[-1] - time[0])
+    given = radius * np.trapezoid((inner - outer).values, time, axis=0) / (time[-1] - time[0])
+    size = radius * float(np.abs(inner - outer).max())
+    assert size > 0.01 * radius * float(np.abs(inner).max()), "on the way it is not nothing"
+    assert np.abs(given - gained).max() < 1e-3 * size
+
+
+# Events and stops ---------------------------------------------------------------------------------------------------
+
+PASSED = "cage slip passes the critical value"
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_a_run_can_end_where_slip_becomes_critical(level):
+    found = started(bearing(brake(60.0)), level, duration=0.2, points=201, stop_at="critical")
+    assert found.attrs["outcome"] == "stopped"
+    assert found.attrs["outcome_message"].endswith(f"s: {PASSED}")
+    assert found.attrs["failed_by"] == ""
+    (what,), (time,), (rising,) = found.event_what.values, found.event_time.values, found.event_rising.values
+    assert (what, rising) == (PASSED, 1)
+    assert found.time[-1] == time < 0.2
+    assert float(found.cage_slip[-1]) == pytest.approx(found.attrs["critical_cage_slip"], abs=1e-10)
+    assert np.all(found.cage_slip[:-1] < found.attrs["critical_cage_slip"])
+    assert np.array_equal(found.time[:-1], np.linspace(0.0, 0.2, 201)[: found.sizes["time"] - 1])
+
+
+def test_a_cage_that_runs_away_is_a_result():
+    found = run(bearing(brake(60.0)), duration=0.05)
+    assert list(found.event_what.values) == [PASSED]
+    assert float(found.cage_slip[-1]) > found.attrs["critical_cage_slip"]
+    between = found.time.values.searchsorted(float(found.event_time[0]))
+    assert found.cage_slip[between - 1] < found.attrs["critical_cage_slip"] < found.cage_slip[between]
+
+
+def test_slip_that_falls_below_the_critical_value_is_an_event_and_no_end():
+    start = 0.02 + run(bearing(), duration=1e-3, points=2).attrs["critical_cage_slip"]
+    found = run(bearing(), duration=0.2, cage_slip=start, roller_slip=start, stop_at="critical")
+    assert list(found.event_what.values) == ["cage slip falls below the critical value"]
+    assert list(found.event_rising.values) == [0]
+
+
+def test_a_film_that_becomes_too_thin_is_an_event():
+    """Located between the stored instants whose films lie on both sides of the limit."""
+    settings = {"friction": "conventional", "duration": 0.01, "points": 401, "cage_slip": 0.05}
+    film = run(bearing(brake(1.0)), **settings).film_parameter.min(["ring", "roller"])
+    limit = 0.5 * float(film.min() + film.max())
+    found = run(bearing(brake(1.0)), film_limit=limit, **settings)
+    film = found.film_parameter.min(["ring", "roller"]).values
+    side = np.sign(film - limit)
+    crossed = np.flatnonzero(side[1:] * side[:-1] < 0.0)
+    assert crossed.size > 0
+    for k in crossed:
+        here = (found.event_time.values >= found.time.values[k]) & (found.event_time.values <= found.time.values[k + 1])
+        assert np.any(here)
+        what = "rises above" if side[k + 1] > 0.0 else "falls below"
+        assert what in str(found.event_what.values[np.flatnonzero(here)[-1]])
+
+
+def test_film_is_known_to_conventional_friction_alone():
+    known, unknown = (run(bearing(), friction=f, duration=1e-3, points=2) for f in ("conventional", "effective"))
+    loaded = known.normal_force > 0.0
+    assert np.array_equal(np.isfinite(known.film_parameter), loaded)
+    assert np.all(np.isnan(unknown.film_parameter))
+    assert "knows no film; run with friction = 'conventional'" in unknown.film_parameter.attrs["film_status"]
+    with pytest.raises(FieldError, match="film_limit: only known to friction = 'conventional', not to 'effective'"):
+        Dynamics(friction="effective", film_limit=1.0)
+
+
+# The result ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_a_result_says_what_it_holds_and_can_be_stored(level, tmp_path):
+    scene = evolve(
+        SHIPPED,
+        FAST
+        | {"cage": {"mass": 0.4, "inertia": 3.3e-3, "drag": [brake(0.3)], "guidance": "outer"}}
+        | {"study.dynamics": {"level": level, "duration": 1e-3, "points": 3}}
+        | ({"study.dynamics.planar": {"inner_ring_mass": 5.0}} if level == "planar" else {}),
+    )
+    found = execute(plan(scene, "dynamics"), "dynamics")
+    for name, variable in {**found.data_vars, **found.coords}.items():
+        assert {"units", "long_name"} <= set(variable.attrs), name
+    assert ("pocket_force" in found) == (level != "cage-set")
+    assert ("ring_displacement" in found) == ("land_eccentricity" in found) == (level == "planar")
+    assert np.all(found.orbit_angle >= 0.0)
+    assert np.all(found.orbit_angle < 2.0 * np.pi)
+    save(found, tmp_path / "d.nc")
+    stored = open_result(tmp_path / "d.nc")
+    assert stored.identical(found)
+
+
+# Settings -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 1e-15, 2.2e-14, 0.5, 1.0])
+def test_tolerances_that_no_solver_can_keep_are_refused(tolerance):
+    with pytest.raises(FieldError, match=r"relative_tolerance: must be from 2\.3e-14 to 0\.1, not"):
+        Dynamics(relative_tolerance=tolerance)
+
+
+OWN = """
+[bearing]
+name = "1032930"
+[lubricant]
+name = "mil-prf-7808"
+eyring_stress = "4 MPa"
+shear_modulus = "0.3 GPa"
+[operation]
+inner_speed = "6371 rpm"
+radial_load = "1037 N"
+temperature = "50 degC"
+[models]
+film = "moes"
+traction = "muraki"
+[cage]
+mass = "0.4 kg"
+inertia = "3.3e-3 kg m2"
+drag = ["petroff-land"]
+guidance = "outer"
+[study.dynamics]
+duration = "1 ms"
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('"1 ms"', '"1 ms"\nlevel = "cages"', "must be one of 'cage-set', 'pocket', 'planar', not 'cages'"),
+        ('"1 ms"', '"1 ms"\nlevel = "planar"', "missing, but required for level = 'planar'"),
+        ('"1 ms"', '"1 ms"\nlevel = "planar"\nplanar = {}', "inner_ring_mass"),
+        ('"1 ms"', '"1 ms"\nfriction = "effectiv"', "must be one of 'effective', 'conventional', 'constant'"),
+        ('"1 ms"', '"-1 ms"', "duration: must be above 0"),
+        ('"1 ms"', '"1 mm"', "duration"),
+        ('"1 ms"', '"nan s"', "duration"),
+        ('"1 ms"', '"1 ms"\npoints = 1', "points: must be at least 2, not 1"),
+        ('"1 ms"', '"1 ms"\npoints = 2.5', "points"),
+        ('"1 ms"', '"1 ms"\nrelative_tolerance = 1e-16', "relative_tolerance: must be from 2.3e-14 to 0.1"),
+        ('"1 ms"', '"1 ms"\nfilm_limit = 1', "film_limit: only known to friction = 'conventional'"),
+        ('"1 ms"', '"1 ms"\nstop_at = "never"', "must be one of 'end', 'critical'"),
+        ('"1 ms"', '"1 ms"\nintegrator = "rodas"', "rodas5p"),
+        ('"1 ms"', '"1 ms"\nintegrator = { model = "rk45", order = 3 }', "order"),
+        ('"1 ms"', '"1 ms"\nintegrator = 5', "integrator"),
+        ('duration = "1 ms"', 'duratoin = "1 ms"', "duratoin: unknown key, did you mean 'duration'?"),
+        ('"1 ms"', '"1 ms"\nplanar = { inner_ring_mas = 5 }', "inner_ring_mas: unknown key"),
+        ("[cage]\n", "[kage]\n", "cage"),
+        ('mass = "0.4 kg"\n', "", "mass: missing, but required"),
+        ('mass = "0.4 kg"', 'mass = "-1 kg"', "mass: must be above 0"),
+        ('inertia = "3.3e-3 kg m2"\n', "", "inertia: missing, but required"),
+        ('"petroff-land"', '"petrof-land"', "petroff-land"),
+        ('guidance = "outer"\n', "", "drag 'petroff-land' needs it"),
+    ],
+)
+def test_faults_of_a_scene_are_told_in_one_sentence(tmp_path, old, new, says):
+    """With file and line, where the fault has one."""
+    assert old in OWN
+    path = tmp_path / "own.toml"
+    path.write_text(OWN.replace(old, new))
+    with pytest.raises((SceneError, PluginError)) as caught:
+        rollslip.run(path, "dynamics")
+    text = str(caught.value)
+    assert says in text, text
+    # a drag without a land says so of each number of it, and a required key that is misspelt is missing too
+    lines = text.splitlines()
+    assert len(lines) == {"drag 'petroff-land' needs it": 4, "inner_ring_mas: unknown key": 2}.get(says, 1), text
+    where = rf"{re.escape(str(path))}:\d+: (study\.dynamics|cage|kage)"
+    assert isinstance(caught.value, PluginError) or all(re.match(where, line) for line in lines), text
+    assert "own.toml" in text, text

@@ -1,0 +1,463 @@
+"""Motions in time: their figures, and what console, report and figures say of them, from the dataset alone."""
+
+import json
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from html import unescape
+
+import numpy as np
+import pytest
+
+from motion_samples import CAGE_SPEED, ROLLER_SPEED, motion, relaxing, running_away
+from rollslip.cli import console
+from rollslip.results.figures import plot
+from rollslip.results.report import write_report
+from rollslip.studies.dynamics.figures import _Cells, _other_events, motion_figures, plot_together
+from rollslip.studies.dynamics.findings import (
+    compared,
+    difference,
+    energy_closure,
+    ledger,
+    ledger_table,
+    momentum_closure,
+    record,
+    sentences,
+    topics,
+    turnover,
+    unslipped_cage_speed,
+    unslipped_roller_speed,
+)  # fmt: skip
+
+HOSTILE = "<script>alert('1')</script> & \"quoted\""
+RUNAWAY = {"steady_status": "slip still grows at the end", "steady_cage_slip": float("nan")}
+
+
+def hard_cases():
+    contacts = [(1e-3 * k, "contact of roller 3 with the inner ring opens", bool(k % 2)) for k in range(400)]
+    return {
+        "one instant": motion(
+            points=1,
+            duration=0.0,
+            outcome="interrupted",
+            outcome_message="interrupted at t = 0 s",
+            real_time_factor=0.0,
+        ),
+        "two instants": motion(points=2, duration=1e-9),
+        "no roller loaded": motion(load=0.0, film="no roller was loaded", points=61),
+        "film unknown": motion(film="effective friction does not know the film", friction="effective", points=61),
+        "one roller": motion(rollers=1, points=201),
+        "1000 rollers": motion(rollers=1000, points=21, level="planar"),
+        "runaway": motion(running_away(), points=201, events=contacts, **RUNAWAY),
+        "nothing moves": motion(lambda t: 1.0 + 0.0 * t, roller_lag=0.0, load=0.0, drag=False, residual=0.0, points=5),
+        "no drag, no slip": motion(lambda t: 0.0 * t, drag=False, residual=0.0, points=61),
+        "cage backwards": motion(relaxing(2.0, 0.03), points=61, rejected=-1),
+        "critical unknown": motion(critical=float("nan"), critical_status="friction still rises", points=61),
+        "ledger of one entry": motion(works=("work_rings",), points=5),
+    }
+
+
+@pytest.fixture(scope="module")
+def planar():
+    return motion(running_away(), level="planar", points=301, outcome="stopped", outcome_message="asked to", **RUNAWAY)
+
+
+@pytest.fixture(scope="module")
+def drawn(planar, tmp_path_factory):
+    return plot(planar, tmp_path_factory.mktemp("drawn"))
+
+
+def words(path):
+    return [unescape(text).strip() for text in re.findall(r"<!--(.*?)-->", path.read_text(), re.DOTALL)]
+
+
+def labels(dataset):
+    """Return what stands on each figure of a motion, without the time that drawing takes."""
+    from matplotlib.text import Text
+
+    return [[text.get_text() for text in figure.findobj(Text)] for _, _, figure in motion_figures(dataset)]
+
+
+def rendered(*names):
+    """Hard cases, of which those that are not named are for slow runs."""
+    return [pytest.param(name, marks=[] if name in names else [pytest.mark.slow]) for name in hard_cases()]
+
+
+def metadata(path, name):
+    return next(e.text for e in ET.parse(path).iter() if e.tag == f"{{http://purl.org/dc/elements/1.1/}}{name}")
+
+
+# Figures ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_another_process_draws_the_stored_result_in_the_same_bytes(tmp_path, planar, drawn):
+    planar.to_netcdf(tmp_path / "r.nc", engine="h5netcdf")
+    (tmp_path / "matplotlibrc").write_text("font.size: 20\nlines.linewidth: 9\nsvg.fonttype: none\n")
+    code = (
+        "from pathlib import Path; from rollslip.results.figures import plot; import sys, xarray\n"
+        "plot(xarray.open_dataset('r.nc', engine='h5netcdf'), Path('there'))\n"
+        "assert 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True)
+    assert [path.name for path in drawn] == [
+        "dynamics-conventional.svg",
+        "dynamics-conventional-orbit.svg",
+        "dynamics-conventional-energy.svg",
+        "dynamics-conventional-centres.svg",
+    ]
+    for path in drawn:
+        assert (tmp_path / "there" / path.name).read_bytes() == path.read_bytes()
+
+
+def test_figures_load_nothing_hold_no_bitmap_and_stay_small(drawn):
+    for path in drawn:
+        root = ET.parse(path).getroot()
+        assert all(v.startswith("#") for e in root.iter() for k, v in e.attrib.items() if k.endswith("href"))
+        assert not [e for e in root.iter() if e.tag.endswith(("}image", "}script", "}text"))]
+        assert path.stat().st_size < 400_000
+
+
+def test_axes_say_what_they_show_in_which_unit(drawn):
+    speeds, orbit, energy, centres = map(words, drawn)
+    assert {"Cage speed [rpm]", r"Cage slip $S_\mathrm{c}$ [%]", "Time [s]", "roller 1", "without slip"} <= set(speeds)
+    assert {"critical cage slip, 11 %", "passed while rising", "range of all rollers"} <= set(speeds)
+    assert {"Sliding speed [m/s]", "Normal force [N]", r"Smallest $\Lambda$ [–]", "Pocket force [N]"} <= set(orbit)
+    assert "Orbit position [°]" in orbit
+    names = {"rings", "sliding at the inner ring", "sliding at the outer ring", "drag", "kept in the motion"}
+    assert names <= set(energy)
+    assert "Energy since the start [J]" in energy
+    assert {"cage", "inner ring", "Along the load [µm]"} <= set(centres)
+
+
+def test_a_figure_says_what_was_found(planar, drawn):
+    for path in drawn:
+        said = metadata(path, "description").casefold()
+        for sentence in sentences(planar):
+            assert sentence.casefold() in said
+        assert "level planar, conventional friction" in metadata(path, "title")
+
+
+@pytest.mark.parametrize("name", hard_cases())
+def test_hard_cases_are_told(name):
+    dataset = hard_cases()[name]
+    said = " ".join(sentences(dataset))
+    assert "nan" not in said
+    assert "inf" not in said
+    json.dumps(record(dataset), allow_nan=False)
+
+
+@pytest.mark.parametrize("name", rendered("one instant", "no roller loaded"))
+def test_hard_cases_are_drawn(tmp_path, name):
+    for path in plot(hard_cases()[name], tmp_path):
+        root = ET.parse(path).getroot()
+        shapes = [v for e in root.iter() for k, v in e.attrib.items() if k in ("d", "x", "y", "points")]
+        assert not any("nan" in shape or "inf" in shape for shape in shapes)
+
+
+def test_panels_without_values_say_why():
+    unknown, unloaded = (labels(hard_cases()[name])[1] for name in ("film unknown", "no roller loaded"))
+    assert "film parameter: effective friction does not know the film" in unknown
+    assert "no roller is loaded" not in unknown
+    assert unloaded.count("no roller is loaded") == 3
+
+
+def test_a_roller_is_shown_alone_only_if_its_orbits_can_be_seen():
+    # 24 orbits in half a second
+    assert "roller 1" in labels(motion(points=301))[0]
+    assert "the mean of all rollers" in labels(motion(points=101))[0]
+    assert "the mean of all rollers" in labels(motion(points=1001, duration=1.0))[0]
+
+
+def test_a_far_critical_slip_does_not_flatten_the_curve():
+    assert "critical cage slip, 11 %" not in labels(motion())[0]
+    assert "critical cage slip, 4 %" in labels(motion(critical=0.04))[0]
+
+
+def test_a_film_without_load_does_not_hide_the_thin_ones():
+    dataset = motion(points=61)
+    thinnest = float(dataset["film_parameter"].sel(ring="inner").min())
+    dataset["film_parameter"][0, 0, 0] = 1e11
+    (_, _, figure) = list(motion_figures(dataset))[1]
+    (bar,) = [axes for axes in figure.axes if axes.get_ylabel().startswith("Smallest")]
+    assert thinnest < bar.get_ylim()[1] < 3.5 * thinnest
+
+
+def test_events_are_marked_at_the_foot_once_for_each_place():
+    assert "events (at the foot)" not in labels(motion(running_away()))[0]
+    assert "events (at the foot)" in labels(hard_cases()["runaway"])[0]
+    thousands = [(1e-5 * k, "contact opens", False) for k in range(50000)]
+    assert len(_other_events(motion(events=thousands, points=11))) == 301
+
+
+def test_cells_hold_the_load_of_their_position():
+    dataset = motion(rollers=1000, points=301)
+    force = dataset["normal_force"].sel(ring="inner").to_numpy()
+    cells = _Cells.of(dataset, force, np.mean)
+    assert cells.values.shape == (60, 48)
+    assert (cells.edges[0], cells.edges[-1]) == (0.0, 0.5)
+    position = 2.0 * np.pi * np.arange(48) / 48
+    expected = 1000.0 * np.maximum(np.cos(position), 0.0) ** 1.5
+    # mean over a cell of 7.5 degrees less the value in its middle: f'' width^2 / 24, at the line of load 1.5 * 1000 N
+    middle = -1.5 * 1000.0 * np.radians(7.5) ** 2 / 24.0
+    assert np.abs(cells.values[:, 0] - expected[0] - middle).max() < 0.05
+    # at the ends of the zone a cell is half loaded: the mean of x^1.5 over it, x up to 3.75 degrees
+    end = 1000.0 * np.radians(3.75) ** 1.5 / 2.5 / 2.0
+    # (the few rollers in it scatter, which their mean over time does not)
+    assert np.abs(cells.values.mean(axis=0)[[12, 36]] - end).max() < 0.01 * end
+    assert np.all(cells.values[:, 13:36] == 0.0)
+
+
+def test_cells_without_values_are_left_blank_and_smallest_is_smallest():
+    dataset = motion(rollers=12, points=1, duration=0.0)
+    values = np.full((1, 12), np.nan)
+    values[0, 3] = 5.0
+    found = _Cells.of(dataset, values, np.min).values
+    assert np.flatnonzero(np.isfinite(found)).tolist() == [3]
+    many = motion(rollers=1, points=600, duration=0.01)
+    least = _Cells.of(many, np.arange(600.0)[:, None], np.min)
+    assert np.nanmin(least.values, axis=1).tolist() == list(range(0, 600, 10))
+
+
+def test_rectangles_cover_exactly_the_chosen_cells():
+    dataset = motion(rollers=13, points=40)
+    cells = _Cells.of(dataset, dataset["roller_slip"].to_numpy(), np.mean)
+    chosen = np.random.default_rng(5).random(cells.values.shape) < 0.4
+    corners = cells.rectangles(chosen)
+    time = np.repeat(0.5 * (cells.edges[1:] + cells.edges[:-1]), 360)
+    angle = np.tile(np.arange(-179.5, 180.0), chosen.shape[0])
+    inside = np.sum(
+        [(a[0, 0] < time) & (time < a[1, 0]) & (a[0, 1] < angle) & (angle < a[2, 1]) for a in corners],
+        axis=0,
+    )
+    cell = np.floor(angle / 360.0 * 13 + 0.5).astype(int) % 13
+    assert np.array_equal(inside, chosen[np.repeat(np.arange(chosen.shape[0]), 360), cell].astype(int))
+
+
+# Several motions ----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return {
+        "conventional": motion(relaxing(0.0, 0.03, 0.1)),
+        "effective": motion(relaxing(0.0, 0.033, 0.1), points=501, friction="effective", real_time_factor=75.0),
+    }
+
+
+def test_motions_are_drawn_together_in_the_same_bytes(tmp_path, pair):
+    (path,), (again,) = plot_together(pair, tmp_path / "a"), plot_together(pair, tmp_path / "b")
+    assert path.name == "dynamics-together.svg"
+    assert path.read_bytes() == again.read_bytes()
+    assert {"conventional", "effective", "Cage speed [rpm]", "Speed of roller 1 [rpm]"} <= set(words(path))
+    assert "differences are from conventional, over its largest speed" in words(path)
+    assert "effective is 30 times as fast as conventional" in metadata(path, "description").casefold()
+
+
+def test_the_difference_is_that_of_the_speeds(pair):
+    found = difference(pair["conventional"], pair["effective"], "cage_speed")
+    time = pair["conventional"]["time"].to_numpy()
+    # closed form: both relax from zero slip within 0.1 s; the instants of the other are 1 ms apart
+    expected = -0.003 * (1.0 - np.exp(-time / 0.1))
+    assert np.abs(found - expected).max() < 0.033 * 0.01**2 / 8 * 1.01
+    assert np.abs(difference(pair["conventional"], pair["conventional"], "roller_speed")).max() == 0.0
+
+
+def test_what_is_said_of_several(pair):
+    said = compared(pair)
+    largest = 0.003 * (1.0 - np.exp(-5.0))
+    assert f"the cage speed of effective is never further than {100 * largest:.3g} % of its largest" in said[2]
+    assert "conventional: steady cage slip 2.98 %, the mean of the last orbit" in said
+    assert f"the steady cage speed of effective differs by {-100 * largest / (1 - 10 * largest):+.2g} %" in said
+
+
+@pytest.mark.parametrize("name", rendered("one instant"))
+def test_motions_of_different_length_and_rollers_are_drawn_together(tmp_path, name, pair):
+    hard = hard_cases()[name]
+    for k, both in enumerate(({"a": pair["effective"], "b": hard}, {"b": hard, "a": pair["effective"]})):
+        (path,) = plot_together(both, tmp_path / str(k))
+        assert not re.search(r"\b(nan|inf)\b", metadata(path, "description"))
+
+
+# Words --------------------------------------------------------------------------------------------------------------
+
+
+def of(topic, dataset):
+    return " | ".join(topics(dataset)[topic])
+
+
+def test_the_cage_runs_away():
+    # slip grows from 2 % by a factor e within 0.15 s
+    passed = 0.15 * np.log(0.11 / 0.02)
+    away = motion(running_away(), **RUNAWAY)
+    assert of("critical slip", away) == (
+        f"cage slip passed the critical value of 11 % at t = {passed:.3g} s while rising: friction falls with slip "
+        "from there on, the cage runs away from its rollers' drive"
+    )
+    assert of("steady slip", away) == "no steady cage slip: slip still grows at the end; at the end it is 56.1 %"
+    stopped = away.assign_attrs(outcome="stopped", outcome_message="stop_at = critical.")
+    assert of("critical slip", stopped).endswith("so that the cage would run away from its rollers' drive")
+    assert of("motion", stopped).endswith("stopped at t = 0.5 s: stop_at = critical; what was computed is kept")
+
+
+def test_slip_beyond_the_critical_value_is_not_called_a_runaway_if_it_is_none():
+    settled = motion(relaxing(0.0, 0.2))
+    assert of("critical slip", settled).endswith("while rising: friction falls with slip from there on, but the cage "
+                                                 "settled beyond it")  # fmt: skip
+    there_and_back = motion(lambda t: 0.2 * np.sin(2.0 * np.pi * t))
+    assert "runs away" not in of("critical slip", there_and_back)
+    assert "but the cage came back | cage slip fell below the critical value" in of("critical slip", there_and_back)
+    swinging = motion(lambda t: 0.11 + 0.05 * np.sin(100.0 * t + 0.1))
+    assert len(topics(swinging)["critical slip"]) == 3
+
+
+def test_slip_below_the_critical_value_from_rest_and_without_one():
+    assert of("critical slip", motion()) == "cage slip stays below the critical value of 11 %"
+    rest = of("critical slip", motion(relaxing(1.0, 0.03)))
+    fell = 0.1 * np.log(0.97 / 0.08)
+    assert rest == (
+        "cage slip begins at 100 %, beyond the critical value of 11 % | "
+        f"cage slip fell below the critical value of 11 % at t = {fell:.3g} s"
+    )
+    assert of("critical slip", motion(lambda t: 0.5 + 0.0 * t)) == "cage slip stays beyond the critical value of 11 %"
+    unknown = motion(critical=float("nan"), critical_status="no maximum in the range")
+    assert of("critical slip", unknown) == "critical cage slip unknown: no maximum in the range"
+
+
+def test_the_largest_slips_and_where():
+    dataset = motion(lambda t: 0.2 * np.sin(2.0 * np.pi * t), points=501, roller_lag=0.0)
+    said = of("largest slip", dataset)
+    assert said == "largest cage slip 20 % at t = 0.25 s; largest slip of a roller 20 %, roller 1 at t = 0.25 s"
+
+
+def test_events_are_counted_by_kind():
+    opens = [(0.01 * k, "contact of roller 3 with the inner ring opens", False) for k in range(1, 31)]
+    others = [(0.1, f"event {k}", True) for k in range(9)]
+    assert topics(motion(events=opens))["events"] == [
+        "contact of roller 3 with the inner ring opens: 30 times, first at t = 0.01 s, last at t = 0.3 s"
+    ]
+    assert topics(motion(events=others))["events"][-2:] == ["event 4: at t = 0.1 s", "4 more events of 4 other kinds"]
+    assert "events" not in topics(motion())
+
+
+def test_pure_rolling_is_found_from_speed_and_slip():
+    for dataset in (motion(), motion(relaxing(1.0, 0.03)), motion(relaxing(2.0, 0.03))):
+        assert unslipped_cage_speed(dataset) == pytest.approx(CAGE_SPEED, rel=1e-12)
+        assert unslipped_roller_speed(dataset) == pytest.approx(ROLLER_SPEED, rel=1e-12)
+    assert np.isnan(unslipped_cage_speed(motion(lambda t: 1.0 + 0.0 * t)))
+
+
+def test_the_ledger_is_summed_up():
+    dataset = motion(points=2001, residual=1e-6)
+    works = dataset["work_done"].isel(time=-1).to_numpy()
+    assert works[0] > 0.0 > works[1:].max()
+    came_in = works[0] + float(dataset["energy"][0] - dataset["energy"][-1])  # the motion gave energy back too
+    assert turnover(dataset) == pytest.approx(came_in, rel=1e-7)
+    assert energy_closure(dataset) == pytest.approx(1e-6 / came_in, rel=1e-3)
+    assert momentum_closure(dataset) == pytest.approx(1e-12 * np.sin(0.5), rel=0.05)
+    _, rows = ledger_table(dataset)
+    assert [row[0] for row in rows] == [*ledger(dataset), "kept in the motion", "residual"]
+    shares = [float(row[2].removesuffix(" %")) for row in rows]
+    assert sum(abs(share) for share in shares[:-1]) == pytest.approx(200.0, abs=1.0)
+    assert "closes to 8.9e-09 of the 112" in of("ledger", dataset)
+
+
+def test_without_energy_there_is_no_relative_residual():
+    still = hard_cases()["nothing moves"]
+    assert of("ledger", still) == "no energy was turned over"
+    assert record(still)["energy_closure"] is None
+    assert {row[2] for row in ledger_table(still)[1]} == {"–"}
+
+
+def test_cost_in_words():
+    assert "2.5 times as fast as real time" in of("cost", motion())
+    assert "4 times slower than real time" in of("cost", motion(real_time_factor=0.25))
+    assert "its time was not taken" in of("cost", motion(real_time_factor=0.0))
+    assert "(rejected ones not counted)" in of("cost", motion(rejected=-1))
+    assert "1,234 steps (12 rejected), 98,765 evaluations" in of("cost", motion())
+
+
+def test_drag_film_and_cage_in_words():
+    assert topics(motion(drag=False))["cage"] == ["no drag on the cage: nothing makes it slip"]
+    assert topics(motion(level="planar", points=2001))["cage"] == [
+        "drag on the cage: constant, T = T0",
+        "largest force between a roller and the cage 30 N",
+        f"largest eccentricity of the cage on its lands {0.6 * (1 - np.exp(-5)):.3g}",
+    ]
+    assert (
+        of("film", hard_cases()["film unknown"]) == "film parameter unknown: effective friction does not know the film"
+    )
+    # the outer ring carries the centrifugal force besides the 1000 N of the inner one
+    outer = 1000.0 + 20e-3 * 90e-3 * CAGE_SPEED**2
+    said = of("film", motion(lambda t: 0.0 * t))
+    assert said == (
+        f"smallest film parameter {3 / 1001**0.1:.3g} at the inner ring, {3 / (1 + outer) ** 0.1:.3g} at the outer ring"
+    )
+
+
+# Console and report -------------------------------------------------------------------------------------------------
+
+
+def test_the_console_says_it_and_a_stored_result_too(tmp_path):
+    dataset = motion(points=61)
+    lines = console.findings(dataset).splitlines()
+    assert lines[0] == "dynamics:"
+    assert lines[1:] == [f"  {text}" for text in sentences(dataset)]
+    stored = dataset.assign_attrs(
+        scene_hash="01" * 32, source="s.toml", created="", evaluations=1, wall_time=1.0, packages="{}"
+    )
+    stored.to_netcdf(tmp_path / "r.nc", engine="h5netcdf")
+    info = dict(console.result_info(tmp_path / "r.nc")["result"])
+    assert info["steady slip"] == of("steady slip", dataset)
+    assert set(topics(dataset)) <= set(info)
+
+
+def test_the_record_has_all_single_values():
+    away = motion(running_away(), points=61, **RUNAWAY)
+    found = json.loads(json.dumps(record(away), allow_nan=False))
+    assert found["steady_cage_slip"] is None
+    assert found["steady_status"] == "slip still grows at the end"
+    assert found["critical_cage_slip"] == 0.11
+    assert found["events"] == [
+        {
+            "time": pytest.approx(0.15 * np.log(5.5), abs=1e-4),
+            "what": "cage slip passes the critical value",
+            "rising": True,
+        }
+    ]
+
+
+def page(datasets, figures, folder):
+    write_report(datasets, figures, folder / "report.html")
+    html = (folder / "report.html").read_text(encoding="utf-8")
+    return html, " ".join("".join(ET.fromstring(html).itertext()).split())
+
+
+def test_the_report_says_it(tmp_path, planar, drawn):
+    _, text = page({"dynamics": planar}, {"dynamics": drawn}, tmp_path)
+    for sentence in sentences(planar):
+        assert sentence[1:] in text
+    assert "Energy ledger" in text
+    assert "cage slip passes the critical value1" in text
+    assert "Figure 4. Tracks of the centres of inner ring and cage" in text
+    assert "98,765" in text
+    film = float(planar["film_parameter"].sel(ring="inner").min())
+    assert f"inner ringrigid-isoviscous 25.0 %, elastic-piezoviscous 75.0 %{film:.3g}4012.5 % of the force" in text
+
+
+def test_texts_of_models_are_escaped(tmp_path):
+    hostile = motion(
+        points=61,
+        level=HOSTILE,
+        friction="effective",
+        film=HOSTILE,
+        events=[(0.1, HOSTILE, True)],
+        integrator=HOSTILE,
+        works=(HOSTILE, "b", "c", "d"),
+        outcome="failed",
+        outcome_message=HOSTILE,
+    ).assign_attrs(drag=json.dumps([{"name": HOSTILE, "equation": HOSTILE}]))
+    html, text = page({HOSTILE: hostile}, {HOSTILE: plot(hostile, tmp_path)}, tmp_path)
+    assert "<script" not in html
+    assert text.count(HOSTILE) >= 8

@@ -1,0 +1,168 @@
+"""Results of the study dynamics made from closed expressions, in its exact schema, for tests of what reads them.
+
+The bearing is the 1032930 (Klebanov et al. 2022): raceways of 165 and 195 mm, rollers of 15 mm, inner ring at 6371 rpm,
+outer ring at rest. Cage slip relaxes from one value to another or runs away; rollers lose spin in the unloaded zone and
+win it back in the loaded one. Energies and works belong together: the rings give what is stored and dissipated.
+"""
+
+import json
+
+import numpy as np
+import xarray as xr
+
+from rollslip.studies.friction_curve.study import about
+
+INNER, ROLLER, ORBIT = 82.5e-3, 7.5e-3, 90e-3
+INNER_SPEED = 667.17
+CAGE_SPEED = INNER_SPEED * INNER / (2.0 * ORBIT)
+ROLLER_SPEED = INNER * (INNER_SPEED - CAGE_SPEED) / ROLLER
+ROLLER_MASS, CAGE_INERTIA, DRAG, FRICTION = 20e-3, 3e-3, 0.3, 0.01
+WORKS = ("work_rings", "lost_inner", "lost_outer", "work_drag")
+
+
+def relaxing(begin=0.0, end=0.03, after=0.1):
+    """Cage slip that goes exponentially from one value to another."""
+    return lambda t: end + (begin - end) * np.exp(-t / after)
+
+
+def running_away(begin=0.02, within=0.15):
+    """Cage slip that grows exponentially until the cage stands."""
+    return lambda t: np.minimum(begin * np.exp(t / within), 1.0)
+
+
+def motion(
+    slip=None,
+    *,
+    duration=0.5,
+    points=801,
+    rollers=28,
+    load=1000.0,
+    critical=0.11,
+    level="cage-set",
+    friction="conventional",
+    film="known",
+    roller_lag=0.02,
+    events=(),
+    residual=1e-9,
+    drag=True,
+    works=WORKS,
+    **attributes,
+):
+    """Return a motion with a given course of cage slip.
+
+    film is "known", or why it is not; events are tuples of time, text and whether rising, besides the passages of the
+    critical slip, which are found from the course; residual is that of the ledger [J]; the rest is what its name says.
+    """
+    slip = slip or relaxing()
+    time = np.linspace(0.0, duration, points)
+    cage_slip = np.asarray(slip(time), dtype=float)
+    cage_speed = CAGE_SPEED * (1.0 - cage_slip)
+    fine = np.linspace(0.0, duration, 20001)
+    course = CAGE_SPEED * (1.0 - np.asarray(slip(fine), dtype=float))
+    turned = np.concatenate(([0.0], np.cumsum(0.5 * (course[1:] + course[:-1]) * np.diff(fine))))
+    angle = np.interp(time, fine, turned)[:, None] + 2.0 * np.pi * np.arange(rollers) / rollers
+    angle %= 2.0 * np.pi
+    inner_force = load * np.maximum(np.cos(angle), 0.0) ** 1.5
+    force = np.stack((inner_force, inner_force + ROLLER_MASS * ORBIT * cage_speed[:, None] ** 2))
+    roller_slip = cage_slip[:, None] + roller_lag * (1.0 - np.cos(angle - 0.7))
+    roller_speed = ROLLER_SPEED * (1.0 - roller_slip)
+    sliding = np.stack(
+        (
+            INNER * (INNER_SPEED - cage_speed[:, None]) - ROLLER * roller_speed,
+            ROLLER * roller_speed - (INNER + 2 * ROLLER) * cage_speed[:, None],
+        )
+    )
+    traction = FRICTION * np.tanh(sliding) * force
+    known = film == "known"
+    film_parameter = (
+        np.where(force > 0.0, 3.0 / (1.0 + force) ** 0.1, np.nan) if known else np.full(force.shape, np.nan)
+    )
+
+    def since_start(power):
+        return np.concatenate(([0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(time))))
+
+    inertia = 0.5 * ROLLER_MASS * ROLLER**2
+    moving = (CAGE_INERTIA + rollers * ROLLER_MASS * ORBIT**2) * cage_speed
+    energy = 0.5 * moving * cage_speed + 0.5 * inertia * (roller_speed**2).sum(axis=1)
+    lost = [since_start(power) for power in (traction * sliding).sum(axis=2)]
+    braked = since_start(DRAG * cage_speed if drag else 0.0 * time)
+    gap = residual * np.sin(40.0 * time) ** 2
+    done = np.stack((energy - energy[0] + lost[0] + lost[1] + braked - gap, -lost[0], -lost[1], -braked))
+    excess = np.asarray(slip(fine), dtype=float) - critical
+    found = [
+        (float(fine[k]), "cage slip passes the critical value", bool(excess[k + 1] > 0.0))
+        for k in np.flatnonzero(excess[:-1] * excess[1:] < 0.0)
+    ]
+    happened = sorted([*found, *events])
+    over, each, contacts = ("time",), ("time", "roller"), ("ring", "time", "roller")
+    status = {"film_status": "of the loaded slices" if known else film}
+    dataset = xr.Dataset(
+        {
+            "cage_speed": (over, cage_speed, about("rad/s", "cage speed")),
+            "cage_slip": (over, cage_slip, about("1", "cage slip")),
+            "roller_speed": (each, roller_speed, about("rad/s", "roller spin relative to the cage")),
+            "roller_slip": (each, roller_slip, about("1", "roller slip")),
+            "orbit_angle": (each, angle, about("rad", "position from the line of load")),
+            "normal_force": (contacts, force, about("N", "normal force")),
+            "traction_force": (contacts, traction, about("N", "traction force")),
+            "sliding_speed": (contacts, sliding, about("m/s", "sliding speed")),
+            "film_parameter": (contacts, film_parameter, about("1", "smallest film parameter") | status),
+            "energy": (over, energy, about("J", "kinetic and elastic energy")),
+            "work_done": (("work", "time"), done[: len(works)], about("J", "work since the start")),
+            "energy_residual": (over, energy - energy[0] - done.sum(axis=0), about("J", "residual of the energy")),
+            "angular_momentum": (over, moving, about("N m s", "angular momentum")),
+            "momentum_residual": (over, 1e-12 * moving * np.sin(time), about("N m s", "residual of the momentum")),
+            "event_time": (("event",), np.array([e[0] for e in happened], dtype=float), about("s", "when it happened")),
+            "event_what": (("event",), np.array([e[1] for e in happened], dtype=str), about("1", "what happened")),
+            "event_rising": (("event",), np.array([e[2] for e in happened], dtype=np.int8), about("1", "rising")),
+            "regime_share": (
+                ("ring", "regime"),
+                np.array([[0.25, 0, 0, 0.75], [0, 0, 0, 1]]),
+                about("1", "share of a regime"),
+            ),
+            "load_parameter": (("ring",), np.array([40.0, 50.0]), about("1", "largest Moes load parameter M")),
+            "light_share": (("ring",), np.array([0.125, 0.0]), about("1", "share of the forces at light load")),
+        },
+        coords={
+            "time": (over, time, about("s", "time")),
+            "roller": np.arange(1, rollers + 1),
+            "ring": ["inner", "outer"],
+            "regime": ["IR", "VR", "IE", "VE"],
+            "work": list(works),
+            "event": np.arange(len(happened)),
+        },
+        attrs={
+            "study": "dynamics",
+            "level": level,
+            "friction": friction,
+            "integrator": "rodas5p",
+            "outcome": "finished",
+            "outcome_message": "",
+            "steps": 1234,
+            "rejected": 12,
+            "rate_evaluations": 98765,
+            "jacobians": 1234,
+            "contacts_evaluated": 5600000,
+            "real_time_factor": 2.5,
+            "critical_cage_slip": critical,
+            "critical_status": "found",
+            "steady_cage_slip": float(cage_slip[-1]),
+            "steady_status": "steady",
+            "drag": json.dumps([{"name": "constant", "equation": "T = T0"}] if drag else []),
+            "cage": json.dumps({"mass": 0.3, "inertia": CAGE_INERTIA}),
+            "warnings": "[]",
+        },
+    )
+    if level != "cage-set":
+        dataset["pocket_force"] = (each, 30.0 * np.sin(angle), about("N", "force of a roller on the cage"))
+        dataset["pocket_displacement"] = (each, 1e-4 * np.sin(angle), about("m", "displacement in the pocket"))
+    if level == "planar":
+        swing = np.stack((np.cos(300.0 * time), np.sin(300.0 * time)))
+        way = ("direction", "time")
+        fading = np.exp(-time / 0.1)
+        ring = np.stack((20e-6 - 5e-6 * fading * swing[0], 5e-6 * fading * swing[1]))
+        dataset = dataset.assign_coords(direction=["along", "across"])
+        dataset["ring_displacement"] = (way, ring, about("m", "displacement of the inner ring"))
+        dataset["cage_displacement"] = (way, 60e-6 * (1 - fading) * swing, about("m", "displacement of the cage"))
+        dataset["land_eccentricity"] = (over, 0.6 * (1 - fading), about("1", "eccentricity of the cage on its lands"))
+    return dataset.assign_attrs(attributes)

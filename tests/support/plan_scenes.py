@@ -1,0 +1,123 @@
+"""Random scenes on which a plan has to keep its word, and how it is judged; also for docs/scripts/plan_proof.py.
+
+They are points of a Sobol sequence (scrambled, seed 1) over all that moves accuracy. A few have no friction to average,
+or films that no law holds for; what the study refuses is no scene for a plan.
+"""
+
+import json
+import time
+
+import attrs
+import numpy as np
+from scipy.stats import qmc
+
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.resolution import finest
+from rollslip.errors import RollslipError
+from rollslip.planning.execution import actual_errors, execute
+from rollslip.planning.plan import plan
+
+STUDY = "effective-friction"
+BASE = evolve(
+    load_scene("1032930-70C"),
+    {f"study.{STUDY}": {"max_cage_slip": 0.6, "points": 21, "map_points": 0}, "accuracy.slices": "auto"},
+)
+PROFILES = ("none", "iso16281", {"shape": "circular", "radius": "3 m"}, "iso16281")
+OILS = ("mil-prf-7808", "mil-prf-23699", "sae-30", "santotrac-50")
+CLOSURES = (*["epicyclic"] * 12, *["outer-rolling"] * 3, "free-roller")
+FILMS = ("moes", "dowson-toyoda", "pan-hamrock", "dowson-1968")
+TRACTIONS = (
+    "lambda-blend", "linear-blend", {"model": "lambda-blend", "hydrodynamic": "eyring"}, "muraki",
+    "maxwell-eyring", {"model": "lambda-blend", "hydrodynamic": "maxwell-eyring"}, "greenwood-tripp", "eyring",
+)  # fmt: skip
+
+
+def points(count, of=256):
+    """First points of a sequence in the unit cube, (count, 13)."""
+    return qmc.Sobol(13, seed=1).random(of)[:count]
+
+
+def pick(options, x):
+    """One of several, by a number from 0 to 1."""
+    return options[int(x * len(options))]
+
+
+def scene(x):
+    """The scene of a point."""
+    return evolve(
+        BASE,
+        {
+            "operation.radial_load": 300.0 * 60.0 ** x[0],
+            "operation.inner_speed": f"{800.0 * 12.0 ** x[1]} rpm",
+            "operation.temperature": f"{30.0 + 70.0 * x[2]} degC",
+            "bearing.radial_clearance": f"{-10.0 + 60.0 * x[3]} um",
+            "operation.misalignment": f"{max(x[4] - 0.5, 0.0)} mrad",
+            "bearing.profile": pick(PROFILES, x[5]),
+            "lubricant.name": pick(OILS, x[6]),
+            "lubricant.conductivity": 0.14,  # that of oils at hand, where an oil gives none
+            "lubricant.eyring_stress": f"{1.0 + 9.0 * x[7]} MPa",
+            f"study.{STUDY}.closure": pick(CLOSURES, x[8]),
+            "models.film": pick(FILMS, x[9]),
+            "models.traction": pick(TRACTIONS, x[10]),
+            **{f"surface.{part}_roughness": f"{0.02 * 20.0 ** x[11]} um" for part in ("inner_raceway", "roller")},
+            "accuracy.tolerance": 10.0 ** (-2.0 - 3.0 * x[12]),
+        },
+    )
+
+
+@attrs.frozen
+class Verdict:
+    """What came of a scene: its errors and costs against the finest; ``refused`` is why there are none."""
+
+    scene: object
+    refused: str = ""
+    resolution: dict = attrs.Factory(dict)
+    estimated: dict = attrs.Factory(dict)
+    actual: dict = attrs.Factory(dict)
+    taken_back: tuple = ()
+    planning: float = np.nan
+    estimated_seconds: float = np.nan
+    seconds: float = np.nan
+    finest_seconds: float = np.nan
+
+    @property
+    def tolerance(self):
+        """What the scene asks for."""
+        return self.scene.accuracy.tolerance
+
+    @property
+    def error(self):
+        """Largest of the actual errors."""
+        return max(self.actual.values())
+
+    @property
+    def kept(self):
+        """Whether the plan kept its word."""
+        return self.error <= self.tolerance
+
+
+def judge(one, reference=None):
+    """Run a scene as planned and at the finest, or at another resolution that it is held against."""
+    try:
+        made = plan(one, STUDY)
+        if made.chosen[STUDY].failed:
+            return Verdict(one, refused=made.chosen[STUDY].failed)
+        result = execute(made, STUDY)
+        begin = time.process_time()
+        fine = made.studies[STUDY].run(assemble(one, reference or finest(one)))
+        spent = time.process_time() - begin
+    except RollslipError as error:
+        return Verdict(one, refused=str(error))
+    cost = json.loads(result.attrs["cost"])
+    return Verdict(
+        one,
+        resolution=json.loads(result.attrs["resolution"]),
+        estimated=dict(made.chosen[STUDY].total),
+        actual=actual_errors(result, fine),
+        taken_back=tuple(json.loads(result.attrs["taken_back"])),
+        planning=made.planning,
+        estimated_seconds=cost["estimated"],
+        seconds=cost["actual"],
+        finest_seconds=spent,
+    )

@@ -1,0 +1,214 @@
+"""Every model in the box against the conformance kit, and the kit as packages use it: class, function, process."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from rollslip import available, get_model
+from rollslip.catalogue.registry import DATA, KINDS
+from rollslip.errors import PluginError
+from rollslip.testing import (
+    Conformance,
+    Finding,
+    all_checks,
+    as_dict,
+    check_in_subprocess,
+    conformance,
+    format_findings,
+)
+from rollslip_plugins.blend import LambdaBlend
+from rollslip_plugins.boundary import Constant, Kragelsky
+from rollslip_plugins.drag import ConstantTorque, PetroffLand
+from rollslip_plugins.film import PanHamrock
+from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
+
+pytest_plugins = ["pytester"]
+
+
+#: The numerical references take minutes; they are checked apart.
+REFERENCES = {"reynolds-line", "maxwell-eyring-field"}
+#: Needs an extra; test_cvode.py checks it where that is installed.
+OPTIONAL = {"cvode"}
+
+
+def box(*kinds):
+    """All models of the box of some kinds, with their default parameters, but for references and optional ones."""
+    return [
+        get_model(kind, name)
+        for kind in kinds
+        for name, offer in available(kind).items()
+        if offer.package == "rollslip" and name not in REFERENCES | OPTIONAL
+    ]
+
+
+class TestContact(Conformance):
+    models = box("contact")
+
+
+class TestFilm(Conformance):
+    models = (*box("film"), PanHamrock(thickness="central"))
+
+
+class TestTraction(Conformance):
+    models = (
+        *box("traction"),
+        Muraki(flash=1.0),
+        MaxwellEyring(accuracy=1e-6),
+        Kragelsky(limit=0.05, rise=10.0, decay=400.0),
+        Constant(coefficient=0.2, transition=0.05),
+        LambdaBlend(boundary=Constant(), hydrodynamic=MaxwellEyring(), boundary_limit=0.0, exponent=1.0),
+        LambdaBlend(hydrodynamic=LambdaBlend(hydrodynamic=Eyring(), boundary_limit=0.5, exponent=2.5)),
+        LambdaBlend(hydrodynamic=MaxwellEyring(accuracy=1e-3)),
+    )
+
+
+@pytest.mark.slow
+class TestReferences(Conformance):
+    models = (get_model("film", "reynolds-line"), get_model("traction", "maxwell-eyring-field"))
+
+
+class TestDrag(Conformance):
+    models = (*box("drag"), PetroffLand(ring="inner"), ConstantTorque(size=0.0))
+
+
+class TestIntegrator(Conformance):
+    models = box("integrator")
+
+
+class TestEngine(Conformance):
+    models = (get_model("engine", "serial"), get_model("engine", "threads"), get_model("engine", "processes"))
+
+
+class TestData(Conformance):
+    models = box(*DATA)
+
+
+def test_no_kind_is_left_out():
+    assert set(KINDS) == {"contact", "film", "traction", "drag", "integrator", "engine", *DATA}
+
+
+# The function --------------------------------------------------------------------------------------------------------
+
+
+def test_a_contact_is_checked_with_its_deflection():
+    findings = conformance(get_model("contact", "lundberg"))
+    assert {finding.model for finding in findings} == {"lundberg", "lundberg-deflection"}
+    assert {finding.status for finding in findings} == {"ok", "skipped"}
+    assert [f.check for f in findings if f.status == "skipped"] == ["check_is_named_as_its_entry_point"]
+
+
+def test_an_expected_failure_has_to_happen_and_a_reason():
+    model = get_model("film", "moes")
+    finding = by_check(conformance(model, {"check_film_is_positive": "negative films exist, doi:none"}))
+    assert finding["check_film_is_positive"].status == "failed"
+    assert "it passes, but is listed as an expected failure" in finding["check_film_is_positive"].message
+    with pytest.raises(PluginError, match="'check_film_is_nice', which is no check; there are: check_adapts_its_steps"):
+        conformance(model, {"check_film_is_nice": "it is not"})
+    with pytest.raises(PluginError, match="expected failure of check_film_is_positive has no reason"):
+        conformance(model, {"check_film_is_positive": " "})
+    with pytest.raises(PluginError, match="Moes is a class; the checks take a model"):
+        conformance(type(model))
+
+
+def test_a_failure_that_the_class_declares_is_expected():
+    """LSODA stands on the spot before a singularity."""
+    finding = by_check(conformance(get_model("integrator", "lsoda")))["check_says_when_it_fails"]
+    assert finding.status == "expected"
+    assert "LSODA" in finding.message
+
+
+def by_check(findings):
+    return {finding.check: finding for finding in findings}
+
+
+def test_findings_are_text_and_json():
+    findings = [
+        Finding("flat", "check_is_frozen", "ok"),
+        Finding("flat", "check_is_odd_in_slip", "expected", "it is not"),
+        Finding("round", "check_is_frozen", "failed", "it can be set"),
+    ]
+    assert format_findings(findings) == (
+        "flat: 1 ok, 1 expected\n  expected  check_is_odd_in_slip: it is not\n"
+        "round: 1 failed\n  failed    check_is_frozen: it can be set"
+    )
+    read = json.loads(json.dumps(as_dict(findings)))
+    assert read["passed"] is False
+    assert read["counts"] == {"expected": 1, "failed": 1, "ok": 1}
+    assert read["findings"][2]["message"] == "it can be set"
+    assert as_dict(findings[:2])["passed"] is True
+
+
+def test_every_check_is_named_as_a_sentence_and_says_why():
+    for check in all_checks():
+        assert check.__name__.startswith("check_")
+        assert check.__name__.count("_") >= 2
+        assert check.__doc__.strip().endswith(".")
+
+
+# The class -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_test_class_gives_one_test_a_model_and_check(pytester):
+    pytester.makepyfile(
+        """
+        from rollslip.testing import Conformance
+        from rollslip_plugins.integrators import Lsoda, Rk23, Rk45
+
+        class TestGood(Conformance):
+            models = [Rk23(), Rk45()]
+
+        class TestDeclared(Conformance):
+            models = [Lsoda()]
+            expected_failures = {"check_adapts_its_steps": "no reason at all"}
+        """
+    )
+    checks = len(conformance(get_model("integrator", "rk23")))
+    result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "-n0", "-q", "-W", "error")
+    # LSODA: one declared by its class, one without a fixed order
+    result.assert_outcomes(passed=3 * checks - 3, failed=1, xfailed=1, skipped=1)
+    result.stdout.fnmatch_lines(["*it passes, but is listed as an expected failure (no reason at all)*"])
+
+
+def test_a_class_without_models_is_an_error(pytester):
+    pytester.makepyfile("from rollslip.testing import Conformance\nclass TestNothing(Conformance):\n    pass\n")
+    result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "-n0", "-q")
+    assert result.ret != 0
+    result.stdout.fnmatch_lines(["*TestNothing.models is empty; list the models to check*"])
+
+
+def test_the_kit_needs_hypothesis_and_says_so():
+    code = (
+        "import sys, rollslip\n"
+        "assert not {'hypothesis', 'pytest', 'rollslip.testing'} & set(sys.modules)\n"
+        "sys.modules['hypothesis'] = None\n"
+        "from rollslip.errors import PluginError\n"
+        "try:\n    import rollslip.testing\n"
+        "except PluginError as error:\n    assert 'install rollslip[test]' in str(error)\n"
+        "else:\n    raise SystemExit('no error')\n"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_the_kit_does_not_need_pytest():
+    code = (
+        "import sys\nsys.modules['pytest'] = None\n"
+        "from rollslip import get_model\nfrom rollslip.testing import conformance\n"
+        "assert {f.status for f in conformance(get_model('integrator', 'rk23'))} == {'ok'}\n"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+# The process ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_good_model_passes_in_a_process_of_its_own():
+    findings = check_in_subprocess("traction", "kragelsky")
+    assert {finding.status for finding in findings} == {"ok"}
+    assert by_check(findings).keys() == by_check(conformance(Kragelsky())).keys()
+
+
+def test_a_model_that_nobody_offers_is_no_finding():
+    with pytest.raises(PluginError, match="no film is called 'mos'; did you mean 'moes'"):
+        check_in_subprocess("film", "mos")

@@ -1,0 +1,88 @@
+"""The conformance kit refuses what is broken: for each rule a model that breaks it, and packages that crash or hang."""
+
+import os
+
+import pytest
+from hypothesis import settings
+
+from broken_models import BROKEN, FATAL, SOUND, fault_of, install
+from rollslip.catalogue import discovery
+from rollslip.testing import Nonconformance, all_checks, check_in_subprocess, checks_of, conformance
+from rollslip.testing.findings import run_check
+
+
+@pytest.fixture(autouse=True)
+def as_long_as_users_search():
+    """A fault must be found with the profile that users have, every time."""
+    settings.load_profile("default")
+    yield
+    settings.load_profile("short")
+
+
+@pytest.mark.parametrize("model", SOUND, ids=lambda model: model.name)
+def test_what_the_faults_are_laid_over_is_sound(model):
+    failed = [finding for finding in conformance(model) if finding.status not in ("ok", "skipped")]
+    assert not failed
+
+
+@pytest.mark.parametrize(("rule", "model"), BROKEN, ids=[f"{rule}-{fault_of(model)}" for rule, model in BROKEN])
+def test_a_broken_model_is_refused_by_the_rule_it_breaks(rule, model):
+    check = next(check for check in checks_of(model) if check.__name__ == rule)
+    finding, error = run_check(model, check)
+    assert finding.status == "failed", finding
+    assert len(finding.message) > 20
+    if not isinstance(error, Nonconformance):  # an error of the model itself, not a fault of the check
+        assert type(error).__name__ in finding.message
+
+
+def test_every_rule_has_a_broken_model():
+    assert {rule for rule, _ in BROKEN} == {check.__name__ for check in all_checks()}
+
+
+# Processes -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def installed(tmp_path, monkeypatch):
+    """Offer a module as a package, to children and to the catalogue."""
+
+    def offer(name, source):
+        install(tmp_path, name, source)
+        monkeypatch.syspath_prepend(str(tmp_path))
+        monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")]))
+        discovery._installed.cache_clear()
+
+    yield offer
+    monkeypatch.undo()
+    discovery._installed.cache_clear()
+
+
+@pytest.mark.parametrize("name", FATAL)
+def test_what_ends_the_process_is_a_finding_and_the_other_checks_run(installed, name):
+    _, check, message, source = FATAL[name]
+    installed(name, source)
+    findings = check_in_subprocess("film", name, time_limit=5.0)
+    failed = [finding for finding in findings if finding.status == "failed"]
+    assert [(finding.model, finding.check) for finding in failed] == [(name, check)]
+    assert failed[0].message.startswith(message)
+    if check != "loading":
+        rules = [check.__name__ for check in checks_of(SOUND[0])]  # a film like this one
+        assert sorted(finding.check for finding in findings) == sorted(rules)
+
+
+@pytest.mark.slow  # it is waited for
+def test_a_model_that_hangs_in_every_check_is_given_up(installed):
+    source = FATAL["hangs"][3].replace("if caller is not None and caller.f_code.co_name in", "if caller is not None or")
+    installed("hangs", source)
+    findings = check_in_subprocess("film", "hangs", time_limit=2.0)
+    assert [finding.status for finding in findings].count("failed") == 2
+    rest = [finding for finding in findings if finding.status == "skipped"]
+    assert len(rest) > 8
+    assert {finding.message for finding in rest} == {"not run: 2 checks did not end within 2 s"}
+
+
+def test_a_package_that_cannot_be_imported_is_a_finding(installed):
+    installed("halves", "raise RuntimeError('half a module')")
+    (finding,) = check_in_subprocess("film", "halves")
+    assert (finding.model, finding.check, finding.status) == ("halves", "loading", "failed")
+    assert "RuntimeError: half a module" in finding.message
