@@ -10,7 +10,9 @@ import click
 from rollslip.bearing.cage import Cage
 from rollslip.campaigns.sweep.distributions import DISTRIBUTIONS, Correlation
 from rollslip.campaigns.sweep.sweep import SweepTable
-from rollslip.catalogue.registry import KINDS, available, get_class
+from rollslip.catalogue.kinds import get_kind
+from rollslip.catalogue.kinds import kinds as all_kinds
+from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.console import models_as_dict
 from rollslip.cli.main import cli
 from rollslip.lubricant import OilPoint, OilTable
@@ -73,7 +75,7 @@ def study_keys():
 def models():
     """Everything about everything that the registry offers, a section for each kind."""
     lines = []
-    for kind in KINDS:
+    for kind in all_kinds():
         lines += [kind.capitalize(), "-" * len(kind), ""]
         for name in available(kind):
             thing = get_class(kind, name)
@@ -121,7 +123,7 @@ def data(thing):
 
 def kinds():
     """The kinds of models with their hooks and entry-point groups."""
-    rows = [(f"``{kind}``", f"``{hook}``", f"``rollslip.{kind}``") for kind, hook in KINDS.items()]
+    rows = [(f"``{kind}``", f"``{get_kind(kind).hook}``", f"``rollslip.{kind}``") for kind in all_kinds()]
     return table(("kind", "hook", "entry-point group"), rows)
 
 

@@ -1,60 +1,57 @@
-"""The hooks a plugin may implement: one per kind, and each only collects what the plugin offers."""
+"""The hooks a plugin may implement: one per kind, and each only collects what the plugin offers.
+
+What a thing of a kind has to be, its base class says (`rollslip.catalogue.kinds`); nothing of it is imported here.
+"""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import Any
 
 import pluggy
-
-if TYPE_CHECKING:
-    from rollslip.datasets import BearingData, SurfaceData
-    from rollslip.engine import Engine
-    from rollslip.lubricant.oil import Lubricant
-    from rollslip.models import ContactModel, DragModel, FilmModel, IntegratorModel, TractionModel
 
 hookspec = pluggy.HookspecMarker("rollslip")
 hookimpl = pluggy.HookimplMarker("rollslip")
 
 
 @hookspec
-def contact_models() -> "Iterable[type[ContactModel]]":  # type: ignore[empty-body]
-    """Contact models this plugin offers."""
+def contact_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Contact models this plugin offers: classes derived from `rollslip.models.ContactModel`."""
 
 
 @hookspec
-def film_models() -> "Iterable[type[FilmModel]]":  # type: ignore[empty-body]
-    """Film models this plugin offers."""
+def film_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Film models this plugin offers: classes derived from `rollslip.models.FilmModel`."""
 
 
 @hookspec
-def traction_models() -> "Iterable[type[TractionModel]]":  # type: ignore[empty-body]
-    """Traction models this plugin offers."""
+def traction_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Traction models this plugin offers: classes derived from `rollslip.models.TractionModel`."""
 
 
 @hookspec
-def drag_models() -> "Iterable[type[DragModel]]":  # type: ignore[empty-body]
-    """Drag models this plugin offers."""
+def drag_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Drag models this plugin offers: classes derived from one of `rollslip.models.Drag`."""
 
 
 @hookspec
-def integrator_models() -> "Iterable[type[IntegratorModel]]":  # type: ignore[empty-body]
-    """Integrators this plugin offers."""
+def integrator_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Integrators this plugin offers: classes derived from `rollslip.models.IntegratorModel`."""
 
 
 @hookspec
-def engines() -> "Iterable[type[Engine]]":  # type: ignore[empty-body]
-    """Engines of sweeps this plugin offers."""
+def engines() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Engines of sweeps this plugin offers: classes derived from `rollslip.engine.Engine`."""
 
 
 @hookspec
-def lubricants() -> "Iterable[Lubricant]":  # type: ignore[empty-body]
-    """Lubricants this plugin offers."""
+def lubricants() -> Iterable[Any]:  # type: ignore[empty-body]
+    """Lubricants this plugin offers: values of `rollslip.lubricant.Lubricant`."""
 
 
 @hookspec
-def bearings() -> "Iterable[BearingData]":  # type: ignore[empty-body]
-    """Bearings this plugin offers."""
+def bearings() -> Iterable[Any]:  # type: ignore[empty-body]
+    """Bearings this plugin offers: values of `rollslip.datasets.BearingData`."""
 
 
 @hookspec
-def surfaces() -> "Iterable[SurfaceData]":  # type: ignore[empty-body]
-    """Surfaces this plugin offers."""
+def surfaces() -> Iterable[Any]:  # type: ignore[empty-body]
+    """Surfaces this plugin offers: values of `rollslip.datasets.SurfaceData`."""

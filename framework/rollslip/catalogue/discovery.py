@@ -12,7 +12,6 @@
 
 import difflib
 import importlib.metadata
-import inspect
 import os
 import re
 from collections.abc import Iterable, Mapping
@@ -22,42 +21,9 @@ from typing import Any, Final
 
 import attrs
 
+from rollslip.catalogue.kinds import check_kind, get_kind, kinds
 from rollslip.errors import PluginError
 from rollslip.units import as_written
-
-#: Kind -> the hook that collects it; the entry-point group is "rollslip.<kind>".
-KINDS: Final = MappingProxyType(
-    {
-        "contact": "contact_models",
-        "film": "film_models",
-        "traction": "traction_models",
-        "drag": "drag_models",
-        "integrator": "integrator_models",
-        "engine": "engines",
-        "lubricant": "lubricants",
-        "bearing": "bearings",
-        "surface": "surfaces",
-    }
-)
-
-#: Kinds that are named values; the others are classes of models.
-DATA: Final = ("lubricant", "bearing", "surface")
-
-#: Kind -> module and class of what is offered; imported by name, since the modules of data read scenes, and a scene
-#: that names data is read with this module.
-_BASES: Final = MappingProxyType(
-    {
-        "contact": ("rollslip.models", "ContactModel"),
-        "film": ("rollslip.models", "FilmModel"),
-        "traction": ("rollslip.models", "TractionModel"),
-        "drag": ("rollslip.models", "Drag"),
-        "integrator": ("rollslip.models", "IntegratorModel"),
-        "engine": ("rollslip.engine", "Engine"),
-        "lubricant": ("rollslip.lubricant", "Lubricant"),
-        "bearing": ("rollslip.datasets", "BearingData"),
-        "surface": ("rollslip.datasets", "SurfaceData"),
-    }
-)
 
 #: In place of the package and the version of what this process has registered.
 THIS_PROCESS: Final = "(this process)"
@@ -109,7 +75,7 @@ def _offers(distribution: importlib.metadata.Distribution) -> list[Offer]:
     points = [
         (kind, point)
         for point in distribution.entry_points
-        if (kind := point.group.removeprefix("rollslip.")) in KINDS and point.group != kind
+        if (kind := point.group.removeprefix("rollslip.")) in kinds() and point.group != kind
     ]
     if not points or not distribution.name or not distribution.version:
         return []
@@ -124,7 +90,7 @@ def _offers(distribution: importlib.metadata.Distribution) -> list[Offer]:
 
 
 def _ordered(offers: Iterable[Offer]) -> tuple[Offer, ...]:
-    return tuple(sorted(offers, key=lambda o: (list(KINDS).index(o.kind), o.name, o.package)))
+    return tuple(sorted(offers, key=lambda o: (o.kind, o.name, o.package)))
 
 
 def canonical(name: str) -> str:
@@ -177,14 +143,14 @@ def available(kind: str) -> Mapping[str, Offer]:
     Parameters
     ----------
     kind : str
-        "contact", "film", "traction", "drag", "integrator", "engine", "lubricant", "bearing" or "surface".
+        One of `rollslip.catalogue.kinds.kinds`: "contact", "film", "traction", "study" ...
 
     Raises
     ------
     PluginError
         If there is no such kind.
     """
-    _check_kind(kind)
+    check_kind(kind)
     return MappingProxyType({offer.name: offer for offer in catalogue() if offer.kind == kind and offer.state == "ok"})
 
 
@@ -196,7 +162,7 @@ def find(kind: str, name: str) -> Offer:
     PluginError
         If no package offers it (the message gives the nearest three), or the one that does cannot be used.
     """
-    _check_kind(kind)
+    check_kind(kind)
     offers = [offer for offer in catalogue() if offer.kind == kind and offer.name == name]
     for offer in offers:
         if offer.state == "ok":
@@ -210,11 +176,17 @@ def find(kind: str, name: str) -> Offer:
     raise PluginError(f"no {kind} is called {as_written(name)}; {hint} ('rollslip models {kind}' lists them)")
 
 
-def _check_kind(kind: str) -> None:
-    if kind not in KINDS:
-        near = difflib.get_close_matches(kind, KINDS, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(KINDS)}"
-        raise PluginError(f"no kind of model is called {kind!r}; {hint}")
+def named_data(raw: Mapping[str, object]) -> list[Offer]:
+    """Return the offers of the named values that the tables of a raw scene start from.
+
+    Raises
+    ------
+    PluginError
+        If no package offers one of them.
+    """
+    tables = {key: table for key, table in raw.items() if key in kinds() and get_kind(key).data}
+    names = {key: table.get("name") if isinstance(table, Mapping) else table for key, table in tables.items()}
+    return [find(key, name) for key, name in names.items() if isinstance(name, str)]
 
 
 # Loading -------------------------------------------------------------------------------------------------------------
@@ -252,7 +224,8 @@ def _load(offer: Offer) -> Any:
         raise
     except BaseException as error:
         raise PluginError(f"{blame} cannot be imported ({in_words(error)}); {remedy}") from error
-    hook = KINDS[offer.kind]
+    kind = get_kind(offer.kind)
+    hook = kind.hook
     try:
         offered = [(getattr(thing, "name", None), thing) for thing in _collected(module, hook)]
     except KeyboardInterrupt:
@@ -261,7 +234,7 @@ def _load(offer: Offer) -> Any:
         raise PluginError(f"{blame} cannot be used, its {hook}() fails ({in_words(error)}); {remedy}") from error
     for name, thing in offered:
         if name == offer.name:
-            if problem := fault(offer.kind, thing):
+            if problem := kind.fault(thing):
                 raise PluginError(f"{blame} cannot be used, {problem}; {remedy}")
             return thing
     names = ", ".join(repr(name) for name, _ in offered) or "nothing"
@@ -283,37 +256,6 @@ def _collected(module: object, hook: str) -> list[Any]:
 def in_words(error: BaseException) -> str:
     """Return type and message of an error on one line."""
     return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
-
-
-def fault(kind: str, thing: Any) -> str:
-    """Say what keeps a thing from being used as one of its kind; an empty string if nothing does."""
-    base = base_of(kind)
-    if kind in DATA:
-        return "" if isinstance(thing, base) else f"{thing!r} is not a {base.__name__}"
-    if not (isinstance(thing, type) and issubclass(thing, base)):
-        return f"{thing!r} is not a class derived from {base.__name__}"
-    if abstract := getattr(thing, "__abstractmethods__", None):
-        return f"class {thing.__name__} does not define {', '.join(sorted(abstract))}"
-    if not attrs.has(thing):
-        return f"class {thing.__name__} is not decorated with @attrs.frozen"
-    ours = [cls for cls in thing.__mro__ if cls.__module__ == base.__module__]
-    declared = [name for cls in ours for name in inspect.get_annotations(cls)]
-    if missing := [name for name in declared if not hasattr(thing, name)]:
-        return f"class {thing.__name__} does not define {', '.join(missing)}"
-    return ""
-
-
-def base_of(kind: str) -> Any:
-    """Return the class that models of a kind derive from, or that its named values are of.
-
-    Raises
-    ------
-    PluginError
-        If there is no such kind.
-    """
-    _check_kind(kind)
-    module, name = _BASES[kind]
-    return getattr(importlib.import_module(module), name)
 
 
 def origin(cls: type) -> str:
@@ -341,23 +283,13 @@ def add(kind: str, thing: Any, *, replace: bool = False) -> None:
     PluginError
         If the thing cannot be used as one of its kind, or its name is taken and not to be replaced.
     """
-    _check_kind(kind)
-    if problem := fault(kind, thing):
+    if problem := get_kind(kind).fault(thing):
         raise PluginError(f"{kind} {getattr(thing, 'name', None)!r} cannot be registered: {problem}")
     taken = [offer for offer in catalogue() if (offer.kind, offer.name) == (kind, thing.name)]
     if taken and not replace:
         whose = "in this process" if taken[0].package == THIS_PROCESS else f"by package {taken[0].package}"
         raise PluginError(f"{kind} {thing.name!r} is offered {whose} already; rename yours, or set replace=True")
     _registered[kind, thing.name] = thing
-
-
-def kind_of(thing: object) -> str | None:
-    """Return the kind that a model class or a named value is of, or None."""
-    for kind in KINDS:
-        base = base_of(kind)
-        if isinstance(thing, base) if kind in DATA else isinstance(thing, type) and issubclass(thing, base):
-            return kind
-    return None
 
 
 def _with_session(installed: tuple[Offer, ...]) -> tuple[Offer, ...]:

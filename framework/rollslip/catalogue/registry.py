@@ -9,22 +9,20 @@ from typing import Any
 import attrs
 
 from rollslip.catalogue.discovery import (
-    DATA,
-    KINDS,
     Offer,
     available,
-    base_of,
     catalogue,
     find,
     get_class,
     in_words,
     origin,
 )
+from rollslip.catalogue.kinds import get_kind
 from rollslip.errors import PluginError, SceneError
 from rollslip.fields import FieldError
 from rollslip.scene.reading import Where, structure
 
-__all__ = ["KINDS", "Offer", "available", "catalogue", "find", "get_class", "get_model", "structure_model"]
+__all__ = ["Offer", "available", "catalogue", "find", "get_class", "get_model", "structure_model"]
 
 
 def get_model(kind: str, name: str, **parameters: object) -> Any:
@@ -33,7 +31,7 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
     Parameters
     ----------
     kind : str
-        "contact", "film", "traction", "drag", "integrator", "engine", "lubricant", "bearing" or "surface".
+        One of `rollslip.catalogue.kinds.kinds`: "contact", "film", "traction", "study" ...
     name : str
         Name as ``rollslip models`` lists it.
     **parameters
@@ -52,7 +50,7 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
     >>> get_model("traction", "lambda-blend", hydrodynamic="maxwell-eyring").hydrodynamic.name
     'maxwell-eyring'
     """
-    if kind in DATA:
+    if get_kind(kind).data:
         if parameters:
             raise PluginError(f"a {kind} takes no parameters here, got {', '.join(parameters)}; set them in a scene")
         return get_class(kind, name)
@@ -73,7 +71,7 @@ def structure_model(kind: str, raw: object, where: Where, problems: list[str]) -
     """
     if isinstance(raw, str):
         raw = {"model": raw}
-    if isinstance(raw, base_of(kind)):
+    if isinstance(raw, get_kind(kind).base):
         return raw
     parameters = dict(raw) if isinstance(raw, Mapping) else {}
     name = parameters.pop("model", None)

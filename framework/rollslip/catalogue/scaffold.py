@@ -18,80 +18,14 @@ from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 from string import Template
-from types import MappingProxyType
 from typing import Final
 
-import attrs
-
-from rollslip.catalogue.registry import KINDS, catalogue
-from rollslip.errors import OutputError
+from rollslip.catalogue.discovery import catalogue
+from rollslip.catalogue.kinds import Template as Texts
+from rollslip.catalogue.kinds import check_kind, get_kind, kinds
+from rollslip.errors import OutputError, PluginError
 from rollslip.fields import FieldError
-from rollslip.scene.reading import nearest
 
-
-@attrs.frozen
-class _Kind:
-    """What the files of a kind say beside their law."""
-
-    summary: str
-    contents: str
-    use: str
-    classes: tuple[str, ...] = ()
-    needs: tuple[str, ...] = ("attrs>=24.2", "numpy>=2.0")
-    compiled: bool = False
-
-
-_LAW = "the law in NumPy, what it reads and where it is defined"
-_SCENE = "rollslip run 1032930-70C --set {key}=${{model}}"
-_PYTHON = "python -c \"import rollslip; print(rollslip.get_model('{kind}', '${{model}}'))\""
-_FILES: Final = MappingProxyType(
-    {
-        "contact": _Kind(
-            "A contact model",
-            _LAW,
-            _SCENE.format(key="models.contact"),
-            classes=("ContactModel", "SliceModel"),
-            compiled=True,
-        ),
-        "film": _Kind("A film model", _LAW, _SCENE.format(key="models.film"), classes=("FilmModel",), compiled=True),
-        "traction": _Kind(
-            "A traction model",
-            _LAW,
-            _SCENE.format(key="models.traction.hydrodynamic"),
-            classes=("TractionModel",),
-            compiled=True,
-        ),
-        "drag": _Kind(
-            "A drag model",
-            "the law",
-            _PYTHON.format(kind="drag"),
-            classes=("DragModel",),
-            needs=("attrs>=24.2",),
-            compiled=True,
-        ),
-        "integrator": _Kind(
-            "An integrator",
-            "the method with its source; `heun.py` beside it: the method as SciPy's `OdeSolver`",
-            _PYTHON.format(kind="integrator"),
-            classes=("IntegratorModel", "HeunSolver", "Any"),
-            needs=("attrs>=24.2", "numpy>=2.0", "scipy>=1.15"),
-        ),
-        "engine": _Kind(
-            "An engine of sweeps",
-            "the executor that computes the points",
-            "rollslip sweep run 1032930-70C --over operation.radial_load=500:5000:5 --engine ${model}",
-            classes=("Engine", "Executor"),
-            needs=("attrs>=24.2",),
-        ),
-        "lubricant": _Kind(
-            "A lubricant", "the oil and the sources of its data", _SCENE.format(key="lubricant.name"), needs=()
-        ),
-        "bearing": _Kind(
-            "A bearing", "the bearing and the sources of its data", _PYTHON.format(kind="bearing"), needs=()
-        ),
-        "surface": _Kind("Surfaces", "their roughness and the sources of it", _PYTHON.format(kind="surface"), needs=()),
-    }
-)
 #: Classes that the files of every kind import.
 _TAKEN: Final = frozenset({"Chain", "ClassVar", "Conditions", "Conformance", "MappingProxyType", "Slices"})
 
@@ -105,7 +39,7 @@ def new(name: str, kind: str, compiled: bool, folder: Path) -> Path:
         Name of the distribution: lower-case letters and digits with single hyphens; the model's is the same without
         a leading "rollslip-".
     kind : str
-        "contact", "film", "traction", "drag", "integrator", "engine", "lubricant", "bearing" or "surface".
+        A kind that has a template: "contact", "film", "traction", "study" ...
     compiled : bool
         With a form compiled against ``rollslip.h`` beside the NumPy form; for contact, film, traction and drag.
     folder : Path
@@ -148,7 +82,7 @@ def package(name: str, kind: str, compiled: bool) -> dict[str, str]:
         As `new`.
     """
     _check(name, kind, compiled)
-    module, model, about = name.replace("-", "_"), name.removeprefix("rollslip-"), _FILES[kind]
+    module, model, about = name.replace("-", "_"), name.removeprefix("rollslip-"), _texts(kind)
     requirement = _requirement()
     values = {
         "name": name,
@@ -180,8 +114,7 @@ def _templates(kind: str, module: str, compiled: bool) -> Iterator[tuple[str, st
         f"{source}/{kind}.py": f"{kind}.py",
         f"tests/test_{module}.py": f"test_{kind}.py",
     }
-    if kind == "integrator":
-        wanted[f"{source}/heun.py"] = "heun.py"
+    wanted |= {f"{source}/{beside}.py": f"{beside}.py" for beside in _texts(kind).beside}
     if compiled:
         wanted |= {
             "setup.py": "setup.py",
@@ -191,6 +124,13 @@ def _templates(kind: str, module: str, compiled: bool) -> Iterator[tuple[str, st
     yield f"{source}/py.typed", ""
     for path, template in wanted.items():
         yield path, (files("rollslip.catalogue") / "templates" / f"{template}.in").read_text(encoding="utf-8")
+
+
+def _texts(kind: str) -> Texts:
+    texts = get_kind(kind).template
+    if texts is None:
+        raise FieldError("kind", f"packages of kind {kind!r} cannot be written from a template")
+    return texts
 
 
 def _only(text: str, mark: str) -> str:
@@ -218,12 +158,12 @@ def _class_name(model: str) -> str:
 
 def _check(name: str, kind: str, compiled: bool) -> None:
     """Refuse what would give a package that cannot be installed, imported or told apart."""
-    if kind not in KINDS:
-        near = nearest(kind, KINDS)
-        hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(KINDS)}"
-        raise FieldError("kind", f"no kind of model is called {kind!r}; {hint}")
-    if compiled and not _FILES[kind].compiled:
-        able = ", ".join(one for one, about in _FILES.items() if about.compiled)
+    try:
+        check_kind(kind)
+    except PluginError as error:
+        raise FieldError("kind", str(error)) from error
+    if compiled and not _texts(kind).compiled:
+        able = ", ".join(one for one in kinds() if (texts := get_kind(one).template) and texts.compiled)
         raise FieldError("compiled", f"{kind} has no compiled form, only {able} have; leave it out")
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name, re.ASCII):
         better = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-0123456789")
@@ -245,7 +185,7 @@ def _check(name: str, kind: str, compiled: bool) -> None:
         raise FieldError("name", f"{name!r} would make a class {cls!r}, which begins with a digit; choose another")
     if cls.startswith("Test"):
         raise FieldError("name", f"pytest would take a class {cls!r} for tests; choose a name that begins otherwise")
-    if cls in _TAKEN.union(_FILES[kind].classes):
+    if cls in _TAKEN.union(_texts(kind).classes):
         raise FieldError("name", f"{name!r} would make a class {cls!r} beside rollslip's own; choose another")
     for offer in catalogue():
         if (offer.kind, offer.name) == (kind, model):

@@ -12,6 +12,7 @@ from typing import Any, Final, TypeVar
 import attrs
 
 from rollslip.catalogue import discovery
+from rollslip.catalogue.kinds import get_kind, kind_of, kinds
 from rollslip.errors import PluginError
 from rollslip.models import FINITE, FilmModel
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
@@ -31,8 +32,8 @@ def register(thing: T, *, replace: bool = False) -> T:
     Parameters
     ----------
     thing : type or value
-        A class derived from ``ContactModel``, ``FilmModel``, ``TractionModel``, ``DragModel``, ``IntegratorModel`` or
-        ``Engine``, or a ``Lubricant``, ``BearingData`` or ``SurfaceData``.
+        A class derived from ``ContactModel``, ``FilmModel``, ``TractionModel``, ``DragModel``, ``IntegratorModel``,
+        ``Engine`` or ``Study``, or a ``Lubricant``, ``BearingData`` or ``SurfaceData``.
     replace : bool
         Whether it may take the place of one with its name, for this process.
 
@@ -46,14 +47,14 @@ def register(thing: T, *, replace: bool = False) -> T:
     PluginError
         If it is nothing that can be offered, is not complete, or its name is taken.
     """
-    kind = discovery.kind_of(thing)
+    kind = kind_of(thing)
     if kind is None:
-        bases = ", ".join(discovery.base_of(kind).__name__ for kind in discovery.KINDS)
+        bases = ", ".join(get_kind(name).base.__name__ for name in kinds())
         raise PluginError(
             f"{thing!r} cannot be registered: a class derived from, or a value of, one of {bases} can; "
             "a function can with @model(kind, name, reads=...)"
         )
-    discovery.add(kind, thing, replace=replace)
+    discovery.add(kind.name, thing, replace=replace)
     return thing
 
 
@@ -114,7 +115,7 @@ def model(
         raise PluginError(
             f"a function cannot be a {kind} model, only {' or '.join(_COLUMN)}; write a class and register it"
         )
-    base, column = discovery.base_of(kind), _COLUMN[kind]
+    base, column = get_kind(kind).base, _COLUMN[kind]
     known = {**(FilmModel.domain if base is FilmModel else {}), **(domain or {})}
     limits = {member: known.get(member, FINITE) for member in sorted(known if reads is None else reads)}
     members = {*COLUMNS, *CONDITIONS} - {column}

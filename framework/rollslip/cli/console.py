@@ -15,7 +15,8 @@ import attrs
 import click
 
 from rollslip.bearing.resolution import error_text
-from rollslip.catalogue.discovery import DATA, KINDS, Offer, available, catalogue, find, get_class
+from rollslip.catalogue.discovery import Offer, available, catalogue, find, get_class
+from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.errors import PluginError
 from rollslip.models import SliceModel, interval
 from rollslip.scene.values import Scene, resolved, scene_hash
@@ -333,7 +334,7 @@ def print_models(what: str | None) -> None:
         If nothing is called so.
     """
     if what is None:
-        for kind in KINDS:
+        for kind in kinds():
             names = ", ".join(available(kind)) or "none installed"
             click.echo(f"{kind:<11} {names}")
         unusable = [offer for offer in catalogue() if offer.state != "ok"]
@@ -342,7 +343,7 @@ def print_models(what: str | None) -> None:
                 f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}", err=True
             )
         click.echo("'rollslip models NAME' shows equation, parameters, domain and references of one")
-    elif what in KINDS:
+    elif what in kinds():
         print_table(("name", "package", "what it is"), [_summary(offer) for offer in available(what).values()])
     else:
         for kind in kinds_of(what):
@@ -353,7 +354,7 @@ def models_as_dict(what: str | None) -> Any:
     """Return what ``print_models`` prints, as plain values."""
     if what is None:
         return [attrs.asdict(offer) for offer in catalogue()]
-    if what in KINDS:
+    if what in kinds():
         return {name: _model_as_dict(what, name) for name in available(what)}
     return {kind: _model_as_dict(kind, what) for kind in kinds_of(what)}
 
@@ -366,14 +367,14 @@ def kinds_of(name: str) -> list[str]:
     PluginError
         If there is none; the message gives the nearest names.
     """
-    kinds = [kind for kind in KINDS if name in available(kind)]
-    if not kinds:
+    offering = [kind for kind in kinds() if name in available(kind)]
+    if not offering:
         from rollslip.scene.reading import nearest
 
-        near = nearest(name, [*KINDS, *(offer.name for offer in catalogue())], cutoff=0.4)
+        near = nearest(name, [*kinds(), *(offer.name for offer in catalogue())], cutoff=0.4)
         hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip models' lists them"
         raise PluginError(f"no model and no kind is called {name!r}; {hint}")
-    return kinds
+    return offering
 
 
 def _summary(offer: Offer) -> tuple[str, str, str]:
@@ -381,7 +382,7 @@ def _summary(offer: Offer) -> tuple[str, str, str]:
         thing = get_class(offer.kind, offer.name)
     except PluginError as error:
         return offer.name, offer.package, f"broken: {error}"
-    text = thing.description if offer.kind in DATA else _doc(thing)[0]
+    text = thing.description if get_kind(offer.kind).data else _doc(thing)[0]
     return offer.name, f"{offer.package} {offer.version}", text
 
 
@@ -396,7 +397,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
 
     offer, thing = find(kind, name), get_class(kind, name)
     about: dict[str, Any] = {"kind": kind, "name": name, "package": offer.package, "version": offer.version}
-    if kind in DATA:
+    if get_kind(kind).data:
         about |= {
             "description": thing.description,
             "source": thing.source,
@@ -493,7 +494,7 @@ def installation() -> Sections:
             ("python", sys.version.split()[0]),
             ("machine", f"{platform.system()} {platform.machine()}"),
             ("instructions", doctor.instructions()),
-            ("models", ", ".join(f"{len(available(kind))} {kind}" for kind in KINDS)),
+            ("models", ", ".join(f"{len(available(kind))} {kind}" for kind in kinds())),
         ]
     }
 

@@ -12,13 +12,12 @@ import importlib.metadata
 import json
 import os
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.catalogue.discovery import DATA
+from rollslip.catalogue.discovery import named_data
 from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError
 from rollslip.files import whole_file
@@ -54,10 +53,8 @@ def provenance(plan: Plan, study: str, warnings: list[str], evaluations: int, wa
     models = [(kind, model, find(kind, model.name)) for kind, model in plan.models]
     assembly = plan.assemblies[study]
     lubricant = assembly.lubricant
-    named = dict(scene.raw or {})
-    data = [(kind, table["name"]) for kind in DATA if isinstance(table := named.get(kind), Mapping) and "name" in table]
     offers = [offer for *_, offer in models]
-    used = {offer.package: offer.version for offer in (*offers, *(find(*pair) for pair in data))}
+    used = {offer.package: offer.version for offer in (*offers, *named_data(scene.raw or {}))}
     used |= {name: importlib.metadata.version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
     return {
         "title": scene.title,

@@ -24,7 +24,7 @@ from rollslip.campaigns.sweep.journal import died, journals
 from rollslip.campaigns.sweep.point import Work, here
 from rollslip.campaigns.sweep.resolutions import Resolutions, chosen_resolutions
 from rollslip.campaigns.sweep.sampling import SAMPLINGS, Axis, Design, probabilities, read_axis
-from rollslip.catalogue.discovery import DATA, THIS_PROCESS, Offer
+from rollslip.catalogue.discovery import THIS_PROCESS, Offer, named_data
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError, RollslipError, SceneError
@@ -391,12 +391,7 @@ def _packages(assemblies: Sequence[Assembly], study: str) -> tuple[tuple[str, ..
         used = [*assembly.models.items(), *settings(assembly.scene, study)[study].models(assembly)]
         for kind, model in used:
             offers |= {(k, name): find(k, name) for k, name in _with_children(kind, model)}
-        named = dict(assembly.scene.raw or {})
-        for kind in DATA:
-            table = named.get(kind)
-            name = table.get("name") if isinstance(table, Mapping) else table
-            if isinstance(name, str):
-                offers[kind, name] = find(kind, name)
+        offers |= {(offer.kind, offer.name): offer for offer in named_data(assembly.scene.raw or {})}
     local = sorted(f"{kind} {name}" for (kind, name), offer in offers.items() if offer.package == THIS_PROCESS)
     packages = {offer.package for offer in offers.values()} - {THIS_PROCESS}
     return tuple(sorted(packages | {"rollslip", "numpy", "scipy"})), tuple(local)
