@@ -13,11 +13,11 @@ import time
 from output import write_table
 
 from rollslip.bearing.assembly import assemble
+from rollslip.bearing.critical import slip_grid
 from rollslip.campaigns.sweep.point import _key, compute
 from rollslip.campaigns.uncertainty.margin import plan_margin
 from rollslip.scene.reading import evolve
-from rollslip.studies.effective_friction.study import evaluated_together
-from rollslip.studies.friction_curve.study import slip_grid
+from rollslip.studies.raceways import evaluated_together
 from rollslip.studies.study import settings
 
 SCENE, SAMPLES, MANY = "1032930-70C", 320, 10_000

@@ -76,7 +76,7 @@ def one_run(scene: str, folder: Path) -> dict[str, float]:
     from rollslip.results.dataset import save
     from rollslip.results.figures import plot
     from rollslip.results.report import write_report
-    from rollslip.studies.effective_friction.study import LoadedRaceways
+    from rollslip.studies.raceways import LoadedRaceways
 
     for owner, method, part in (
         (Assembly, "load_distribution", "load distributions"),

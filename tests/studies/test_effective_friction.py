@@ -15,8 +15,9 @@ from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.regimes import film_by_regime, groups, moes_groups, regime_limits
 from rollslip.errors import SceneError
 from rollslip.scene.reading import evolve, load_scene
-from rollslip.studies.effective_friction.study import EffectiveFriction, LoadedRaceways
+from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.friction_curve.study import FrictionCurve, balanced_load
+from rollslip.studies.raceways import LoadedRaceways
 from rollslip_kernels.slices import Slices
 
 STRAIGHT = evolve(load_scene("1032930-70C"), {"bearing.profile": "none"})

@@ -10,7 +10,7 @@ import json
 import numpy as np
 import xarray as xr
 
-from rollslip.studies.friction_curve.study import about
+from rollslip.results.dataset import about
 
 INNER, ROLLER, ORBIT = 82.5e-3, 7.5e-3, 90e-3
 INNER_SPEED = 667.17

@@ -18,6 +18,11 @@ _PLACE = 1e-8
 _GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))
 
 
+def slip_grid(largest: float, points: int) -> Array:
+    """Return slips from 0 to the largest, quadratically denser towards 0, where friction rises steeply."""
+    return np.asarray(largest * np.linspace(0.0, 1.0, points) ** 2)
+
+
 @attrs.frozen
 class Critical:
     """The largest friction of a curve: ``slip`` and ``friction``, both NaN unless it lies inside the range.

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Array
+from rollslip.bearing.critical import slip_grid
 from rollslip.errors import ConvergenceError
-from rollslip.studies.friction_curve.study import slip_grid
 
 #: Most points that the refinement of a curve may need.
 _MOST_POINTS: Final = 400

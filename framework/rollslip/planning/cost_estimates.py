@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Final
 import attrs
 import numpy as np
 
+from rollslip.bearing.critical import slip_grid
 from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.studies.dynamics.study import Dynamics
 from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import FrictionCurve, slip_grid
+from rollslip.studies.friction_curve.study import FrictionCurve
 from rollslip.studies.steady_slip.study import SteadySlip
 
 if TYPE_CHECKING:

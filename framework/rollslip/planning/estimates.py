@@ -18,13 +18,14 @@ from typing import TYPE_CHECKING, Final, Protocol
 import attrs
 import numpy as np
 
+from rollslip.bearing.critical import slip_grid
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.errors import RollslipError
 from rollslip.planning.bounds import BoundaryFriction, ExactLaw, Extremes, LeftOut
 from rollslip.studies.dynamics.choice import choose_motion
 from rollslip.studies.dynamics.study import Dynamics, averaging
 from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import FrictionCurve, slip_grid
+from rollslip.studies.friction_curve.study import FrictionCurve
 from rollslip.studies.steady_slip.study import SteadySlip
 
 if TYPE_CHECKING:

@@ -17,12 +17,11 @@ from rollslip.motion.checkpoints import RunStore
 from rollslip.planning.bounds import BoundBrokenError
 from rollslip.planning.estimates import judge, total
 from rollslip.planning.plan import Plan, plan
-from rollslip.results.dataset import provenance
+from rollslip.results.dataset import about, provenance
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies.dynamics.study import Dynamics
 from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import about
 from rollslip.studies.steady_slip.study import SteadySlip
 
 if TYPE_CHECKING:

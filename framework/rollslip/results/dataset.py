@@ -22,18 +22,24 @@ from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError
 from rollslip.files import whole_file
 from rollslip.models import SliceModel
-from rollslip.planning.plan import Plan, part_as_dict
 from rollslip.references import KLEBANOV
 from rollslip.scene.values import resolved, scene_hash
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rollslip.planning.plan import Plan
+
 #: Attributes that may differ between two runs of the same scene.
 VOLATILE = ("created", "cost", "plan", "wall_time", "integration_time", "real_time_factor")
 
 
-def provenance(plan: Plan, study: str, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:
+def about(unit: str, long_name: str) -> dict[str, Any]:
+    """Return the attributes that every variable of a result has."""
+    return {"units": unit, "long_name": long_name}
+
+
+def provenance(plan: "Plan", study: str, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:
     """Return the attributes that say where a result comes from.
 
     Parameters
@@ -49,6 +55,8 @@ def provenance(plan: Plan, study: str, warnings: list[str], evaluations: int, wa
     wall_time : float
         [s].
     """
+    from rollslip.planning.plan import part_as_dict
+
     scene = plan.scene
     models = [(kind, model, find(kind, model.name)) for kind, model in plan.models]
     assembly = plan.assemblies[study]
@@ -95,7 +103,7 @@ def provenance(plan: Plan, study: str, warnings: list[str], evaluations: int, wa
     }
 
 
-def citations(plan: Plan) -> list[str]:
+def citations(plan: "Plan") -> list[str]:
     """Return what to cite for the models and the oil of a plan, the paper that rollslip follows first."""
     oil = plan.assembly.lubricant
     used = [text for _, model in plan.models for text in references_of(model)]

@@ -15,9 +15,9 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.errors import SceneError
+from rollslip.results.dataset import about
 from rollslip.scene.reading import nearest
 from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import about
 from rollslip.studies.study import Study
 
 __all__ = ["DEFAULT", "OUTPUTS", "Values", "Variables", "chosen", "evaluate", "evaluate_together"]

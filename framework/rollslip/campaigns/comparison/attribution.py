@@ -18,8 +18,9 @@ import numpy as np
 from rollslip.bearing.assembly import RINGS, Array, Ring
 from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups
 from rollslip.planning.plan import Plan
+from rollslip.results.dataset import about
 from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import FrictionCurve, about
+from rollslip.studies.friction_curve.study import FrictionCurve
 from rollslip_kernels.slices import Slices
 
 if TYPE_CHECKING:

@@ -35,9 +35,9 @@ from rollslip.errors import PluginError, RollslipError, SceneError
 from rollslip.models import SliceModel
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan
+from rollslip.results.dataset import about
 from rollslip.scene.reading import Where, evolve, load_scene, nearest
 from rollslip.scene.values import Scene, resolved, scene_hash
-from rollslip.studies.friction_curve.study import about
 from rollslip.studies.study import settings
 
 if TYPE_CHECKING:

@@ -26,9 +26,8 @@ from rollslip.catalogue.registry import find
 from rollslip.files import whole_file
 from rollslip.models import SliceModel
 from rollslip.references import KLEBANOV
-from rollslip.results.dataset import references_of
+from rollslip.results.dataset import about, references_of
 from rollslip.scene.values import resolved
-from rollslip.studies.friction_curve.study import about
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
 

@@ -25,10 +25,9 @@ from rollslip.catalogue.discovery import in_words
 from rollslip.errors import OutputError, RollslipError
 from rollslip.files import whole_file
 from rollslip.planning.plan import Plan
-from rollslip.results.dataset import provenance
+from rollslip.results.dataset import about, provenance
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.friction_curve.study import about
 from rollslip.studies.study import Study
 from rollslip.units import format_quantity
 

@@ -20,8 +20,8 @@ import numpy as np
 from rollslip.campaigns.sweep.journal import check_owner, layouts, records
 from rollslip.campaigns.sweep.point import STATUSES, unpacked
 from rollslip.campaigns.sweep.sweep import Sweep
+from rollslip.results.dataset import about
 from rollslip.scene.values import resolved, scene_hash
-from rollslip.studies.friction_curve.study import about
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -38,10 +38,10 @@ from rollslip.campaigns.sweep.sampling import REPLICATES
 from rollslip.campaigns.sweep.sweep import FILE, Sweep, plan_sweep
 from rollslip.campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
 from rollslip.errors import OutputError, SceneError
+from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import FrozenTable, Scene, resolved, scene_hash
 from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import about
 from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.study import settings
 

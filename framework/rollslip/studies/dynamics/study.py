@@ -20,7 +20,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import RINGS, Array, Assembly
-from rollslip.bearing.critical import Critical
+from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.load_map import LoadMap
 from rollslip.bearing.regimes import NAMES
 from rollslip.bearing.resolution import Resolution
@@ -35,10 +35,11 @@ from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.planar import PlanarMotion, PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FRICTION
 from rollslip.motion.time_integration import InitialValueProblem, Trajectory, integrate
+from rollslip.results.dataset import about
 from rollslip.scene.reading import Where, structure
 from rollslip.scene.values import Scene, resolved
-from rollslip.studies.effective_friction.study import EffectiveFriction, LoadedRaceways, regime_variables
-from rollslip.studies.friction_curve.study import about, slip_grid
+from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.raceways import LoadedRaceways, regime_variables
 
 if TYPE_CHECKING:
     import xarray as xr

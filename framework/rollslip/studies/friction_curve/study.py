@@ -8,11 +8,12 @@ import numpy as np
 
 from rollslip.bearing.assembly import Array, Assembly, Raceway
 from rollslip.bearing.chain import along
-from rollslip.bearing.critical import locate
+from rollslip.bearing.critical import locate, slip_grid
 from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError
 from rollslip.fields import at_least, one_of, parameter, positive
+from rollslip.results.dataset import about
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -157,16 +158,6 @@ class FrictionCurve:
             "normal_force": ("normal_force", np.array(self.normal_force), about("N", "normal force of the contact")),
             "slip": ("slip", slip, about("1", "slide-roll ratio V/u")),
         }
-
-
-def slip_grid(largest: float, points: int) -> Array:
-    """Return slips from 0 to the largest, quadratically denser towards 0, where friction rises steeply."""
-    return np.asarray(largest * np.linspace(0.0, 1.0, points) ** 2)
-
-
-def about(unit: str, long_name: str) -> dict[str, Any]:
-    """Return the attributes that every variable of a result has."""
-    return {"units": unit, "long_name": long_name}
 
 
 def balanced_load(assembly: Assembly, raceway: Raceway, force: float) -> Array:

@@ -25,9 +25,9 @@ from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.motion.continuation import Branch, TorqueCurve, follow, steady_slips, torque_curve
 from rollslip.motion.effective_table import table_records
 from rollslip.motion.torque_balance import Orbit, TorqueBalance, effective_curves
+from rollslip.results.dataset import about
 from rollslip.scene.reading import Where, evolve
-from rollslip.studies.effective_friction.study import regime_variables
-from rollslip.studies.friction_curve.study import about
+from rollslip.studies.raceways import regime_variables
 
 if TYPE_CHECKING:
     import xarray as xr

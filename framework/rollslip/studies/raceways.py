@@ -1,0 +1,296 @@
+"""Both raceways of a bearing as wholes: what studies average over their loaded contacts, and how they say its regimes.
+
+- What a roller spins at is not fixed by the cage slip. The closures are: ``outer-rolling`` (pure rolling on the outer
+  ring), ``epicyclic`` (every roller at its epicyclic spin) and ``free-roller`` (each loaded roller spins so that both
+  rings pull alike).
+- Rollers either side of the line of load carry the same, and so do the halves of a roller that is symmetric and does
+  not tilt: one of them is evaluated and counts for all of its images, a quarter of the slices in most bearings.
+- A map, most of the work, is taken over few loads that stand for all slices (`rollslip.bearing.load_rule`), held
+  against them to a thousandth of the tolerance; curves and critical slips are summed over all slices.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Array, Assembly, Raceway
+from rollslip.bearing.chain import along
+from rollslip.bearing.critical import Critical, locate, slip_grid
+from rollslip.bearing.equilibrium import LoadDistribution
+from rollslip.bearing.kinematics import SurfaceSpeeds
+from rollslip.bearing.raceway import LoadedContacts
+from rollslip.bearing.regimes import LIGHT, NAMES
+from rollslip.errors import ConvergenceError, DomainError, SceneError
+from rollslip.results.dataset import about
+from rollslip.scene.reading import Where
+
+#: Error of a map's loads relative to the tolerance.
+_MAP_SHARE = 1e-3
+
+
+def regime_variables(share: Array, load_parameter: Array, light: Array, where: str = "") -> dict[str, Any]:
+    """Return the variables of a result that say in which film regimes the contacts run, and how lightly loaded.
+
+    Parameters
+    ----------
+    share : ndarray
+        Share of the contact forces of a ring in each regime, shape (2, 4).
+    load_parameter, light : ndarray
+        Largest Moes load parameter, and share of the forces where it is small, shape (2,).
+    where : str, optional
+        What they hold for, ", at the steady slips" for example.
+    """
+    return {
+        "regime_share": (("ring", "regime"), share, about("1", f"share of the contact forces in a film regime{where}")),
+        "load_parameter": ("ring", load_parameter, about("1", f"largest Moes load parameter M{where}")),
+        "light_share": (
+            "ring",
+            light,
+            about("1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's{where}"),
+        ),
+        "regime": ("regime", np.array(NAMES), about("1", "film regime")),
+    }
+
+
+class LoadedRaceways:
+    """Both raceways under one load distribution of a pitch, and the closure that gives the rollers their spin."""
+
+    def __init__(self, assembly: Assembly, distribution: LoadDistribution, closure: str) -> None:
+        self.assembly, self.distribution, self.closure = assembly, distribution, closure
+        orbit = float(np.sign(assembly.kinematics.epicyclic_cage_speed))
+        # instants m and rollers j are positions j M + m of the orbit, of which k and -k carry the same
+        positions = distribution.psi.size
+        count = np.full(positions // 2 + 1, 2.0)
+        count[0] = 1.0
+        count[-1] -= positions % 2 == 0 and positions > 1
+
+        def of(raceway: Raceway, load: Array) -> LoadedContacts:
+            whole = load.swapaxes(0, 1).reshape(positions, -1)
+            return LoadedContacts(raceway, whole[: count.size], assembly.widths, orbit, count)
+
+        self.inner, self.outer = (
+            of(assembly.inner, distribution.inner_load),
+            of(assembly.outer, distribution.outer_load),
+        )
+        if self.inner.total == 0.0:
+            operation, bearing = assembly.scene.operation, assembly.scene.bearing
+            raise SceneError(
+                [
+                    Where(assembly.scene.origins, ("operation", "radial_load")).says(
+                        f"no roller is loaded on the inner ring with {operation.radial_load:g} N and "
+                        f"bearing.radial_clearance = {bearing.radial_clearance:g} m, so there is no friction to "
+                        "average; give a radial load or a negative clearance"
+                    )
+                ]
+            )
+        inner, outer = float(distribution.inner_force.max()), float(distribution.outer_force.max())
+        unbalanced = max(distribution.force_residual, np.finfo(float).eps) * max(inner, outer)
+        if unbalanced > max(assembly.scene.accuracy.tolerance, 1e-9) * inner:
+            raise ConvergenceError(
+                f"the forces on the inner ring, at most {inner:.2g} N, are lost beside those of up to {outer:.2g} N on "
+                f"the outer ring, which balance to {unbalanced:.1g} N; give more radial load or less speed"
+            )
+
+    def speeds(self, cage_slip: Array) -> SurfaceSpeeds:
+        """Speeds by the closure at cage slips (n,): alike for all rollers, (n,), or for each of them, (n, rollers)."""
+        kinematics = self.assembly.kinematics
+        if self.closure == "epicyclic" or not np.any(cage_slip):
+            return kinematics.surface_speeds(cage_slip, np.zeros_like(cage_slip))
+        outer_rolling = kinematics.roller_slip_outer_rolling(cage_slip)
+        if self.closure == "outer-rolling":
+            speeds = kinematics.surface_speeds(cage_slip, outer_rolling)
+            return attrs.evolve(speeds, outer_sliding=np.zeros_like(speeds.outer_sliding))  # not the rounding of it
+        free = [
+            self._free_roller_slip(float(s), float(rolling))
+            for s, rolling in zip(cage_slip, outer_rolling, strict=True)
+        ]
+        return kinematics.surface_speeds(cage_slip[:, None], np.array(free))
+
+    def _free_roller_slip(self, cage_slip: float, outer_rolling: float) -> Array:
+        """Roller slip at which both rings pull a roller alike, (rollers,).
+
+        Between rolling on the inner ring and rolling on the outer one the difference of the pulls changes its sign,
+        so there is a root; of several the bracket ends in one that is stable. A roller without inner load rolls on
+        the outer ring.
+        """
+        result = np.full(self.inner.rollers, outer_rolling)
+        if cage_slip == 0.0:
+            return 0.0 * result
+        from scipy.optimize.elementwise import find_root
+
+        kinematics = self.assembly.kinematics
+        inner_rolling = -outer_rolling * kinematics.inner_radius / kinematics.outer_radius
+        loaded = np.flatnonzero(self.inner.per_roller(self.inner.force) > 0.0)
+
+        def difference(slip: Array, roller: Array) -> Array:
+            trial = result.copy()
+            trial[roller] = slip
+            (both,) = self.contacts(kinematics.surface_speeds(np.full((1, 1), cage_slip), trial))
+            pulls = [
+                contacts.per_roller(contacts.force * contacts.friction(rolling, sliding))
+                for contacts, rolling, sliding in both
+            ]
+            return np.asarray((pulls[0] - pulls[1])[roller])
+
+        bracket = (np.full(loaded.size, inner_rolling), np.full(loaded.size, outer_rolling))
+        found = find_root(difference, bracket, args=(loaded,), tolerances={"xrtol": 1e-12, "xatol": 1e-15})
+        if not np.all(found.success):
+            raise ConvergenceError(
+                f"closure 'free-roller' found no spin for {np.count_nonzero(~found.success)} of {loaded.size} rollers "
+                f"at a cage slip of {cage_slip:g}, where friction rises within the rounding of the speeds or has no "
+                "balance; take closure 'epicyclic' or 'outer-rolling'"
+            )
+        result[loaded] = found.x
+        return result
+
+    def contacts(self, speeds: SurfaceSpeeds) -> "Iterator[list[tuple[LoadedContacts, Any, Any]]]":
+        """Both rings' contacts with their rolling and sliding speeds, for every row of speeds (n,) or (n, rollers).
+
+        Raises
+        ------
+        DomainError
+            If a contact draws no oil in; before the first row.
+        """
+        self.require_entrainment(speeds)
+        for k in range(speeds.cage_speed.shape[0]):
+            yield [
+                (contacts, u[k], V[k]) if u.ndim == 1 else (contacts, u[k][contacts.owner], V[k][contacts.owner])
+                for contacts, u, V in self.rings(speeds)
+            ]
+
+    def rings(self, speeds: SurfaceSpeeds) -> list[tuple[LoadedContacts, Array, Array]]:
+        """Contacts, rolling and sliding speeds of both rings."""
+        return [
+            (self.inner, speeds.inner_rolling, speeds.inner_sliding),
+            (self.outer, speeds.outer_rolling, speeds.outer_sliding),
+        ]
+
+    def require_entrainment(self, speeds: SurfaceSpeeds) -> None:
+        """Refuse speeds at which a contact draws no oil in.
+
+        Raises
+        ------
+        DomainError
+            With the first of them.
+        """
+        for ring, rolling in (("inner", speeds.inner_rolling), ("outer", speeds.outer_rolling)):
+            if not np.all(rolling > 0.0):
+                row = np.unravel_index(np.argmin(rolling > 0.0), rolling.shape)[0]
+                slip = 1.0 - float(speeds.cage_speed[row].flat[0]) / self.assembly.kinematics.epicyclic_cage_speed
+                raise DomainError(
+                    f"at a cage slip of {slip:.3g} a contact of the {ring} ring has the entrainment speed "
+                    f"{np.min(rolling[row]):.3g} m/s, which draws no oil in; lower "
+                    "study.effective-friction.max_cage_slip"
+                )
+
+    def evaluated(self, speeds: SurfaceSpeeds) -> tuple[Array, Array]:
+        """Effective friction and smallest film parameter of both rings at every row of speeds, (2, n) each."""
+        (found,) = evaluated_together([(self, speeds)])
+        return found
+
+    def curve(self, slip: Array) -> Array:
+        """Effective friction of both rings, (2, n)."""
+        return self.evaluated(self.speeds(slip))[0]
+
+    def critical(self, slip: Array, friction: Array) -> tuple[Critical, Critical]:
+        """Critical cage slip of both rings, on the continuous curve."""
+
+        def of(ring: int) -> Critical:
+            def at(one: float) -> float:
+                contacts, u, V = self.rings(self.speeds(np.array([one])))[ring]
+                ((pull, _),) = along([contacts.job(u, V)])
+                return float(contacts.mean(pull)[0])
+
+            return locate(at, slip, friction[ring], "max_cage_slip")
+
+        return of(0), of(1)
+
+    def slices_error(self, slip: Array, friction: Array) -> float:
+        """Relative error that the slices leave: what half as many change; the contacts' ends leave no order to use."""
+        if self.assembly.slices == 1:
+            return 0.0
+        assembly = self.assembly.coarser()
+        loads = assembly.load_distribution(self.distribution.psi.shape[0])
+        return largest_change(LoadedRaceways(assembly, loads, self.closure).curve(slip), friction)
+
+    def means(self, speeds: SurfaceSpeeds) -> dict[str, Array]:
+        """Roller slip, sliding and rolling speed of both rings' contacts, means by force, (2, n) each."""
+        roller_slip = 1.0 - speeds.roller_speed / self.assembly.kinematics.epicyclic_roller_speed
+        rings = (
+            (self.inner, speeds.inner_sliding, speeds.inner_rolling),
+            (self.outer, speeds.outer_sliding, speeds.outer_rolling),
+        )
+        values = {
+            name: [
+                row if row.ndim == 1 else row @ contacts.per_roller(contacts.force) / contacts.total
+                for contacts, row in rows
+            ]
+            for name, rows in {
+                "roller_slip": [(contacts, roller_slip) for contacts, _, _ in rings],
+                "sliding_speed": [(contacts, V) for contacts, V, _ in rings],
+                "rolling_speed": [(contacts, u) for contacts, _, u in rings],
+            }.items()
+        }
+        return {name: np.array(rows) for name, rows in values.items()}
+
+    def regimes(self, speeds: SurfaceSpeeds) -> tuple[Array, Array, Array]:
+        """What `regime_variables` takes: in which film regimes the contacts run, over all rows of speeds."""
+        rings = self.inner.regimes(speeds.inner_rolling), self.outer.regimes(speeds.outer_rolling)
+        share, light, largest = (np.array(values) for values in zip(*rings, strict=True))
+        return share, largest, light
+
+    def per_roller(self, slip: Array) -> Array:
+        """Friction coefficient of every roller at the first instant, (2, Z, n), NaN without load."""
+        instants, rollers = self.distribution.psi.shape
+        position = instants * np.arange(rollers)
+        place = np.minimum(position, instants * rollers - position)
+        out = np.full((2, rollers, slip.size), np.nan)
+        for k, both in enumerate(self.contacts(self.speeds(slip))):
+            for i, (contacts, u, V) in enumerate(both):
+                pull = contacts.per_roller(contacts.friction(u, V) * contacts.force)[place]
+                force = contacts.per_roller(contacts.force)[place]
+                out[i, force > 0.0, k] = pull[force > 0.0] / force[force > 0.0]
+        return out
+
+    def map(self, largest: float, points: int) -> tuple[Array, Array, Array]:
+        """Effective friction of both rings over cage slip and roller slip, which is taken both ways from epicyclic."""
+        kinematics = self.assembly.kinematics
+        cage = slip_grid(largest, points)
+        half = slip_grid(float(kinematics.roller_slip_outer_rolling(largest)), points)
+        roller = np.concatenate((-half[:0:-1], half))
+        speeds = kinematics.surface_speeds(np.repeat(cage, roller.size), np.tile(roller, cage.size))
+        self.require_entrainment(speeds)
+        tolerance = _MAP_SHARE * self.assembly.scene.accuracy.tolerance
+        surface = np.array(
+            [
+                self.inner.means(speeds.inner_rolling, speeds.inner_sliding, tolerance),
+                self.outer.means(speeds.outer_rolling, speeds.outer_sliding, tolerance),
+            ]
+        )
+        return cage, roller, surface.reshape(2, cage.size, roller.size)
+
+
+def evaluated_together(cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]]) -> list[tuple[Array, Array]]:
+    """Return effective friction and smallest film parameter of both rings, (2, n) each, of bearings at their speeds.
+
+    All are evaluated in one go without the GIL; each is what it is alone, to the last bit.
+    """
+    for raceways, speeds in cases:
+        raceways.require_entrainment(speeds)
+    rings = [ring for raceways, speeds in cases for ring in raceways.rings(speeds)]
+    found = [
+        (contacts.mean(pull), film / contacts.raceway.conditions.roughness)
+        for (contacts, *_), (pull, film) in zip(rings, along([c.job(u, V) for c, u, V in rings]), strict=True)
+    ]
+    return [
+        (np.array([inner[0], outer[0]]), np.array([inner[1], outer[1]]))
+        for inner, outer in zip(found[::2], found[1::2], strict=True)
+    ]
+
+
+def largest_change(before: Array, after: Array) -> float:
+    """Return the largest change of curves of both rings, relative to their largest value; without friction none."""
+    scale = np.abs(after).max(axis=1, keepdims=True)
+    return float((np.abs(after - before) / np.where(scale > 0.0, scale, 1.0)).max())
