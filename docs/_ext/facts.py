@@ -17,7 +17,7 @@ from rollslip.cli.console import models_as_dict
 from rollslip.cli.main import cli
 from rollslip.lubricant import OilPoint, OilTable
 from rollslip.scene.reading import schema, shown_default
-from rollslip.studies.study import STUDIES
+from rollslip.studies.study import study_class
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
@@ -66,7 +66,8 @@ OWN = {name: {a.name for a in attrs.fields(cls) if a.metadata.get("own_unit")} f
 def study_keys():
     """Settings of all studies."""
     lines = []
-    for name, study in STUDIES.items():
+    for name in available("study"):
+        study = study_class(name)
         lines += ["", f".. rubric:: ``[study.{name}]``", ""]
         lines += table(("key", "unit", "default", "meaning"), fields(study, ""))
     return lines

@@ -43,6 +43,11 @@ def engines() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 
 @hookspec
+def studies() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Studies this plugin offers: classes derived from `rollslip.studies.study.Study`."""
+
+
+@hookspec
 def lubricants() -> Iterable[Any]:  # type: ignore[empty-body]
     """Lubricants this plugin offers: values of `rollslip.lubricant.Lubricant`."""
 

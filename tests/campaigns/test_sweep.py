@@ -36,8 +36,6 @@ from rollslip.errors import EngineError, OutputError, PluginError, SceneError
 from rollslip.models import TractionModel
 from rollslip.scene.reading import parse_scene
 from rollslip.studies import study as studies
-from rollslip.studies.outputs import DEFAULT, OUTPUTS
-from rollslip.studies.study import STUDIES
 
 SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5})
 OVER = {"operation.temperature": "60 degC:80 degC:3", "models.traction": ["muraki", "maxwell-eyring"]}
@@ -372,24 +370,6 @@ def test_single_values_words_and_ragged_ones_come_together(tmp_path):
         found["steady_slip"], [[0.25, np.nan], [np.nan, np.nan], [0.25, 0.75], [np.nan, np.nan]], equal_nan=True
     )
     assert found["stability"].values.tolist() == [["stable", ""], ["", ""], ["stable", "unstable"], ["", ""]]
-
-
-def test_outputs_are_those_of_the_studies():
-    """What a study has only sometimes is looked for in its source."""
-    scene = rollslip.evolve(SCENE, {"study.effective-friction.points": 5, "study.effective-friction.per_roller": True})
-    for study in STUDIES:
-        assert set(DEFAULT[study]) <= set(OUTPUTS[study])
-    for study in ("effective-friction", "friction-curve"):
-        assert set(OUTPUTS[study]) == set(map(str, rollslip.run(scene, study).data_vars))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("study", ["dynamics", "steady-slip"])
-def test_outputs_of_the_studies_of_motion_exist(study):
-    short = {"study.dynamics.duration": "1 ms", "study.dynamics.points": 3, "study.steady-slip.points": 6}
-    result = rollslip.run(rollslip.evolve(SCENE, {**short, "bearing.profile": "none"}), study)
-    assert set(map(str, result.data_vars)) <= set(OUTPUTS[study])
-    assert set(DEFAULT[study]) <= {*map(str, result.data_vars), *result.attrs}
 
 
 # The same numbers however they are computed --------------------------------------------------------------------------

@@ -12,11 +12,12 @@ from plan_scenes import STUDY, TRACTIONS, judge, pick, points, scene
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution, finest
-from rollslip.planning.bounds import BoundaryFriction, BoundBrokenError, ExactLaw
-from rollslip.planning.estimates import Bound, difference
-from rollslip.planning.execution import execute, verify
+from rollslip.planning.execution import execute
 from rollslip.planning.plan import changed, plan
+from rollslip.planning.verification import verify
+from rollslip.studies.bounds import BoundaryFriction, BoundBrokenError, ExactLaw
 from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.estimates import Bound, difference
 
 BASE = evolve(
     load_scene("1032930-70C"),
@@ -52,7 +53,7 @@ def test_a_plan_keeps_its_word_against_the_finest(k):
 
 
 def test_a_smaller_tolerance_takes_more_slices_and_instants():
-    chosen = [plan(evolve(BASE, {"accuracy.tolerance": t}), STUDY).chosen[STUDY] for t in (1e-2, 1e-3, 1e-4)]
+    chosen = [plan(evolve(BASE, {"accuracy.tolerance": t}), STUDY).estimated[STUDY] for t in (1e-2, 1e-3, 1e-4)]
     for coarse, fine in itertools.pairwise(chosen):
         assert fine.resolution.slices > 2 * coarse.resolution.slices
         assert fine.resolution.instants > coarse.resolution.instants
@@ -62,15 +63,15 @@ def test_a_smaller_tolerance_takes_more_slices_and_instants():
 
 
 def test_a_tolerance_of_a_result_is_its_own():
-    strict = plan(evolve(BASE, {"accuracy.critical_slip": 1e-5}), STUDY).chosen[STUDY]
-    assert strict.resolution.slices > plan(BASE, STUDY).chosen[STUDY].resolution.slices
+    strict = plan(evolve(BASE, {"accuracy.critical_slip": 1e-5}), STUDY).estimated[STUDY]
+    assert strict.resolution.slices > plan(BASE, STUDY).estimated[STUDY].resolution.slices
     assert strict.total["critical_slip"] <= 1e-5
 
 
 def test_exact_is_the_finest_of_everything():
     made = plan(evolve(BASE, {"accuracy.tolerance": "exact"}), STUDY)
-    assert made.chosen[STUDY].resolution == finest(BASE)
-    assert made.chosen[STUDY].left_out == ()
+    assert made.estimated[STUDY].resolution == finest(BASE)
+    assert made.estimated[STUDY].left_out == ()
 
 
 def test_fixed_slices_stay():
@@ -109,10 +110,10 @@ def test_unloaded_contacts_take_no_part():
 
 def test_boundary_friction_is_left_out_of_full_films_without_a_trace():
     made = plan(evolve(BASE, SMOOTH), STUDY)
-    assert not made.chosen[STUDY].resolution.boundary
+    assert not made.estimated[STUDY].resolution.boundary
     assert made.assemblies[STUDY].traction.name == "muraki"
     result = execute(made, STUDY)
-    whole = made.at(STUDY, attrs.evolve(made.chosen[STUDY].resolution, boundary=True))
+    whole = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, boundary=True))
     assert whole.assemblies[STUDY].traction.name == "lambda-blend"
     assert np.array_equal(result.effective_friction, execute(whole, STUDY).effective_friction)
     assert json.loads(result.attrs["taken_back"]) == []
@@ -121,10 +122,10 @@ def test_boundary_friction_is_left_out_of_full_films_without_a_trace():
 def test_boundary_friction_is_taken_back_in_where_a_film_is_thin():
     """A plan that leaves it out of the rough bearing breaks its bound; the result is that of one that did not."""
     honest = plan(evolve(BASE, {"surface.inner_raceway_roughness": "0.6 um"}), STUDY)
-    assert honest.chosen[STUDY].resolution.boundary
+    assert honest.estimated[STUDY].resolution.boundary
     left_out = (BoundaryFriction(1.5),)
-    chosen = attrs.evolve(honest.chosen[STUDY], left_out=left_out)
-    wrong = attrs.evolve(honest, chosen={STUDY: chosen}).at(STUDY, attrs.evolve(chosen.resolution, boundary=False))
+    chosen = attrs.evolve(honest.estimated[STUDY], left_out=left_out)
+    wrong = attrs.evolve(honest, estimated={STUDY: chosen}).at(STUDY, attrs.evolve(chosen.resolution, boundary=False))
     result, unguarded = execute(wrong, STUDY), execute(honest, STUDY)
     assert np.array_equal(result.effective_friction, unguarded.effective_friction)
     (said,) = json.loads(result.attrs["taken_back"])
@@ -138,16 +139,16 @@ def test_a_closed_form_serves_only_within_its_bounds():
     stiff = {"models.traction": traction, "lubricant.shear_modulus": "1 GPa", "lubricant.eyring_stress": "10 MPa"}
     named = evolve(BASE, stiff | {"study.effective-friction.max_cage_slip": 1e-4, "accuracy.tolerance": 2e-2})
     made = plan(named, STUDY)
-    resolution = made.chosen[STUDY].resolution
+    resolution = made.estimated[STUDY].resolution
     if resolution.traction == "named":
-        pytest.fail(f"the closed form should serve at this little slip: {made.chosen[STUDY].errors}")
+        pytest.fail(f"the closed form should serve at this little slip: {made.estimated[STUDY].errors}")
     result = execute(made, STUDY)
     exact = execute(made.at(STUDY, attrs.evolve(resolution, traction="named")), STUDY)
     scale = np.abs(exact.effective_friction).max("cage_slip")
     assert float((np.abs(result.effective_friction - exact.effective_friction) / scale).max()) <= 2e-3
-    assert plan(evolve(BASE, stiff), STUDY).chosen[STUDY].resolution.traction == "named"
-    tight = attrs.evolve(made.chosen[STUDY], left_out=(ExactLaw("the law", 1e-9, 1.0, 1e9),))
-    again = execute(attrs.evolve(made, chosen={STUDY: tight}).at(STUDY, resolution), STUDY)
+    assert plan(evolve(BASE, stiff), STUDY).estimated[STUDY].resolution.traction == "named"
+    tight = attrs.evolve(made.estimated[STUDY], left_out=(ExactLaw("the law", 1e-9, 1.0, 1e9),))
+    again = execute(attrs.evolve(made, estimated={STUDY: tight}).at(STUDY, resolution), STUDY)
     assert np.array_equal(again.effective_friction, exact.effective_friction)
     assert "a strain rate of" in json.loads(again.attrs["taken_back"])[0]
 
@@ -196,7 +197,7 @@ def test_what_cannot_be_estimated_is_left_to_the_run():
     """No roller is loaded on the inner ring: the plan is printed, the run says why there is no result."""
     idle = evolve(BASE, {"operation.radial_load": 0.0, "bearing.radial_clearance": "50 um"})
     made = plan(idle, STUDY)
-    assert "no roller is loaded" in made.chosen[STUDY].failed
+    assert "no roller is loaded" in made.estimated[STUDY].failed
     with pytest.raises(rollslip.errors.SceneError, match="no roller is loaded"):
         execute(made, STUDY)
 
@@ -222,7 +223,7 @@ def test_a_followed_branch_is_watched_too():
         },
     )
     made = plan(cool, "steady-slip")
-    assert not made.chosen["steady-slip"].resolution.boundary
+    assert not made.estimated["steady-slip"].resolution.boundary
     result = execute(made, "steady-slip")
     assert "boundary friction was left out" in json.loads(result.attrs["taken_back"])[0]
     assert json.loads(result.attrs["resolution"])["boundary"]

@@ -124,7 +124,7 @@ def test_what_cannot_be_estimated_is_taken_as_finely_as_there_is(monkeypatch):
 
 def test_what_the_scene_names_stays():
     made = plan(open_scene(), "dynamics")
-    assert made.chosen["dynamics"].reasons == {}
+    assert made.estimated["dynamics"].reasons == {}
     assert {name: getattr(made.studies["dynamics"], name) for name in NAMED} == NAMED
     rows = {part.part: part for part in made.parts}
     assert {rows[name].reason for name in ("friction of the raceways", "motion", "integrator")} == {
@@ -134,7 +134,7 @@ def test_what_the_scene_names_stays():
 
 def test_a_plan_says_what_it_chose_and_why():
     made = plan(open_scene("friction", "level"), "dynamics")
-    chosen, study = made.chosen["dynamics"], made.studies["dynamics"]
+    chosen, study = made.estimated["dynamics"], made.studies["dynamics"]
     assert (study.friction, study.level, study.integrator) == ("effective", "cage-set", "rodas5p")
     rows = {part.part: part for part in made.parts}
     assert rows["friction of the raceways"].choice == "effective"

@@ -15,8 +15,9 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import finest
 from rollslip.errors import RollslipError
-from rollslip.planning.execution import actual_errors, execute
+from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
+from rollslip.studies.estimates import errors_between
 
 STUDY = "effective-friction"
 BASE = evolve(
@@ -101,8 +102,8 @@ def judge(one, reference=None):
     """Run a scene as planned and at the finest, or at another resolution that it is held against."""
     try:
         made = plan(one, STUDY)
-        if made.chosen[STUDY].failed:
-            return Verdict(one, refused=made.chosen[STUDY].failed)
+        if made.estimated[STUDY].failed:
+            return Verdict(one, refused=made.estimated[STUDY].failed)
         result = execute(made, STUDY)
         begin = time.process_time()
         fine = made.studies[STUDY].run(assemble(one, reference or finest(one)))
@@ -113,8 +114,8 @@ def judge(one, reference=None):
     return Verdict(
         one,
         resolution=json.loads(result.attrs["resolution"]),
-        estimated=dict(made.chosen[STUDY].total),
-        actual=actual_errors(result, fine),
+        estimated=dict(made.estimated[STUDY].total),
+        actual=errors_between(made.studies[STUDY].judged, result, fine),
         taken_back=tuple(json.loads(result.attrs["taken_back"])),
         planning=made.planning,
         estimated_seconds=cost["estimated"],

@@ -8,7 +8,6 @@ import pytest
 from hard_cases import CASES, LOSSES, MECHANICS, STRESS_LAWS, is_slow, subjects, why_not
 from rollslip import available
 from rollslip.lubricant.pressure import PressureViscosity
-from rollslip.studies.study import STUDIES
 from rollslip_plugins import stress
 
 TABLE = Path(__file__).parents[2] / "docs" / "tables" / "hard_cases.csv"
@@ -61,7 +60,7 @@ def test_every_model_law_study_and_part_of_the_mechanics_is_a_subject():
     }
     studies = {name.split()[0] for kind, name in named if kind == "study"}
     # what moves has its own hard cases: test_dynamics_hard_cases, test_steady_slip
-    assert studies == set(STUDIES) - {"dynamics", "steady-slip"}
+    assert studies == set(available("study")) - {"dynamics", "steady-slip"}
     assert {(name, name) for name in MECHANICS} <= named
 
 

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 
     from rollslip.campaigns.comparison.comparison import Comparison
     from rollslip.campaigns.pareto.candidates import Family
-    from rollslip.planning.plan import Part, Plan
+    from rollslip.planning.plan import Plan
+    from rollslip.studies.answers import Part
 
 Sections = dict[str, list[tuple[str, str]]]
 
@@ -448,7 +449,9 @@ def _default(attribute: "attrs.Attribute[Any]") -> str:
     if "kind" in attribute.metadata:
         return str(default.factory().name)
     unit = attribute.metadata.get("unit")
-    return format_quantity(default, unit) if unit not in (None, "1") else str(default)
+    if isinstance(default, tuple):
+        return ", ".join(format_quantity(value, unit or "1") for value in default) or "none"
+    return format_quantity(default, unit) if isinstance(default, float) and unit not in (None, "1") else str(default)
 
 
 def _print_model(kind: str, name: str) -> None:

@@ -68,8 +68,8 @@ def run(
     from rollslip.cli import console
     from rollslip.files import whole
     from rollslip.planning.execution import execute
-    from rollslip.planning.execution import verify as verified
     from rollslip.planning.plan import plan
+    from rollslip.planning.verification import verify as verified
     from rollslip.results.dataset import save
 
     made = plan(_scene(scene, changes), study)

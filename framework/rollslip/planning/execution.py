@@ -1,28 +1,24 @@
 """Run a plan: its studies one after the other, each result with its warnings and its origin."""
 
 import json
-import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.regimes import LIGHT, LONG_NAMES, NAMES
-from rollslip.bearing.resolution import finest
 from rollslip.motion.checkpoints import RunStore
-from rollslip.planning.bounds import BoundBrokenError
-from rollslip.planning.estimates import judge, total
 from rollslip.planning.plan import Plan, plan
+from rollslip.planning.verification import accuracy_rows, judge
 from rollslip.results.dataset import about, provenance
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
-from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip.studies.answers import Keep, total
+from rollslip.studies.bounds import BoundBrokenError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,7 +32,7 @@ def run(scene: Scene | str, study: str | None = None) -> "xr.Dataset":
     scene : Scene, str or path
         A scene, the name of a shipped one, or a file.
     study : str, optional
-        "effective-friction", "friction-curve", "dynamics" or "steady-slip"; by default the first one of the scene.
+        Name of a study, as ``rollslip models study`` lists them; by default the first one of the scene.
 
     Returns
     -------
@@ -72,8 +68,8 @@ def execute(
     study : str
         The study.
     kept : Path, optional
-        Folder in which a long study in time leaves what it has computed, and from which it goes on; to be removed by
-        who has stored the result.
+        Folder where a long study leaves what it has computed, and from which it goes on; to be removed by who has
+        stored the result.
     progress : callable, optional
         Told how far a study in time has come.
     """
@@ -83,117 +79,26 @@ def execute(
         assembly = plan.assemblies[study]
         before = assembly.inner.chain.evaluated
         try:
-            if isinstance(running, Dynamics):
-                store = None if kept is None else RunStore(kept, scene_hash(plan.scene), study)
-                dataset = running.kept_in(assembly, store, progress)
-            else:
-                dataset = running.run(assembly)
+            store = None if kept is None else RunStore(kept, scene_hash(plan.scene), study)
+            dataset = running.run(assembly, Keep(store=store, progress=progress))
             break
         except BoundBrokenError as broken:
             taken_back.append(str(broken))
             plan = plan.taking_back(study, broken.bound)
     evaluated = assembly.inner.chain.evaluated - before
     cost = {"estimated": plan.seconds_of(study), "actual": time.process_time() - processor}
-    chosen = plan.chosen[study]
-    errors = judge(running, plan.assembly.at(chosen.resolution), chosen)  # nothing of it needs to be watched
+    estimated = plan.estimated[study]
+    errors = judge(running, plan.assembly.at(estimated.resolution), estimated)  # nothing of it needs to be watched
     dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in errors.items()}
     dataset.attrs |= {
-        "resolution": json.dumps(attrs.asdict(chosen.resolution)),
-        "accuracy": json.dumps(_kept(plan, study, total(errors), "a posteriori")),
+        "resolution": json.dumps(attrs.asdict(estimated.resolution)),
+        "accuracy": json.dumps(accuracy_rows(plan, study, total(errors), "a posteriori")),
         "cost": json.dumps(cost),
         "taken_back": json.dumps(taken_back),
     }
     told = [*taken_back, *warnings(plan, study, dataset)]
     dataset.attrs |= provenance(plan, study, told, evaluated, time.perf_counter() - begin)
     return dataset
-
-
-def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
-    """Return a result that says what it is off from the same at the finest resolution, which is run for that.
-
-    For cage and rollers in motion the finest would take days: they are held against one four times as fine, whose error
-    is a sixteenth. Attribute ``accuracy`` then holds actual errors, and a warning tells of a tolerance not kept.
-
-    Parameters
-    ----------
-    plan : Plan
-        What was run.
-    study : str
-        The study.
-    dataset : Dataset
-        Its result.
-    """
-    running = plan.studies[study]
-    if isinstance(running, EffectiveFriction):
-        running = attrs.evolve(running, map_points=0, per_roller=False)
-    own, resolution, how = plan.chosen[study].resolution, finest(plan.scene), "against the finest"
-    if isinstance(running, Dynamics | SteadySlip):
-        how = "against four times as fine"
-        step = running.relative_tolerance if isinstance(running, Dynamics) else 1.0
-        resolution = attrs.evolve(
-            resolution,
-            slices=plan.scene.accuracy.slices or min(_FINER * own.slices, resolution.slices),
-            instants=min(_FINER * (own.instants or 1), resolution.instants or 1),
-            table_tolerance=own.table_tolerance / _FINER**2,
-            integrator_tolerance=max(step / _FINER**2, resolution.integrator_tolerance or 0.0),
-        )
-    if isinstance(running, Dynamics):
-        running = running.at(resolution)
-    fine = running.run(assemble(plan.scene, resolution))
-    rows = _kept(plan, study, actual_errors(dataset, fine), how)
-    broken = [
-        f"{row['result'].replace('_', ' ')} is off by {row['found']:.1e} of the finest result, more than the "
-        f"tolerance of {row['tolerance']:g}"
-        for row in rows
-        if row["found"] is not None and row["found"] > row["tolerance"]
-    ]
-    told = json.dumps([*broken, *json.loads(dataset.attrs["warnings"])])
-    return dataset.assign_attrs(accuracy=json.dumps(rows), warnings=told)
-
-
-#: How much finer cage and rollers in motion are computed to verify them.
-_FINER: Final = 4
-#: Study -> result -> its variable; a name of several is of a curve, whose largest value is what it is relative to.
-_COMPARED: Final = {
-    "effective-friction": {"friction": "effective_friction", "critical_slip": "critical_cage_slip"},
-    "friction-curve": {"friction": "friction", "critical_slip": "critical_slip"},
-    "steady-slip": {"critical_slip": "largest_drag_slip", "friction": "largest_drag"},
-    "dynamics": {"cage_speed": "cage_speed"},
-}
-
-
-def actual_errors(dataset: "xr.Dataset", fine: "xr.Dataset") -> dict[str, float]:
-    """Return the relative errors of a result against a finer one, infinite where only one has a value."""
-    found = {}
-    for result, name in _COMPARED[dataset.attrs["study"]].items():
-        coarse, true = (np.atleast_1d(one[name].to_numpy()) for one in (dataset, fine))
-        if coarse.shape != true.shape or np.any(np.isnan(coarse) != np.isnan(true)):
-            found[result] = math.inf
-            continue
-        scale = np.abs(true) if result == "critical_slip" else np.nanmax(np.abs(true), axis=-1, keepdims=True)
-        off = np.abs(coarse - true) / np.where(scale > 0.0, scale, 1.0)
-        if not np.all(np.isnan(off)):
-            found[result] = float(np.nanmax(off))
-    return found
-
-
-def _kept(plan: Plan, study: str, found: Mapping[str, float], how: str) -> list[dict[str, Any]]:
-    """Rows of result, tolerance, estimated error and the error that was found."""
-    estimated = plan.chosen[study].total
-
-    def number(errors: Mapping[str, float], result: str) -> float | None:
-        return errors[result] if math.isfinite(errors.get(result, math.inf)) else None
-
-    return [
-        {
-            "result": result,
-            "tolerance": plan.scene.accuracy.of(result),
-            "estimated": number(estimated, result),
-            "found": number(found, result),
-            "how": how,
-        }
-        for result in dict.fromkeys((*estimated, *found))
-    ]
 
 
 def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
@@ -273,10 +178,11 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> list[str]:
         corrections.append(f"starvation by a factor of {film.inlet_starvation:g}")
     if corrections:
         found.append(f"the film is thinned for {' and '.join(corrections)}, as the scene asks")
+    light, what = 0.0, "of the normal forces"
     if "light_share" in dataset:
         light, what = float(dataset["light_share"].max()), "of the contact force of a ring"
-    else:
-        light, what = float((dataset["load_parameter"] < LIGHT).mean()), "of the normal forces"
+    elif "load_parameter" in dataset:
+        light = float((dataset["load_parameter"] < LIGHT).mean())
     if light > 0.005:
         found.append(
             f"lightly loaded contacts: {light:.0%} {what} with a Moes load parameter M below {LIGHT:g}, where the "
@@ -286,7 +192,7 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> list[str]:
     if (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
         remedy = "it is the most that a plan takes" if accuracy.slices is None else "raise accuracy.slices"
         found.append(
-            f"{plan.chosen[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
+            f"{plan.estimated[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
             f"accuracy.tolerance = {accuracy.tolerance:g}; {remedy}"
         )
     return found
@@ -296,5 +202,7 @@ def _regime_shares(dataset: "xr.Dataset") -> dict[str, float]:
     """Share of the contact force, or of the curve's points, in each film regime."""
     if "regime_share" in dataset:
         return {str(name): float(dataset["regime_share"].sel(regime=name).mean()) for name in NAMES}
+    if "regime" not in dataset:
+        return {}
     codes = dataset["regime"].to_numpy()
     return {name: float(np.mean(codes == code)) for code, name in enumerate(NAMES)}

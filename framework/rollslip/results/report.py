@@ -27,12 +27,12 @@ from rollslip.campaigns.comparison.findings import bin_tables, findings, tables
 from rollslip.campaigns.pareto import findings as front_findings
 from rollslip.campaigns.sweep import findings as sweep_findings
 from rollslip.campaigns.uncertainty import findings as uncertainty_findings
+from rollslip.catalogue.registry import available, get_class
 from rollslip.lubricant.oil import OilTable
 from rollslip.results.figures import curves, percent
 from rollslip.scene.reading import schema
 from rollslip.studies.dynamics.findings import events_table, ledger_table, sentences, smallest_film
 from rollslip.studies.steady_slip import findings as steady_findings
-from rollslip.studies.study import STUDIES
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS
 
@@ -267,7 +267,8 @@ def _input(datasets: "Datasets") -> str:
 def _known_keys() -> dict[str, tuple[str, str]]:
     """Unit and meaning of the keys of a scene, also of the tables that the reader of scenes leaves raw."""
     known = {row.key: (row.unit, row.doc) for row in schema()}
-    raw: dict[str, Any] = {"lubricant": OilTable} | {f"study.{name}": study for name, study in STUDIES.items()}
+    studies = {f"study.{name}": get_class("study", name) for name in available("study")}
+    raw: dict[str, Any] = {"lubricant": OilTable} | studies
     for table, owner in raw.items():
         for field in attrs.fields(owner):
             known[f"{table}.{field.name}"] = (field.metadata.get("unit") or "", field.metadata.get("doc", ""))

@@ -238,6 +238,9 @@ class Models:
     traction: ModelChoice = field(default=ModelChoice(name="lambda-blend"), doc="friction of a contact")
 
 
+#: What a scene without studies asks for.
+DEFAULT_STUDY: Final = "effective-friction"
+
 #: What "exact" stands for: from here on everything is computed at its finest, which leaves errors of about this size.
 EXACT: Final = 1e-6
 

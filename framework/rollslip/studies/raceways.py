@@ -9,8 +9,9 @@
   against them to a thousandth of the tolerance; curves and critical slips are summed over all slices.
 """
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -25,9 +26,22 @@ from rollslip.bearing.regimes import LIGHT, NAMES
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.results.dataset import about
 from rollslip.scene.reading import Where
+from rollslip.studies.answers import Output
 
 #: Error of a map's loads relative to the tolerance.
 _MAP_SHARE = 1e-3
+
+
+#: The variables that say in which film regimes the contacts run, and how lightly loaded.
+REGIMES: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "regime_share": Output("ring regime", "1", "share of the contact forces in a film regime"),
+        "load_parameter": Output("ring", "1", "largest Moes load parameter M"),
+        "light_share": Output(
+            "ring", "1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's"
+        ),
+    }
+)
 
 
 def regime_variables(share: Array, load_parameter: Array, light: Array, where: str = "") -> dict[str, Any]:
@@ -42,16 +56,11 @@ def regime_variables(share: Array, load_parameter: Array, light: Array, where: s
     where : str, optional
         What they hold for, ", at the steady slips" for example.
     """
-    return {
-        "regime_share": (("ring", "regime"), share, about("1", f"share of the contact forces in a film regime{where}")),
-        "load_parameter": ("ring", load_parameter, about("1", f"largest Moes load parameter M{where}")),
-        "light_share": (
-            "ring",
-            light,
-            about("1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's{where}"),
-        ),
-        "regime": ("regime", np.array(NAMES), about("1", "film regime")),
-    }
+    values = {"regime_share": share, "load_parameter": load_parameter, "light_share": light}
+    variables: dict[str, Any] = {name: output.variable(values[name]) for name, output in REGIMES.items()}
+    for _, _, attributes in variables.values():
+        attributes["long_name"] += where
+    return variables | {"regime": ("regime", np.array(NAMES), about("1", "film regime"))}
 
 
 class LoadedRaceways:

@@ -1,73 +1,315 @@
-"""The studies by name, and their settings as a scene gives them."""
+"""What a study is: a question put to one bearing, and all that plan, campaigns and commands ask of it.
 
-from collections.abc import Mapping
+- A study is a plugin like any law: an attrs class found through the entry points ``rollslip.study``, whose fields are
+  the keys of ``[study.NAME]``. Plan, sweeps, comparisons, fronts and commands know none by name.
+- What it must say is its outputs and how to run; for everything else there is an answer that holds for any study, and
+  that a study which knows more replaces.
+"""
+
+import abc
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
 
 import attrs
+import numpy as np
 
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.resolution import Resolution, finest
+from rollslip.catalogue.discovery import available, get_class
+from rollslip.catalogue.kinds import Kind, Template
 from rollslip.errors import SceneError
 from rollslip.scene.reading import Where, nearest, structure
-from rollslip.scene.values import Scene
-from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import FrictionCurve
-from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip.scene.values import DEFAULT_STUDY, Scene
+from rollslip.studies import estimates, parts
+from rollslip.studies.answers import Compared, Curves, Estimated, Evaluated, Keep, Output, Part, Some
+from rollslip.studies.timing import timed
+from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.bearing.assembly import Assembly
+__all__ = ["CONTACT_CHOICES", "Study", "settings", "study_class"]
+
+#: Numerical and modelling choices that act on whatever evaluates contacts.
+CONTACT_CHOICES: Final = frozenset({"slices", "quadrature", "compiled", "traction", "film"})
 
 
-class Study(attrs.AttrsInstance, Protocol):
-    """Settings of a study, which can run it."""
+@attrs.frozen(kw_only=True)
+class Study(abc.ABC):
+    """A question put to one bearing; its settings are the attrs fields of the class."""
 
-    def run(self, assembly: "Assembly") -> "xr.Dataset":
-        """Return the result."""
-        ...
+    #: What a scene and a command call it.
+    name: ClassVar[str]
+    #: Name -> a variable of its result, or a single value among the attributes of it.
+    outputs: ClassVar[Mapping[str, Output]]
+    #: Key of [accuracy] (friction, critical_slip, cage_speed) -> variable of the result that is held against it.
+    judged: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    #: Numerical and modelling choices that change its results, of `rollslip.campaigns.pareto.candidates.AXES`.
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES
+    #: Its friction curves, if it gives some.
+    curves_of: ClassVar[Curves | None] = None
+    #: Part of the cost -> what it is, and the resolution behind a bar.
+    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType({"run": "the study as a whole"})
+    #: Whether the loads of all rollers take part.
+    bearing_loads: ClassVar[bool] = True
+    #: Whether cage and drags of the scene take part.
+    with_cage: ClassVar[bool] = False
+    #: Whether it goes through time, so that a run takes long and can go on where it was interrupted.
+    in_time: ClassVar[bool] = False
+    #: Whether one resolution, chosen for a few points of a sweep, serves all of them.
+    shares_resolution: ClassVar[bool] = False
+    references: ClassVar[tuple[str, ...]] = ()
+    #: Rule of the conformance kit that the study breaks for a reason -> that reason.
+    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
-    def evaluations(self, assembly: "Assembly") -> int:
-        """Return about how many slices the study will evaluate."""
-        ...
+    @abc.abstractmethod
+    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+        """Return the result at exactly the resolution of the bearing.
 
-    def models(self, assembly: "Assembly") -> "tuple[tuple[str, Any], ...]":
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing, put together, at the resolution that was chosen for it.
+        keep : Keep, optional
+            Where what was computed so far is left, for studies that take long; others do not look at it.
+
+        Returns
+        -------
+        xarray.Dataset
+            Variables as `outputs` declares them; attributes at least those of `attributes`.
+        """
+
+    # What it says of itself ---------------------------------------------------------------------------------------
+
+    @classmethod
+    def of(cls, scene: Scene) -> Self:
+        """Return the study with the settings of a scene.
+
+        Raises
+        ------
+        SceneError
+            If they are wrong; all faults at once.
+        """
+        problems = list[str]()
+        study = structure(cls, scene.study.get(cls.name, {}), Where(scene.origins, ("study", cls.name)), problems)
+        if study is None:
+            raise SceneError(problems)
+        return study
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """The attributes by which a result is told from others."""
+        return {"study": self.name} | ({} if self.curves_of is None else {"curves": self.curves_of.attribute})
+
+    @classmethod
+    def variables(cls, **values: Any) -> dict[str, Any]:
+        """Return values as variables of the result, with dimensions, unit and meaning as `outputs` declares them."""
+        return {name: cls.outputs[name].variable(value) for name, value in values.items()}
+
+    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return kind and model of what it uses beyond the models of a contact."""
-        ...
+        return ()
+
+    def degrees_of_freedom(self, assembly: Assembly) -> int:
+        """Return the unknowns of the largest system that is solved: those of the bearing at rest."""
+        rollers = assembly.scene.bearing.rollers
+        return 2 + (2 if assembly.slices > 1 else 1) * rollers if self.bearing_loads else 0
+
+    def evaluations(self, assembly: Assembly) -> int:
+        """Return about how many slices the study will evaluate; 0 where nobody knows."""
+        return 0
+
+    def evolved(self, **settings: Any) -> Self:
+        """Return the study with other settings."""
+        return attrs.evolve(self, **settings)
+
+    # Less of it ---------------------------------------------------------------------------------------------------
+
+    def without(self, outputs: frozenset[str]) -> Self:
+        """Return a study that does not compute some outputs, as far as leaving them out saves something."""
+        return self
+
+    def only(self, assembly: Assembly, outputs: frozenset[str]) -> Some | None:
+        """Return some outputs by a way shorter than `run`; None if there is none to these."""
+        return None
+
+    @classmethod
+    def together(cls, cases: "Sequence[tuple[Self, Assembly]]", outputs: frozenset[str]) -> list[Some] | None:
+        """Return some outputs of several points in one go; None if there is no such way to these."""
+        return None
+
+    @classmethod
+    def goes_together(cls) -> bool:
+        """Whether there is a way to compute several points in one go."""
+        return cls.together.__func__ is not Study.together.__func__  # type: ignore[attr-defined]
+
+    # How finely, with what error, at what cost ----------------------------------------------------------------------
+
+    def at(self, resolution: Resolution) -> Self:
+        """Return the settings with what a resolution says of them."""
+        return self
+
+    def chosen(self, assembly: Assembly) -> Mapping[str, Any]:
+        """Return the settings that a resolution may change, as they are: integrator, friction ..."""
+        return {}
+
+    def curved(self, assembly: Assembly) -> estimates.Curved | None:
+        """Return what gives the curves by which slices and instants are chosen and judged; None if nothing does."""
+        return None
+
+    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
+        """Choose the resolution by what the scene asks for: by curves, or by doubling where there are none.
+
+        Raises
+        ------
+        RollslipError
+            If there is no estimate.
+        """
+        curved = self.curved(assembly)
+        if curved is None:
+            return estimates.by_doubling(self, assembly)
+        return estimates.by_curves(curved, assembly, cheaper_laws=cheaper_laws)
+
+    def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
+        """Return the resolution that a result is verified against, and how that is said."""
+        return finest(scene), "against the finest"
+
+    def cost(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return the time [s] that each part takes at the resolution of the bearing: of a whole run in small, scaled.
+
+        Raises
+        ------
+        RollslipError
+            If a part cannot be computed.
+        """
+        resolution = assembly.resolution
+        few = attrs.evolve(resolution, slices=min(resolution.slices, estimates.FEW), quadrature="equal", instants=1)
+        some = assembly.at(few)
+        more = assembly.slices / some.slices * (resolution.instants or 1 if "instants" in self.acts else 1)
+        return {"run": more * timed(partial(self.run, some), 1)}
+
+    def parts(self, assembly: Assembly, estimated: Estimated, costs: Mapping[str, float]) -> list[Part]:
+        """Return the lines of the plan that are particular to the study, with errors and costs.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing at the resolution that was chosen.
+        estimated : Estimated
+            That choice.
+        costs : mapping
+            What `cost` says, empty if it has nothing to say.
+        """
+        left, errors, why = dict(costs), estimated.errors, parts.share_of(assembly, estimated)
+        found = [parts.slices(assembly, errors.get("slices", {}), why)]
+        if self.bearing_loads:
+            found += parts.loads(assembly, errors.get("instants", {}), why, left.pop("load distribution", None))
+        found += parts.friction(assembly, errors)
+        if "tables" in errors:
+            found.append(parts.tables(assembly, errors["tables"], left.pop("tables", None)))
+        return [*found, *self.more_parts(assembly, estimated, left), *parts.spent(left, self.spent_on)]
+
+    def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
+        """Return further lines; what they say of the costs they take out of them."""
+        return []
+
+    # Held against others --------------------------------------------------------------------------------------------
+
+    def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
+        """Return the results that choices are held against each other by, under the names by which they are told.
+
+        Of curves one result for all and the critical slip of each, of other variables one result each.
+        """
+        found = {}
+        for tolerance, name in self.judged.items():
+            variable = dataset[name]
+            if self.curves_of is None or name != self.curves_of.critical:
+                rows = np.atleast_2d(variable.to_numpy()).tolist()
+                found[tolerance.replace("_", " ")] = Compared(rows, tolerance=tolerance)
+        if self.curves_of is not None:
+            for label, slip, status in zip(
+                curve_labels(dataset, self.curves_of),
+                dataset[self.curves_of.critical].to_numpy(),
+                dataset["critical_status"].to_numpy(),
+                strict=True,
+            ):
+                found[f"critical slip{label}"] = Compared([[float(slip)]], str(status), "critical_slip")
+        return found
+
+    def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
+        """Yield the slices that were evaluated for the curves, slip by slip; for studies that have curves.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            The bearing that was run.
+        dataset : Dataset
+            The result.
+        """
+        raise NotImplementedError(f"study {self.name!r} has no curves to compare")
 
 
-STUDIES: Final[Mapping[str, type[Study]]] = MappingProxyType(
-    {
-        "effective-friction": EffectiveFriction,
-        "friction-curve": FrictionCurve,
-        "dynamics": Dynamics,
-        "steady-slip": SteadySlip,
-    }
-)
+def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:
+    """Return how results of each curve are told apart: ", inner ring" or " at 300 N"."""
+    values, unit = dataset[curves.over].to_numpy(), dataset[curves.over].attrs.get("units", "1")
+    if values.dtype.kind in "UO":
+        return [f", {value} {curves.over}" for value in values]
+    return [f" at {format_quantity(float(value), unit)}" for value in values]
+
+
+def study_class(name: str, scene: Scene | None = None) -> type[Study]:
+    """Return the class of a study.
+
+    Raises
+    ------
+    SceneError
+        If there is no such study; the message gives the place in a scene.
+    PluginError
+        If its package cannot be used.
+    """
+    if name not in (known := available("study")):
+        near = nearest(name, known)
+        hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(known)}"
+        where = Where({} if scene is None else scene.origins, ("study", name))
+        raise SceneError([where.says(f"no study is called {name!r}; {hint}")])
+    cls: type[Study] = get_class("study", name)
+    return cls
 
 
 def settings(scene: Scene, study: str | None = None) -> dict[str, Study]:
     """Return the studies to run, with their settings: the scene's own, in its order, or the one asked for.
 
-    A study that the scene does not mention runs with its defaults; a scene without studies runs effective-friction.
+    A study that the scene does not mention runs with its defaults; so does the default study for a scene without any.
 
     Raises
     ------
     SceneError
         If a study does not exist or its settings are wrong; all faults at once.
+    PluginError
+        If a package that offers one cannot be used.
     """
-    where, problems = Where(scene.origins, ("study",)), list[str]()
-    names = [study] if study is not None else list(scene.study) or ["effective-friction"]
-    found: dict[str, Study] = {}
-    for name in names:
-        if name not in STUDIES:
-            near = nearest(name, STUDIES)
-            hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(STUDIES)}"
-            problems.append(where.at(name).says(f"no study is called {name!r}; {hint}"))
-            continue
-        made = structure(STUDIES[name], scene.study.get(name, {}), where.at(name), problems)
-        if made is not None:
-            found[name] = made
+    problems, found = list[str](), dict[str, Study]()
+    for name in [study] if study is not None else list(scene.study) or [DEFAULT_STUDY]:
+        try:
+            found[name] = study_class(name, scene).of(scene)
+        except SceneError as error:
+            problems += error.problems
     if problems:
         raise SceneError(problems)
     return found
+
+
+STUDY: Final = Kind(
+    name="study",
+    hook="studies",
+    base=Study,
+    template=Template(
+        summary="A study",
+        contents="the question, its outputs, and how it is run",
+        use="rollslip run 1032930-70C --study ${model} --report",
+        classes=("Study", "Assembly", "Dataset", "Keep", "Output"),
+        needs=("attrs>=24.2", "numpy>=2.0", "xarray>=2025.8"),
+    ),
+)

@@ -15,12 +15,11 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import RINGS, Array, Ring
+from rollslip.bearing.assembly import Array
 from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups
 from rollslip.planning.plan import Plan
 from rollslip.results.dataset import about
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import FrictionCurve
+from rollslip.studies.answers import Evaluated
 from rollslip_kernels.slices import Slices
 
 if TYPE_CHECKING:
@@ -44,45 +43,21 @@ _PART = 4096
 
 
 @attrs.frozen(eq=False)
-class _Part:
-    """Loaded slices of one curve, at one or all of its slips: what they are evaluated at, and the force on each."""
-
-    curve: int
-    ring: Ring
-    load: Array
-    rolling: Any
-    sliding: Any
-    force: Array
-
-
-@attrs.frozen(eq=False)
-class Work:
+class EvaluatedSlices:
     """The slices that a run evaluates for its curves."""
 
-    parts: list[_Part]
+    parts: list[Evaluated]
 
     @classmethod
-    def of(cls, made: Plan, study: str, result: "xr.Dataset") -> "Work":
-        """Return the slices of a plan's study, with its result."""
-        assembly, own = made.assemblies[study], made.studies[study]
-        if isinstance(own, FrictionCurve):
-            u, slip = result.attrs["rolling_speed"], result["slip"].to_numpy()
-            parts = []
-            for k, contacts in enumerate(own.contacts(assembly)):
-                load, force = contacts.slices.load, contacts.force
-                for some in np.array_split(slip, -(-slip.size * load.size // _PART)):
-                    loads, V = np.tile(load, some.size), np.repeat(some * u, load.size)
-                    parts.append(_Part(k, contacts.raceway.ring, loads, u, V, np.tile(force, some.size)))
-            return cls(parts)
-        assert isinstance(own, EffectiveFriction)
-        raceways = own.loaded(assembly, result.attrs["instants"])
-        return cls(
-            [
-                _Part(k, RINGS[k], contacts.slices.load, u, V, contacts.force)
-                for both in raceways.contacts(raceways.speeds(result["cage_slip"].to_numpy()))
-                for k, (contacts, u, V) in enumerate(both)
-            ]
-        )
+    def of(cls, plan: Plan, study: str, result: "xr.Dataset") -> "EvaluatedSlices":
+        """Return the slices of a plan's study, with its result; those of one curve in parts of some size."""
+        parts, some = list[Evaluated](), list[Evaluated]()
+        for one in plan.studies[study].evaluated(plan.assemblies[study], result):
+            if some and (one.curve != some[0].curve or sum(each.load.size for each in some) + one.load.size > _PART):
+                parts.append(_joined(some))
+                some = []
+            some.append(one)
+        return cls([*parts, _joined(some)])
 
     @property
     def slices(self) -> int:
@@ -115,6 +90,18 @@ class Work:
         return {name: self._by_curve([one[name] for one in kept]) for name in kept[0]}, seconds
 
 
+def _joined(some: Sequence[Evaluated]) -> Evaluated:
+    """Return several parts of one curve as one."""
+    if len(some) == 1:
+        return some[0]
+
+    def column(name: str) -> Any:
+        return np.concatenate([np.broadcast_to(getattr(one, name), one.load.shape) for one in some])
+
+    columns: dict[str, Any] = {name: column(name) for name in ("load", "rolling", "sliding", "force")}
+    return attrs.evolve(some[0], **columns)
+
+
 def keep_friction(table: Slices) -> dict[str, Array]:
     """Keep the friction of a table, and not the table."""
     return {"friction": table.friction.copy()}
@@ -137,13 +124,13 @@ def keep_criteria(s: Slices) -> dict[str, Array]:
     }
 
 
-def seconds_per_slice(work: Work, made: Mapping[str, Plan], first: Mapping[str, Array]) -> dict[str, float]:
+def seconds_per_slice(work: EvaluatedSlices, made: Mapping[str, Plan], first: Mapping[str, Array]) -> dict[str, float]:
     """Return the time [s] of each combination's chain: of each part the least of the first and of further rounds.
 
     Of much work parts all over the curves are taken, so few that there is time for many rounds.
     """
     every = slice(None, None, work.slices // _TIMED | 1)  # odd, since the parts of two rings alternate
-    some, least = Work(work.parts[every]), {label: times[every] for label, times in first.items()}
+    some, least = EvaluatedSlices(work.parts[every]), {label: times[every] for label, times in first.items()}
     spent = {label: float(times.sum()) for label, times in least.items()}
     for _ in range(_ROUNDS):
         for label in least:
@@ -184,7 +171,7 @@ def _ranges(symbol: str, limits: tuple[float, ...]) -> list[str]:
 
 
 def attribute_differences(
-    dataset: "xr.Dataset", curve: str, reference: str, work: Work, found: Mapping[str, list[Array]], by: Bins
+    dataset: "xr.Dataset", curve: str, reference: str, work: EvaluatedSlices, found: Mapping[str, list[Array]], by: Bins
 ) -> "xr.Dataset":
     """Add to a comparison what each bin holds of the force and of the difference.
 
@@ -194,7 +181,7 @@ def attribute_differences(
         With a dimension ``combination``.
     curve, reference : str
         Dimension of its curves, label of the reference.
-    work, found, by : Work, mapping, Bins
+    work, found, by : EvaluatedSlices, mapping, Bins
         The slices, their friction after each combination that did not fail, and the bins they are in.
     """
     labels, sizes = dataset["combination"].to_numpy().tolist(), [len(bins) for bins in by.names.values()]

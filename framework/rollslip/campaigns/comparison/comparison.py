@@ -22,13 +22,12 @@ import numpy as np
 from rollslip.bearing.assembly import RINGS
 from rollslip.campaigns.comparison.attribution import (
     Bins,
-    Work,
+    EvaluatedSlices,
     attribute_differences,
     keep_criteria,
     keep_friction,
     seconds_per_slice,
 )
-from rollslip.campaigns.comparison.findings import CURVES
 from rollslip.catalogue.discovery import available, get_class, in_words
 from rollslip.catalogue.registry import structure_model
 from rollslip.errors import PluginError, RollslipError, SceneError
@@ -37,8 +36,9 @@ from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan
 from rollslip.results.dataset import about
 from rollslip.scene.reading import Where, evolve, load_scene, nearest
-from rollslip.scene.values import Scene, resolved, scene_hash
-from rollslip.studies.study import settings
+from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash
+from rollslip.studies.answers import Curves
+from rollslip.studies.study import study_class
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -81,6 +81,13 @@ class Comparison:
     named: bool
 
     @property
+    def curves(self) -> Curves:
+        """The curves of the study."""
+        curves = study_class(self.study).curves_of
+        assert curves is not None  # else it would not be compared
+        return curves
+
+    @property
     def plans(self) -> dict[str, Plan]:
         """The combinations that can run."""
         return {label: one.plan for label, one in self.combinations.items() if one.plan is not None}
@@ -120,7 +127,7 @@ def compare(
         of kind to model; what it does not name is the first of the comparison. By default the first combination, and
         what is reported then is no error but a difference.
     study : str, optional
-        "effective-friction" or "friction-curve"; by default the first one of the scene.
+        One that gives friction curves; by default the first one of the scene.
 
     Returns
     -------
@@ -204,11 +211,12 @@ def plan_comparison(
 
 
 def _study(scene: Scene, study: str | None) -> str:
-    name = study if study is not None else next((name for name in scene.study if name in CURVES), next(iter(CURVES)))
-    settings(scene, name)  # refuses what is wrong with it
-    if name not in CURVES:
-        raise SceneError([f"study {name!r} cannot be compared, only {' and '.join(CURVES)} can"])
-    return name
+    if study is None:
+        study = next((name for name in scene.study if study_class(name, scene).curves_of is not None), DEFAULT_STUDY)
+    if study_class(study, scene).of(scene).curves_of is None:
+        able = [name for name in available("study") if get_class("study", name).curves_of is not None]
+        raise SceneError([f"study {study!r} cannot be compared, only {' and '.join(able)} can"])
+    return study
 
 
 def _listed(models: Sequence[Model] | str) -> Sequence[Model | None]:
@@ -310,17 +318,17 @@ def _by_kind(reference: Model | Mapping[str, Model], problems: list[str], unknow
 
 def _combination(scene: Scene, study: str, choices: Mapping[str, Choice]) -> Combination:
     changes: dict[str, object] = {f"models.{kind}": choice.table for kind, choice in choices.items()}
-    if study == "effective-friction":  # what nobody compares
-        changes |= {f"study.{study}.map_points": 0, f"study.{study}.per_roller": False}
+    outputs = study_class(study).outputs.items()
+    larger = [name for name, output in outputs if len(output.dims.split()) > 2]  # than a curve, and compared by nobody
     try:
-        return Combination(choices, plan(evolve(scene, changes), study, cheaper_laws=False), None)
+        return Combination(choices, plan(evolve(scene, changes), study, cheaper_laws=False, without=larger), None)
     except Exception as error:
         return Combination(choices, None, error)
 
 
 def _at_one_resolution(study: str, combinations: Mapping[str, Combination]) -> dict[str, Combination]:
     """Return the combinations with the slices and instants of the one that needs most, so that all have the same."""
-    chosen = [one.plan.chosen[study].resolution for one in combinations.values() if one.plan is not None]
+    chosen = [one.plan.estimated[study].resolution for one in combinations.values() if one.plan is not None]
     planned = [one for one in chosen if one.instants is not None]
     if not planned:
         return dict(combinations)
@@ -328,7 +336,7 @@ def _at_one_resolution(study: str, combinations: Mapping[str, Combination]) -> d
     instants = max(one.instants or 1 for one in planned)
 
     def alike(plan: Plan) -> Plan:
-        own = plan.chosen[study].resolution
+        own = plan.estimated[study].resolution
         same = attrs.evolve(own, slices=most.slices, quadrature=most.quadrature, instants=instants)
         return plan.at(study, same)
 
@@ -358,7 +366,7 @@ def run_comparison(comparison: Comparison) -> "xr.Dataset":
     _drop_failed(done, errors)
     # without the reference the slices of another serve to measure the cost
     standard = comparison.reference if comparison.reference in done else next(iter(done))
-    work = Work.of(plans[standard], comparison.study, done[standard])
+    work = EvaluatedSlices.of(plans[standard], comparison.study, done[standard])
     found, first = dict[str, dict[str, list[Any]]](), dict[str, Any]()
     for label in done:
         with _noted(errors, label):
@@ -372,8 +380,7 @@ def run_comparison(comparison: Comparison) -> "xr.Dataset":
     if comparison.reference in found:
         by = Bins.of(plans[comparison.reference], found[comparison.reference])
         friction = {label: kept["friction"] for label, kept in found.items()}
-        curve = CURVES[comparison.study][1]
-        dataset = attribute_differences(dataset, curve, comparison.reference, work, friction, by)
+        dataset = attribute_differences(dataset, comparison.curves.over, comparison.reference, work, friction, by)
     return dataset.assign_attrs(_origin(comparison, done, failed, time.perf_counter() - begin))
 
 
@@ -437,7 +444,7 @@ def _merged(comparison: Comparison, done: "Mapping[str, xr.Dataset]", failed: Ma
 
 def _costs(comparison: Comparison, done: "Mapping[str, xr.Dataset]", cost: Mapping[str, float]) -> dict[str, Any]:
     """Return film and cost of every combination."""
-    _, curve, slip, _ = CURVES[comparison.study]
+    curve, slip = comparison.curves.over, comparison.curves.slip
     labels, cheapest = list(comparison.combinations), min(cost, key=cost.__getitem__)
     films, parameters = np.full((2, len(labels), next(iter(done.values())).sizes[curve]), np.nan)
     for label, result in done.items():
@@ -467,7 +474,7 @@ def _costs(comparison: Comparison, done: "Mapping[str, xr.Dataset]", cost: Mappi
 
 def _errors(comparison: Comparison, dataset: "xr.Dataset") -> "dict[str, xr.DataArray]":
     """Return the relative differences of the curves and of their maxima from the reference's."""
-    variable, _, slip, critical = CURVES[comparison.study]
+    curves = comparison.curves
     which = f"{'error against' if comparison.named else 'difference from'} {comparison.reference}"
 
     def relative(name: str) -> "xr.DataArray":
@@ -475,12 +482,15 @@ def _errors(comparison: Comparison, dataset: "xr.Dataset") -> "dict[str, xr.Data
         with np.errstate(divide="ignore", invalid="ignore"):
             return (dataset[name] / standard - 1.0).where(standard != 0.0)
 
-    found = relative(variable)
+    found = relative(curves.variable)
     errors: dict[str, tuple[Any, str]] = {
         "difference": (found, "relative {}"),
-        "max_error": (abs(found).max(slip), "largest relative {} over the curve"),
-        "rms_error": (np.sqrt((found**2).mean(slip)), "relative {}, root mean square over the points of the curve"),
-        "critical_slip_error": (relative(critical), "relative {} of the critical slip"),
+        "max_error": (abs(found).max(curves.slip), "largest relative {} over the curve"),
+        "rms_error": (
+            np.sqrt((found**2).mean(curves.slip)),
+            "relative {}, root mean square over the points of the curve",
+        ),
+        "critical_slip_error": (relative(curves.critical), "relative {} of the critical slip"),
         "peak_error": (relative("critical_friction"), "relative {} of the largest friction"),
     }
     return {name: values.assign_attrs(about("1", text.format(which))) for name, (values, text) in errors.items()}
@@ -507,6 +517,7 @@ def _origin(
     return {key: max(attributes[key] for attributes in runs.values()) for key in largest} | {
         "study": "comparison",
         "compared": comparison.study,
+        "curves": comparison.curves.attribute,
         "reference": comparison.reference,
         "reference_named": int(comparison.named),
         "exchanged": comparison.exchanged,

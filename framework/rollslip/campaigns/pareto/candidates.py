@@ -29,9 +29,6 @@ from rollslip.errors import PluginError, SceneError
 from rollslip.planning.plan import Plan, plan
 from rollslip.scene.reading import evolve, load_scene, nearest
 from rollslip.scene.values import Scene
-from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.study import Study
 
 #: What can be chosen -> what it means, in the order in which it is told.
@@ -46,17 +43,9 @@ AXES: Final[Mapping[str, str]] = MappingProxyType(
         "compiled": "NumPy in place of the compiled stages",
         "traction": "law of the full film, and error up to which it is evaluated",
         "film": "film thickness",
-        "friction": "friction of study dynamics",
+        "friction": "friction of the raceways in motion",
     }
 )
-_CONTACT: Final = ("slices", "quadrature", "compiled", "traction", "film")
-#: Study -> what acts on its results.
-_OF_STUDY: Final = {
-    "friction-curve": _CONTACT,
-    "effective-friction": (*_CONTACT, "instants"),
-    "steady-slip": (*_CONTACT, "instants", "table_tolerance"),
-    "dynamics": (*_CONTACT, "table_tolerance", "integrator", "integrator_tolerance", "friction"),  # of no one instant
-}
 #: One at a time.
 _SLICES: Final = (5, 11, 21, 41, 101, 201, 401)
 _GAUSS: Final = (5, 11, 21, 41, 101)
@@ -164,10 +153,10 @@ def plan_family(
     wanted = tuple(dict.fromkeys((*wanted, *named))) if wanted else tuple(AXES)
     varied = {_film_label(scene, name): _with_film(scene, name) for name in films or _others(scene)}
     found: list[Choice] = []
-    for name in made.studies:
-        found += _of_study(made, name, [axis for axis in wanted if axis in _OF_STUDY[name]], laws, varied)
+    for name, one in made.studies.items():
+        found += _of_study(made, name, [axis for axis in wanted if axis in one.acts], laws, varied)
     if not any(one.label not in (PLANNED, FINEST, HALF, EXACT) for one in found):
-        can = dict.fromkeys(axis for name in made.studies for axis in _OF_STUDY[name])
+        can = [axis for axis in AXES if any(axis in one.acts for one in made.studies.values())]
         raise SceneError(
             [
                 f"there is nothing to choose: {', '.join(made.studies)} of this scene can differ in {', '.join(can)}, "
@@ -201,11 +190,7 @@ def _unknown(name: str) -> str:
 
 def _bare(study: Study) -> Study:
     """Return a study without what is no result here, so that it costs nothing."""
-    if isinstance(study, EffectiveFriction):
-        return attrs.evolve(study, map_points=0, per_roller=False)
-    if isinstance(study, SteadySlip):
-        return attrs.evolve(study, radial_load=(), inner_speed=(), temperature=())
-    return study
+    return study.without(frozenset(study.outputs.keys() - set(study.judged.values())))
 
 
 # One study ------------------------------------------------------------------------------------------------------------
@@ -215,21 +200,21 @@ def _of_study(
     made: Plan, study: str, axes: Sequence[str], laws: Sequence[str], films: Mapping[str, Scene]
 ) -> list[Choice]:
     """References of a study, the plan's choice, and what departs from it, each once."""
-    scene, base = made.scene, made.chosen[study].resolution
+    scene, base = made.scene, made.estimated[study].resolution
     settings = made.studies[study]
     best = finest(scene)
     law = assemble(scene, best).traction.full_film.name
-    if "table_tolerance" in _OF_STUDY[study]:
+    if "table_tolerance" in settings.acts:
         best = attrs.evolve(best, table_tolerance=max(best.table_tolerance, _FINEST_TABLES * base.table_tolerance))
-    if "instants" not in _OF_STUDY[study]:
+    if "instants" not in settings.acts:
         best = attrs.evolve(best, instants=base.instants)
-    if isinstance(settings, Dynamics):
+    if own := settings.chosen(made.assembly):
         base = attrs.evolve(
             base,
-            friction=base.friction or settings.friction,
-            integrator_tolerance=base.integrator_tolerance or settings.relative_tolerance,
+            friction=base.friction or own["friction"],
+            integrator_tolerance=base.integrator_tolerance or own["integrator_tolerance"],
         )
-        best = attrs.evolve(best, friction=settings.friction)
+        best = attrs.evolve(best, friction=own["friction"])
     exact = _exact(best, law)
     found = [
         Choice(study=study, label=label, kind="reference", scene=scene, resolution=resolution)
@@ -248,8 +233,8 @@ def _of_study(
         resolution = attrs.evolve(base, **changes)
         if resolution not in seen:
             seen.add(resolution)
-            own = (resolution.traction, resolution.friction) == (best.traction, best.friction)
-            kind = "numerical" if own else "modelling"
+            same = (resolution.traction, resolution.friction) == (best.traction, best.friction)
+            kind = "numerical" if same else "modelling"
             label = _label(base, resolution)
             found.append(Choice(study=study, label=label, kind=kind, scene=scene, resolution=resolution))
     if "film" in axes:
@@ -329,9 +314,9 @@ def _modelling(
 
 def _integrators(made: Plan, study: str) -> list[str | None]:
     """Integrators that are there, with the packages that they need themselves; None for the scene's own."""
-    settings, found = made.studies[study], list[str | None]()
+    own, found = made.studies[study].chosen(made.assembly).get("integrator"), list[str | None]()
     for name in _INTEGRATORS:
-        if isinstance(settings, Dynamics) and settings.method(made.assembly).name == name:
+        if own == name:
             found.append(None)
         elif name in available("integrator"):
             with contextlib.suppress(PluginError):

@@ -27,9 +27,6 @@ from rollslip.files import whole_file
 from rollslip.planning.plan import Plan
 from rollslip.results.dataset import about, provenance
 from rollslip.scene.values import Scene, scene_hash
-from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.study import Study
-from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -118,6 +115,8 @@ class Record:
         "" before its first turn, "done", or why it failed.
     results : dict
         Result -> its values, one row for each curve or a single value, and its status.
+    tolerances : dict
+        Result -> key of [accuracy] that it is held against; empty for the general one.
     seconds : list of float
         Processor time of each round [s].
     evaluations : int
@@ -126,6 +125,7 @@ class Record:
 
     status: str = ""
     results: dict[str, tuple[list[list[float]], str]] = attrs.Factory(dict)
+    tolerances: dict[str, str] = attrs.Factory(dict)
     seconds: list[float] = attrs.Factory(list)
     evaluations: int = 0
 
@@ -194,35 +194,14 @@ def _take(family: Family, choice: Choice, record: Record) -> None:
         return
     record.seconds.append(spent / count)
     if not record.status:
-        record.status, record.results = "done", _results(study, dataset)
+        record.status = "done"
+        record.results = {
+            name: ([list(row) for row in one.values], one.status) for name, one in study.compared(dataset).items()
+        }
+        record.tolerances = {name: one.tolerance for name, one in study.compared(dataset).items()}
         record.evaluations = assembly.inner.chain.evaluated
         if dataset.attrs.get("friction") == "conventional":  # the motion counts for itself
             record.evaluations += int(dataset.attrs.get("contacts_evaluated", 0))
-
-
-def _results(study: Study, dataset: "xr.Dataset") -> dict[str, tuple[list[list[float]], str]]:
-    """What a scene asks a study for: values in rows, and a status where a single one may be missing."""
-
-    def single(value: float, status: str) -> tuple[list[list[float]], str]:
-        return [[float(value)]], status
-
-    name = dataset.attrs["study"]
-    if name == "dynamics":
-        return {"cage speed": ([dataset["cage_speed"].to_numpy().tolist()], "found")}
-    if name == "steady-slip":
-        stable = dataset["stable"].to_numpy() == 1 if "stable" in dataset else np.zeros(0, dtype=bool)
-        slip = dataset["steady_slip"].to_numpy()[stable] if stable.any() else [np.nan]
-        return {"steady cage slip": single(slip[0], str(dataset["status"].item()))}
-    if name == "effective-friction":
-        curves, critical = "effective_friction", "critical_cage_slip"
-        names = [f"critical slip, {ring} ring" for ring in dataset["ring"].to_numpy()]
-    else:
-        curves, critical = "friction", "critical_slip"
-        names = [f"critical slip at {format_quantity(float(Q), 'N')}" for Q in dataset["normal_force"].to_numpy()]
-    statuses = [str(text) for text in dataset["critical_status"].to_numpy()]
-    slips = dataset[critical].to_numpy()
-    found = {"friction": (dataset[curves].to_numpy().tolist(), "found")}
-    return found | {name: single(slip, text) for name, slip, text in zip(names, slips, statuses, strict=True)}
 
 
 # What is kept ---------------------------------------------------------------------------------------------------------
@@ -292,7 +271,9 @@ def _dataset(family: Family, records: Sequence[Record], wall_time: float, resume
     numbers = {name: np.full(shape, np.nan) for name in ("error", "difference")}
     words = {name: np.full(shape, "", dtype=object) for name in numbers}
     floor = np.full(len(results), np.nan)
-    tolerance = np.array([_tolerance(family, name) for _, name in results])
+    accuracy = family.plan.scene.accuracy
+    keys = [of[study, FINEST].tolerances[name] for study, name in results]
+    tolerance = np.array([accuracy.of(key) if key else accuracy.tolerance for key in keys])
     for j, (study, name) in enumerate(results):
         finest, exact = of[study, FINEST], of.get((study, EXACT), of[study, FINEST])
         floor[j] = max(_compared(of.get((study, HALF), finest), finest, name)[0], _ROUNDING)
@@ -377,19 +358,12 @@ def _compared(record: Record, reference: Record, name: str) -> tuple[float, str]
     return float((np.abs(a - b).max(axis=1) / np.where(scale > 0.0, scale, 1.0)).max()), "found"
 
 
-def _tolerance(family: Family, result: str) -> float:
-    """What the scene allows of a result."""
-    accuracy = family.plan.scene.accuracy
-    of = {"friction": "friction", "critical": "critical_slip", "cage": "cage_speed"}.get(result.split()[0])
-    return accuracy.of(of) if of else accuracy.tolerance
-
-
 def _coordinates(family: Family) -> dict[str, Any]:
     """What was chosen, field by field; 0 instants are doubled until the result stands still."""
     found: dict[str, list[Any]] = {}
     for one in family.choices:
         r, settings = one.resolution, family.studies[one.study]
-        moving = settings.at(r) if isinstance(settings, Dynamics) else None
+        own = settings.at(r).chosen(family.plan.assembly)
         law = family.plan.assembly.traction.full_film.name if r.traction == "named" else r.traction
         row = {
             "slices": r.slices if family.plan.assembly.slices > 1 else 1,
@@ -399,10 +373,10 @@ def _coordinates(family: Family) -> dict[str, Any]:
             "traction_error": r.traction_error,
             "boundary": int(r.boundary),
             "table_tolerance": r.table_tolerance,
-            "integrator": "" if moving is None else moving.method(family.plan.assembly).name,
-            "integrator_tolerance": np.nan if moving is None else moving.relative_tolerance,
-            "friction": "" if moving is None else moving.friction,
-            "level": "" if moving is None else moving.level,
+            "integrator": own.get("integrator", ""),
+            "integrator_tolerance": own.get("integrator_tolerance", np.nan),
+            "friction": own.get("friction", ""),
+            "level": own.get("level", ""),
             "compiled": int(r.compiled),
             "film": one.scene.models.film.name,
         }

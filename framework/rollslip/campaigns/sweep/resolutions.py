@@ -1,15 +1,15 @@
 """How finely the points of a sweep are computed: chosen once for all of them, before the first one.
 
 - A point that nobody planned takes 101 slices and doubles its instants, and pays for an estimate of its error every
-  time. A plan of its own would cost several points. So the plan's choice (`rollslip.planning.estimates`) is made for
+  time. A plan of its own would cost several points. So the plan's choice (`rollslip.studies.estimates`) is made for
   the scene and for some points of the sweep that lie far apart, and the finest of these serves all.
 - It belongs to what the sweep is: it follows from scene and design alone, so that engine, order, pieces and resumption
   do not change a bit, and it is stored, compared and told like they are.
 - Laws are left as they are named. Which cheaper one serves depends on the point, and what is left out under a bound
   would have to be watched in every one of them.
 - Other laws and other accuracies have other needs: every combination of axes of choices and settings has its own.
-- Points of effective friction only: those of a steady slip cost more at the plan's choice than by doubling, since the
-  plan halves what it may err and drags decide what that means; motions in time choose their steps one by one.
+- Only of studies that say so (`Study.shares_resolution`): steady slips cost more at the plan's choice than by doubling,
+  since the plan halves what it may err and drags decide what that means; motions in time choose steps one by one.
 """
 
 import json
@@ -23,11 +23,10 @@ from rollslip.bearing.assembly import Array, assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.sweep.sampling import Axis, Design
 from rollslip.errors import RollslipError
-from rollslip.planning.estimates import choose
+from rollslip.planning.plan import estimate
 from rollslip.scene.reading import evolve
 from rollslip.scene.values import Scene
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.study import settings
+from rollslip.studies.study import study_class
 
 __all__ = ["Resolutions", "chosen_resolutions"]
 
@@ -82,7 +81,7 @@ def chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
     """
     deciding = [k for k, axis in enumerate(design.axes) if _decides(axis)]
     combinations = np.stack(np.unravel_index(np.arange(design.size), design.shape), axis=-1)[:, deciding]
-    if not isinstance(settings(scene, study)[study], EffectiveFriction):
+    if not study_class(study).shares_resolution:
         return Resolutions()
     found = dict[str, Resolution]()
     for places in np.unique(combinations, axis=0):
@@ -108,7 +107,7 @@ def _choice(scene: Scene, study: str, changes: Mapping[str, object]) -> Resoluti
     """Return the plan's choice at a point, None if it has none: the point will say why."""
     try:
         at = evolve(scene, changes) if changes else scene
-        found = choose(settings(at, study)[study], assemble(at))
+        found = estimate(study_class(study).of(at), assemble(at))
     except RollslipError:
         return None
     return None if found.failed else found.resolution

@@ -228,7 +228,7 @@ def _plain_case(sweep: Sweep, folder: Path) -> tuple[Engine | None, str]:
     if died(folder):
         return get_model("engine", "processes"), "an earlier run died in its own process"
     study = settings(sweep.scene, sweep.study)[sweep.study]
-    if sweep.study == "dynamics":
+    if study.in_time:
         return get_model("engine", "processes"), "motions in time take long"
     assembly = assemble(sweep.scene)
     slices = study.evaluations(assembly)
@@ -321,7 +321,7 @@ class _Run:
             return get_model("engine", "serial"), f"{said}, and there is {'one core' if pending else 'nothing left'}"
         study = settings(self.sweep.scene, self.sweep.study)[self.sweep.study]
         compiled = study.evaluations(assemble(self.sweep.scene)) * _SLICE > 0.5 * point
-        name, gain = ("threads", _GAIN) if hasattr(study, "together") and compiled else ("serial", 1.0)
+        name, gain = ("threads", _GAIN) if type(study).goes_together() and compiled else ("serial", 1.0)
         if point * len(pending) * (1.0 / gain - 1.0 / count) <= _START:
             return get_model("engine", name), f"{said}: {len(pending)} of them are not worth the start of processes"
         return get_model(

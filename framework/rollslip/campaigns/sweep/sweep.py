@@ -24,7 +24,7 @@ from rollslip.campaigns.sweep.journal import died, journals
 from rollslip.campaigns.sweep.point import Work, here
 from rollslip.campaigns.sweep.resolutions import Resolutions, chosen_resolutions
 from rollslip.campaigns.sweep.sampling import SAMPLINGS, Axis, Design, probabilities, read_axis
-from rollslip.catalogue.discovery import THIS_PROCESS, Offer, named_data
+from rollslip.catalogue.discovery import THIS_PROCESS, named_data
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError, RollslipError, SceneError
@@ -34,9 +34,9 @@ from rollslip.planning.quantities import quantities, unknown
 from rollslip.references import KLEBANOV
 from rollslip.results.dataset import references_of
 from rollslip.scene.reading import Where, evolve, from_raw, load_scene, parse_scene, shipped_scenes, structure
-from rollslip.scene.values import FrozenTable, Scene, resolved
-from rollslip.studies.outputs import chosen
-from rollslip.studies.study import STUDIES, settings
+from rollslip.scene.values import DEFAULT_STUDY, FrozenTable, Scene, resolved
+from rollslip.studies.outputs import named_outputs
+from rollslip.studies.study import settings, study_class
 from rollslip.units import as_written
 
 __all__ = ["FILE", "Sweep", "SweepTable", "open_sweep", "plan_sweep", "store_sweep", "with_engine"]
@@ -222,10 +222,9 @@ def plan_sweep(
     table = structure(SweepTable, {**(given.sweep or {}), **told}, place, problems)
     if table is None:
         raise SceneError(problems)
-    name = table.study or next(iter(base.study), "effective-friction")
-    if name not in STUDIES:
-        settings(base, name)  # raises, with the nearest name
-    names = _noted(problems, lambda: chosen(name, table.output), ())
+    name = table.study or next(iter(base.study), DEFAULT_STUDY)
+    cls = study_class(name, base)
+    names = _noted(problems, lambda: named_outputs(cls, table.output), ())
     studies, assembly = settings(base, name), assemble(base)
     known = quantities(assembly, studies)
     sampled = table.samples is not None
@@ -386,7 +385,7 @@ def _tried(base: Scene, study: str, design: Design) -> list[Assembly]:
 
 def _packages(assemblies: Sequence[Assembly], study: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Distributions that the points need, and models that only this process has."""
-    offers = dict[tuple[str, str], Offer]()
+    offers = {("study", study): find("study", study)}
     for assembly in assemblies:
         used = [*assembly.models.items(), *settings(assembly.scene, study)[study].models(assembly)]
         for kind, model in used:

@@ -43,7 +43,6 @@ from rollslip.scene.reading import load_scene
 from rollslip.scene.values import FrozenTable, Scene, resolved, scene_hash
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.steady_slip.study import SteadySlip
-from rollslip.studies.study import settings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -219,8 +218,8 @@ def plan_margin(
         raise SceneError(problems)
     scene, scatter = _with_scatter(scene)
     shared: dict[str, Any] = {"seed": seed, "engine": engine, "time_limit": time_limit}
-    friction = {"study": "effective-friction", "output": _CRITICAL, **shared}
-    balance = {"study": "steady-slip", "output": ["steady_slip"], **shared}
+    friction = {"study": EffectiveFriction.name, "output": _CRITICAL, **shared}
+    balance = {"study": SteadySlip.name, "output": ["steady_slip"], **shared}
     critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
     if critical.design.axes:
         keys = ", ".join(axis.key for axis in critical.design.axes)
@@ -472,9 +471,8 @@ def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
     d, rows, names = len(made.critical.design.sampled), list[Any](), list[str]()
     for name, (place, values) in _indexed(points).items():
         sweep = made.sweeps[place]
-        study = settings(sweep.scene, sweep.study)[sweep.study]
-        assert isinstance(study, EffectiveFriction | SteadySlip)
-        table = np.where(np.isinf(values), study.max_cage_slip, values).reshape(-1, d + 2)
+        study = (EffectiveFriction if sweep.study == EffectiveFriction.name else SteadySlip).of(sweep.scene)
+        table = np.where(np.isinf(values), study.slip_range, values).reshape(-1, d + 2)
         found = indices(table[:, 0], table[:, 1], table[:, 2:].T, sweep.table.seed, CONFIDENCE)
         if found is not None:
             names.append(name)

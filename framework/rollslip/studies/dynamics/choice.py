@@ -14,7 +14,7 @@ import math
 import time
 from collections.abc import Collection, Mapping
 from functools import cached_property
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import attrs
 import numpy as np
@@ -23,9 +23,9 @@ from rollslip.bearing.assembly import Array, Assembly
 from rollslip.bearing.load_map import LoadMap, build_load_map
 from rollslip.catalogue.registry import available, get_model
 from rollslip.errors import ConvergenceError, RollslipError
+from rollslip.models import IntegratorModel
 from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.time_integration import Trajectory
-from rollslip.studies.dynamics.study import Dynamics
 
 #: What a plan chooses -> the finest of it that needs nothing more from a scene.
 OPEN: Final = {"friction": "conventional", "level": "pocket", "integrator": None}
@@ -48,6 +48,41 @@ _CALLS: Final = 20
 _WORTH, _CHEAPER = 0.5, 2.0
 
 
+class Movable(Protocol):
+    """A study that sets a bearing in motion: what is asked of it here."""
+
+    @property
+    def friction(self) -> str:
+        """Friction of the raceways."""
+        ...
+
+    @property
+    def level(self) -> str:
+        """Level of detail."""
+        ...
+
+    @property
+    def duration(self) -> float:
+        """Time to go through [s]."""
+        ...
+
+    def evolved(self, **settings: Any) -> "Movable":
+        """Return the study with other settings."""
+        ...
+
+    def moving(self, assembly: Assembly, loads: LoadMap | None = None) -> MovingBearing:
+        """Return the bearing in motion."""
+        ...
+
+    def tried(self, moving: MovingBearing, times: Array, tolerance: float) -> Trajectory:
+        """Return the motion at some times [s] and a relative tolerance."""
+        ...
+
+    def method(self, assembly: Assembly) -> IntegratorModel:
+        """Return the integrator."""
+        ...
+
+
 @attrs.frozen(kw_only=True)
 class MotionChoice:
     """What was chosen of friction, level and integrator, with reasons and the errors that the simpler ones leave."""
@@ -57,12 +92,12 @@ class MotionChoice:
     errors: Mapping[str, Mapping[str, float]] = attrs.field(factory=dict)
 
 
-def choose_motion(study: Dynamics, assembly: Assembly, named: Collection[str]) -> MotionChoice:
+def choose_motion(study: Movable, assembly: Assembly, named: Collection[str]) -> MotionChoice:
     """Choose what a scene does not name of friction, level and integrator.
 
     Parameters
     ----------
-    study : Dynamics
+    study : Movable
         The study; what is not named in it counts for nothing.
     assembly : Assembly
         The bearing at the resolution that was chosen for it.
@@ -80,12 +115,12 @@ def choose_motion(study: Dynamics, assembly: Assembly, named: Collection[str]) -
     if assembly.scene.accuracy.exact:
         finest = {name: finest for name in unnamed if (finest := OPEN[name]) is not None}
         return MotionChoice(settings=finest, reasons=dict.fromkeys(finest, "an exact result is asked for"))
-    study = attrs.evolve(study, film_limit=0.0)  # an event, which moves nothing
+    study = study.evolved(film_limit=0.0)  # an event, which moves nothing
     trials, settings = _Trials(assembly), dict[str, Any]()
     reasons, errors = dict[str, str](), dict[str, Mapping[str, float]]()
     for name in unnamed:
         try:
-            choice, reasons[name], left = getattr(trials, name)(attrs.evolve(study, **settings))
+            choice, reasons[name], left = getattr(trials, name)(study.evolved(**settings))
         except RollslipError as error:
             choice = OPEN[name] or getattr(study, name)
             reasons[name], left = f"there is no estimate of what a simpler one would leave: {error}", None
@@ -117,24 +152,24 @@ class _Trials:
         """Tolerance of the cage speed."""
         return self.assembly.scene.accuracy.of("cage_speed")
 
-    def moving(self, study: Dynamics) -> MovingBearing:
+    def moving(self, study: Movable) -> MovingBearing:
         """The bearing in motion, by friction and level made once."""
         if (key := (study.friction, study.level)) not in self._made:
             self._made[key] = study.moving(self.few, self.loads)
         return self._made[key]
 
-    def speeds(self, study: Dynamics, times: Array, tolerance: float) -> Array:
+    def speeds(self, study: Movable, times: Array, tolerance: float) -> Array:
         """Cage speed at some times, relative to the epicyclic one."""
         moving = self.moving(study)
         found = _finished(study, study.tried(moving, times, tolerance))
         return np.asarray(moving.split(found.y)["cage_speed"] / self.few.kinematics.epicyclic_cage_speed)
 
-    def friction(self, study: Dynamics) -> tuple[str, str, float | None]:
+    def friction(self, study: Movable) -> tuple[str, str, float | None]:
         """Effective friction where it moves the cage as conventional friction does, over all of the time."""
         times = np.linspace(0.0, study.duration, _INSTANTS + 1)
         tolerance = min(_STEP * self.asked, _LOOSEST)
         conventional, effective = (
-            self.speeds(attrs.evolve(study, friction=friction, level="cage-set"), times, tolerance)
+            self.speeds(study.evolved(friction=friction, level="cage-set"), times, tolerance)
             for friction in ("conventional", "effective")
         )
         off, allowed = float(np.abs(conventional - effective).max()), _SHARE["friction"] * self.asked
@@ -143,7 +178,7 @@ class _Trials:
             return "effective", f"{found}, less than the {allowed:.1e} that it may take", off
         return "conventional", f"{found}, more than the {allowed:.1e} that effective friction may take", None
 
-    def level(self, study: Dynamics) -> tuple[str, str, float | None]:
+    def level(self, study: Movable) -> tuple[str, str, float | None]:
         """Cage-set where play in the pockets does not move the mean speed of the cage, orbit by orbit."""
         speed = abs(self.few.kinematics.epicyclic_cage_speed)
         orbits = int(min(study.duration * speed / (2.0 * math.pi), _ORBITS))
@@ -152,7 +187,7 @@ class _Trials:
         friction = "constant" if study.friction == "constant" else "effective"
         tolerance = min(_STEP * self.asked, _LOOSEST)
         alone, within = (
-            self.speeds(attrs.evolve(study, friction=friction, level=level), times, tolerance)
+            self.speeds(study.evolved(friction=friction, level=level), times, tolerance)
             for level in ("cage-set", "pocket")
         )
         off = within - alone
@@ -171,7 +206,7 @@ class _Trials:
             )
         return "pocket", f"{found}, more than the {allowed:.1e} that leaving it out may take{other}", None
 
-    def integrator(self, study: Dynamics) -> tuple[str, str, float | None]:
+    def integrator(self, study: Movable) -> tuple[str, str, float | None]:
         """The one that the study takes by default, unless an explicit one is cheaper at the same error."""
         span = min(_SHORT[study.level], study.duration)
         more = self.assembly.slices / self.few.slices if study.friction == "conventional" else 1.0
@@ -194,7 +229,7 @@ class _Trials:
         for other in (name, *available("integrator")):
             if other != name and not get_model("integrator", other).explicit:
                 continue
-            one = own if other == name else self._cost(attrs.evolve(study, integrator=other), moving, span)
+            one = own if other == name else self._cost(study.evolved(integrator=other), moving, span)
             off = abs(_speed(moving, one.found) / true - 1.0)
             # steps shorten with the error to the power of the order
             order = get_model("integrator", other).order or 1
@@ -203,7 +238,7 @@ class _Trials:
         told = ", ".join(f"{one} {cost:.2g} s" for one, cost in costs.items())
         return best, f"the cheapest of those tried, by far or by default, at the error it may leave: {told}", None
 
-    def _cost(self, study: Dynamics, moving: MovingBearing, span: float) -> "_Tried":
+    def _cost(self, study: Movable, moving: MovingBearing, span: float) -> "_Tried":
         begin = time.process_time()
         found = _finished(study, study.tried(moving, np.array([0.0, span]), _USUAL))
         return _Tried(found, time.process_time() - begin)
@@ -217,7 +252,7 @@ class _Tried:
     seconds: float
 
 
-def _finished(study: Dynamics, found: Trajectory) -> Trajectory:
+def _finished(study: Movable, found: Trajectory) -> Trajectory:
     if found.outcome != "finished":
         raise ConvergenceError(f"{study.friction} friction at level {study.level}: {found.message}")
     return found

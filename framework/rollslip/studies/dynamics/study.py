@@ -13,8 +13,11 @@
 import contextlib
 import json
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final
+import time
+from collections.abc import Mapping
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -23,23 +26,29 @@ from rollslip.bearing.assembly import RINGS, Array, Assembly
 from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.load_map import LoadMap
 from rollslip.bearing.regimes import NAMES
-from rollslip.bearing.resolution import Resolution
-from rollslip.catalogue.registry import structure_model
+from rollslip.bearing.resolution import Resolution, finest, refined
+from rollslip.catalogue.registry import find, structure_model
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
+from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
 from rollslip.motion.carried import carried_motion
-from rollslip.motion.checkpoints import RunStore
 from rollslip.motion.effective_table import table_records
 from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.planar import PlanarMotion, PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FRICTION
 from rollslip.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip.results.dataset import about
-from rollslip.scene.reading import Where, structure
+from rollslip.scene.reading import Where
 from rollslip.scene.values import Scene, resolved
+from rollslip.studies import estimates
+from rollslip.studies.answers import Estimated, Keep, Output, Part
+from rollslip.studies.dynamics.choice import choose_motion
+from rollslip.studies.dynamics.outputs import OUTPUTS
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.raceways import LoadedRaceways, regime_variables
+from rollslip.studies.study import CONTACT_CHOICES, Study
+from rollslip.studies.timing import timed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,6 +71,10 @@ WATCHED: Final = (
 )
 #: What an integrator says in its message where a model has refused.
 _REFUSED: Final = "the rates are not defined"
+#: Shares of the tolerances that slices and instants may use, that tables may take, and that steps may take.
+_SHARE, _TABLES, _STEPS_SHARE = 0.5, 0.2, 0.2
+#: A usual tolerance of a step; that of tables for a short motion, and its time [s] at most.
+_STEP, _ROUGH, _SHORT = 1e-5, 1e-2, 5e-3
 #: Instants of a pitch for the critical slip; more move it by less than an event is worth.
 _INSTANTS: Final = 4
 #: Relative tolerance at which rounding begins to govern the steps, 100 times that of numbers.
@@ -69,8 +82,27 @@ _LEAST_TOLERANCE: Final = 2.3e-14
 
 
 @attrs.frozen(kw_only=True)
-class Dynamics:
-    """Settings of the study."""
+class Dynamics(Study):
+    """Cage and rollers in time, with constant, effective or conventional friction."""
+
+    name: ClassVar[str] = "dynamics"
+    outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
+    judged: ClassVar[Mapping[str, str]] = MappingProxyType({"cage_speed": "cage_speed"})
+    #: Of no one instant.
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {
+        "table_tolerance",
+        "integrator",
+        "integrator_tolerance",
+        "friction",
+    }
+    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "tables": "loads over the orbit and effective friction",
+            "motion": "the study asks for cage and rollers in time",
+        }
+    )
+    with_cage: ClassVar[bool] = True
+    in_time: ClassVar[bool] = True
 
     level: str = parameter(
         default="cage-set", doc="what moves; a plan chooses where it is not given", validator=one_of(*LEVELS)
@@ -128,6 +160,119 @@ class Dynamics:
         }
         return attrs.evolve(self, **{name: value for name, value in said.items() if value is not None})
 
+    def chosen(self, assembly: Assembly) -> Mapping[str, Any]:
+        """Return friction, level, integrator and its tolerance, as they are."""
+        return {
+            "friction": self.friction,
+            "level": self.level,
+            "integrator": self.method(assembly).name,
+            "integrator_tolerance": self.relative_tolerance,
+        }
+
+    def curved(self, assembly: Assembly) -> EffectiveFriction:
+        """Return how the raceways' contacts are averaged, as the scene has it."""
+        return EffectiveFriction.of(assembly.scene)
+
+    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
+        """Choose slices and instants by the effective friction, all else by trial motions; laws stay as they are."""
+        averaged = self.curved(assembly)
+        if assembly.scene.accuracy.exact:
+            return self._with_choice(estimates.exactly(averaged, assembly), assembly)
+        estimated, few = estimates.slices_and_instants(averaged, assembly, _SHARE)
+        estimated = self._with_choice(estimates.with_tables(estimated, assembly, _TABLES), assembly)
+        if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
+            return estimated
+        return self._with_steps(estimated, few)
+
+    def _with_choice(self, estimated: Estimated, assembly: Assembly) -> Estimated:
+        """Friction, level and integrator, where the scene does not name them."""
+        choice = choose_motion(self, assembly.at(estimated.resolution), [*assembly.scene.study.get(self.name, {})])
+        return attrs.evolve(
+            estimated,
+            resolution=attrs.evolve(estimated.resolution, **choice.settings),
+            errors={**estimated.errors, **choice.errors},
+            reasons=choice.reasons,
+        )
+
+    def _with_steps(self, estimated: Estimated, few: Assembly) -> Estimated:
+        """Tolerance of a step: errors of the speeds over a short time go with it, in proportion at most."""
+        study, accuracy = self.at(estimated.resolution), few.scene.accuracy
+        moving = study.moving(few.at(attrs.evolve(few.resolution, table_tolerance=_ROUGH)))
+        span = min(_SHORT, study.duration)
+        motions = (study.tried(moving, np.array([0.0, span]), tolerance) for tolerance in (_STEP, 1e-3 * _STEP))
+        rough, fine = (float(moving.split(found.y)["cage_speed"][-1]) for found in motions)
+        error = abs(rough - fine) / abs(few.kinematics.epicyclic_cage_speed) * study.duration / span
+        share = _STEPS_SHARE * accuracy.of("cage_speed")
+        # nobody has seen a step of more than the typical tolerance do well where a contact opens
+        least = finest(few.scene).integrator_tolerance or 0.0
+        tolerance = min(max(_STEP * share / max(error, 1e-300), least), _STEP)
+        return attrs.evolve(
+            estimated,
+            resolution=attrs.evolve(estimated.resolution, integrator_tolerance=tolerance),
+            errors={**estimated.errors, "steps": {"cage_speed": error * tolerance / _STEP}},
+        )
+
+    def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
+        """Return four times as fine a resolution: the finest would take days."""
+        return refined(scene, own, self.relative_tolerance), "against four times as fine"
+
+    def cost(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return the time [s] of the tables, and of a short part of the motion times what is left of it."""
+        resolution = assembly.resolution
+        slices = min(estimates.FEW, resolution.slices)
+        few = assembly.at(attrs.evolve(resolution, slices=slices, quadrature="equal"))
+        more = assembly.slices / few.slices
+        begin = time.process_time()
+        moving = self.moving(few)
+        tables, span = time.process_time() - begin, min(_SHORT, self.duration)
+        # the beginning is the most abrupt: what goes on is taken from its second half
+        begins, half = (
+            timed(partial(self.tried, moving, np.array([0.0, share * span]), self.relative_tolerance), 1)
+            for share in (1.0, 0.5)
+        )
+        whole = begins + 2.0 * max(begins - half, 0.0) * (self.duration / span - 1.0)
+        return {"tables": tables * more, "motion": whole * (more if self.friction == "conventional" else 1.0)}
+
+    def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
+        """Return steps, friction, level and integrator."""
+        errors, offer = estimated.errors, find("integrator", self.method(assembly).name)
+
+        def why(setting: str) -> str:
+            named = setting in assembly.scene.study.get(self.name, {})
+            return f"study.{self.name} names it" if named else estimated.reasons.get(setting, "default")
+
+        steps = Part(
+            part="steps in time",
+            choice=f"relative tolerance {assembly.resolution.integrator_tolerance or 0.0:.1e}",
+            resolution="every step",
+            reason="two short motions of other tolerances tell what it leaves of the cage speed",
+            errors=errors.get("steps", {}),
+            seconds=costs.pop("motion", None) if "steps" in errors else None,
+        )
+        return [
+            *([steps] if "steps" in errors else []),
+            Part(
+                part="friction of the raceways",
+                choice=self.friction,
+                resolution=FRICTION[self.friction],
+                reason=why("friction"),
+                errors=errors.get("friction", {}),
+            ),
+            Part(
+                part="motion",
+                choice=f"level {self.level}: {LEVELS[self.level]}",
+                resolution=f"{self.degrees_of_freedom(assembly)} unknowns for {self.duration:g} s",
+                reason=why("level"),
+                errors=errors.get("level", {}),
+            ),
+            Part(
+                part="integrator",
+                choice=f"{offer.name} ({offer.package} {offer.version})",
+                resolution=f"relative tolerance {self.relative_tolerance:g}",
+                reason=why("integrator"),
+            ),
+        ]
+
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate, from steps such as bearings of this size took."""
         if self.friction != "conventional":
@@ -149,8 +294,8 @@ class Dynamics:
         drags = (("drag", model) for model in assembly.cage.drags)
         return *drags, ("integrator", self.method(assembly))
 
-    def run(self, assembly: Assembly) -> "xr.Dataset":
-        """Return the motion.
+    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+        """Return the motion, going on from what is kept, and keeping what is computed.
 
         Returns
         -------
@@ -170,24 +315,13 @@ class Dynamics:
         DomainError, ConvergenceError
             If loads or friction cannot be tabulated.
         """
-        return self.kept_in(assembly, None)
+        return self.at(assembly.resolution)._run(assembly, keep or Keep())
 
-    def kept_in(
-        self,
-        assembly: Assembly,
-        store: RunStore | None,
-        progress: Callable[[str], None] | None = None,
-    ) -> "xr.Dataset":
-        """Return what `run` does, going on from what a store has, and writing to it what is computed."""
-        return self.at(assembly.resolution)._kept_in(assembly, store, progress)
-
-    def _kept_in(
-        self, assembly: Assembly, store: RunStore | None, progress: Callable[[str], None] | None
-    ) -> "xr.Dataset":
+    def _run(self, assembly: Assembly, kept: Keep) -> "xr.Dataset":
         integrator = self.method(assembly)
         if self.level == "planar":
             self._of_planar(assembly)
-        settings = averaging(assembly.scene)
+        settings, store = self.curved(assembly), kept.store
         raceways = settings.loaded(assembly, assembly.resolution.instants or _INSTANTS)
         critical = _critical(settings, raceways)
         moving = self.moving(assembly, critical_slip=critical.slip)
@@ -201,8 +335,8 @@ class Dynamics:
         def keep(number: int, trajectory: Trajectory) -> None:
             if store is not None:
                 store.write(parts + number, trajectory)
-            if progress is not None:
-                progress(f"{trajectory.last_t:.4g} of {self.duration:.4g} s")
+            if kept.progress is not None:
+                kept.progress(f"{trajectory.last_t:.4g} of {self.duration:.4g} s")
 
         found = integrate(
             InitialValueProblem(
@@ -261,7 +395,7 @@ class Dynamics:
     def _of_planar(self, assembly: Assembly) -> PlanarSettings:
         """Settings of level planar, which a scene that names it must give."""
         if self.planar is None:
-            where = Where(assembly.scene.origins, ("study", "dynamics"))
+            where = Where(assembly.scene.origins, ("study", self.name))
             raise SceneError(
                 [
                     where.at("planar").says(
@@ -281,7 +415,7 @@ class Dynamics:
             If its parameters are wrong, or it is not there.
         """
         problems: list[str] = []
-        where = Where(assembly.scene.origins, ("study", "dynamics", "integrator"))
+        where = Where(assembly.scene.origins, ("study", self.name, "integrator"))
         made = structure_model("integrator", self.integrator, where, problems)
         if problems or not isinstance(made, IntegratorModel):
             raise SceneError(problems)
@@ -314,89 +448,45 @@ class Dynamics:
         relative = spin + orbit
         cage_slip = 1.0 - cage / k.epicyclic_cage_speed
         works = moving.works(y)
-        contact, rollers = ("ring", "time", "roller"), ("time", "roller")
 
         def by_ring(name: str) -> Array:
             return np.moveaxis(outputs[name], 1, 0)
 
-        variables: dict[str, Any] = {
-            "cage_speed": ("time", sign * cage, about("rad/s", "speed of the cage")),
-            "cage_slip": ("time", cage_slip, about("1", "cage slip")),
-            "roller_speed": (rollers, sign * relative, about("rad/s", "spin of a roller relative to its orbit")),
-            "roller_slip": (rollers, 1.0 - relative / k.epicyclic_roller_speed, about("1", "roller slip")),
-            "orbit_angle": (
-                rollers,
-                np.mod(rollers_at, 2.0 * np.pi),
-                about("rad", "position from the line of load, in the sense of the orbit"),
-            ),
-            "normal_force": (contact, by_ring("normal_force"), about("N", "normal force")),
-            "traction_force": (contact, by_ring("traction_force"), about("N", "traction, along the orbit")),
-            "sliding_speed": (contact, by_ring("sliding_speed"), about("m/s", "sliding speed")),
-            "film_parameter": (
-                contact,
-                by_ring("film_parameter"),
-                about("1", "smallest film parameter Lambda of a roller") | {"film_status": self._film_status()},
-            ),
-            "energy": ("time", moving.energy(y), about("J", "kinetic energy, and elastic energy of the pockets")),
-            "work_done": (("work", "time"), np.array(list(works.values())), about("J", "work done since the start")),
-            "energy_residual": (
-                "time",
-                moving.energy_residual(y),
-                about("J", "energy that the ledger does not explain"),
-            ),
-            "angular_momentum": ("time", moving.angular_momentum(y), about("N m s", "angular momentum about the axis")),
-            "momentum_residual": (
-                "time",
-                moving.momentum_residual(y),
-                about("N m s", "angular momentum that the ledger does not explain"),
-            ),
-            "event_time": ("event", np.array([e.time for e in found.events]), about("s", "time of the event")),
-            "event_what": (
-                "event",
-                np.array(
-                    [WATCHED[e.watched][not e.rising] for e in found.events], dtype=np.dtypes.StringDType()
-                ).astype(object),
-                about("1", "what happened"),
-            ),
-            "event_rising": (
-                "event",
-                np.array([int(e.rising) for e in found.events], dtype=int),
-                about("1", "1 where the watched value rose through its limit, 0 where it fell"),
-            ),
-        }
+        words = [WATCHED[e.watched][not e.rising] for e in found.events]
+        variables = self.variables(
+            cage_speed=sign * cage,
+            cage_slip=cage_slip,
+            roller_speed=sign * relative,
+            roller_slip=1.0 - relative / k.epicyclic_roller_speed,
+            orbit_angle=np.mod(rollers_at, 2.0 * np.pi),
+            normal_force=by_ring("normal_force"),
+            traction_force=by_ring("traction_force"),
+            sliding_speed=by_ring("sliding_speed"),
+            film_parameter=by_ring("film_parameter"),
+            energy=moving.energy(y),
+            work_done=np.array(list(works.values())),
+            energy_residual=moving.energy_residual(y),
+            angular_momentum=moving.angular_momentum(y),
+            momentum_residual=moving.momentum_residual(y),
+            event_time=np.array([e.time for e in found.events]),
+            event_what=np.array(words, dtype=np.dtypes.StringDType()).astype(object),
+            event_rising=np.array([int(e.rising) for e in found.events], dtype=int),
+        )
+        variables["film_parameter"][2]["film_status"] = self._film_status()
         if place is not None:
-            variables["pocket_force"] = (
-                rollers,
-                outputs["pocket_force"],
-                about("N", "force of a roller on its pocket"),
-            )
-            variables["pocket_displacement"] = (
-                rollers,
-                place,
-                about("m", "place of a roller from its pocket's middle"),
-            )
+            variables |= self.variables(pocket_force=outputs["pocket_force"], pocket_displacement=place)
         for ring, table in zip(RINGS, moving.tables, strict=False):
             if (curve := table.curve) is not None:
-                node = f"{ring}_node"
-                at = f"nodes of the effective friction of the {ring} raceway"
-                variables[f"{ring}_sliding"] = (node, curve[0], about("m/s", f"sliding speed, {at}"))
-                variables[f"{ring}_friction"] = (node, curve[1], about("1", f"friction coefficient, {at}"))
+                variables |= self.variables(**{f"{ring}_sliding": curve[0], f"{ring}_friction": curve[1]})
         for what in ("inner_ring", "cage"):
             if f"{what}_x" in of:
-                variables[f"{what.removeprefix('inner_')}_displacement"] = (
-                    ("direction", "time"),
-                    np.array([of[f"{what}_x"], of[f"{what}_y"]]),
-                    about("m", f"displacement of the {what.replace('_', ' ')}"),
-                )
+                place_of = np.array([of[f"{what}_x"], of[f"{what}_y"]])
+                variables |= self.variables(**{f"{what.removeprefix('inner_')}_displacement": place_of})
         if isinstance(moving, PlanarMotion) and (clearance := assembly.cage.land_clearance) is not None:
             x, y = of["cage_x"], of["cage_y"]
             if assembly.cage.guidance == "inner":
                 x, y = x - of["inner_ring_x"], y - of["inner_ring_y"]
-            variables["land_eccentricity"] = (
-                "time",
-                np.hypot(x, y) / clearance,
-                about("1", "eccentricity of the cage on the land that guides it, in clearances"),
-            )
+            variables |= self.variables(land_eccentricity=np.hypot(x, y) / clearance)
         steady, steady_status = _steady(t, cage_slip, cage, assembly.scene.accuracy.tolerance)
         return xr.Dataset(
             variables,
@@ -407,8 +497,8 @@ class Dynamics:
                 "work": ("work", np.array(list(works)), about("1", "what the work was done by")),
                 "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
             },
-            attrs={
-                "study": "dynamics",
+            attrs=self.attributes
+            | {
                 "level": self.level,
                 "friction": self.friction,
                 "integrator": integrator.name,
@@ -490,22 +580,6 @@ def _outputs(moving: MovingBearing, found: Trajectory) -> tuple[dict[str, Array]
     return outputs, found
 
 
-def averaging(scene: Scene) -> EffectiveFriction:
-    """Return how the raceways' contacts are averaged: the scene's own settings of study effective-friction.
-
-    Raises
-    ------
-    SceneError
-        If they are wrong.
-    """
-    problems = list[str]()
-    where = Where(scene.origins, ("study", "effective-friction"))
-    study = structure(EffectiveFriction, scene.study.get("effective-friction", {}), where, problems)
-    if study is None:
-        raise SceneError(problems)
-    return study
-
-
 def _critical(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
     """Cage slip of the largest effective friction on the inner ring."""
     slip = slip_grid(study.max_cage_slip, study.points)
@@ -547,3 +621,9 @@ def _steady(t: Array, slip: Array, speed: Array, tolerance: float) -> tuple[floa
     if abs(end - mean) <= allowed:
         return mean, "steady"
     return math.nan, f"not steady: cage slip is {mean:.4g} and goes to about {end:.3g}"
+
+
+@hookimpl
+def studies() -> list[type[Study]]:
+    """Offer the study."""
+    return [Dynamics]

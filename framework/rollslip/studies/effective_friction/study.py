@@ -10,8 +10,10 @@
 - The map over cage slip and roller slip, which needs no closure, is stored beside the curve.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -23,9 +25,12 @@ from rollslip.bearing.kinematics import SurfaceSpeeds
 from rollslip.bearing.raceway import PROBES, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
+from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
-from rollslip.studies.friction_curve.study import Only
-from rollslip.studies.raceways import LoadedRaceways, evaluated_together, largest_change, regime_variables
+from rollslip.studies.answers import Curves, Evaluated, Keep, Output, Some
+from rollslip.studies.raceways import REGIMES, LoadedRaceways, evaluated_together, largest_change, regime_variables
+from rollslip.studies.study import CONTACT_CHOICES, Study
+from rollslip.studies.timing import INSTANTS, POINTS, onwards, timed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,9 +39,58 @@ if TYPE_CHECKING:
 _FIRST_INSTANTS, _MOST_INSTANTS = 2, 1024
 
 
+#: Slices from which on costs go with their number, and points of maps on which costs are measured.
+_MANY: Final = 128
+_MAP: Final = (3, 6)
+#: Evaluations in the search for the critical slips of both rings, each of one ring.
+_SEARCH: Final = 40
+
+_CURVE: Final = "ring cage_slip"
+OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "effective_friction": Output(_CURVE, "1", "effective friction coefficient"),
+        "critical_cage_slip": Output(
+            "ring", "1", "cage slip of the largest effective friction", status="critical_status", default=True
+        ),
+        "critical_friction": Output(
+            "ring", "1", "largest effective friction coefficient", status="critical_status", default=True
+        ),
+        "critical_status": Output("ring", "1", "what was found of the critical slip"),
+        "roller_slip": Output(_CURVE, "1", "roller slip, mean over the loaded contacts"),
+        "sliding_speed": Output(_CURVE, "m/s", "sliding speed, mean over them"),
+        "rolling_speed": Output(_CURVE, "m/s", "rolling speed, mean over them"),
+        "film_parameter": Output(_CURVE, "1", "smallest film parameter Lambda"),
+        **REGIMES,
+        "normal_force": Output("ring roller", "N", "normal force at the first instant"),
+        "angle": Output("roller", "rad", "position from the line of load, first instant"),
+        "roller_friction": Output("ring roller cage_slip", "1", "friction coefficient of each roller, first instant"),
+        "friction_map": Output("ring map_cage_slip map_roller_slip", "1", "effective friction coefficient"),
+    }
+)
+
+
 @attrs.frozen(kw_only=True)
-class EffectiveFriction:
-    """Settings of the study."""
+class EffectiveFriction(Study):
+    """Friction of each raceway as a whole against cage slip, and the critical cage slip."""
+
+    name: ClassVar[str] = "effective-friction"
+    outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
+    judged: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"friction": "effective_friction", "critical_slip": "critical_cage_slip"}
+    )
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
+    curves_of: ClassVar[Curves] = Curves(
+        variable="effective_friction", over="ring", slip="cage_slip", critical="critical_cage_slip"
+    )
+    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "friction": "the models of a contact on every loaded slice, over the slips and in search of the largest",
+            "film regimes": "told of every loaded slice, over the slips of the curve",
+            "map": "the study asks for friction over cage slip and roller slip|over few loads that stand for all "
+            "slices",
+        }
+    )
+    shares_resolution: ClassVar[bool] = True
 
     closure: str = parameter(
         default="epicyclic",
@@ -66,11 +120,45 @@ class EffectiveFriction:
         surface = self.map_points * max(2 * self.map_points - 1, 0)
         return contacts * (curves * per_point + instants * PROBES * bool(surface)) + 2 * 16 * surface
 
-    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return nothing: contacts are all there is."""
-        return ()
+    def without(self, outputs: frozenset[str]) -> "EffectiveFriction":
+        """Return a study without the map, which is most of the work, and without single rollers."""
+        return attrs.evolve(
+            self,
+            map_points=0 if "friction_map" in outputs else self.map_points,
+            per_roller=self.per_roller and "roller_friction" not in outputs,
+        )
 
-    def run(self, assembly: Assembly) -> "xr.Dataset":
+    def cost(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return the time [s] of loads, friction, regimes and map, from few slips, instants and points."""
+        resolution = assembly.resolution
+        slip = slip_grid(self.max_cage_slip, POINTS[0])[1:]
+        some = assembly.at(attrs.evolve(resolution, slices=min(resolution.slices, _MANY)))
+        times: dict[str, list[float]] = {"load distribution": [], "friction": [], "film regimes": []}
+        for m in INSTANTS:
+            anew = attrs.evolve(some, known_loads={})
+            times["load distribution"].append(timed(partial(anew.load_distribution, m), 1))
+            raceways = self.loaded(anew, m)
+            speeds = raceways.speeds(slip)
+            one, regimes = (timed(partial(work, speeds)) / slip.size for work in (raceways.evaluated, raceways.regimes))
+            closure = timed(partial(raceways.speeds, slip), 1) / slip.size  # a free roller's spin is a root to be found
+            times["friction"].append(one * (self.points + _SEARCH / 2) + closure * (2 * self.points + _SEARCH / 4))
+            times["film regimes"].append(regimes * self.points)
+        more, instants = assembly.slices / some.slices, resolution.instants or INSTANTS[-1]
+        costs = {part: more * onwards(INSTANTS, each, instants) for part, each in times.items()}
+        if self.map_points:
+            sizes = (_MAP[0] * (2 * _MAP[0] - 1), _MAP[1] * (2 * _MAP[1] - 1))
+            maps = [timed(partial(raceways.map, self.max_cage_slip, n), 1) for n in _MAP]
+            costs["map"] = onwards(sizes, maps, self.map_points * max(2 * self.map_points - 1, 1))
+        return costs
+
+    def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
+        """Yield the slices of both rings, slip by slip."""
+        raceways = self.loaded(assembly, dataset.attrs["instants"])
+        for both in raceways.contacts(raceways.speeds(dataset["cage_slip"].to_numpy())):
+            for k, (contacts, u, V) in enumerate(both):
+                yield Evaluated(k, RINGS[k], contacts.slices.load, u, V, contacts.force)
+
+    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
         """Return the effective friction curves, the critical cage slip and the map.
 
         Returns
@@ -97,10 +185,12 @@ class EffectiveFriction:
         errors = {"instants_error": error, "slices_error": raceways.slices_error(slip, curves[0])}
         return self._dataset(assembly, raceways, slip, curves, critical).assign_attrs(errors)
 
-    @staticmethod
-    def together(cases: "Sequence[tuple[EffectiveFriction, Assembly]]", names: frozenset[str]) -> list[Only] | None:
+    @classmethod
+    def together(
+        cls, cases: "Sequence[tuple[EffectiveFriction, Assembly]]", outputs: frozenset[str]
+    ) -> list[Some] | None:
         """Return what `run` does of curves and critical slips, for several bearings at once; None if more is asked."""
-        if not names <= {"effective_friction", "critical_cage_slip", "critical_friction", "critical_status"}:
+        if not outputs <= {"effective_friction", "critical_cage_slip", "critical_friction", "critical_status"}:
             return None
         found = dict[int, tuple[Array, Array, tuple[Critical, Critical]]]()
         begun = list[tuple[int, Array, LoadedRaceways, SurfaceSpeeds]]()
@@ -140,6 +230,20 @@ class EffectiveFriction:
     def averaged(self) -> bool:
         """Whether the curves are means over the instants of a pitch."""
         return True
+
+    @property
+    def nested(self) -> bool:
+        """Whether fewer instants are among more."""
+        return True
+
+    def curved(self, assembly: Assembly) -> "EffectiveFriction":
+        """Return the study itself."""
+        return self
+
+    def beyond(self, assembly: Assembly) -> None:
+        """Evaluate the corners of the map."""
+        if self.map_points:
+            self.loaded(assembly, 1).map(self.max_cage_slip, 2)
 
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return effective friction on few of the instants of a pitch, each a part of the most, (k, 2, n)."""
@@ -194,69 +298,40 @@ class EffectiveFriction:
         speeds = raceways.speeds(slip)
         means, (friction, film) = raceways.means(speeds), curves
         loads = raceways.distribution
-        curve, rollers = ("ring", "cage_slip"), ("ring", "roller")
         forces = np.stack([loads.inner_force[0], loads.outer_force[0]])
         found, coords = _curves(slip, friction, critical)
         variables: dict[str, Any] = {
             **found,
-            "roller_slip": (curve, means["roller_slip"], about("1", "roller slip, mean over the loaded contacts")),
-            "sliding_speed": (curve, means["sliding_speed"], about("m/s", "sliding speed, mean over them")),
-            "rolling_speed": (curve, means["rolling_speed"], about("m/s", "rolling speed, mean over them")),
-            "film_parameter": (curve, film, about("1", "smallest film parameter Lambda")),
+            **self.variables(**means, film_parameter=film),
             **regime_variables(*raceways.regimes(speeds)),
-            "normal_force": (rollers, forces, about("N", "normal force at the first instant")),
-            "angle": ("roller", loads.psi[0], about("rad", "position from the line of load, first instant")),
+            **self.variables(normal_force=forces, angle=loads.psi[0]),
         }
         coords["roller"] = ("roller", np.arange(forces.shape[1]), about("1", "roller"))
         if self.per_roller:
-            variables["roller_friction"] = (
-                ("ring", "roller", "cage_slip"),
-                raceways.per_roller(slip),
-                about("1", "friction coefficient of each roller, first instant"),
-            )
+            variables |= self.variables(roller_friction=raceways.per_roller(slip))
         if self.map_points:
             cage, roller, surface = raceways.map(self.max_cage_slip, self.map_points)
-            variables["friction_map"] = (
-                ("ring", "map_cage_slip", "map_roller_slip"),
-                surface,
-                about("1", "effective friction coefficient"),
-            )
+            variables |= self.variables(friction_map=surface)
             coords["map_cage_slip"] = ("map_cage_slip", cage, about("1", "cage slip"))
             coords["map_roller_slip"] = ("map_roller_slip", roller, about("1", "roller slip"))
-        return xr.Dataset(
-            variables,
-            coords,
-            attrs={
-                "study": "effective-friction",
-                "closure": self.closure,
-                "instants": int(loads.psi.shape[0]),
-                "slices": assembly.slices,
-                "force_residual": loads.force_residual,
-                "moment_residual": loads.moment_residual,
-            },
-        )
+        said = {
+            "closure": self.closure,
+            "instants": int(loads.psi.shape[0]),
+            "slices": assembly.slices,
+            "force_residual": loads.force_residual,
+            "moment_residual": loads.moment_residual,
+        }
+        return xr.Dataset(variables, coords, attrs=self.attributes | said)
 
 
-def _curves(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -> Only:
+def _curves(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -> Some:
     """Variables of the curves and their maxima, and their coordinates."""
-    return {
-        "effective_friction": (("ring", "cage_slip"), friction, about("1", "effective friction coefficient")),
-        "critical_cage_slip": (
-            "ring",
-            np.array([c.slip for c in critical]),
-            about("1", "cage slip of the largest effective friction"),
-        ),
-        "critical_friction": (
-            "ring",
-            np.array([c.friction for c in critical]),
-            about("1", "largest effective friction coefficient"),
-        ),
-        "critical_status": (
-            "ring",
-            np.array([c.status for c in critical]),
-            about("1", "what was found of the critical slip"),
-        ),
-    }, {
+    return EffectiveFriction.variables(
+        effective_friction=friction,
+        critical_cage_slip=np.array([c.slip for c in critical]),
+        critical_friction=np.array([c.friction for c in critical]),
+        critical_status=np.array([c.status for c in critical]),
+    ), {
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
     }
@@ -266,3 +341,9 @@ def _critical_moved(before: Critical, after: Critical) -> float:
     if np.isnan(before.slip) != np.isnan(after.slip):
         return np.inf
     return 0.0 if np.isnan(after.slip) else abs(after.slip / before.slip - 1.0)
+
+
+@hookimpl
+def studies() -> list[type[Study]]:
+    """Offer the study."""
+    return [EffectiveFriction]

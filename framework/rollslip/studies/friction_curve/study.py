@@ -1,7 +1,9 @@
 """Study friction-curve: friction of one contact against its slide-roll ratio, for given normal forces."""
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -13,18 +15,51 @@ from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError
 from rollslip.fields import at_least, one_of, parameter, positive
+from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
+from rollslip.studies.answers import Curves, Evaluated, Keep, Output, Some
+from rollslip.studies.study import Study
+from rollslip.studies.timing import POINTS, onwards, timed
 
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Some variables of a result, and their coordinates.
-Only: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
+_OF_CURVE, _OF_FORCE = "normal_force slip", "normal_force"
+OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "friction": Output(_OF_CURVE, "1", "friction coefficient"),
+        "critical_slip": Output(
+            _OF_FORCE, "1", "slide-roll ratio of the largest friction", status="critical_status", default=True
+        ),
+        "critical_friction": Output(
+            _OF_FORCE, "1", "largest friction coefficient", status="critical_status", default=True
+        ),
+        "critical_status": Output(_OF_FORCE, "1", "what was found of the critical slip"),
+        "film_thickness": Output(_OF_CURVE, "m", "film thickness"),
+        "film_parameter": Output(_OF_CURVE, "1", "film parameter Lambda"),
+        "regime": Output(_OF_CURVE, "1", "film regime"),
+        "half_width": Output(_OF_FORCE, "m", "Hertz half width"),
+        "pressure": Output(_OF_FORCE, "Pa", "mean Hertz pressure"),
+        "load_parameter": Output(_OF_FORCE, "1", "Moes load parameter M"),
+        "lubricant_parameter": Output(_OF_FORCE, "1", "Moes lubricant parameter L"),
+    }
+)
 
 
 @attrs.frozen(kw_only=True)
-class FrictionCurve:
-    """Settings of the study."""
+class FrictionCurve(Study):
+    """Friction of one contact against its slide-roll ratio, for given normal forces."""
+
+    name: ClassVar[str] = "friction-curve"
+    curves_of: ClassVar[Curves] = Curves(
+        variable="friction", over="normal_force", slip="slip", critical="critical_slip"
+    )
+    outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
+    judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "friction", "critical_slip": "critical_slip"})
+    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"friction": "the models of a contact on every loaded slice, over the slips and in search of the largest"}
+    )
+    bearing_loads: ClassVar[bool] = False
 
     normal_force: tuple[float, ...] = parameter(
         default=(300.0,),
@@ -51,6 +86,15 @@ class FrictionCurve:
         """Whether the curves are means over the instants of a pitch."""
         return False
 
+    @property
+    def nested(self) -> bool:
+        """Whether fewer instants are among more; there are none."""
+        return True
+
+    def curved(self, assembly: Assembly) -> "FrictionCurve":
+        """Return the study itself."""
+        return self
+
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return friction for each normal force, which no instant changes, (k, forces, n)."""
         contacts = self.contacts(assembly)
@@ -70,11 +114,23 @@ class FrictionCurve:
             for force in self.normal_force
         ]
 
-    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return nothing: contacts are all there is."""
-        return ()
+    def beyond(self, assembly: Assembly) -> None:
+        """Evaluate nothing: contacts over their slips are all there is."""
 
-    def run(self, assembly: Assembly) -> "xr.Dataset":
+    def cost(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return the time [s] of the curves, measured with few points."""
+        times = [timed(partial(attrs.evolve(self, points=n).run, assembly)) for n in POINTS]
+        return {"friction": onwards(POINTS, times, self.points)}
+
+    def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
+        """Yield the slices of each normal force, slip by slip."""
+        u = dataset.attrs["rolling_speed"]
+        for k, contacts in enumerate(self.contacts(assembly)):
+            load, force = contacts.slices.load, contacts.force
+            for slip in dataset["slip"].to_numpy():
+                yield Evaluated(k, contacts.raceway.ring, load, u, slip * u, force)
+
+    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
         """Return the curves.
 
         The contact rolls at the entrainment speed of the bearing without slip and is loaded evenly but for the
@@ -96,35 +152,23 @@ class FrictionCurve:
         def stacked(name: str) -> Array:
             return np.stack([row[name] for row in rows])
 
-        both, force = ("normal_force", "slip"), ("normal_force",)
-        return xr.Dataset(
-            {
-                "friction": found["friction"],
-                "film_thickness": (
-                    both,
-                    stacked("film_thickness"),
-                    about("m", f"film thickness, {assembly.film.location}"),
-                ),
-                "film_parameter": (both, stacked("film_parameter"), about("1", "film parameter Lambda")),
-                "regime": (
-                    both,
-                    stacked("regime"),
-                    about("1", "film regime") | {"flag_values": [0, 1, 2, 3], "flag_meanings": " ".join(NAMES)},
-                ),
-                "half_width": (force, stacked("half_width"), about("m", "Hertz half width")),
-                "pressure": (force, stacked("pressure"), about("Pa", "mean Hertz pressure")),
-                "load_parameter": (force, stacked("M"), about("1", "Moes load parameter M")),
-                "lubricant_parameter": (force, stacked("L"), about("1", "Moes lubricant parameter L")),
-                **found,
-            },
-            coords=coords,
-            attrs={"study": "friction-curve", "ring": self.ring, "rolling_speed": u},
+        variables = {"friction": found["friction"]} | self.variables(
+            film_thickness=stacked("film_thickness"),
+            film_parameter=stacked("film_parameter"),
+            regime=stacked("regime"),
+            half_width=stacked("half_width"),
+            pressure=stacked("pressure"),
+            load_parameter=stacked("M"),
+            lubricant_parameter=stacked("L"),
         )
+        variables["film_thickness"][2]["long_name"] += f", {assembly.film.location}"
+        variables["regime"][2].update(flag_values=[0, 1, 2, 3], flag_meanings=" ".join(NAMES))
+        return xr.Dataset(variables | found, coords, attrs=self.attributes | {"ring": self.ring, "rolling_speed": u})
 
-    @staticmethod
-    def together(cases: "Sequence[tuple[FrictionCurve, Assembly]]", names: frozenset[str]) -> list[Only] | None:
+    @classmethod
+    def together(cls, cases: "Sequence[tuple[FrictionCurve, Assembly]]", outputs: frozenset[str]) -> list[Some] | None:
         """Return what `run` does of curves and critical slips, for several contacts at once; None if more is asked."""
-        if not names <= {"friction", "critical_slip", "critical_friction", "critical_status"}:
+        if not outputs <= {"friction", "critical_slip", "critical_friction", "critical_status"}:
             return None
         made = [
             (study, slip_grid(study.max_slip, study.points), study.rolling_speed(assembly), study.contacts(assembly))
@@ -133,28 +177,15 @@ class FrictionCurve:
         curves = iter(_friction([(one, u, slip) for _, slip, u, contacts in made for one in contacts]))
         return [study._found(slip, u, contacts, [next(curves) for _ in contacts]) for study, slip, u, contacts in made]
 
-    def _found(self, slip: Array, u: float, contacts: list[LoadedContacts], friction: list[Array]) -> Only:
+    def _found(self, slip: Array, u: float, contacts: list[LoadedContacts], friction: list[Array]) -> Some:
         """Variables of the curves and their maxima, and their coordinates."""
         critical = [locate(_at(one, u), slip, curve, "max_slip") for one, curve in zip(contacts, friction, strict=True)]
-        force = ("normal_force",)
-        return {
-            "friction": (("normal_force", "slip"), np.stack(friction), about("1", "friction coefficient")),
-            "critical_slip": (
-                force,
-                np.array([c.slip for c in critical]),
-                about("1", "slide-roll ratio of the largest friction"),
-            ),
-            "critical_friction": (
-                force,
-                np.array([c.friction for c in critical]),
-                about("1", "largest friction coefficient"),
-            ),
-            "critical_status": (
-                force,
-                np.array([c.status for c in critical]),
-                about("1", "what was found of the critical slip"),
-            ),
-        }, {
+        return self.variables(
+            friction=np.stack(friction),
+            critical_slip=np.array([c.slip for c in critical]),
+            critical_friction=np.array([c.friction for c in critical]),
+            critical_status=np.array([c.status for c in critical]),
+        ), {
             "normal_force": ("normal_force", np.array(self.normal_force), about("N", "normal force of the contact")),
             "slip": ("slip", slip, about("1", "slide-roll ratio V/u")),
         }
@@ -218,3 +249,9 @@ def _most_loaded(contacts: LoadedContacts, u: float, slip: Array) -> dict[str, A
         "M": M[0],
         "L": L[0],
     }
+
+
+@hookimpl
+def studies() -> list[type[Study]]:
+    """Offer the study."""
+    return [FrictionCurve]

@@ -11,8 +11,9 @@
   meet: the smallest load that still carries the drag.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -20,14 +21,21 @@ import numpy as np
 from rollslip.bearing.assembly import RINGS, Array, Assembly, assemble
 from rollslip.bearing.critical import Critical, locate
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
+from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
+from rollslip.hookspecs import hookimpl
 from rollslip.motion.continuation import Branch, TorqueCurve, follow, steady_slips, torque_curve
 from rollslip.motion.effective_table import table_records
 from rollslip.motion.torque_balance import Orbit, TorqueBalance, effective_curves
 from rollslip.results.dataset import about
 from rollslip.scene.reading import Where, evolve
-from rollslip.studies.raceways import regime_variables
+from rollslip.scene.values import Scene
+from rollslip.studies import estimates
+from rollslip.studies.answers import Compared, Estimated, Keep, Output, Some
+from rollslip.studies.raceways import REGIMES, regime_variables
+from rollslip.studies.study import CONTACT_CHOICES, Study
+from rollslip.studies.timing import timed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,6 +56,56 @@ VARIED: Final = {
 }
 
 
+#: Shares of the tolerances that slices and instants may use, and that tables may take.
+_SHARE, _TABLES = 0.5, 0.2
+#: Motions of the rollers that a steady slip takes beside twice the points of its curve, and those of a followed branch.
+_ORBITS, _BRANCH = 40, 350
+
+
+def _followed_outputs(name: str) -> dict[str, Output]:
+    """Variables of the branches against one quantity of the operation."""
+    unit, what = VARIED[name]
+    points = f"{name}_point"
+    return {
+        name: Output(points, unit, what),
+        f"{name}_slip": Output(points, "1", "steady cage slip"),
+        f"{name}_stable": Output(points, "1", "whether the cage holds it"),
+        f"{name}_fold": Output(points, "1", "whether stable and unstable slips meet"),
+        f"{name}_branch": Output(points, "1", "number of the branch"),
+        f"{name}_limit": Output(
+            "", unit, f"{what} at which stable and unstable slips meet", status=f"{name}_limit_status"
+        ),
+        f"{name}_limit_slip": Output("", "1", "cage slip there"),
+        f"{name}_limit_status": Output("", "1", "what was found of the limit"),
+    }
+
+
+OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "steady_slip": Output("steady", "1", "steady cage slip", status="status", default=True),
+        "status": Output("", "1", "what was found"),
+        "largest_drag": Output(
+            "", "N m", "largest drag torque that the cage can carry", status="largest_drag_status", default=True
+        ),
+        "largest_drag_slip": Output("", "1", "cage slip of the largest drag torque", status="largest_drag_status"),
+        "largest_drag_status": Output("", "1", "what was found of the largest drag torque"),
+        "cage_speed": Output("steady", "rad/s", "cage speed"),
+        "torque": Output("steady", "N m", "drag torque that is carried"),
+        "stable": Output("steady", "1", "held"),
+        "stability": Output("steady", "1", "stability in words"),
+        "multiplier": Output("steady", "1", "what an orbit leaves of a disturbance of the rollers' spin"),
+        "effective_friction": Output("ring steady", "1", "effective friction coefficient, mean over the orbit"),
+        "film_parameter": Output("ring steady", "1", "smallest film parameter Lambda"),
+        "roller_slip": Output("steady angle", "1", "roller slip"),
+        "normal_force": Output("ring steady angle", "N", "normal force"),
+        "driving_torque": Output("cage_slip", "N m", "torque with which the rollers drive the cage"),
+        "drag_torque": Output("cage_slip", "N m", "torque with which the drags resist the cage"),
+        **{name: output for varied in VARIED for name, output in _followed_outputs(varied).items()},
+        **REGIMES,
+    }
+)
+
+
 def _range(name: str) -> Any:
     unit, what = VARIED[name]
     return parameter(
@@ -56,8 +114,19 @@ def _range(name: str) -> Any:
 
 
 @attrs.frozen(kw_only=True)
-class SteadySlip:
-    """Settings of the study."""
+class SteadySlip(Study):
+    """The cage slips at which a bearing runs on, found without integrating in time."""
+
+    name: ClassVar[str] = "steady-slip"
+    outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
+    judged: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"critical_slip": "largest_drag_slip", "friction": "largest_drag"}
+    )
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants", "table_tolerance"}
+    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"orbits": "a steady motion of the rollers for every slip that is asked for"}
+    )
+    with_cage: ClassVar[bool] = True
 
     max_cage_slip: float = parameter(
         default=0.9, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
@@ -99,6 +168,48 @@ class SteadySlip:
         """Whether the curves are means over the instants of a pitch."""
         return True
 
+    @property
+    def nested(self) -> bool:
+        """Whether fewer instants are among more; each number is computed for itself."""
+        return False
+
+    def curved(self, assembly: Assembly) -> "SteadySlip":
+        """Return the study itself."""
+        return self
+
+    def beyond(self, assembly: Assembly) -> None:
+        """Evaluate nothing: the slip-drag curve is all there is."""
+
+    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
+        """Choose slices, instants, tables and laws by the slip-drag curve."""
+        return estimates.by_curves(self, assembly, share=_SHARE, tables=_TABLES, cheaper_laws=cheaper_laws)
+
+    def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
+        """Return four times as fine a resolution: the finest would take days."""
+        return refined(scene, own), "against four times as fine"
+
+    def cost(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return the time [s] of the motions of the rollers, from one of them."""
+        bearing, instants = assembly.resisting(), assembly.resolution.instants or 2
+        slip = 0.3 * self.max_cage_slip
+
+        def orbit() -> object:
+            return TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia).orbit(slip)
+
+        followed = sum(bool(getattr(self, name)) for name in VARIED)
+        return {"orbits": timed(orbit, 1) * (2 * self.points + _ORBITS + _BRANCH * followed)}
+
+    def without(self, outputs: frozenset[str]) -> "SteadySlip":
+        """Return a study that does not follow the slips against what nobody asked for."""
+        dropped = [name for name in VARIED if outputs >= _followed_outputs(name).keys()]
+        return self.evolved(**dict.fromkeys(dropped, ())) if dropped else self
+
+    def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
+        """Return the least steady slip that the cage holds."""
+        stable = dataset["stable"].to_numpy() == 1 if "stable" in dataset else np.zeros(0, dtype=bool)
+        slip = float(dataset["steady_slip"].to_numpy()[stable][0]) if stable.any() else np.nan
+        return {"steady cage slip": Compared([[slip]], str(dataset["status"].item()))}
+
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return the driving torque, (k, 1, n), each number of instants for itself."""
         bearing = assembly.resisting()
@@ -115,7 +226,7 @@ class SteadySlip:
         """
         return tuple(("drag", model) for model in assembly.cage.drags)
 
-    def run(self, assembly: Assembly) -> "xr.Dataset":
+    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
         """Return the slip-drag curve, the steady slips, and how they go with what is varied.
 
         Returns
@@ -153,7 +264,7 @@ class SteadySlip:
                 about("rad", "position from the line of load, in the sense of the orbit"),
             )
         variables |= _films(balance, states, steady=bool(slips))
-        variables["status"] = ((), _status(balance, curve, largest, slips), about("1", "what was found"))
+        variables |= self.variables(status=_status(balance, curve, largest, slips))
         for name in VARIED:
             if limits := getattr(self, name):
                 found = self._followed(assembly, instants, name, limits, slips)
@@ -163,8 +274,8 @@ class SteadySlip:
         return xr.Dataset(
             variables,
             coords,
-            attrs={
-                "study": "steady-slip",
+            attrs=self.attributes
+            | {
                 "friction": self.friction,
                 "inertia": int(self.inertia),
                 "inertia_effect": self._inertia_effect(balance),
@@ -176,9 +287,9 @@ class SteadySlip:
             },
         )
 
-    def only(self, assembly: Assembly, names: frozenset[str]) -> tuple[dict[str, Any], dict[str, Any]] | None:
+    def only(self, assembly: Assembly, outputs: frozenset[str]) -> Some | None:
         """Return steady slips and status as `run` finds them; None if more is asked than these."""
-        if not names <= {"steady_slip", "status"}:
+        if not outputs <= {"steady_slip", "status"}:
             return None
         assembly = _loaded(assembly).resisting()
         instants = assembly.resolution.instants
@@ -186,11 +297,10 @@ class SteadySlip:
         curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
         slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
         largest = locate(balance.torque, curve.slip, curve.torque, "max_cage_slip")
-        found: dict[str, Any] = {
-            "status": ((), _status(balance, curve, largest, slips), about("1", "what was found")),
-            "steady_slip": ("steady", np.array(slips), about("1", "steady cage slip")),
+        status = _status(balance, curve, largest, slips)
+        return self.variables(status=status, steady_slip=np.array(slips)), {
+            "steady": ("steady", np.arange(len(slips)), about("1", "steady cage slip"))
         }
-        return found, {"steady": ("steady", np.arange(len(slips)), about("1", "steady cage slip"))}
 
     def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
         return TorqueBalance(
@@ -242,45 +352,36 @@ class SteadySlip:
         coarser = self._balance(balance.assembly.coarser(), balance.instants)
         return _moved(self._judged(coarser), self._judged(balance))
 
-    def _curve(
-        self, balance: TorqueBalance, curve: TorqueCurve, largest: Critical
-    ) -> tuple[dict[str, Any], dict[str, Any]]:
-        drag = np.array([-balance.drag(float(slip)) for slip in curve.slip])
-        return {
-            "driving_torque": ("cage_slip", curve.torque, about("N m", "torque with which the rollers drive the cage")),
-            "drag_torque": ("cage_slip", drag, about("N m", "torque with which the drags resist the cage")),
-            "largest_drag": ((), largest.friction, about("N m", "largest drag torque that the cage can carry")),
-            "largest_drag_slip": ((), largest.slip, about("1", "cage slip of the largest drag torque")),
-            "largest_drag_status": ((), largest.status, about("1", "what was found of the largest drag torque")),
-        }, {
+    def _curve(self, balance: TorqueBalance, curve: TorqueCurve, largest: Critical) -> Some:
+        return self.variables(
+            driving_torque=curve.torque,
+            drag_torque=np.array([-balance.drag(float(slip)) for slip in curve.slip]),
+            largest_drag=largest.friction,
+            largest_drag_slip=largest.slip,
+            largest_drag_status=largest.status,
+        ), {
             "cage_slip": ("cage_slip", curve.slip, about("1", "cage slip")),
             "ring": ("ring", np.array(RINGS), about("1", "ring")),
         }
 
     def _steady(self, balance: TorqueBalance, curve: TorqueCurve, states: list[Orbit]) -> dict[str, Any]:
         kinds = [self._stability(balance, curve, state) for state in states]
-        rings, carried = ("ring", "steady"), [0.0 - balance.drag(state.cage_slip) for state in states]
         force = np.stack([state.force for state in states], axis=1)
         traction = np.stack([state.traction for state in states], axis=1)
         total = force.sum(axis=2)
         friction = np.divide(traction.sum(axis=2), total, out=np.full_like(total, np.nan), where=total > 0.0)
         direction = balance.assembly.kinematics.direction
-        speeds = np.array([direction * balance.cage_speed(state.cage_slip) for state in states])
-        return {
-            "steady_slip": ("steady", np.array([s.cage_slip for s in states]), about("1", "steady cage slip")),
-            "cage_speed": ("steady", speeds, about("rad/s", "cage speed")),
-            "torque": ("steady", np.array(carried), about("N m", "drag torque that is carried")),
-            "stable": ("steady", np.array([kind == "stable" for kind in kinds]).astype(np.int8), about("1", "held")),
-            "stability": ("steady", np.array(kinds), about("1", "stability in words")),
-            "multiplier": (
-                "steady",
-                np.array([s.multiplier for s in states]),
-                about("1", "what an orbit leaves of a disturbance of the rollers' spin"),
-            ),
-            "effective_friction": (rings, friction, about("1", "effective friction coefficient, mean over the orbit")),
-            "roller_slip": (("steady", "angle"), np.stack([s.roller_slip for s in states]), about("1", "roller slip")),
-            "normal_force": (("ring", "steady", "angle"), force, about("N", "normal force")),
-        }
+        return self.variables(
+            steady_slip=np.array([s.cage_slip for s in states]),
+            cage_speed=np.array([direction * balance.cage_speed(state.cage_slip) for state in states]),
+            torque=np.array([0.0 - balance.drag(state.cage_slip) for state in states]),
+            stable=np.array([kind == "stable" for kind in kinds]).astype(np.int8),
+            stability=np.array(kinds),
+            multiplier=np.array([s.multiplier for s in states]),
+            effective_friction=friction,
+            roller_slip=np.stack([s.roller_slip for s in states]),
+            normal_force=force,
+        )
 
     def _stability(self, balance: TorqueBalance, curve: TorqueCurve, state: Orbit) -> str:
         """Say whether the cage holds a slip: whether more slip leaves more torque to speed it up."""
@@ -371,7 +472,7 @@ def _films(balance: TorqueBalance, states: list[Orbit], *, steady: bool) -> dict
     where = ", at the steady slips" if steady else ", over the range of slips"
     found = regime_variables(share, largest, light, where)
     if steady:
-        found["film_parameter"] = (("ring", "steady"), thinnest, about("1", "smallest film parameter Lambda"))
+        found |= SteadySlip.variables(film_parameter=thinnest)
     return found
 
 
@@ -398,38 +499,30 @@ def _status(balance: TorqueBalance, curve: TorqueCurve, largest: Critical, slips
     )
 
 
-def _branches(name: str, limits: tuple[float, float], found: list[Branch]) -> dict[str, Any]:
+def _branches(name: str, limits: tuple[float, float], branches: list[Branch]) -> dict[str, Any]:
     unit, what = VARIED[name]
-
-    def along(values: list[Any], unit: str, text: str) -> tuple[str, Array, dict[str, Any]]:
-        return f"{name}_point", np.concatenate(values), about(unit, text)
-
-    limit = found[0].nearest_fold() if found else None
+    limit = branches[0].nearest_fold() if branches else None
     value, slip, status = np.nan, np.nan, "found"
     if limit is not None:
-        value, slip = float(found[0].parameter[limit]), float(found[0].slip[limit])
-    elif found:
+        value, slip = float(branches[0].parameter[limit]), float(branches[0].slip[limit])
+    elif branches:
         status = f"no limit of the {what}: the steady slips have no fold between {limits[0]:g} and {limits[1]:g} {unit}"
     else:
         ends = f"{limits[0]:g} nor at {limits[1]:g} {unit}"
         status = f"no limit of the {what}: the cage carries its drag neither at {ends}"
-    branches = (
-        {
-            name: along([b.parameter for b in found], unit, what),
-            f"{name}_slip": along([b.slip for b in found], "1", "steady cage slip"),
-            f"{name}_stable": along([b.stable.astype(np.int8) for b in found], "1", "whether the cage holds it"),
-            f"{name}_fold": along(
-                [b.at_fold.astype(np.int8) for b in found], "1", "whether stable and unstable slips meet"
-            ),
-            f"{name}_branch": along(
-                [np.full(b.slip.size, k) for k, b in enumerate(found)], "1", "number of the branch"
-            ),
-        }
-        if found
-        else {}
-    )
-    return branches | {
-        f"{name}_limit": ((), value, about(unit, f"{what} at which stable and unstable slips meet")),
-        f"{name}_limit_slip": ((), slip, about("1", "cage slip there")),
-        f"{name}_limit_status": ((), status, about("1", "what was found of the limit")),
+    along: dict[str, list[Any]] = {
+        name: [b.parameter for b in branches],
+        f"{name}_slip": [b.slip for b in branches],
+        f"{name}_stable": [b.stable.astype(np.int8) for b in branches],
+        f"{name}_fold": [b.at_fold.astype(np.int8) for b in branches],
+        f"{name}_branch": [np.full(b.slip.size, k) for k, b in enumerate(branches)],
     }
+    values: dict[str, Any] = {key: np.concatenate(each) for key, each in along.items()} if branches else {}
+    values |= {f"{name}_limit": value, f"{name}_limit_slip": slip, f"{name}_limit_status": status}
+    return SteadySlip.variables(**values)
+
+
+@hookimpl
+def studies() -> list[type[Study]]:
+    """Offer the study."""
+    return [SteadySlip]

@@ -13,23 +13,20 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol
 
 import attrs
 import numpy as np
 
+from rollslip.bearing.assembly import Array, Assembly
 from rollslip.bearing.critical import slip_grid
 from rollslip.bearing.resolution import Resolution, finest
-from rollslip.errors import RollslipError
-from rollslip.planning.bounds import BoundaryFriction, ExactLaw, Extremes, LeftOut
-from rollslip.studies.dynamics.choice import choose_motion
-from rollslip.studies.dynamics.study import Dynamics, averaging
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import FrictionCurve
-from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip.errors import ConvergenceError
+from rollslip.studies.answers import Errors, Estimated
+from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes, LeftOut
 
 if TYPE_CHECKING:
-    from rollslip.bearing.assembly import Array, Assembly
+    import xarray as xr
 
 #: Share of the tolerance that slices and instants may take, and that laws evaluated more cheaply may.
 _AIM: Final = 0.5
@@ -37,12 +34,12 @@ _LAW: Final = 0.1
 #: Slices of the ladder and those they are held against, on some instants of a pitch.
 _SLICES: Final = (8, 12, 16)
 _FINE: Final = 96
-_SOME: Final = 2
+SOME: Final = 2
 #: Instants of the ladder, each a part of the last, which they are held against; few slices tell of them.
 _INSTANTS: Final = (1, 2, 3, 4, 6, 12)
 #: Likewise, where each number is computed for itself.
 _SINGLY: Final = (1, 2, 3, 6)
-_FEW: Final = 12
+FEW: Final = 12
 _QUADRATURES: Final = ("equal", "gauss")
 #: Slips by which maxima are looked for, over the range and then around the best.
 _GRID, _AROUND = 13, 7
@@ -53,11 +50,6 @@ _RIVAL: Final = 0.7
 _LEVEL: Final = 1e-9
 #: How far beyond what was met groups of the rheology may go before a closed form gives way.
 _MARGIN: Final = 1.2
-#: A usual tolerance of a step; that of tables for a short motion, and its time [s].
-_STEP, _ROUGH, _SHORT = 1e-5, 1e-2, 5e-3
-
-#: Result -> relative error.
-Errors = Mapping[str, float]
 
 
 class Curved(Protocol):
@@ -73,15 +65,24 @@ class Curved(Protocol):
         """Whether the curves are means over the instants of a pitch."""
         ...
 
-    def curves(self, assembly: "Assembly", slip: "Array", instants: Sequence[int]) -> "Array":
+    @property
+    def nested(self) -> bool:
+        """Whether fewer instants are among more, and cost nothing beside them."""
+        ...
+
+    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return the curves at some slips, on each of some numbers of instants, (k, curves, n)."""
+        ...
+
+    def beyond(self, assembly: Assembly) -> None:
+        """Evaluate a few contacts of what a run evaluates beside its curves."""
         ...
 
 
 class Probe:
     """The curves of a study at few slips: some over the range, three around each maximum."""
 
-    def __init__(self, study: Curved, assembly: "Assembly") -> None:
+    def __init__(self, study: Curved, assembly: Assembly) -> None:
         self.study = study
         grid = slip_grid(study.slip_range, _GRID)
         slips, self._peaks = [*grid[3::3]], list[tuple[int, int, float]]()
@@ -98,28 +99,28 @@ class Probe:
         self._slip = np.array(slips)
 
     @staticmethod
-    def _highest(curves: "Array") -> Iterator[tuple[int, int]]:
+    def _highest(curves: Array) -> Iterator[tuple[int, int]]:
         """Number of a curve and the place of a maximum, for all that may be the largest at a finer resolution."""
         for k, curve in enumerate(curves):
             padded = np.concatenate(([-np.inf], curve, [-np.inf]))
             peak = (curve >= padded[:-2]) & (curve > padded[2:]) & (curve >= _RIVAL * curve.max()) & (curve > 0.0)
             yield from ((k, int(at)) for at in np.flatnonzero(peak))
 
-    def _curves(self, assembly: "Assembly", slip: "Array") -> "Array":
+    def _curves(self, assembly: Assembly, slip: Array) -> Array:
         return np.asarray(self.study.curves(assembly, slip, (1,))[0])
 
-    def measure(self, assembly: "Assembly", instants: Sequence[int]) -> list[tuple["Array", "Array"]]:
+    def measure(self, assembly: Assembly, instants: Sequence[int]) -> list[tuple[Array, Array]]:
         """Return the curves, and the slips of their maxima, on each of some numbers of instants."""
         found = self.study.curves(assembly, self._slip, instants)
         return [(curves, np.array([self._vertex(curves, *peak) for peak in self._peaks])) for curves in found]
 
-    def _vertex(self, curves: "Array", k: int, first: int, step: float) -> float:
+    def _vertex(self, curves: Array, k: int, first: int, step: float) -> float:
         low, middle, high = curves[k, first : first + 3]
         curvature = low - 2.0 * middle + high
         return float(self._slip[first + 1] + 0.5 * step * (low - high) / curvature) if curvature < 0.0 else math.nan
 
 
-def difference(coarse: tuple["Array", "Array"], fine: tuple["Array", "Array"]) -> Errors:
+def difference(coarse: tuple[Array, Array], fine: tuple[Array, Array]) -> Errors:
     """Return the relative errors of friction, of the largest of its curve, and of the critical slip."""
     scale = np.abs(fine[0]).max(axis=1, keepdims=True)
     friction = np.abs(coarse[0] - fine[0]) / np.where(scale > 0.0, scale, 1.0)
@@ -155,99 +156,70 @@ class Bound:
         return max(needed, default=0.0)
 
 
-@attrs.frozen(kw_only=True)
-class Chosen:
-    """A resolution for a study: what its parts are estimated to leave, and what is left out under a bound.
-
-    Attributes
-    ----------
-    resolution : Resolution
-        The resolution.
-    errors : mapping
-        Part -> result -> estimated relative error.
-    left_out : tuple of LeftOut
-        What is left out under a bound.
-    reasons : mapping
-        Setting of study dynamics that the scene does not name -> why it was chosen.
-    failed : str
-        Why there are no estimates; empty if there are.
-    """
-
-    resolution: Resolution
-    errors: Mapping[str, Errors] = attrs.field(factory=dict)
-    left_out: tuple[LeftOut, ...] = ()
-    reasons: Mapping[str, str] = attrs.field(factory=dict)
-    failed: str = ""
-
-    @property
-    def total(self) -> Errors:
-        """Sum of the errors of all parts, result by result."""
-        return total(self.errors)
-
-
-def total(errors: Mapping[str, Errors]) -> Errors:
-    """Return the sum of the errors of all parts, result by result."""
-    names = dict.fromkeys(name for part in errors.values() for name in part)
-    return {name: sum(part.get(name, 0.0) for part in errors.values()) for name in names}
-
-
-def choose(study: object, assembly: "Assembly", *, cheaper_laws: bool = True) -> Chosen:
-    """Choose the resolution of a study by what a scene asks for.
+def by_curves(
+    curved: Curved, assembly: Assembly, *, share: float = 1.0, tables: float = 0.0, cheaper_laws: bool = True
+) -> Estimated:
+    """Choose the resolution of a study by its curves, on a ladder of few slices and instants.
 
     Parameters
     ----------
-    study : Study
-        The study.
+    curved : Curved
+        What gives the curves.
     assembly : Assembly
         Its bearing, as the scene states it.
+    share : float
+        Share of the tolerance that slices and instants may use.
+    tables : float
+        Share of the tolerances of friction and cage speed that tables may take, 0 where there are none.
     cheaper_laws : bool
         Whether a law may be evaluated more cheaply, or another serve in its place.
 
-    Returns
-    -------
-    Chosen
-        If the curves cannot be computed, as the scene states, with the reason: the run will say the same.
+    Raises
+    ------
+    RollslipError
+        If the curves cannot be computed.
     """
-    scene = assembly.scene
-    accuracy, best = scene.accuracy, finest(scene)
-    try:
-        curved, share = (averaging(scene), 0.5) if isinstance(study, Dynamics) else (study, 1.0)
-        if isinstance(study, SteadySlip):
-            share = 0.5
-        assert isinstance(curved, EffectiveFriction | FrictionCurve | SteadySlip)
-        if accuracy.exact:
-            best = attrs.evolve(best, instants=best.instants if curved.averaged else 1)
-            if isinstance(study, Dynamics):
-                return _motion(Chosen(resolution=best), study, assembly)
-            return Chosen(resolution=best)
-        chosen, probe, few = _curves(curved, assembly, share)
-        if not isinstance(study, Dynamics):
-            chosen = _laws(chosen, probe, few, cheaper_laws)
-        if share < 1.0:
-            table = 0.2 * min(accuracy.of("friction"), accuracy.of("cage_speed"))
-            resolution = attrs.evolve(chosen.resolution, table_tolerance=table)
-            chosen = attrs.evolve(
-                chosen, resolution=resolution, errors={**chosen.errors, "tables": {"friction": table}}
-            )
-        if isinstance(study, Dynamics):
-            chosen = _motion(chosen, study, assembly)
-            if "relative_tolerance" not in scene.study.get("dynamics", {}):
-                chosen = _steps(chosen, study.at(chosen.resolution), few)
-        return chosen
-    except RollslipError as error:
-        return Chosen(resolution=assembly.resolution, failed=str(error))
+    if assembly.scene.accuracy.exact:
+        return exactly(curved, assembly)
+    estimated, probe, few = _curves(curved, assembly, share)
+    return with_tables(_laws(estimated, probe, few, cheaper_laws), assembly, tables)
 
 
-def _curves(study: Curved, assembly: "Assembly", share: float) -> "tuple[Chosen, Probe, Assembly]":
+def exactly(curved: Curved, assembly: Assembly) -> Estimated:
+    """Return the finest of all, on as many instants as the curves are means over."""
+    best = finest(assembly.scene)
+    return Estimated(resolution=attrs.evolve(best, instants=best.instants if curved.averaged else 1))
+
+
+def slices_and_instants(curved: Curved, assembly: Assembly, share: float) -> tuple[Estimated, Assembly]:
+    """Choose slices and instants alone; return the bearing with few slices, too, that they were chosen with."""
+    estimated, _, few = _curves(curved, assembly, share)
+    return estimated, few
+
+
+def with_tables(estimated: Estimated, assembly: Assembly, share: float) -> Estimated:
+    """Return a choice with tables that take a share of the tolerances of friction and cage speed."""
+    if not share:
+        return estimated
+    accuracy = assembly.scene.accuracy
+    table = share * min(accuracy.of("friction"), accuracy.of("cage_speed"))
+    return attrs.evolve(
+        estimated,
+        resolution=attrs.evolve(estimated.resolution, table_tolerance=table),
+        errors={**estimated.errors, "tables": {"friction": table}},
+    )
+
+
+def _curves(study: Curved, assembly: Assembly, share: float) -> tuple[Estimated, Probe, Assembly]:
     """Slices and instants; also the probe, and the bearing with few slices that it was made for."""
     accuracy, best = assembly.scene.accuracy, finest(assembly.scene)
     allowed = {name: _AIM * share * accuracy.of(name) for name in ("friction", "critical_slip")}
     even, fixed = assembly.slices == 1, accuracy.slices is not None
-    few = assembly.at(attrs.evolve(assembly.resolution, slices=_FEW, quadrature="equal"))
+    few = assembly.at(attrs.evolve(assembly.resolution, slices=FEW, quadrature="equal"))
     probe = Probe(study, few)
     instants, over_instants = 1, Bound(constants={})
     if study.averaged:
-        numbers = _SINGLY if isinstance(study, SteadySlip) else _INSTANTS
+        numbers = _INSTANTS if study.nested else _SINGLY
         *ladder, fine = probe.measure(few, numbers)
         errors = [difference(one, fine) for one in ladder]
         over_instants = Bound.over(numbers[:-1], errors, numbers[-1])
@@ -257,18 +229,18 @@ def _curves(study: Curved, assembly: "Assembly", share: float) -> "tuple[Chosen,
     rest = {name: max(error - left.get(name, 0.0), 0.3 * error) for name, error in allowed.items()}
     slices, quadrature, over_slices = assembly.resolution.slices, "equal", Bound(constants={})
     if not even:
-        (fine,) = probe.measure(few.at(attrs.evolve(few.resolution, slices=_FINE)), (_SOME,))
+        (fine,) = probe.measure(few.at(attrs.evolve(few.resolution, slices=_FINE)), (SOME,))
         bounds = {}
         for rule in _QUADRATURES[: 1 if fixed else None]:
             each = [few.at(attrs.evolve(few.resolution, slices=n, quadrature=rule)) for n in _SLICES]
-            errors = [difference(probe.measure(one, (_SOME,))[0], fine) for one in each]
+            errors = [difference(probe.measure(one, (SOME,))[0], fine) for one in each]
             bounds[rule] = Bound.over(_SLICES, errors, _FINE)
         quadrature = min(bounds, key=lambda rule: bounds[rule].needed(rest))
         over_slices = bounds[quadrature]
         slices = accuracy.slices or _whole(over_slices.needed(rest), _SLICES[0], best.slices)
     found = {"slices": over_slices.at(slices), "instants": over_instants.at(instants)}
     return (
-        Chosen(
+        Estimated(
             resolution=attrs.evolve(assembly.resolution, slices=slices, quadrature=quadrature, instants=instants),
             errors={part: error for part, error in found.items() if error},
         ),
@@ -281,14 +253,13 @@ def _whole(number: float, least: int, most: int | None) -> int:
     return int(min(max(math.ceil(min(number, 1e9)), least), most or least))
 
 
-def _laws(chosen: Chosen, probe: Probe, few: "Assembly", cheaper_laws: bool) -> Chosen:
+def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) -> Estimated:
     """Leave boundary friction out where films are full, and evaluate laws as cheaply as their share allows."""
     accuracy, law, left_out = few.scene.accuracy, few.traction.full_film, list[LeftOut]()
     resolution, errors = chosen.resolution, dict(chosen.errors)
     extremes, limit = Extremes(rheology=law.closed_form is not None), few.traction.full_film_from
     probe.measure(few.watched(extremes), (1,))
-    if isinstance(probe.study, EffectiveFriction) and probe.study.map_points:
-        probe.study.loaded(few.watched(extremes), 1).map(probe.study.max_cage_slip, 2)
+    probe.study.beyond(few.watched(extremes))
     if limit is not None and extremes.thinnest >= limit:
         resolution = attrs.evolve(resolution, boundary=False)
         left_out.append(BoundaryFriction(limit))
@@ -312,50 +283,77 @@ def _laws(chosen: Chosen, probe: Probe, few: "Assembly", cheaper_laws: bool) -> 
     return attrs.evolve(chosen, resolution=resolution, errors=errors, left_out=tuple(left_out))
 
 
-def _motion(chosen: Chosen, study: Dynamics, assembly: "Assembly") -> Chosen:
-    """Friction, level and integrator, where the scene does not name them."""
-    found = choose_motion(study, assembly.at(chosen.resolution), [*assembly.scene.study.get("dynamics", {})])
-    return attrs.evolve(
-        chosen,
-        resolution=attrs.evolve(chosen.resolution, **found.settings),
-        errors={**chosen.errors, **found.errors},
-        reasons=found.reasons,
-    )
+# Without curves -------------------------------------------------------------------------------------------------------
 
 
-def _steps(chosen: Chosen, study: Dynamics, few: "Assembly") -> Chosen:
-    """Tolerance of a step: errors of the speeds over a short time go with it, in proportion at most."""
-    accuracy = few.scene.accuracy
-    moving = study.moving(few.at(attrs.evolve(few.resolution, table_tolerance=_ROUGH)))
-    span = min(_SHORT, study.duration)
-    motions = (study.tried(moving, np.array([0.0, span]), tolerance) for tolerance in (_STEP, 1e-3 * _STEP))
-    rough, fine = (float(moving.split(found.y)["cage_speed"][-1]) for found in motions)
-    error = abs(rough - fine) / abs(few.kinematics.epicyclic_cage_speed) * study.duration / span
-    share = 0.2 * accuracy.of("cage_speed")
-    # nobody has seen a step of more than the typical tolerance do well where a contact opens
-    tolerance = min(max(_STEP * share / max(error, 1e-300), finest(few.scene).integrator_tolerance or 0.0), _STEP)
-    return attrs.evolve(
-        chosen,
-        resolution=attrs.evolve(chosen.resolution, integrator_tolerance=tolerance),
-        errors={**chosen.errors, "steps": {"cage_speed": error * tolerance / _STEP}},
-    )
+class Judged(Protocol):
+    """A study whose results can be held against each other."""
+
+    judged: ClassVar[Mapping[str, str]]
+    acts: ClassVar[frozenset[str]]
+
+    def run(self, assembly: Assembly) -> "xr.Dataset":
+        """Return the result."""
+        ...
 
 
-def judge(study: object, assembly: "Assembly", chosen: Chosen) -> Mapping[str, Errors]:
-    """Return what slices and instants leave, measured afterwards where they were chosen: against twice as many each.
+def by_doubling(study: Judged, assembly: Assembly) -> Estimated:
+    """Choose the resolution of a study of which nothing else is known: doubled until what is judged stands still.
 
-    What the doubling moves is 3/4 of an error that falls with the square.
+    Instants are doubled with few slices, slices with few instants. What the last doubling moved is taken for the error
+    that is left, which bounds it where it falls at least with the inverse of their number.
+
+    Raises
+    ------
+    ConvergenceError
+        If the finest of all still moves it by more than its share.
+    RollslipError
+        If the study cannot be run.
     """
-    curved = averaging(assembly.scene) if isinstance(study, Dynamics) else study
-    resolution = chosen.resolution
-    if resolution.instants is None:
-        return {}
-    assert isinstance(curved, EffectiveFriction | FrictionCurve | SteadySlip)
-    few = assembly.at(attrs.evolve(resolution, slices=min(_FEW, assembly.slices), quadrature="equal"))
-    probe, found = Probe(curved, few), dict[str, Errors]()
-    if assembly.slices > 1:
-        finer = assembly.at(attrs.evolve(resolution, slices=2 * resolution.slices))
-        found["slices"] = difference(probe.measure(assembly, (_SOME,))[0], probe.measure(finer, (_SOME,))[0])
-    if curved.averaged:
-        found["instants"] = difference(*probe.measure(few, (resolution.instants, 2 * resolution.instants)))
-    return {part: {name: error / 0.75 for name, error in errors.items()} for part, errors in found.items()}
+    accuracy, best = assembly.scene.accuracy, finest(assembly.scene)
+    if accuracy.exact or not study.judged:
+        return Estimated(resolution=best if study.judged else assembly.resolution)
+    share = 0.5 * _AIM  # slices and instants add up
+    errors = dict[str, Errors]()
+    few = attrs.evolve(assembly.resolution, slices=accuracy.slices or _SLICES[0], quadrature="equal", instants=SOME)
+
+    def with_many(part: str, number: int) -> "xr.Dataset":
+        changes: dict[str, Any] = {part: number}
+        return study.run(assembly.at(attrs.evolve(few, **changes)))
+
+    def doubled(part: str, start: int, most: int) -> int:
+        number, before = start, with_many(part, start)
+        while number < most:
+            number = min(2 * number, most)
+            after = with_many(part, number)
+            errors[part] = errors_between(study.judged, before, after)
+            if all(error <= share * accuracy.of(result) for result, error in errors[part].items()):
+                return number
+            before = after
+        found = ", ".join(f"{result} by {error:.1e}" for result, error in errors[part].items())
+        raise ConvergenceError(f"the last doubling up to {most} {part} still moves {found}; raise accuracy.tolerance")
+
+    instants = doubled("instants", 1, best.instants or 1) if "instants" in study.acts else 1
+    slices = few.slices
+    if assembly.slices > 1 and "slices" in study.acts and accuracy.slices is None:
+        slices = doubled("slices", _SLICES[0], best.slices)
+    return Estimated(resolution=attrs.evolve(few, slices=slices, instants=instants), errors=errors)
+
+
+def errors_between(judged: Mapping[str, str], dataset: "xr.Dataset", fine: "xr.Dataset") -> dict[str, float]:
+    """Return the relative errors of a result against a finer one, infinite where only one has a value.
+
+    A variable of several values is a curve, and relative to its largest one; critical slips are each relative to
+    themselves.
+    """
+    errors = {}
+    for result, name in judged.items():
+        coarse, true = (np.atleast_1d(one[name].to_numpy()) for one in (dataset, fine))
+        if coarse.shape != true.shape or np.any(np.isnan(coarse) != np.isnan(true)):
+            errors[result] = math.inf
+            continue
+        scale = np.abs(true) if result == "critical_slip" else np.nanmax(np.abs(true), axis=-1, keepdims=True)
+        off = np.abs(coarse - true) / np.where(scale > 0.0, scale, 1.0)
+        if not np.all(np.isnan(off)):
+            errors[result] = float(np.nanmax(off))
+    return errors

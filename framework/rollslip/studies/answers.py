@@ -1,0 +1,176 @@
+"""What a study answers with, where plan and campaigns ask it: outputs, resolution with errors, lines of a plan."""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import attrs
+
+from rollslip.bearing.assembly import Array, Ring
+from rollslip.bearing.resolution import Resolution
+from rollslip.motion.checkpoints import RunStore
+from rollslip.results.dataset import about
+from rollslip.studies.bounds import LeftOut
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Key of [accuracy] -> relative error.
+Errors: TypeAlias = Mapping[str, float]
+#: Name -> dimensions, values and attributes.
+Variables: TypeAlias = Mapping[str, tuple[tuple[str, ...], Any, Mapping[str, Any]]]
+#: Some variables of a result, and the coordinates of their dimensions.
+Some: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
+
+
+@attrs.frozen
+class Output:
+    """A variable of the result of a study.
+
+    Attributes
+    ----------
+    dims : str
+        Its dimensions, with spaces between; empty for a single value.
+    unit : str
+        SI unit, "1" for shares, words and numbers.
+    meaning : str
+        What it is; its ``long_name``.
+    status : str
+        Variable that says in words whether there is a value, where it may be missing.
+    default : bool
+        Whether a point of a sweep keeps it where nothing is asked for.
+    attribute : bool
+        Whether it is an attribute of the result: a single value about the whole run.
+    """
+
+    dims: str
+    unit: str
+    meaning: str
+    status: str = attrs.field(default="", kw_only=True)
+    default: bool = attrs.field(default=False, kw_only=True)
+    attribute: bool = attrs.field(default=False, kw_only=True)
+
+    def variable(self, values: Any) -> tuple[tuple[str, ...], Any, dict[str, Any]]:
+        """Return values as a variable of a dataset."""
+        return tuple(self.dims.split()), values, about(self.unit, self.meaning)
+
+
+@attrs.frozen(kw_only=True)
+class Curves:
+    """The friction curves of a study, by the names of its variables: what is compared and drawn.
+
+    Attributes
+    ----------
+    variable, over, slip : str
+        Friction, the dimension with one curve for each value, and the slip that it is plotted against.
+    critical : str
+        Slip of the largest friction of each curve; ``critical_friction`` and ``critical_status`` belong to it.
+    """
+
+    variable: str
+    over: str
+    slip: str
+    critical: str
+
+    @property
+    def attribute(self) -> str:
+        """The attribute ``curves`` of a result."""
+        return json.dumps(attrs.asdict(self))
+
+    @classmethod
+    def of(cls, dataset: "xr.Dataset") -> "Curves | None":
+        """Return the curves of a result, None if it has none."""
+        said = dataset.attrs.get("curves")
+        return None if said is None else cls(**json.loads(said))
+
+
+@attrs.frozen(kw_only=True)
+class Estimated:
+    """A resolution for a study: what its parts are estimated to leave, and what is left out under a bound.
+
+    Attributes
+    ----------
+    resolution : Resolution
+        The resolution.
+    errors : mapping
+        Part -> key of [accuracy] -> estimated relative error.
+    left_out : tuple of LeftOut
+        What is left out under a bound.
+    reasons : mapping
+        Setting of the study that the scene does not name -> why it was chosen.
+    failed : str
+        Why there are no estimates; empty if there are.
+    """
+
+    resolution: Resolution
+    errors: Mapping[str, Errors] = attrs.field(factory=dict)
+    left_out: tuple[LeftOut, ...] = ()
+    reasons: Mapping[str, str] = attrs.field(factory=dict)
+    failed: str = ""
+
+    @property
+    def total(self) -> Errors:
+        """Sum of the errors of all parts, result by result."""
+        return total(self.errors)
+
+
+def total(errors: Mapping[str, Errors]) -> Errors:
+    """Return the sum of the errors of all parts, result by result."""
+    names = dict.fromkeys(name for part in errors.values() for name in part)
+    return {name: sum(part.get(name, 0.0) for part in errors.values()) for name in names}
+
+
+@attrs.frozen(kw_only=True)
+class Part:
+    """One line of the plan; ``study`` is empty where it is of all of them.
+
+    ``errors`` are the relative errors that it is estimated to leave, result by result, ``seconds`` its estimated cost.
+    """
+
+    part: str
+    included: bool = True
+    choice: str
+    resolution: str = ""
+    reason: str
+    study: str = ""
+    errors: Errors = attrs.field(factory=dict)
+    seconds: float | None = None
+
+
+@attrs.frozen
+class Compared:
+    """A result that choices are held against each other by: rows of values, one for each curve, or a single value.
+
+    Attributes
+    ----------
+    values : sequence
+        A row for each curve; a single value is one row of it.
+    status : str
+        What was found of a single value that may be missing.
+    tolerance : str
+        Key of [accuracy] that it is held against; empty for the general one.
+    """
+
+    values: Sequence[Sequence[float]]
+    status: str = "found"
+    tolerance: str = ""
+
+
+@attrs.frozen(eq=False)
+class Evaluated:
+    """Loaded slices that a study evaluates for one of its curves: what they are evaluated at, and the force on each."""
+
+    curve: int
+    ring: Ring
+    load: Array
+    rolling: Any
+    sliding: Any
+    force: Array
+
+
+@attrs.frozen(kw_only=True)
+class Keep:
+    """Where a long study leaves what it has computed so far, and whom it tells how far it has come."""
+
+    store: RunStore | None = None
+    progress: Callable[[str], None] | None = None

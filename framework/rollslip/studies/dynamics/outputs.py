@@ -1,0 +1,58 @@
+"""What study dynamics gives: its variables and single values, with dimensions, units and meanings."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from rollslip.studies.answers import Output
+from rollslip.studies.raceways import REGIMES
+
+_CONTACT, _ROLLER = "ring time roller", "time roller"
+
+
+def _nodes(ring: str) -> dict[str, Output]:
+    at = f"nodes of the effective friction of the {ring} raceway"
+    return {
+        f"{ring}_sliding": Output(f"{ring}_node", "m/s", f"sliding speed, {at}"),
+        f"{ring}_friction": Output(f"{ring}_node", "1", f"friction coefficient, {at}"),
+    }
+
+
+OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "cage_speed": Output("time", "rad/s", "speed of the cage"),
+        "cage_slip": Output("time", "1", "cage slip"),
+        "roller_speed": Output(_ROLLER, "rad/s", "spin of a roller relative to its orbit"),
+        "roller_slip": Output(_ROLLER, "1", "roller slip"),
+        "orbit_angle": Output(_ROLLER, "rad", "position from the line of load, in the sense of the orbit"),
+        "normal_force": Output(_CONTACT, "N", "normal force"),
+        "traction_force": Output(_CONTACT, "N", "traction, along the orbit"),
+        "sliding_speed": Output(_CONTACT, "m/s", "sliding speed"),
+        "film_parameter": Output(_CONTACT, "1", "smallest film parameter Lambda of a roller"),
+        "energy": Output("time", "J", "kinetic energy, and elastic energy of the pockets"),
+        "work_done": Output("work time", "J", "work done since the start"),
+        "energy_residual": Output("time", "J", "energy that the ledger does not explain"),
+        "angular_momentum": Output("time", "N m s", "angular momentum about the axis"),
+        "momentum_residual": Output("time", "N m s", "angular momentum that the ledger does not explain"),
+        "event_time": Output("event", "s", "time of the event"),
+        "event_what": Output("event", "1", "what happened"),
+        "event_rising": Output("event", "1", "1 where the watched value rose through its limit, 0 where it fell"),
+        "pocket_force": Output(_ROLLER, "N", "force of a roller on its pocket"),
+        "pocket_displacement": Output(_ROLLER, "m", "place of a roller from its pocket's middle"),
+        **_nodes("inner"),
+        **_nodes("outer"),
+        "ring_displacement": Output("direction time", "m", "displacement of the inner ring"),
+        "cage_displacement": Output("direction time", "m", "displacement of the cage"),
+        "land_eccentricity": Output(
+            "time", "1", "eccentricity of the cage on the land that guides it, in clearances"
+        ),
+        "steady_cage_slip": Output("", "1", "steady cage slip", status="steady_status", default=True, attribute=True),
+        "steady_status": Output("", "1", "steady status", attribute=True),
+        "critical_cage_slip": Output(
+            "", "1", "critical cage slip", status="critical_status", default=True, attribute=True
+        ),
+        "critical_status": Output("", "1", "critical status", attribute=True),
+        "outcome": Output("", "1", "outcome", attribute=True),
+        **REGIMES,
+    }
+)  # fmt: skip

@@ -1,0 +1,120 @@
+"""The lines of a plan that several studies have: slices, loads, what is left out, tables and steps."""
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly
+from rollslip.studies.answers import Errors, Estimated, Part
+
+
+def share_of(assembly: Assembly, estimated: Estimated) -> str:
+    """Say why slices and instants are as many as they are."""
+    if estimated.failed:
+        return f"there are no estimates: {estimated.failed}"
+    accuracy = assembly.scene.accuracy
+    share = " and ".join(f"{accuracy.of(result):g} ({result.replace('_', ' ')})" for result in estimated.total)
+    return f"the fewest whose estimated error keeps {share}" if share else "the finest of all"
+
+
+def slices(assembly: Assembly, errors: Errors, why: str) -> Part:
+    """Return how a contact is cut along the roller."""
+    scene, resolution = assembly.scene, assembly.resolution
+    bearing, tilted = scene.bearing, scene.operation.misalignment != 0.0
+    if assembly.slices == 1:
+        return Part(
+            part="slices",
+            included=False,
+            choice="one slice per contact",
+            resolution="1",
+            reason="straight rollers and aligned rings load a contact evenly along its length",
+        )
+    uneven = " and ".join(["the profile"] * (bearing.profile.shape != "none") + ["the misalignment"] * tilted)
+    points = "equal slices" if resolution.quadrature == "equal" else "points of Gauss and Legendre"
+    if scene.accuracy.slices is not None:
+        why = "accuracy.slices fixes their number"
+    return Part(
+        part="slices",
+        choice=f"profile {bearing.profile.shape}",
+        resolution=f"{assembly.slices} {points}",
+        reason=f"{uneven} loads a contact unevenly along its length; {why}",
+        errors=errors,
+    )
+
+
+def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -> list[Part]:
+    """Return how the load is spread over rollers and instants, and which rollers carry nothing."""
+    bearing, instants = assembly.scene.bearing, assembly.resolution.instants
+    doubled = f"instants doubled until the curve moves by less than {assembly.scene.accuracy.tolerance:g}"
+    loaded = int(np.count_nonzero(assembly.load_distribution(1).inner_force[0]))
+    return [
+        Part(
+            part="load distribution",
+            choice="quasi-static equilibrium of ring and rollers",
+            resolution=f"{bearing.rollers} rollers, " + (f"{instants} instants of a pitch" if instants else doubled),
+            reason=f"one revolution is much shorter than the cage's transient; {why}",
+            errors=errors,
+            seconds=seconds,
+        ),
+        Part(
+            part="unloaded contacts",
+            included=False,
+            choice="no friction stage",
+            resolution=f"{bearing.rollers - loaded} of {bearing.rollers} on the inner ring",
+            reason="they carry nothing, and averaging them in would be wrong",
+        ),
+    ]
+
+
+def friction(assembly: Assembly, errors: Mapping[str, Errors]) -> list[Part]:
+    """Return whether boundary friction takes part, and the law that serves in place of the scene's."""
+    resolution, found = assembly.resolution, list[Part]()
+    limit = assembly.at(attrs.evolve(resolution, boundary=True)).traction.full_film_from
+    if limit is not None:
+        said = (
+            "at the ends of the slips a film parameter is below it"
+            if resolution.boundary
+            else "it is watched at every evaluation, and boundary friction taken back in where one falls below it"
+        )
+        found.append(
+            Part(
+                part="boundary friction",
+                included=resolution.boundary,
+                choice="evaluated only on slices that need it",
+                reason=f"a film is full from a film parameter of {limit:g}; {said}",
+            )
+        )
+    law = assembly.traction.full_film.name
+    if "law" in errors:
+        found.append(
+            Part(
+                part="law of the full film",
+                choice=law if resolution.traction != "named" else f"{law} to {resolution.traction_error:.1e}",
+                resolution="every loaded slice",
+                reason="serves in place of the one that the scene names, from which it differs by less than its share",
+                errors=errors["law"],
+            )
+        )
+    return found
+
+
+def tables(assembly: Assembly, errors: Errors, seconds: float | None) -> Part:
+    """Return the tables of a bearing in motion."""
+    return Part(
+        part="tables",
+        choice="loads over the orbit, effective friction, slip-drag curve",
+        resolution=f"error {assembly.resolution.table_tolerance:.1e}",
+        reason="nodes are added until it is kept",
+        errors=errors,
+        seconds=seconds,
+    )
+
+
+def spent(costs: Mapping[str, float], meanings: Mapping[str, str]) -> list[Part]:
+    """Return what else costs time, a line for each part; a meaning may end with the resolution behind a bar."""
+    found = []
+    for part, seconds in costs.items():
+        reason, _, resolution = meanings.get(part, "a part of the study").partition("|")
+        found.append(Part(part=part, choice="", resolution=resolution, reason=reason, seconds=seconds))
+    return found

@@ -1,0 +1,71 @@
+"""What every study of the box says of itself holds for what it returns."""
+
+import pytest
+
+from rollslip import available, evolve, load_scene, run
+from rollslip.campaigns.pareto.candidates import AXES
+from rollslip.errors import SceneError
+from rollslip.scene.values import Accuracy
+from rollslip.studies.answers import Curves
+from rollslip.studies.study import settings, study_class
+
+SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.05, "accuracy.slices": 5})
+SHORT = {
+    "study.effective-friction.points": 5,
+    "study.effective-friction.map_points": 3,
+    "study.effective-friction.per_roller": True,
+    "study.friction-curve.points": 5,
+    "study.dynamics.duration": "0.1 ms",
+    "study.dynamics.points": 3,
+    "study.dynamics.level": "planar",
+    "study.dynamics.friction": "effective",
+    "study.dynamics.integrator": "rodas5p",
+    "study.dynamics.relative_tolerance": 1e-4,
+    "study.dynamics.planar.inner_ring_mass": "5 kg",
+    "study.steady-slip.points": 6,
+    "study.steady-slip.friction": "effective",
+    "study.steady-slip.radial_load": ["3 kN", "4 kN"],
+}
+#: Variables that need other settings than those above.
+ELSEWHERE = {
+    "steady-slip": {f"{name}{rest}" for name in ("inner_speed", "temperature") for rest in (
+        "", "_slip", "_stable", "_fold", "_branch", "_limit", "_limit_slip", "_limit_status")},
+}  # fmt: skip
+
+
+def test_the_studies_of_the_box_are_offered_like_those_of_others():
+    assert {name: offer.package for name, offer in available("study").items()} == dict.fromkeys(
+        ("dynamics", "effective-friction", "friction-curve", "steady-slip"), "rollslip"
+    )
+
+
+@pytest.mark.parametrize("name", available("study"))
+def test_what_a_study_says_of_itself_fits_together(name):
+    cls = study_class(name)
+    assert cls.name == name
+    assert set(cls.judged.values()) <= set(cls.outputs)
+    assert set(cls.judged) <= {"friction", "critical_slip", "cage_speed"} <= set(dir(Accuracy))
+    assert cls.acts <= set(AXES)
+    assert {output.status for output in cls.outputs.values()} - {""} <= set(cls.outputs)
+    assert any(output.default for output in cls.outputs.values())
+
+
+@pytest.mark.parametrize("name", available("study"))
+def test_a_result_has_the_outputs_that_are_declared(name):
+    result = run(evolve(SCENE, SHORT), name)
+    cls = study_class(name)
+    for variable in result.data_vars:
+        output = cls.outputs[variable]
+        assert result[variable].dims == tuple(output.dims.split())
+        assert result[variable].attrs["units"] == output.unit
+        assert result[variable].attrs["long_name"].startswith(output.meaning)
+    single = {name for name, output in cls.outputs.items() if output.attribute}
+    assert single <= set(result.attrs)
+    assert {*map(str, result.data_vars)} == cls.outputs.keys() - single - ELSEWHERE.get(name, set())
+    assert result.attrs["study"] == name
+    assert Curves.of(result) == cls.curves_of
+
+
+def test_an_unknown_study_is_answered_with_the_nearest():
+    with pytest.raises(SceneError, match="no study is called 'dynamic'; did you mean 'dynamics'"):
+        settings(SCENE, "dynamic")
