@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.assembly import Array, Assembly
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.kinds import Kind, Template
@@ -155,9 +155,34 @@ class Study(abc.ABC):
         """Return the settings that a resolution may change, as they are: integrator, friction ..."""
         return {}
 
+    @property
+    def slip_range(self) -> float:
+        """Slip up to which its curves go; for studies with `curves`."""
+        raise NotImplementedError(f"study {self.name!r} gives curves, but does not say up to which slip")
+
+    @property
+    def averaged(self) -> bool:
+        """Whether its curves are means over the instants of a pitch."""
+        return False
+
+    @property
+    def nested(self) -> bool:
+        """Whether fewer instants are among more, and cost nothing beside them."""
+        return True
+
+    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
+        """Return its curves at some slips, on each of some numbers of instants, (k, curves, n).
+
+        By curves the fewest slices and instants are found with the least work; a study may have none.
+        """
+        raise NotImplementedError(f"study {self.name!r} has no curves")
+
+    def beyond(self, assembly: Assembly) -> None:  # noqa: B027 - most have nothing to do here
+        """Evaluate a few contacts of what a run evaluates beside its curves."""
+
     def curved(self, assembly: Assembly) -> estimates.Curved | None:
         """Return what gives the curves by which slices and instants are chosen and judged; None if nothing does."""
-        return None
+        return None if type(self).curves is Study.curves else self
 
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
         """Choose the resolution by what the scene asks for: by curves, or by doubling where there are none.

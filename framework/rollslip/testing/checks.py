@@ -31,10 +31,11 @@ from hypothesis import assume
 from hypothesis import strategies as st
 
 from rollslip.bearing.chain import Chain, stage
+from rollslip.catalogue.kinds import kind_of
 from rollslip.catalogue.registry import catalogue, get_class
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
-from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, SliceModel, TractionModel
+from rollslip.models import FilmModel, SliceModel
 from rollslip.testing.rules import MODELS, STAGES, Inapplicable, Nonconformance, bits, refuse_unless, rule, same
 from rollslip.testing.samples import (
     Unlimited,
@@ -125,22 +126,21 @@ def check_is_named_as_its_entry_point(model: Any) -> None:
 
 def _offers(model: Any) -> list[Any]:
     """Return what entry points promise of the module that a model, or a named value, comes from."""
-    bases: dict[str, type] = {"contact": ContactModel, "film": FilmModel, "traction": TractionModel}
-    bases |= {"drag": Drag, "integrator": IntegratorModel}
-    if isinstance(model, MODELS):
-        kinds = [kind for kind, base in bases.items() if isinstance(model, base)]
-        offers = [offer for offer in catalogue() if offer.kind in kinds and offer.module == type(model).__module__]
-    else:  # a named value, whose class is not its package's
-        offers = [offer for offer in catalogue() if offer.kind not in bases and offer.name == model.name]
-    if not offers:
+    kind = kind_of(model) or kind_of(type(model))
+    if kind is None:
+        raise Inapplicable("it is of no kind")
+    offers = [offer for offer in catalogue() if offer.kind == kind.name]
+    # a named value's class is not its package's
+    ours = [o for o in offers if (o.name == model.name if kind.data else o.module == type(model).__module__)]
+    if not ours:
         raise Inapplicable("no entry point leads to its module")
-    return offers
+    return ours
 
 
 @rule("value")
 def check_its_module_is_imported_fast_and_quietly(model: Any) -> None:
     """A plugin is imported by people who want one model of it, and what it prints would end in their output."""
-    module = type(model).__module__ if isinstance(model, MODELS) else _offers(model)[0].module
+    module = type(model).__module__ if kind_of(type(model)) else _offers(model)[0].module
     seconds, printed = _import_of(module, tuple(sys.path))
     refuse_unless(not printed, f"importing {module} prints {printed[:200]!r}")
     refuse_unless(
@@ -154,6 +154,7 @@ _IMPORT = """
 import json, os, sys, time
 sys.path[:] = json.loads(sys.argv[2])
 import rollslip, rollslip.bearing.chain, rollslip.hookspecs, rollslip.lubricant, rollslip.models
+import rollslip.studies.study
 import rollslip_kernels.traction
 answer = os.fdopen(os.dup(1), "w")
 start = time.process_time()

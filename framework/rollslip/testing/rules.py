@@ -24,6 +24,7 @@ from rollslip.models import (
     SliceModel,
     TractionModel,
 )
+from rollslip.studies.study import Study
 from rollslip.testing.samples import copy_of, drawn_tables, evaluate, for_all, forms_of, shown, with_scene
 from rollslip_kernels.slices import Slices
 
@@ -62,7 +63,7 @@ STAGES: Final = (ContactModel, FilmModel, TractionModel, ResistanceModel)
 def kinds_of(model: object) -> Iterator[type | str]:
     """Yield the kinds whose rules hold for a model, the general ones first."""
     yield "value"
-    yield from (kind for kind in (*MODELS, Engine, Lubricant, *STAGES) if isinstance(model, kind))
+    yield from (kind for kind in (*MODELS, Engine, Lubricant, Study, *STAGES) if isinstance(model, kind))
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
         yield "deflection"
 

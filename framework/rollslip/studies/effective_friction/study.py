@@ -231,15 +231,6 @@ class EffectiveFriction(Study):
         """Whether the curves are means over the instants of a pitch."""
         return True
 
-    @property
-    def nested(self) -> bool:
-        """Whether fewer instants are among more."""
-        return True
-
-    def curved(self, assembly: Assembly) -> "EffectiveFriction":
-        """Return the study itself."""
-        return self
-
     def beyond(self, assembly: Assembly) -> None:
         """Evaluate the corners of the map."""
         if self.map_points:

@@ -81,20 +81,6 @@ class FrictionCurve(Study):
         """Slip up to which the curves go."""
         return self.max_slip
 
-    @property
-    def averaged(self) -> bool:
-        """Whether the curves are means over the instants of a pitch."""
-        return False
-
-    @property
-    def nested(self) -> bool:
-        """Whether fewer instants are among more; there are none."""
-        return True
-
-    def curved(self, assembly: Assembly) -> "FrictionCurve":
-        """Return the study itself."""
-        return self
-
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return friction for each normal force, which no instant changes, (k, forces, n)."""
         contacts = self.contacts(assembly)
@@ -113,9 +99,6 @@ class FrictionCurve(Study):
             LoadedContacts(raceway, balanced_load(assembly, raceway, force)[None], assembly.widths, 1.0)
             for force in self.normal_force
         ]
-
-    def beyond(self, assembly: Assembly) -> None:
-        """Evaluate nothing: contacts over their slips are all there is."""
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of the curves, measured with few points."""

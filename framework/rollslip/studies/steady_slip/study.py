@@ -173,13 +173,6 @@ class SteadySlip(Study):
         """Whether fewer instants are among more; each number is computed for itself."""
         return False
 
-    def curved(self, assembly: Assembly) -> "SteadySlip":
-        """Return the study itself."""
-        return self
-
-    def beyond(self, assembly: Assembly) -> None:
-        """Evaluate nothing: the slip-drag curve is all there is."""
-
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
         """Choose slices, instants, tables and laws by the slip-drag curve."""
         return estimates.by_curves(self, assembly, share=_SHARE, tables=_TABLES, cheaper_laws=cheaper_laws)

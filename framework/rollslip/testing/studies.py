@@ -1,0 +1,214 @@
+"""The rules of the study contract: what a study says of itself holds for what it returns, however it is asked.
+
+A study is run on a small bearing of its own (`SCENE`), planned, swept and told there as any other would be.
+"""
+
+import json
+import math
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.resolution import Resolution
+from rollslip.campaigns.pareto.candidates import AXES
+from rollslip.planning.plan import estimate
+from rollslip.scene.reading import parse_scene
+from rollslip.scene.values import Scene
+from rollslip.studies.answers import Curves, Part
+from rollslip.studies.outputs import evaluate
+from rollslip.studies.study import Study
+from rollslip.testing.rules import Inapplicable, refuse_unless, rule
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: A bearing on which a study takes no time: few slices, a cage with a drag that does not run away.
+SCENE: Final = """
+[bearing]
+rollers = 14
+roller_diameter = "12 mm"
+roller_length = "14 mm"
+inner_raceway_diameter = "60 mm"
+outer_raceway_diameter = "84 mm"
+profile = "iso16281"
+[operation]
+inner_speed = "3000 rpm"
+radial_load = "5 kN"
+temperature = "60 degC"
+[lubricant]
+name = "mil-prf-7808"
+eyring_stress = "4 MPa"
+[cage]
+mass = "0.4 kg"
+inertia = "3.3e-3 kg m2"
+drag = ["petroff-land"]
+guidance = "outer"
+[accuracy]
+tolerance = 0.05
+"""
+_COARSE: Final = Resolution(slices=5, instants=2, table_tolerance=0.05, integrator_tolerance=1e-4)
+_TOLERANCES: Final = ("friction", "critical_slip", "cage_speed")
+
+
+@cache
+def _scene() -> Scene:
+    return parse_scene(SCENE, "the kit's scene")
+
+
+def _assembly(**changes: Any) -> Assembly:
+    return assemble(_scene(), attrs.evolve(_COARSE, **changes))
+
+
+@cache
+def _result(study: Study) -> "xr.Dataset":
+    return study.at(_COARSE).run(_assembly())
+
+
+def _differs(one: Any, other: Any) -> bool:
+    one, other = np.asarray(one), np.asarray(other)
+    if one.shape != other.shape:
+        return True
+    return not np.array_equal(one, other, equal_nan=one.dtype.kind in "fc" and other.dtype.kind in "fc")
+
+
+def _value(result: "xr.Dataset", name: str) -> Any:
+    return result[name].to_numpy() if name in result else result.attrs.get(name)
+
+
+@rule(Study)
+def check_its_result_has_the_outputs_it_declares(study: Study) -> None:
+    """Sweeps refuse an unknown output before anything runs, so the declaration has to be the truth."""
+    result = _result(study)
+    refuse_unless(result.attrs.get("study") == study.name, f"attribute study is {result.attrs.get('study')!r}")
+    for name in map(str, result.data_vars):
+        refuse_unless(name in study.outputs, f"the result has {name!r}, which outputs does not declare")
+        output, variable = study.outputs[name], result[name]
+        dims = tuple(output.dims.split())
+        refuse_unless(variable.dims == dims, f"{name} has the dimensions {variable.dims}, declared are {dims}")
+        unit = variable.attrs.get("units")
+        refuse_unless(unit == output.unit, f"{name} is in {unit!r}, declared is {output.unit!r}")
+    for name, output in study.outputs.items():
+        if output.attribute or output.default:
+            refuse_unless(_value(result, name) is not None, f"output {name!r} is declared, but the result has none")
+
+
+@rule(Study)
+def check_what_may_be_missing_has_a_status_in_words(study: Study) -> None:
+    """A value without meaning is NaN, and words beside it say why."""
+    result = _result(study)
+    for name, output in study.outputs.items():
+        values = np.asarray(_value(result, name))
+        if values.dtype.kind != "f" or not values.size or values.ndim > 1:
+            continue
+        refuse_unless(not np.isinf(values).any(), f"{name} is infinite; NaN with a status says that there is no value")
+        if np.isnan(values).any():
+            refuse_unless(output.status != "", f"{name} is NaN, but no output says in words why (Output.status)")
+            words = np.asarray(_value(result, output.status))
+            empty = np.isnan(values) & (np.broadcast_to(words, values.shape) == "")
+            refuse_unless(not empty.any(), f"{name} is NaN, and its status {output.status!r} is empty")
+    unknown = {output.status for output in study.outputs.values()} - {"", *study.outputs}
+    refuse_unless(not unknown, f"status {', '.join(sorted(unknown))} is no output of its own")
+
+
+@rule(Study)
+def check_what_is_judged_is_an_output(study: Study) -> None:
+    """A plan holds these variables against the tolerances of the scene."""
+    for key, name in study.judged.items():
+        refuse_unless(key in _TOLERANCES, f"judged names {key!r}, [accuracy] has {', '.join(_TOLERANCES)}")
+        refuse_unless(name in study.outputs, f"judged names {name!r}, which is no output")
+        values = np.asarray(_value(_result(study), name))
+        refuse_unless(values.dtype.kind == "f", f"{name} is held against a tolerance, but is no number")
+    unknown = ", ".join(sorted(study.acts - set(AXES)))
+    refuse_unless(not unknown, f"acts names {unknown}, which nobody can choose")
+
+
+@rule(Study)
+def check_its_curves_can_be_compared(study: Study) -> None:
+    """Comparisons and figures take curves, their maxima and the film by the names that the study gives."""
+    if (curves := study.curves_of) is None:
+        raise Inapplicable("the study gives no friction curves")
+    result = _result(study)
+    refuse_unless(Curves.of(result) == curves, "attribute curves is not that of the study; pass attrs=self.attributes")
+    both, one = (curves.over, curves.slip), (curves.over,)
+    wanted = {curves.variable: both, "film_parameter": both}
+    wanted |= {curves.critical: one, "critical_friction": one, "critical_status": one}
+    for name, dims in wanted.items():
+        refuse_unless(name in result and result[name].dims == dims, f"there is no {name!r} over {' and '.join(dims)}")
+    parts = list(study.evaluated(_assembly(), result))
+    count = {part.curve for part in parts}
+    refuse_unless(count == set(range(result.sizes[curves.over])), f"evaluated() gives slices of the curves {count}")
+
+
+@rule(Study)
+def check_it_gives_the_same_bits_twice(study: Study) -> None:
+    """A result must not depend on what ran before."""
+    first, second = _result(study), study.at(_COARSE).run(_assembly())
+    for name in map(str, first.data_vars):
+        refuse_unless(not _differs(first[name], second[name]), f"{name} is another at the second run")
+
+
+@rule(Study)
+def check_what_does_not_act_changes_nothing(study: Study) -> None:
+    """A choice that a study does not name among those that act on it is never varied: it is said to do nothing."""
+    for name, changed in (("slices", 8), ("instants", 3), ("table_tolerance", 0.01)):
+        if name in study.acts:
+            continue
+        other = study.at(_COARSE).run(_assembly(**{name: changed}))
+        for variable in study.judged.values():
+            same = not _differs(_value(_result(study), variable), _value(other, variable))
+            refuse_unless(same, f"{variable} depends on {name}, which acts does not name")
+
+
+@rule(Study)
+def check_leaving_outputs_out_changes_no_other(study: Study) -> None:
+    """Sweeps and fronts leave out what nobody asked for."""
+    kept = {name for name, output in study.outputs.items() if output.default} | set(study.judged.values())
+    fewer = study.without(frozenset(study.outputs.keys() - kept)).at(_COARSE).run(_assembly())
+    for name in kept:
+        one, other = _value(_result(study), name), _value(fewer, name)
+        refuse_unless(other is not None, f"{name} is gone where others are left out")
+        refuse_unless(not _differs(one, other), f"{name} is another where others are left out")
+
+
+@rule(Study)
+def check_short_ways_give_what_a_run_gives(study: Study) -> None:
+    """A point of a sweep may take a shorter way to some outputs; it leads to the same bits."""
+    names = [name for name, output in study.outputs.items() if output.default]
+    names += [study.outputs[name].status for name in names if study.outputs[name].status]
+    variables, _, _ = evaluate(study.at(_COARSE), _assembly(), list(dict.fromkeys(names)))
+    for name, (_, values, _) in variables.items():
+        one = _value(_result(study), name)
+        refuse_unless(not _differs(np.asarray(one), np.asarray(values)), f"{name} is another by the short way")
+
+
+@rule(Study)
+def check_it_is_planned(study: Study) -> None:
+    """A plan asks for resolution, errors, costs and lines, and prints them."""
+    stated = assemble(_scene())
+    estimated = estimate(study, stated)
+    refuse_unless(not estimated.failed, f"there is no estimate: {estimated.failed}")
+    for part, errors in estimated.errors.items():
+        for key, error in errors.items():
+            refuse_unless(error >= 0.0, f"the error of {key} by {part} is {error}")
+    planned = study.at(estimated.resolution)
+    costs = planned.cost(stated.at(estimated.resolution))
+    for part, seconds in costs.items():
+        refuse_unless(math.isfinite(seconds) and seconds >= 0.0, f"the cost of {part} is {seconds} s")
+    lines = planned.parts(stated.at(estimated.resolution), estimated, costs)
+    for line in lines:
+        refuse_unless(isinstance(line, Part) and bool(line.part and line.reason), f"{line!r} is no line of a plan")
+    told = sum(line.seconds or 0.0 for line in lines)
+    refuse_unless(math.isclose(told, sum(costs.values()), rel_tol=1e-9), "the lines of the plan leave out some cost")
+
+
+@rule(Study)
+def check_its_results_can_be_stored(study: Study) -> None:
+    """Results are netCDF files: names, numbers and texts, attributes of one kind, structures as JSON text."""
+    for name, value in _result(study).attrs.items():
+        plain = isinstance(value, str | int | float | np.integer | np.floating)
+        refuse_unless(plain, f"attribute {name} is a {type(value).__name__}; a structure goes in as JSON text")
+    json.dumps({name: str(value) for name, value in _result(study).attrs.items()})
+    _result(study).to_netcdf(engine="h5netcdf")
