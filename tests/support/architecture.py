@@ -1,0 +1,229 @@
+"""What the layout promises, as functions of a tree: each returns the places that break one rule, in words."""
+
+import ast
+import graphlib
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+#: Folders from left to right: each imports only what stands left of it. The shelf is the modules beside the folders.
+ORDER = (
+    "shelf", "lubricant", "catalogue", "scene", "bearing", "results", "motion", "studies", "planning", "campaigns",
+    "testing", "cli",
+)  # fmt: skip
+#: The face of the package names everything, and the alias of a former path its new home.
+FACES = {"rollslip", "rollslip.pressure_viscosity"}
+MOST_MODULES, MOST_LINES = 12, 600
+#: A campaign may build upon another only here.
+CAMPAIGNS = {("uncertainty", "sweep"), ("pareto", "comparison")}
+#: Package -> the folder, or the module, that alone may import it.
+ONLY = {"matplotlib": ("results", "figures"), "click": ("cli",), "sqlite3": ("journal",)}
+#: Where names of models and studies may stand as defaults of scene or study.
+DEFAULTS = ("rollslip.scene.values", "rollslip.studies")
+
+
+def modules(root: Path = ROOT) -> dict[str, Path]:
+    """Return the modules of the framework: dotted name -> file."""
+    base = root / "framework"
+    found = {}
+    for path in sorted((base / "rollslip").rglob("*.py")):
+        parts = path.relative_to(base).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+@cache
+def _tree(text: str) -> ast.Module:
+    return ast.parse(text)
+
+
+def _docstrings(tree: ast.Module) -> set[int]:
+    """Nodes that are docstrings, which may name whatever they explain."""
+    owners = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    bodies = [node.body for node in ast.walk(tree) if isinstance(node, owners)]
+    return {id(body[0].value) for body in bodies if body and isinstance(body[0], ast.Expr)}
+
+
+def _texts(path: Path) -> Iterator[tuple[int, str]]:
+    """Line and value of every text that is no docstring."""
+    tree = _tree(path.read_text(encoding="utf-8"))
+    skipped = _docstrings(tree)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in skipped:
+            yield node.lineno, node.value
+
+
+def imports(path: Path, known: Mapping[str, Path]) -> set[str]:
+    """Return the modules that a file imports anywhere, also in functions, for types, and by dotted texts."""
+    found = set()
+    for node in ast.walk(_tree(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            # a name that is a module itself, or a name within one
+            names = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= (names & known.keys()) or {node.module}
+    for _, text in _texts(path):
+        for name in re.findall(r"(?<![\w.`])rollslip(?:\.[a-z_]+)+", text):
+            while name not in known and "." in name:
+                name = name.rpartition(".")[0]
+            if name != "rollslip":
+                found.add(name)
+    return found
+
+
+def folder(module: str) -> str:
+    """Return the folder of a module, as `ORDER` calls it."""
+    parts = module.split(".")
+    return parts[1] if len(parts) > 1 and parts[1] in ORDER else "shelf"
+
+
+def wrong_way(root: Path = ROOT) -> list[str]:
+    """Imports against the order of the folders."""
+    known = modules(root)
+    return [
+        f"{module} imports {other}"
+        for module, path in known.items()
+        if module not in FACES
+        for other in sorted(imports(path, known) & known.keys())
+        if other != "rollslip" and ORDER.index(folder(module)) < ORDER.index(folder(other))
+    ]
+
+
+def graph(root: Path = ROOT) -> dict[str, set[str]]:
+    """Return who imports whom; the faces of folders only hand names on."""
+    known = modules(root)
+    inner = {name: path for name, path in known.items() if path.name != "__init__.py" and name not in FACES}
+    return {name: (imports(path, known) & inner.keys()) - {name} for name, path in inner.items()}
+
+
+def circles(root: Path = ROOT) -> list[str]:
+    """A circle of imports, if there is one."""
+    try:
+        list(graphlib.TopologicalSorter(graph(root)).static_order())
+    except graphlib.CycleError as error:
+        return [" -> ".join(error.args[1])]
+    return []
+
+
+def depth(root: Path = ROOT) -> int:
+    """Return the length of the longest chain of imports."""
+    edges = graph(root)
+
+    @cache
+    def below(module: str) -> int:
+        return 1 + max((below(other) for other in edges[module]), default=0)
+
+    return max(map(below, edges))
+
+
+def too_large(root: Path = ROOT) -> list[str]:
+    """Folders with too many modules, modules with too many lines, and folders whose face is more than a sentence."""
+    found, count = list[str](), dict[Path, int]()
+    known = modules(root)
+    plugins = sorted((root / "plugins").rglob("*.py"))
+    for path in (*known.values(), *plugins):
+        lines = len(path.read_text(encoding="utf-8").splitlines())
+        if lines > MOST_LINES:
+            found.append(f"{path.relative_to(root)} has {lines} lines")
+        if path.name != "__init__.py":
+            count[path.parent] = count.get(path.parent, 0) + 1
+    shelf = root / "framework" / "rollslip"
+    found += [
+        f"{of.relative_to(root)} has {number} modules"
+        for of, number in count.items()
+        if number > MOST_MODULES + 2 * (of == shelf)
+    ]
+    for module, path in known.items():
+        if path.name != "__init__.py" or module in FACES:
+            continue
+        tree = _tree(path.read_text(encoding="utf-8"))
+        first, rest = (ast.get_docstring(tree) or "").strip(), tree.body[1:]
+        handed = all(isinstance(node, ast.ImportFrom | ast.Assign | ast.Try) for node in rest)
+        if not first.endswith(".") or ("\n\n" in first and folder(module) != "testing") or not handed:
+            found.append(f"{module} is more, or less, than one sentence of purpose and names handed on")
+    return found
+
+
+def offered(root: Path = ROOT) -> dict[str, dict[str, str]]:
+    """Return the entry points of the box: kind -> name -> module."""
+    text = (root / "pyproject.toml").read_text(encoding="utf-8")
+    points = tomllib.loads(text)["project"]["entry-points"]
+    return {group.removeprefix("rollslip."): names for group, names in points.items()}
+
+
+def named_studies(root: Path = ROOT) -> list[str]:
+    """Names of studies outside their own folders, and questions of what class a study is."""
+    known, studies, found = modules(root), offered(root)["study"], list[str]()
+    own = {name: module.rpartition(".")[0] for name, module in studies.items()}
+    classes = {
+        node.name
+        for module in studies.values()
+        for node in _tree(known[module].read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ClassDef)
+    }
+    for module, path in known.items():
+        for line, text in _texts(path):
+            for name, home in own.items():
+                if re.search(rf"(?<![\w-]){name}(?![\w-])", text) and not module.startswith(home):
+                    if module == "rollslip.scene.values" and text == name:
+                        continue
+                    found.append(f"{module}:{line} names the study {name!r}")
+        if folder(module) == "studies":
+            continue
+        for node in ast.walk(_tree(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "isinstance":
+                asked = {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
+                found += [f"{module}:{node.lineno} asks whether a study is {cls}" for cls in sorted(asked & classes)]
+    return found
+
+
+def named_models(root: Path = ROOT) -> list[str]:
+    """Names of models of the box in the framework, but for defaults of scene and study."""
+    points = offered(root)
+    kinds = ("contact", "film", "traction", "drag", "integrator", "lubricant", "bearing")
+    names = {name for kind in kinds for name in points[kind] if name not in ("constant", "bdf", "regime", "iso16281")}
+    found = []
+    for module, path in modules(root).items():
+        if module.startswith(DEFAULTS):
+            continue
+        found += [f"{module}:{line} names the model {text!r}" for line, text in _texts(path) if text in names]
+    return found
+
+
+def misplaced(root: Path = ROOT) -> list[str]:
+    """Findings that import more than the shelf and NumPy, and packages outside the folders that they belong to."""
+    known, found = modules(root), list[str]()
+    for module, path in known.items():
+        tree = _tree(path.read_text(encoding="utf-8"))
+        used = imports(path, known)
+        if module.endswith(".findings"):
+            ours = {name for name in used & known.keys() if folder(name) != "shelf" and name != module}
+            other = {name.split(".")[0] for name in used} & {"scipy", "matplotlib", "xarray", "rich", "click"}
+            typed = {"xarray"} if re.search(r"if TYPE_CHECKING:\n    import xarray", path.read_text()) else set()
+            found += [f"{module} imports {name}" for name in sorted(ours | (other - typed))]
+        for package, rooms in ONLY.items():
+            here = {folder(module), module.rpartition(".")[2], *(part for part in module.split(".")[-1].split("_"))}
+            if any(name.split(".")[0] == package for name in used) and not here & set(rooms):
+                found.append(f"{module} imports {package}")
+        assert tree
+    return found
+
+
+def entangled(root: Path = ROOT) -> list[str]:
+    """Campaigns that import another one."""
+    known = modules(root)
+
+    def campaign(module: str) -> str:
+        parts = module.split(".")
+        return parts[2] if parts[1:2] == ["campaigns"] and len(parts) > 2 else ""
+
+    return [
+        f"{module} imports {other}"
+        for module, path in known.items()
+        for other in sorted(imports(path, known) & known.keys())
+        if (one := campaign(module)) and (two := campaign(other)) and one != two and (one, two) not in CAMPAIGNS
+    ]
