@@ -8,7 +8,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from rollslip.campaigns.fit.fit import assemble
+from rollslip.campaigns.fit.problem import rig_problem
 from rollslip.campaigns.fit.rig_data import RigData, load_rig
 
 HERE = Path(__file__).parent
@@ -23,9 +23,9 @@ columns = {
     "friction": np.zeros(s.size),
 }
 data = RigData(source="made", text="", sha256="", columns=columns, lines=tuple(range(s.size)))
-bench = assemble(data, load_rig(HERE / "rig.toml"), "muraki")
-oil = attrs.evolve(bench.lubricant, eyring_stress=6e6, pressure_viscosity_factor=1.15)
-friction = bench.friction(oil, bench.chain)
+problem = rig_problem(data, load_rig(HERE / "rig.toml"), "muraki")
+oil = attrs.evolve(problem.lubricant, eyring_stress=6e6, pressure_viscosity_factor=1.15)
+friction = problem.friction(oil, problem.chain)
 measured = friction + np.random.default_rng(1).normal(0.0, 5e-4, s.size)
 
 with (HERE / "twin-disc.csv").open("w", encoding="utf-8") as file:

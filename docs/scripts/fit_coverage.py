@@ -13,8 +13,9 @@ import attrs
 import numpy as np
 from output import write_table
 
-from rollslip.campaigns.fit.fit import assemble, choose, fit_parameters
+from rollslip.campaigns.fit.fit import fit_parameters
 from rollslip.campaigns.fit.least_squares import LEVELS
+from rollslip.campaigns.fit.problem import parameters_named, rig_problem
 from rollslip.campaigns.fit.rig_data import Rig, RigContact, RigData
 from rollslip.errors import ConvergenceError
 from rollslip.scene import LubricantTable
@@ -82,8 +83,8 @@ def data(case: Case, friction: np.ndarray, uncertainty: np.ndarray | None = None
 
 def true_friction(case: Case) -> np.ndarray:
     """Friction without noise."""
-    bench = assemble(data(case, np.array(0.01)), RIG, "muraki")
-    return bench.friction(attrs.evolve(bench.lubricant, **case.truth), bench.chain)
+    problem = rig_problem(data(case, np.array(0.01)), RIG, "muraki")
+    return problem.friction(attrs.evolve(problem.lubricant, **case.truth), problem.chain)
 
 
 def repeat(case: Case, friction: np.ndarray, seed: int, *, profiles: bool = True) -> np.ndarray | None:
@@ -92,10 +93,10 @@ def repeat(case: Case, friction: np.ndarray, seed: int, *, profiles: bool = True
     if case.given:
         sigma = (sigma + case.noise * friction) / 2
     measured = friction + sigma * np.random.default_rng(seed).normal(size=friction.size)
-    bench = assemble(data(case, measured, sigma if case.given else None), RIG, "muraki")
-    parameters = choose(bench, case.truth)
+    problem = rig_problem(data(case, measured, sigma if case.given else None), RIG, "muraki")
+    parameters = parameters_named(problem, case.truth)
     try:
-        found = fit_parameters(bench, parameters, profiles=profiles).estimate
+        found = fit_parameters(problem, parameters, profiles=profiles).estimate
     except ConvergenceError:
         return None
     made = np.zeros((3, len(parameters), len(LEVELS)), dtype=bool)

@@ -23,10 +23,12 @@ from scipy.optimize import curve_fit
 
 import rollslip
 from rollslip import Chain, Conditions, Slices, get_model
-from rollslip.campaigns.fit import least_squares as estimation
-from rollslip.campaigns.fit.fit import assemble, changed, choose
+from rollslip.campaigns.fit import least_squares
+from rollslip.campaigns.fit.findings import as_dict, parameter_rows
+from rollslip.campaigns.fit.fit import fit_parameters
 from rollslip.campaigns.fit.least_squares import LEVELS, estimate
-from rollslip.campaigns.fit.result import as_dict, parameter_rows, write_oil
+from rollslip.campaigns.fit.oil import write_oil
+from rollslip.campaigns.fit.problem import parameters_named, rig_problem, with_values
 from rollslip.campaigns.fit.rig_data import EXAMPLE, Measurement, Rig, RigContact, RigData, load_rig, read_data
 from rollslip.catalogue import discovery
 from rollslip.catalogue.registry import get_class, structure_model
@@ -61,8 +63,8 @@ def made(points=FOUR, slips=SLIPS, friction=None, **columns):
 
 
 def true_friction(data, traction="muraki", rig=RIG, truth=TRUTH):
-    bench = assemble(data, rig, traction)
-    return bench.friction(attrs.evolve(bench.lubricant, **truth), bench.chain)
+    problem = rig_problem(data, rig, traction)
+    return problem.friction(attrs.evolve(problem.lubricant, **truth), problem.chain)
 
 
 def noisy(points=FOUR, noise=0.01, seed=0, traction="muraki", **columns):
@@ -205,40 +207,40 @@ def test_without_a_rig_file_one_is_shown_that_can_be_used(tmp_path):
     assert shown == EXAMPLE == (ROOT / "docs" / "examples" / "rig.toml").read_text(encoding="utf-8")
     (tmp_path / "rig.toml").write_text(shown, encoding="utf-8")
     rig = load_rig(tmp_path / "rig.toml")
-    assert assemble(made(), rig).traction.name == "muraki"
+    assert rig_problem(made(), rig).traction.name == "muraki"
     assert rig.rig.film_roughness == pytest.approx(1.25 * math.sqrt(2) * 50e-9)
 
 
 def test_what_models_need_and_nobody_gives_is_told_with_its_place(tmp_path):
     (tmp_path / "rig.toml").write_text('[rig]\nradius = "10 mm"\n[lubricant]\nname = "sae-30"\n', encoding="utf-8")
     with pytest.raises(SceneError) as caught:
-        assemble(made(), load_rig(tmp_path / "rig.toml"))
+        rig_problem(made(), load_rig(tmp_path / "rig.toml"))
     assert [re.sub(r"^.*rig.toml", "rig.toml", p).partition(" (")[0] for p in caught.value.problems] == [
         "rig.toml:3: lubricant.conductivity: missing, but model 'lambda-blend' needs it",
         "rig.toml:1: rig.roughness: missing, but model 'lambda-blend' needs it",
     ]
     with pytest.raises(SceneError, match=r"made.csv:2: temperature: mil-prf-7808 at 250 degC"):
-        assemble(made(((523.15,), (1e9,))), RIG)
+        rig_problem(made(((523.15,), (1e9,))), RIG)
     with pytest.raises(SceneError, match=r"made.csv: with the values to start from, barus: .*not finite"):
-        assemble(made(((343.15,), (1e12,))), RIG)
+        rig_problem(made(((343.15,), (1e12,))), RIG)
     with pytest.raises(SceneError, match="film_thickness: is measured; leave out"):
-        assemble(made(ONE, film_thickness=np.full(12, 1e-7)), RIG, film="moes")
+        rig_problem(made(ONE, film_thickness=np.full(12, 1e-7)), RIG, film="moes")
 
 
 # What is fitted -------------------------------------------------------------------------------------------------------
 
 
 def test_friction_is_that_of_the_chain_of_a_bearing():
-    bench = assemble(made(), RIG, "maxwell-eyring", "dowson-1968")
-    friction = bench.friction(bench.lubricant, bench.chain)
+    problem = rig_problem(made(), RIG, "maxwell-eyring", "dowson-1968")
+    friction = problem.friction(problem.lubricant, problem.chain)
     for k in (0, 17, 47):
-        T, speed = bench.data.columns["temperature"][k], 3.0
+        T, speed = problem.data.columns["temperature"][k], 3.0
         oil = attrs.asdict(get_class("lubricant", "mil-prf-7808").at(T))
         # E' and sqrt(K rho c) of the default steel
         conditions = Conditions(radius=0.01, modulus=208e9 / 0.91, effusivity=math.sqrt(46.0 * 7800 * 470), **oil)
-        slip = bench.data.columns["slide_roll_ratio"][k]
-        slices = Slices(1, conditions, load=bench.load[k], rolling_speed=speed, sliding_speed=slip * speed)
-        law = bench.lubricant.pressure_viscosity_law
+        slip = problem.data.columns["slide_roll_ratio"][k]
+        slices = Slices(1, conditions, load=problem.load[k], rolling_speed=speed, sliding_speed=slip * speed)
+        law = problem.lubricant.pressure_viscosity_law
         stages = [get_model(*name) for name in (("contact", "palmgren"), ("film", "dowson-1968"))]
         Chain(*stages, law, get_model("traction", "maxwell-eyring"))(slices)
         assert friction[k] == pytest.approx(slices.friction.item(), rel=1e-14)
@@ -246,40 +248,42 @@ def test_friction_is_that_of_the_chain_of_a_bearing():
 
 def test_a_measured_film_takes_the_place_of_the_model():
     data = made(ONE)
-    bench = assemble(data, RIG)
-    with_model = bench.friction(bench.lubricant, bench.chain)
-    ((_, _, slices),) = bench.tables
-    measured = assemble(made(ONE, film_thickness=slices.film_thickness.copy()), RIG)
+    problem = rig_problem(data, RIG)
+    with_model = problem.friction(problem.lubricant, problem.chain)
+    ((_, _, slices),) = problem.tables
+    measured = rig_problem(made(ONE, film_thickness=slices.film_thickness.copy()), RIG)
     assert measured.film is None
     np.testing.assert_allclose(measured.friction(measured.lubricant, measured.chain), with_model, rtol=1e-14)
-    thinner = assemble(made(ONE, film_thickness=slices.film_thickness / 2), RIG)
+    thinner = rig_problem(made(ONE, film_thickness=slices.film_thickness / 2), RIG)
     assert np.all(thinner.friction(thinner.lubricant, thinner.chain) > with_model)
 
 
 def test_parameters_of_oil_and_models_have_names():
-    bench = assemble(made(), attrs.evolve(RIG, rig=RigContact(radius=0.01, roughness=(1e-7, 1e-7))), "lambda-blend")
+    problem = rig_problem(
+        made(), attrs.evolve(RIG, rig=RigContact(radius=0.01, roughness=(1e-7, 1e-7))), "lambda-blend"
+    )
     names = ["eyring_stress", "conductivity", "viscosity_factor", "hydrodynamic.flash", "boundary.limit", "exponent"]
-    chosen = choose(bench, names)
+    chosen = parameters_named(problem, names)
     assert [p.start for p in chosen] == [4e6, pytest.approx(0.144), 1.0, 0.97, 0.1, 6.0]
-    oil, traction = changed(bench, chosen, [1e6, 0.2, 2.0, 0.9, 0.05, 3.0])
+    oil, traction = with_values(problem, chosen, [1e6, 0.2, 2.0, 0.9, 0.05, 3.0])
     assert (oil.eyring_stress, oil.at(340.0).conductivity) == (1e6, 0.2)
-    assert oil.at(340.0).viscosity == 2 * bench.lubricant.at(340.0).viscosity
+    assert oil.at(340.0).viscosity == 2 * problem.lubricant.at(340.0).viscosity
     assert traction == get_model(
         "traction", "lambda-blend", hydrodynamic={"model": "muraki", "flash": 0.9},
         boundary={"model": "kragelsky", "limit": 0.05}, exponent=3.0,
     )  # fmt: skip
-    assert bench.traction.exponent == 6.0
+    assert problem.traction.exponent == 6.0
 
 
 def test_pressure_viscosity_keeps_its_course_with_temperature():
-    bench = assemble(made(), RIG)
-    (parameter,) = choose(bench, "pressure_viscosity")
-    assert parameter.start == bench.lubricant.at(313.15).pressure_viscosity  # the lower median of 40 and 70 degC
+    problem = rig_problem(made(), RIG)
+    (parameter,) = parameters_named(problem, "pressure_viscosity")
+    assert parameter.start == problem.lubricant.at(313.15).pressure_viscosity  # the lower median of 40 and 70 degC
     assert parameter.doc == "pressure-viscosity coefficient at 40 degC"
-    oil, _ = changed(bench, [parameter], [1.3 * parameter.start])
+    oil, _ = with_values(problem, [parameter], [1.3 * parameter.start])
     for T in (313.15, 343.15):
         for name in ("pressure_viscosity", "pressure_thermoviscosity"):
-            assert getattr(oil.at(T), name) == pytest.approx(1.3 * getattr(bench.lubricant.at(T), name), rel=1e-14)
+            assert getattr(oil.at(T), name) == pytest.approx(1.3 * getattr(problem.lubricant.at(T), name), rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -295,19 +299,19 @@ def test_pressure_viscosity_keeps_its_course_with_temperature():
 )
 def test_names_that_cannot_be_fitted_are_refused(names, said):
     with pytest.raises(SceneError, match=re.escape(said)):
-        choose(assemble(made(ONE), RIG), names)
+        parameters_named(rig_problem(made(ONE), RIG), names)
 
 
 def test_what_the_oil_does_not_give_has_no_start():
     rig = attrs.evolve(RIG, lubricant=LubricantTable(name="sae-30"))
-    bench = assemble(made(ONE), rig, "kragelsky")
+    problem = rig_problem(made(ONE), rig, "kragelsky")
     with pytest.raises(SceneError, match=r"conductivity: oil 'sae-30' gives none to start from; give lubricant.cond"):
-        choose(bench, "conductivity")
+        parameters_named(problem, "conductivity")
     law = {"glass_temperature": 200.0, "a1": 100.0, "a2": 1e-9, "b1": 0.2, "b2": 2e-8, "c1": 11.0, "c2": 30.0}
     free_volume = LubricantTable(name="sae-30", data={"pressure_viscosity_law": "yasutomi", "yasutomi": law})
-    bench = assemble(made(ONE), attrs.evolve(RIG, lubricant=free_volume), "kragelsky")
+    problem = rig_problem(made(ONE), attrs.evolve(RIG, lubricant=free_volume), "kragelsky")
     with pytest.raises(SceneError, match="'yasutomi' fixes alpha itself"):
-        choose(bench, "pressure_viscosity")
+        parameters_named(problem, "pressure_viscosity")
 
 
 def test_an_unknown_model_is_refused():
@@ -318,8 +322,8 @@ def test_an_unknown_model_is_refused():
 def test_parameters_of_the_rig_file_hold_for_the_model_of_that_name():
     own = Models(traction=ModelChoice(name="kragelsky", parameters={"limit": 0.04}))
     rig = attrs.evolve(RIG, models=own)
-    assert assemble(made(), rig).traction.limit == assemble(made(), rig, "kragelsky").traction.limit == 0.04
-    assert assemble(made(), rig, {"model": "kragelsky", "rise": 5}).traction.limit == 0.1
+    assert rig_problem(made(), rig).traction.limit == rig_problem(made(), rig, "kragelsky").traction.limit == 0.04
+    assert rig_problem(made(), rig, {"model": "kragelsky", "rise": 5}).traction.limit == 0.1
 
 
 # What is found --------------------------------------------------------------------------------------------------------
@@ -375,8 +379,8 @@ def test_values_and_covariance_are_those_of_scipy_on_a_law_of_our_own():
 @given(st.floats(1.5e6, 1.2e7), st.floats(0.8, 1.25))
 def test_data_without_noise_give_the_truth(stress, factor):
     truth = {"eyring_stress": stress, "pressure_viscosity_factor": factor}
-    bench = assemble(made(friction=true_friction(made(), truth=truth)), RIG)
-    fitted = rollslip.campaigns.fit.fit.fit_parameters(bench, choose(bench, truth), profiles=False)
+    problem = rig_problem(made(friction=true_friction(made(), truth=truth)), RIG)
+    fitted = fit_parameters(problem, parameters_named(problem, truth), profiles=False)
     np.testing.assert_allclose(fitted.values, list(truth.values()), rtol=1e-7)
     assert fitted.estimate.best.chi2 < 1e-20
 
@@ -592,7 +596,7 @@ def test_a_profile_that_finds_a_lower_minimum_starts_anew():
 
 
 def test_a_search_that_does_not_end_is_an_error(monkeypatch):
-    monkeypatch.setattr(estimation, "_EVALUATIONS", 3)
+    monkeypatch.setattr(least_squares, "_EVALUATIONS", 3)
     with pytest.raises(ConvergenceError, match=r"the fit did not converge: the sum of squares \d.* still falls"):
         estimate(lambda x: np.array([10 * (x[1] - x[0] ** 2), 1 - x[0], 0.1]), *WIDE, known=True)
 
@@ -614,7 +618,7 @@ def coverage_script():
 
 def test_intervals_of_the_covariance_hold_the_truth_as_often_as_they_say(monkeypatch):
     """100 noises; four binomial standard deviations, beyond which one in 16000 such tests would be by chance."""
-    monkeypatch.setattr(estimation, "_OTHER_STARTS", 0)  # the one minimum is not in question here
+    monkeypatch.setattr(least_squares, "_OTHER_STARTS", 0)  # the one minimum is not in question here
     shares, count = coverage_script().coverage("four curves, 2 % noise", 100, profiles=False)
     assert count == 100
     for level, held in zip(LEVELS, shares[0].T, strict=True):
@@ -662,8 +666,8 @@ def test_the_fitted_oil_is_the_same_in_a_scene(tmp_path, parameters):
     data = noisy(noise=1e-5)
     found = rollslip.fit(data, parameters=parameters, rig=rig)
     assert set(found["status"].values) == {"determined"}
-    bench = assemble(data, rig)
-    oil, traction = changed(bench, choose(bench, parameters), found["value"].values)
+    problem = rig_problem(data, rig)
+    oil, traction = with_values(problem, parameters_named(problem, parameters), found["value"].values)
     write_oil(found, tmp_path / "oil.toml")
     written = tomllib.loads((tmp_path / "oil.toml").read_text(encoding="utf-8"))
     read = lubricant_from_table(written["lubricant"], named)
@@ -677,7 +681,7 @@ def test_the_fitted_oil_is_the_same_in_a_scene(tmp_path, parameters):
     assert re.search(r"\(95 %: \S+ to \S+.*; determined\)", read.source)
     if "flash" in parameters:
         again = structure_model("traction", written["models"]["traction"], Where({}), [])
-        assert again == traction != bench.traction
+        assert again == traction != problem.traction
     else:
         assert "models" not in written
 
@@ -764,7 +768,7 @@ def test_what_cannot_be_fitted_leaves_nothing_behind(examples, capsys, monkeypat
     assert "other.toml: there is no such file" in said
     assert "[lubricant]" in said
     assert "did you mean 'muraki'" in command(f"{PROMISED} --traction murakii", capsys, 5).err
-    monkeypatch.setattr(estimation, "_EVALUATIONS", 2)
+    monkeypatch.setattr(least_squares, "_EVALUATIONS", 2)
     assert "did not converge" in command(PROMISED, capsys, 3).err
     assert sorted(examples.iterdir()) == before
 

@@ -534,7 +534,7 @@ def _found(dataset: "xr.Dataset") -> Iterable[tuple[str, str]]:
     if said := _spoken(dataset.attrs["study"]):
         return [(about, "; ".join(texts)) for about, texts in said.topics(dataset).items()]
     if dataset.attrs["study"] == "fit":
-        from rollslip.campaigns.fit.result import parameter_rows
+        from rollslip.campaigns.fit.findings import parameter_rows
 
         return [
             (name, f"{value}, 95 %: {widest}; {status}")

@@ -163,8 +163,9 @@ def fit(
     as_json: bool,
 ) -> None:
     """Fit parameters of oil and traction model to DATA of a traction rig, and write results, plots and an oil."""
-    from rollslip.campaigns.fit import result as fit_result
+    from rollslip.campaigns.fit import findings
     from rollslip.campaigns.fit.fit import fit
+    from rollslip.campaigns.fit.oil import write_oil
     from rollslip.cli import console
     from rollslip.files import whole
     from rollslip.results.dataset import save
@@ -174,16 +175,16 @@ def fit(
         with _progress("fit"):
             found = fit(data, parameters=parameters, traction=traction, film=film, rig=rig)
         save(found, folder / "fit.nc")
-        fit_result.write_oil(found, folder / f"{data.stem}.toml")
+        write_oil(found, folder / f"{data.stem}.toml")
         files = _shown({"fit": found}, folder, plots=not no_plots, report=False)
     if as_json:
-        _print_json(fit_result.as_dict(found) | {"folder": str(target), "files": files})
+        _print_json(findings.as_dict(found) | {"folder": str(target), "files": files})
         return
-    click.echo(fit_result.headline(found))
+    click.echo(findings.headline(found))
     console.print_table(
-        ("parameter", "value", "error", "68 %", "95 %", "what the data tell"), fit_result.parameter_rows(found)
+        ("parameter", "value", "error", "68 %", "95 %", "what the data tell"), findings.parameter_rows(found)
     )
-    click.echo("\n".join(fit_result.notes(found)))
+    click.echo("\n".join(findings.notes(found)))
     _told(target, files, found)
 
 

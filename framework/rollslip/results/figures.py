@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.regimes import LONG_NAMES, NAMES
 from rollslip.campaigns.comparison.findings import CURVES, curve_names, findings, members
-from rollslip.campaigns.fit.result import parameter_rows
+from rollslip.campaigns.fit.findings import parameter_rows
 from rollslip.campaigns.pareto import findings as front_findings
 from rollslip.campaigns.pareto.figures import front_figures
 from rollslip.campaigns.sweep import findings as sweep_findings

@@ -1,52 +1,29 @@
 """Fits parameters of an oil and of a traction model to what a traction rig has measured.
 
-Decisions:
-
-- What is fitted is the chain that bearings run, contact, film, oil and traction in their compiled form. A measured film
-  takes the place of the film model.
-- Positive parameters are fitted as logarithms: errors are shares, and nothing turns negative.
-- alpha keeps its course with temperature: `pressure_viscosity` is fitted as its factor, and told as the value at the
-  median temperature of the data. A constant would lose gamma, on which the heating of the film depends.
-- A parameter that the data do not see is not fitted but kept, and said to be.
+A parameter that the data do not see is not fitted but kept, and said to be.
 """
 
 import math
 import os
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Final
 
-import attrs
 import numpy as np
-from numpy.typing import NDArray
 
-from rollslip.bearing.chain import Chain
-from rollslip.campaigns.fit.least_squares import Estimate, estimate
-from rollslip.campaigns.fit.result import dataset_of
+from rollslip.campaigns.fit.least_squares import estimate
+from rollslip.campaigns.fit.problem import Array, Parameter, Raw, RigProblem, friction_at, parameters_named, rig_problem
+from rollslip.campaigns.fit.result import Fit, dataset_of
 from rollslip.campaigns.fit.rig_data import Rig, RigData, load_rig, read_data
-from rollslip.catalogue.registry import get_class, structure_model
-from rollslip.errors import DomainError, SceneError
+from rollslip.errors import DomainError
 from rollslip.fields import FieldError
-from rollslip.lubricant.oil import Constant, Lubricant, OilTable, lubricant_from_table
-from rollslip.lubricant.pressure import with_law
-from rollslip.models import FilmModel, SliceModel, TractionModel
-from rollslip.scene.reading import Where, nearest
-from rollslip.scene.values import ModelChoice
-from rollslip.units import format_quantity
-from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["fit"]
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
-Raw: TypeAlias = str | Mapping[str, object] | SliceModel
-
-#: Factor from their start to both ends of the range in which parameters are searched.
-SEARCH: Final = 100.0
 #: Factor by which a parameter is moved either way, to see whether the data see it at all.
 VARIED: Final = 10.0
 
@@ -79,8 +56,8 @@ def fit(
     xarray.Dataset
         Per parameter value, standard_error, interval (level, side), status and limit_status in words, profile;
         covariance and correlation; principal directions with their spread; where the searches ended; per row fitted
-        friction and residual; a curve for each operating point. `rollslip.campaigns.fit.result.write_oil` makes an oil
-        of it.
+        friction and residual; a curve for each operating point. `rollslip.campaigns.fit.oil.write_oil` makes an oil of
+        it.
 
     Raises
     ------
@@ -95,359 +72,21 @@ def fit(
     read = data if isinstance(data, RigData) else read_data(data)
     if not isinstance(rig, Rig):
         rig = load_rig(Path(read.source).with_name("rig.toml") if rig is None else rig)
-    bench = assemble(read, rig, traction, film)
-    wanted = choose(bench, parameters)
-    fitted = _fit(bench, wanted)
-    return dataset_of(bench, fitted, wanted, time.perf_counter() - begin)
+    problem = rig_problem(read, rig, traction, film)
+    wanted = parameters_named(problem, parameters)
+    fitted = _fit(problem, wanted)
+    return dataset_of(problem, fitted, wanted, time.perf_counter() - begin)
 
 
-# What is measured, under the laws -----------------------------------------------------------------------------------
-
-
-@attrs.define(eq=False, kw_only=True)
-class Bench:
-    """The measured contacts, with oil and models; `film` is None where the film is measured."""
-
-    data: RigData
-    rig: Rig
-    lubricant: Lubricant
-    contact: SliceModel
-    film: FilmModel | None
-    traction: TractionModel
-    load: Array
-    #: Temperature, rows and table of the contacts that share it.
-    tables: list[tuple[float, Indices, Slices]] = attrs.field(init=False)
-    chain: Chain = attrs.field(init=False)
-    #: Slices evaluated so far.
-    evaluated: int = attrs.field(default=0, init=False)
-
-    @tables.default
-    def _tables(self) -> list[tuple[float, Indices, Slices]]:
-        c = self.data.columns
-        temperatures, which = np.unique(c["temperature"], return_inverse=True)
-        made = []
-        for k, temperature in enumerate(temperatures):
-            rows = np.flatnonzero(which == k)
-            speed = c["rolling_speed"][rows]
-            given: dict[str, Any] = {} if self.film is not None else {"film_thickness": c["film_thickness"][rows]}
-            sliding = c["slide_roll_ratio"][rows] * speed
-            made.append(
-                (
-                    float(temperature),
-                    rows,
-                    Slices(rows.size, load=self.load[rows], rolling_speed=speed, sliding_speed=sliding, **given),
-                )
-            )
-        return made
-
-    @chain.default
-    def _chain(self) -> Chain:
-        return self.chain_of(self.traction)
-
-    @property
-    def models(self) -> dict[str, SliceModel]:
-        """The models by kind."""
-        film = {} if self.film is None else {"film": self.film}
-        return {"contact": self.contact, **film, "traction": self.traction}
-
-    def chain_of(self, traction: TractionModel) -> Chain:
-        """Return the bound stages with a traction model."""
-        law = self.lubricant.pressure_viscosity_law
-        *before, last = ({**self.models, "traction": traction}).values()
-        return Chain(*(with_law(model, law) for model in before), law, with_law(last, law))
-
-    def conditions(self, lubricant: Lubricant, temperature: float) -> Conditions:
-        """Return what the contacts of one temperature share."""
-        contact = self.rig.rig
-        return Conditions(
-            length=math.nan if contact.length is None else contact.length,
-            radius=contact.radius,
-            modulus=contact.modulus,
-            roughness=contact.film_roughness,
-            effusivity=contact.effusivity,
-            **attrs.asdict(lubricant.at(temperature)),
-        )
-
-    def friction(self, lubricant: Lubricant, chain: Chain) -> Array:
-        """Return the friction of all rows; the tables keep what led to it."""
-        friction = np.empty(len(self.data))
-        for temperature, rows, slices in self.tables:
-            slices.conditions = self.conditions(lubricant, temperature)
-            chain(slices)
-            friction[rows] = slices.friction
-        self.evaluated += len(friction)
-        return friction
-
-
-def assemble(data: RigData, rig: Rig, traction: Raw | None = None, film: Raw | None = None) -> Bench:
-    """Put the measured contacts under the laws of a rig file, or under other models.
-
-    Raises
-    ------
-    SceneError, PluginError
-        As `fit`.
-    """
-    where, problems = Where(rig.origins), list[str]()
-    measured = "film_thickness" in data.columns
-    if measured and film is not None:
-        raise SceneError([f"{data.source}: film_thickness: is measured; leave out the column, or the film model"])
-    table = dict(rig.lubricant.data)
-    if rig.lubricant.name is not None:
-        table["name"] = rig.lubricant.name
-    try:
-        lubricant = lubricant_from_table(table, lambda name: get_class("lubricant", name), where.at("lubricant"))
-    except SceneError as error:
-        problems += error.problems
-    try:
-        load = data.load_per_length(rig.rig)
-    except SceneError as error:
-        problems += error.problems
-    models = {
-        "contact": _model("contact", rig.models.contact, None, where, problems),
-        "film": None if measured else _model("film", rig.models.film, film, where, problems),
-        "traction": _model("traction", rig.models.traction, traction, where, problems),
-    }
-    if problems:
-        raise SceneError(problems)
-    bench = Bench(data=data, rig=rig, lubricant=lubricant, load=load, **models)
-    _check(bench, where)
-    return bench
-
-
-def _model(kind: str, choice: ModelChoice, given: Raw | None, where: Where, problems: list[str]) -> Any:
-    """Return the model that is asked for, or else that of the rig file; its parameters there hold for its name."""
-    if given is None or given == choice.name:
-        raw = {"model": choice.name, **choice.parameters}
-        return structure_model(kind, raw, where.at("models").at(kind), problems)
-    return structure_model(kind, given, Where({}, (kind,)), problems)
-
-
-def _check(bench: Bench, where: Where) -> None:
-    """Refuse temperatures outside the oil's range, and models that read what is not given."""
-    problems = []
-    for temperature, rows, _ in bench.tables:
-        try:
-            conditions = bench.conditions(bench.lubricant, temperature)
-        except DomainError as error:
-            problems.append(bench.data.says(int(rows[0]), "temperature", str(error)))
-    if problems:
-        raise SceneError(problems)
-    for model in bench.chain.models:
-        for member in sorted(model.reads & CONDITIONS.keys()):
-            if math.isnan(getattr(conditions, member)):
-                unit, meaning = CONDITIONS[member]
-                table = "rig" if member in ("roughness", "length") else "lubricant"
-                reason = f"missing, but model {model.name!r} needs it ({meaning}, {unit})"
-                problems.append(where.at(table).at(member).says(reason))
-    if problems:
-        raise SceneError(problems)
-    try:
-        bench.friction(bench.lubricant, bench.chain)
-    except DomainError as error:
-        raise SceneError([f"{bench.data.source}: with the values to start from, {error}"]) from error
-
-
-# Parameters ---------------------------------------------------------------------------------------------------------
-
-
-@attrs.frozen(kw_only=True)
-class Parameter:
-    """What can be fitted: its value is ``unit_value`` times what stands under ``key`` of the oil or the traction model.
-
-    ``x`` is its coordinate in the fit: the logarithm of its value over the start, or, for one that may change its sign,
-    its change over the size of the start.
-    """
-
-    name: str
-    unit: str
-    doc: str
-    start: float
-    low: float
-    high: float
-    key: tuple[str, ...]
-    of_oil: bool
-    unit_value: float = 1.0
-
-    @property
-    def logarithmic(self) -> bool:
-        """Whether it stays positive."""
-        return self.low > 0.0
-
-    @property
-    def size(self) -> float:
-        """What a change of 1 of ``x`` means for one that may change its sign."""
-        return abs(self.start) or 1.0
-
-    def value(self, x: Any) -> Any:
-        """Return the values of coordinates."""
-        return self.start * np.exp(x) if self.logarithmic else self.start + self.size * x
-
-    def x(self, value: float) -> float:
-        """Return the coordinate of a value."""
-        return math.log(value / self.start) if self.logarithmic else (value - self.start) / self.size
-
-    def shown(self, value: float) -> str:
-        """Show a value to people."""
-        return format_quantity(value, self.unit, 4)
-
-
-def _search(start: float, low: float | None, high: float | None) -> dict[str, float]:
-    """Ends of the search within the limits of a field; the lower one is positive for a parameter that stays so."""
-    if start > 0.0 and low is not None and low >= 0.0:
-        ends = start / SEARCH, start * SEARCH
-    else:
-        reach = SEARCH * (abs(start) or 1.0)
-        ends = start - reach, start + reach
-    return {
-        "low": max(ends[0], -math.inf if low is None else low),
-        "high": min(ends[1], math.inf if high is None else high),
-    }
-
-
-def _known(bench: Bench) -> Iterator[Parameter]:
-    """All that can be fitted; NaN starts what the oil does not give."""
-    oil, own = bench.lubricant, {attribute.name for attribute in attrs.fields(Lubricant)}
-    temperature = float(np.quantile(bench.data.columns["temperature"], 0.5, method="lower"))
-    state = oil.at(temperature)
-    names = set()
-    for attribute in attrs.fields(OilTable):
-        name, unit, doc = attribute.name, attribute.metadata["unit"], attribute.metadata["doc"]
-        if unit in (None, "K") or name not in own:
-            continue
-        value = getattr(state if hasattr(state, name) else oil, name)
-        start = math.nan if value is None else float(value)
-        key, unit_value = name, 1.0
-        if name == "pressure_viscosity":
-            key, unit_value = "pressure_viscosity_factor", start / oil.pressure_viscosity_factor
-            doc = f"pressure-viscosity coefficient at {format_quantity(temperature, 'K')}"
-        names.add(name)
-        yield Parameter(
-            name=name, unit=unit, doc=doc, start=start, key=(key,), of_oil=True, unit_value=unit_value,
-            **_search(start, 0.0, None),
-        )  # fmt: skip
-    for path, value, attribute in _numbers(bench.traction):
-        name = ".".join(path)
-        limits = (getattr(attribute.validator, end, None) for end in ("low", "high"))
-        yield Parameter(
-            name=f"traction.{name}" if name in names else name,
-            unit=attribute.metadata["unit"], doc=attribute.metadata["doc"], start=value, key=path, of_oil=False,
-            **_search(value, *limits),
-        )  # fmt: skip
-
-
-def _numbers(model: Any) -> "Iterator[tuple[tuple[str, ...], float, attrs.Attribute[Any]]]":
-    """Path, value and field of the numbers of a model and of the models in it."""
-    for attribute in attrs.fields(type(model)):
-        value = getattr(model, attribute.name)
-        if "kind" in attribute.metadata:
-            yield from (((attribute.name, *path), number, inner) for path, number, inner in _numbers(value))
-        elif isinstance(value, float) and attribute.metadata.get("unit") is not None:
-            yield (attribute.name,), value, attribute
-
-
-def choose(bench: Bench, names: str | Iterable[str]) -> list[Parameter]:
-    """Return the parameters of these names.
-
-    Raises
-    ------
-    SceneError
-        If one does not exist, has no value to start from, or is another under a second name; or if rows are too few.
-    """
-    known = {parameter.name: parameter for parameter in _known(bench)}
-    names = [name.strip() for name in (names.split(",") if isinstance(names, str) else names)]
-    problems = [] if names else ["parameters: none to fit; name some, such as eyring_stress"]
-    for name in names:
-        if name not in known:
-            near = ", ".join(nearest(name, known, cutoff=0.0))
-            problems.append(f"parameters: there is no {name!r} to fit; nearest: {near}")
-        elif math.isnan(known[name].start):
-            problems.append(
-                f"parameters: {name}: oil {bench.lubricant.name!r} gives none to start from; give lubricant.{name} in "
-                f"{bench.rig.source or 'the rig file'}"
-            )
-    chosen = [known[name] for name in names if name in known]
-    if len({parameter.key for parameter in chosen}) < len(chosen):
-        problems.append(f"parameters: two of {', '.join(names)} are the same")
-    if len(bench.data) <= len(names):
-        problems.append(f"{bench.data.source}: {len(bench.data)} rows do not determine {len(names)} parameters")
-    if problems:
-        raise SceneError(problems)
-    oil = [parameter for parameter in chosen if parameter.of_oil]
-    try:
-        changed(bench, oil, [parameter.start * 1.1 for parameter in oil])
-    except FieldError as error:  # an oil whose law fixes what is to be fitted
-        raise SceneError([f"parameters: {error}"]) from error
-    return chosen
-
-
-def changed(bench: Bench, parameters: Sequence[Parameter], values: Iterable[float]) -> tuple[Lubricant, TractionModel]:
-    """Return oil and traction model with values in place of their own."""
-    oil: dict[str, Any] = {}
-    traction = bench.traction
-    for parameter, value in zip(parameters, values, strict=True):
-        own, (key, *_) = float(value) / parameter.unit_value, parameter.key
-        if not parameter.of_oil:
-            traction = _with(traction, parameter.key, own)
-        else:
-            oil[key] = Constant(own) if key == "conductivity" else own
-    return attrs.evolve(bench.lubricant, **oil) if oil else bench.lubricant, traction
-
-
-def _with(model: Any, path: tuple[str, ...], value: float) -> Any:
-    inner = value if len(path) == 1 else _with(getattr(model, path[0]), path[1:], value)
-    return attrs.evolve(model, **{path[0]: inner})
-
-
-# The fit ------------------------------------------------------------------------------------------------------------
-
-
-@attrs.frozen(eq=False, kw_only=True)
-class Fit:
-    """What was found: the estimate of the parameters that the data see, and why the others were kept."""
-
-    bench: Bench
-    parameters: list[Parameter]
-    weight: Array
-    kept: dict[str, str]
-    estimate: Estimate
-
-    @property
-    def values(self) -> list[float]:
-        """The fitted values."""
-        return self.values_at(self.estimate.best.x)
-
-    @property
-    def laws(self) -> tuple[Lubricant, TractionModel]:
-        """Oil and traction model with the fitted values."""
-        return changed(self.bench, self.parameters, self.values)
-
-    @property
-    def sigma(self) -> Array:
-        """Standard deviation of the friction of each row, given or estimated."""
-        return self.estimate.scale * self.weight
-
-    def values_at(self, x: Array) -> list[float]:
-        """Values of the parameters at their coordinates."""
-        return [float(p.value(one)) for p, one in zip(self.parameters, x, strict=True)]
-
-    def friction(self, x: Array) -> Array:
-        """Friction of all rows."""
-        return friction_at(self.bench, self.parameters, x)
-
-
-def friction_at(bench: Bench, parameters: Sequence[Parameter], x: Array) -> Array:
-    """Return the friction of all rows at coordinates of parameters."""
-    lubricant, traction = changed(bench, parameters, [p.value(one) for p, one in zip(parameters, x, strict=True)])
-    return bench.friction(lubricant, bench.chain if traction is bench.traction else bench.chain_of(traction))
-
-
-def _fit(bench: Bench, wanted: list[Parameter]) -> Fit:
+def _fit(problem: RigProblem, wanted: list[Parameter]) -> Fit:
     """Fit, and again without the parameters that turn out not to matter, one by one."""
     free, kept = wanted, dict[str, str]()
-    largest = float(np.abs(bench.data.columns["friction"]).max())
+    largest = float(np.abs(problem.data.columns["friction"]).max())
     while True:
-        fitted = fit_parameters(bench, free, kept)
-        unlimited = [k for k, one in enumerate(fitted.estimate.profiles) if not np.isfinite(one.limits[-1]).any()]
+        fitted = fit_parameters(problem, free, kept)
+        unlimited = [
+            k for k, profile in enumerate(fitted.estimate.profiles) if not np.isfinite(profile.limits[-1]).any()
+        ]
         effects = {k: _effect(fitted, k) for k in unlimited}
         k, (effect, ends) = min(effects.items(), key=lambda item: item[1][0], default=(0, (math.inf, "")))
         scatter = float(np.sqrt(np.mean(fitted.sigma**2)))
@@ -460,23 +99,25 @@ def _fit(bench: Bench, wanted: list[Parameter]) -> Fit:
         free = [p for p in free if p is not free[k]]
 
 
-def fit_parameters(bench: Bench, free: list[Parameter], kept: Mapping[str, str] = {}, *, profiles: bool = True) -> Fit:
+def fit_parameters(
+    problem: RigProblem, free: list[Parameter], kept: Mapping[str, str] = {}, *, profiles: bool = True
+) -> Fit:
     """Fit some parameters, all of them, with or without their profiles."""
-    measured = bench.data.columns["friction"]
-    uncertainty = bench.data.columns.get("friction_uncertainty")
+    measured = problem.data.columns["friction"]
+    uncertainty = problem.data.columns.get("friction_uncertainty")
     # without uncertainties all rows weigh alike; the size keeps residuals of order 1
     size = float(np.sqrt(np.mean(measured**2))) or 1.0
     weight = np.full(measured.size, size) if uncertainty is None else uncertainty
 
     def residuals(x: Array) -> Array:
         try:
-            return np.asarray((friction_at(bench, free, x) - measured) / weight)
+            return np.asarray((friction_at(problem, free, x) - measured) / weight)
         except (FieldError, DomainError):
             return np.full(measured.size, np.nan)
 
     low, high = np.array([p.x(p.low) for p in free]), np.array([p.x(p.high) for p in free])
     found = estimate(residuals, low, high, known=uncertainty is not None, profiles=profiles)
-    return Fit(bench=bench, parameters=free, weight=weight, kept=dict(kept), estimate=found)
+    return Fit(problem=problem, parameters=free, weight=weight, kept=dict(kept), estimate=found)
 
 
 def _effect(fitted: Fit, k: int) -> tuple[float, str]:

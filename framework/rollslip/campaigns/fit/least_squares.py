@@ -51,7 +51,7 @@ class Minimum:
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class Profile:
+class LikelihoodProfile:
     """Rise of chi2, over the variance, with one parameter, all others fitted anew.
 
     Attributes
@@ -71,7 +71,7 @@ class Profile:
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class Estimate:
+class LeastSquaresEstimate:
     """A minimum with its uncertainty.
 
     Attributes
@@ -91,7 +91,7 @@ class Estimate:
         parameter); infinite where the data do not tell.
     quantiles : tuple of float
         Rise of chi2 over the variance at which the intervals of `LEVELS` end.
-    profiles : tuple of Profile
+    profiles : tuple of LikelihoodProfile
         One for each parameter.
     """
 
@@ -103,7 +103,7 @@ class Estimate:
     spread: Array
     directions: Array
     quantiles: tuple[float, ...]
-    profiles: tuple[Profile, ...]
+    profiles: tuple[LikelihoodProfile, ...]
 
 
 class _LowerFoundError(Exception):
@@ -113,7 +113,9 @@ class _LowerFoundError(Exception):
         self.x = x
 
 
-def estimate(residuals: Residuals, low: Array, high: Array, *, known: bool, profiles: bool = True) -> Estimate:
+def estimate(
+    residuals: Residuals, low: Array, high: Array, *, known: bool, profiles: bool = True
+) -> LeastSquaresEstimate:
     """Minimise the sum of squared residuals from the origin and from eight starts around it, and tell the uncertainty.
 
     Parameters
@@ -152,7 +154,7 @@ def estimate(residuals: Residuals, low: Array, high: Array, *, known: bool, prof
         covariance, spread, directions = _uncertainty(best.jacobian, scale)
         quantiles = _quantiles(freedom, known=known)
         try:
-            found = [
+            followed = [
                 _profile(residuals, best, k, low, high, scale, quantiles, math.sqrt(covariance[k, k]))
                 for k in range(count if profiles else 0)
             ]
@@ -161,7 +163,7 @@ def estimate(residuals: Residuals, low: Array, high: Array, *, known: bool, prof
             assert better is not None  # the profile has been there
             best = better
             continue
-        return Estimate(
+        return LeastSquaresEstimate(
             best=best,
             others=minima,
             freedom=freedom,
@@ -170,7 +172,7 @@ def estimate(residuals: Residuals, low: Array, high: Array, *, known: bool, prof
             spread=spread,
             directions=directions,
             quantiles=quantiles,
-            profiles=tuple(found),
+            profiles=tuple(followed),
         )
 
 
@@ -185,7 +187,7 @@ def minimise(residuals: Residuals, start: Array, low: Array, high: Array) -> Min
         jacobian = np.zeros((first.size, 0))
         chi2 = float(first @ first)
         return Minimum(start=start, x=start, chi2=chi2, residuals=first, jacobian=jacobian, converged=True)
-    found = least_squares(
+    search = least_squares(
         residuals,
         start,
         jac=partial(_jacobian, residuals),
@@ -199,11 +201,11 @@ def minimise(residuals: Residuals, start: Array, low: Array, high: Array) -> Min
     )
     return Minimum(
         start=start,
-        x=found.x,
-        chi2=2.0 * float(found.cost),
-        residuals=found.fun,
-        jacobian=np.asarray(found.jac),
-        converged=found.status > 0,
+        x=search.x,
+        chi2=2.0 * float(search.cost),
+        residuals=search.fun,
+        jacobian=np.asarray(search.jac),
+        converged=search.status > 0,
     )
 
 
@@ -243,10 +245,10 @@ def _quantiles(freedom: int, *, known: bool) -> tuple[float, ...]:
     return tuple(float(ndtri(p) if known else stdtrit(freedom, p)) ** 2 for p in upper)
 
 
-def _bound_holds(found: Minimum, low: Array, high: Array, scale: float) -> bool:
+def _bound_holds(minimum: Minimum, low: Array, high: Array, scale: float) -> bool:
     """Whether chi2 would fall by more than a tenth of a variance for each unit of x beyond a bound."""
-    fall = np.abs(found.jacobian.T @ found.residuals) * 2 / scale**2
-    at_bound = (found.x - low < 1e-6) | (high - found.x < 1e-6)
+    fall = np.abs(minimum.jacobian.T @ minimum.residuals) * 2 / scale**2
+    at_bound = (minimum.x - low < 1e-6) | (high - minimum.x < 1e-6)
     return bool(np.any(at_bound & (fall > 0.1)))
 
 
@@ -266,7 +268,7 @@ def _profile(
     scale: float,
     quantiles: tuple[float, ...],
     error: float,
-) -> Profile:
+) -> LikelihoodProfile:
     """Follow parameter k to both sides, until chi2 has risen by the largest quantile or the search ends."""
     rest = np.delete(best.x, k)
     at = {float(best.x[k]): rest}  # the others, where they were fitted last
@@ -275,14 +277,14 @@ def _profile(
     def rise(value: float) -> float:
         """Rise of chi2 over the variance; infinite where the law has no value."""
         near = at[min(at, key=lambda known: abs(known - value))]
-        found = minimise(lambda x: residuals(np.insert(x, k, value)), near, np.delete(low, k), np.delete(high, k))
-        if found is None:
+        lowest = minimise(lambda x: residuals(np.insert(x, k, value)), near, np.delete(low, k), np.delete(high, k))
+        if lowest is None:
             return math.inf
-        risen = (found.chi2 - best.chi2) / scale**2
+        risen = (lowest.chi2 - best.chi2) / scale**2
         if risen < -1e-3:
-            raise _LowerFoundError(np.insert(found.x, k, value))
-        at[value] = found.x
-        if _bound_holds(found, np.delete(low, k), np.delete(high, k), scale):
+            raise _LowerFoundError(np.insert(lowest.x, k, value))
+        at[value] = lowest.x
+        if _bound_holds(lowest, np.delete(low, k), np.delete(high, k), scale):
             bounded.add(value)
         return max(risen, 0.0)
 
@@ -314,4 +316,4 @@ def _profile(
         x = np.linspace(best.x[k], edge, PROFILE_POINTS + 1)[1:]
         sides.append(np.column_stack((x, [rise(float(value)) for value in x])))
     curve = np.concatenate((sides[0][::-1], [[best.x[k], 0.0]], sides[1]))
-    return Profile(x=curve[:, 0], rise=curve[:, 1], limits=limits, ends=(ends[0], ends[1]))
+    return LikelihoodProfile(x=curve[:, 0], rise=curve[:, 1], limits=limits, ends=(ends[0], ends[1]))

@@ -1,7 +1,6 @@
-"""What a fit has found: as a dataset, in words, and as an oil that a scene can use.
+"""What a fit has found, as a dataset.
 
-- There is no number without a meaning: what the data do not determine is NaN in the dataset and null in JSON, with a
-  sentence beside it.
+- There is no number without a meaning: what the data do not determine is NaN, with a sentence beside it.
 - The intervals are those of the profile likelihood; the covariance stands beside them.
 - The oil is the ``[lubricant]`` table of the rig file with the fitted values in it, so that it is read as that one was.
 """
@@ -10,21 +9,22 @@ import datetime
 import hashlib
 import importlib.metadata
 import json
-import math
-import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups
-from rollslip.campaigns.fit.least_squares import LEVELS, PROFILE_POINTS
+from rollslip.campaigns.fit.findings import parameter_rows
+from rollslip.campaigns.fit.least_squares import LEVELS, PROFILE_POINTS, LeastSquaresEstimate
+from rollslip.campaigns.fit.problem import Array, Indices, Parameter, RigProblem, friction_at, with_values
 from rollslip.catalogue.registry import find
-from rollslip.files import whole_file
-from rollslip.models import SliceModel
+from rollslip.lubricant.oil import Lubricant
+from rollslip.models import SliceModel, TractionModel
 from rollslip.references import KLEBANOV
 from rollslip.results.dataset import about, references_of
 from rollslip.scene.values import resolved
@@ -34,12 +34,7 @@ from rollslip_kernels.slices import Slices
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rollslip.campaigns.fit.fit import Bench, Fit, Parameter
-
-__all__ = ["as_dict", "dataset_of", "headline", "notes", "parameter_rows", "write_oil"]
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
+__all__ = ["Fit", "dataset_of"]
 
 #: Points of a drawn curve.
 CURVE_POINTS: Final = 201
@@ -49,25 +44,59 @@ _SAME: Final = (1.0, 0.03, 0.03)
 _UNLIKELY: Final = 0.01
 
 
+@attrs.frozen(eq=False, kw_only=True)
+class Fit:
+    """What was found: the estimate of the parameters that the data see, and why the others were kept."""
+
+    problem: RigProblem
+    parameters: list[Parameter]
+    weight: Array
+    kept: dict[str, str]
+    estimate: LeastSquaresEstimate
+
+    @property
+    def values(self) -> list[float]:
+        """The fitted values."""
+        return self.values_at(self.estimate.best.x)
+
+    @property
+    def laws(self) -> tuple[Lubricant, TractionModel]:
+        """Oil and traction model with the fitted values."""
+        return with_values(self.problem, self.parameters, self.values)
+
+    @property
+    def sigma(self) -> Array:
+        """Standard deviation of the friction of each row, given or estimated."""
+        return self.estimate.scale * self.weight
+
+    def values_at(self, x: Array) -> list[float]:
+        """Values of the parameters at their coordinates."""
+        return [float(p.value(one)) for p, one in zip(self.parameters, x, strict=True)]
+
+    def friction(self, x: Array) -> Array:
+        """Friction of all rows."""
+        return friction_at(self.problem, self.parameters, x)
+
+
 # Dataset ------------------------------------------------------------------------------------------------------------
 
 
-def dataset_of(bench: "Bench", fitted: "Fit", wanted: "Sequence[Parameter]", wall_time: float) -> "xr.Dataset":
+def dataset_of(problem: RigProblem, fitted: Fit, wanted: Sequence[Parameter], wall_time: float) -> "xr.Dataset":
     """Return what was found about the parameters that were asked for, see `rollslip.campaigns.fit.fit.fit`."""
     import xarray as xr
 
-    fitted_friction = fitted.friction(fitted.estimate.best.x)  # the tables of the bench now hold its film
-    film = np.empty(len(bench.data))
-    for _, rows, slices in bench.tables:
+    fitted_friction = fitted.friction(fitted.estimate.best.x)  # the tables of the problem now hold its film
+    film = np.empty(len(problem.data))
+    for _, rows, slices in problem.tables:
         film[rows] = slices.film_thickness
-    sets = _operating_points(bench)
-    c = bench.data.columns
+    sets = _operating_points(problem)
+    c = problem.data.columns
     variables = {
         **_of_parameters(fitted, wanted),
         **_of_searches(fitted),
         "slide_roll_ratio": ("row", c["slide_roll_ratio"], about("1", "slide-roll ratio")),
         "rolling_speed": ("row", c["rolling_speed"], about("m/s", "rolling speed")),
-        "load_per_length": ("row", bench.load, about("N/m", "normal force per length")),
+        "load_per_length": ("row", problem.load, about("N/m", "normal force per length")),
         "temperature": ("row", c["temperature"], about("K", "temperature")),
         "film_thickness": ("row", film, about("m", "film thickness")),
         "friction": ("row", c["friction"], about("1", "friction coefficient")),
@@ -75,7 +104,7 @@ def dataset_of(bench: "Bench", fitted: "Fit", wanted: "Sequence[Parameter]", wal
         "residual": ("row", c["friction"] - fitted_friction, about("1", "measured less fitted friction")),
         "uncertainty": ("row", fitted.sigma, about("1", "standard deviation of the friction, given or estimated")),
         "operating_point": ("row", _numbered(sets), about("1", "operating point")),
-        "line": ("row", np.array(bench.data.lines), about("1", "line of the data file")),
+        "line": ("row", np.array(problem.data.lines), about("1", "line of the data file")),
         **_curves(fitted, sets),
     }
     names, used = ([p.name for p in parameters] for parameters in (wanted, fitted.parameters))
@@ -105,32 +134,32 @@ def _texts(values: Any) -> NDArray[Any]:
     return np.array(values, dtype=str)
 
 
-def _of_parameters(fitted: "Fit", wanted: "Sequence[Parameter]") -> dict[str, Any]:
+def _of_parameters(fitted: Fit, wanted: Sequence[Parameter]) -> dict[str, Any]:
     """Variables of all parameters; those that were kept have a value and a status only."""
-    found, used = fitted.estimate, fitted.parameters
+    estimate, used = fitted.estimate, fitted.parameters
     place = [wanted.index(p) for p in used]
     unit, n, points = "see unit", len(wanted), 2 * PROFILE_POINTS + 1
 
     def whole(values: Any, *shape: int) -> Array:
-        made = np.full((n, *shape), np.nan)
-        made[place] = np.array(values, dtype=float).reshape(len(used), *shape)
-        return made
+        all_parameters = np.full((n, *shape), np.nan)
+        all_parameters[place] = np.array(values, dtype=float).reshape(len(used), *shape)
+        return all_parameters
 
     value = np.array([p.start for p in wanted])
     value[place] = fitted.values
     # covariances are of the logarithm, or of the value itself where the sign may change
     size = np.array([1.0 if p.logarithmic else p.size for p in used])
     covariance = np.full((n, n), np.nan)
-    covariance[np.ix_(place, place)] = found.covariance * np.outer(size, size)
+    covariance[np.ix_(place, place)] = estimate.covariance * np.outer(size, size)
     error = np.sqrt(np.diag(covariance))
-    limits = [p.value(profile.limits) for p, profile in zip(used, found.profiles, strict=True)]
+    limits = [p.value(profile.limits) for p, profile in zip(used, estimate.profiles, strict=True)]
     status = [fitted.kept.get(p.name, "") for p in wanted]
     limit_status = [["not determined"] * 2 for _ in wanted]
     for k, words in zip(place, _words(fitted), strict=True):
         status[k], limit_status[k] = words
     absolute = error * np.array([v if p.logarithmic else 1.0 for p, v in zip(wanted, value, strict=True)])
     determined = np.array([words == "determined" for words in status])
-    held = [p.value(profile.x) for p, profile in zip(used, found.profiles, strict=True)]
+    held = [p.value(profile.x) for p, profile in zip(used, estimate.profiles, strict=True)]
     return {
         "unit": ("parameter", _texts([p.unit for p in wanted]), about("1", "unit of the parameter")),
         "meaning": ("parameter", _texts([p.doc for p in wanted]), about("1", "what the parameter is")),
@@ -161,38 +190,38 @@ def _of_parameters(fitted: "Fit", wanted: "Sequence[Parameter]") -> dict[str, An
         "profile_value": (("parameter", "profile_point"), whole(held, points), about(unit, "value held")),
         "profile_rise": (
             ("parameter", "profile_point"),
-            whole([profile.rise for profile in found.profiles], points),
+            whole([profile.rise for profile in estimate.profiles], points),
             about("1", "rise of chi2 over the variance"),
         ),
-        "rise_limit": ("level", np.array(found.quantiles), about("1", "rise at which an interval ends")),
+        "rise_limit": ("level", np.array(estimate.quantiles), about("1", "rise at which an interval ends")),
     }
 
 
-def _of_searches(fitted: "Fit") -> dict[str, Any]:
+def _of_searches(fitted: Fit) -> dict[str, Any]:
     """Variables about where searches ended, and of the principal directions."""
-    found = fitted.estimate
-    ends = np.full((len(found.others), 2, len(fitted.parameters)), np.nan)
-    chi2 = np.full(len(found.others), np.nan)
-    for k, one in enumerate(found.others):
-        if one is not None:
-            ends[k], chi2[k] = [fitted.values_at(one.start), fitted.values_at(one.x)], one.chi2
+    estimate = fitted.estimate
+    ends = np.full((len(estimate.others), 2, len(fitted.parameters)), np.nan)
+    chi2 = np.full(len(estimate.others), np.nan)
+    for k, minimum in enumerate(estimate.others):
+        if minimum is not None:
+            ends[k], chi2[k] = [fitted.values_at(minimum.start), fitted.values_at(minimum.x)], minimum.chi2
     return {
         "search_start": (("search", "fitted_parameter"), ends[:, 0], about("see unit", "where a search started")),
         "search_end": (("search", "fitted_parameter"), ends[:, 1], about("see unit", "where it ended")),
         "search_chi2": ("search", chi2, about("1", "sum of squares where it ended")),
-        "spread": ("direction", found.spread, about("1", "standard deviation along a principal direction")),
+        "spread": ("direction", estimate.spread, about("1", "standard deviation along a principal direction")),
         "direction_part": (
             ("direction", "fitted_parameter"),
-            found.directions,
+            estimate.directions,
             about("1", "part of a parameter's logarithm in a principal direction"),
         ),
     }
 
 
-def _words(fitted: "Fit") -> list[tuple[str, list[str]]]:
+def _words(fitted: Fit) -> list[tuple[str, list[str]]]:
     """Say of each fitted parameter what the data tell, and of both its limits."""
-    found, said = fitted.estimate, []
-    for parameter, profile in zip(fitted.parameters, found.profiles, strict=True):
+    estimate, said = fitted.estimate, []
+    for parameter, profile in zip(fitted.parameters, estimate.profiles, strict=True):
         given = np.isfinite(profile.limits[-1])
         sides = [
             "found" if limit else f"the data give no {side} limit, searched to {parameter.shown(parameter.value(end))}"
@@ -203,7 +232,7 @@ def _words(fitted: "Fit") -> list[tuple[str, list[str]]]:
         elif given.any():
             status = sides[int(np.argmin(given))]
         else:
-            weakest = np.abs(found.directions[int(np.argmax(found.spread))])
+            weakest = np.abs(estimate.directions[int(np.argmax(estimate.spread))])
             partners = [p.name for p, part in zip(fitted.parameters, weakest, strict=True) if part > 0.1]
             together = f"only a combination of {' and '.join(partners)} is"
             status = f"not determined: {together if len(partners) > 1 else '; '.join(sides)}"
@@ -211,11 +240,11 @@ def _words(fitted: "Fit") -> list[tuple[str, list[str]]]:
     return said
 
 
-def _operating_points(bench: "Bench") -> list[Indices]:
+def _operating_points(problem: RigProblem) -> list[Indices]:
     """Rows that a rig held at one temperature, load and speed, each set in the order of slip."""
-    c = bench.data.columns
-    sets = [np.arange(len(bench.data))]
-    for values, gap in zip((c["temperature"], np.log(bench.load), np.log(c["rolling_speed"])), _SAME, strict=True):
+    c = problem.data.columns
+    sets = [np.arange(len(problem.data))]
+    for values, gap in zip((c["temperature"], np.log(problem.load), np.log(c["rolling_speed"])), _SAME, strict=True):
         parted = []
         for rows in sets:
             ordered = rows[np.argsort(values[rows], kind="stable")]
@@ -231,21 +260,21 @@ def _numbered(sets: Sequence[Indices]) -> Indices:
     return numbers
 
 
-def _curves(fitted: "Fit", sets: Sequence[Indices]) -> dict[str, Any]:
+def _curves(fitted: Fit, sets: Sequence[Indices]) -> dict[str, Any]:
     """The fitted curve of each operating point, at its mean conditions, and these."""
-    bench, (lubricant, traction) = fitted.bench, fitted.laws
-    chain, c = bench.chain_of(traction), bench.data.columns
+    problem, (lubricant, traction) = fitted.problem, fitted.laws
+    chain, c = problem.chain_of(traction), problem.data.columns
     slip, friction = np.empty((len(sets), CURVE_POINTS)), np.empty((len(sets), CURVE_POINTS))
     held = np.empty((3, len(sets)))
     for k, rows in enumerate(sets):
         measured = c["slide_roll_ratio"][rows]
         temperature, speed = float(c["temperature"][rows].mean()), float(c["rolling_speed"][rows].mean())
         slip[k] = np.linspace(min(measured.min(), 0.0), max(measured.max(), 0.0), CURVE_POINTS)
-        film = {} if bench.film is not None else {"film_thickness": float(np.median(c["film_thickness"][rows]))}
+        film = {} if problem.film is not None else {"film_thickness": float(np.median(c["film_thickness"][rows]))}
         slices = Slices(
             CURVE_POINTS,
-            bench.conditions(lubricant, temperature),
-            load=float(bench.load[rows].mean()),
+            problem.conditions(lubricant, temperature),
+            load=float(problem.load[rows].mean()),
             rolling_speed=speed,
             sliding_speed=slip[k] * speed,
             **film,
@@ -264,27 +293,27 @@ def _curves(fitted: "Fit", sets: Sequence[Indices]) -> dict[str, Any]:
 # Warnings -----------------------------------------------------------------------------------------------------------
 
 
-def _warnings(fitted: "Fit", sets: Sequence[Indices]) -> list[str]:
+def _warnings(fitted: Fit, sets: Sequence[Indices]) -> list[str]:
     """Say what a reader of the result has to know."""
     from scipy.special import chdtrc
 
-    bench, found, said = fitted.bench, fitted.estimate, []
-    if "friction_uncertainty" in bench.data.columns and chdtrc(found.freedom, found.best.chi2) < _UNLIKELY:
+    problem, estimate, said = fitted.problem, fitted.estimate, []
+    if "friction_uncertainty" in problem.data.columns and chdtrc(estimate.freedom, estimate.best.chi2) < _UNLIKELY:
         said.append(
-            f"the model does not fit the data within their uncertainties (chi2 {found.best.chi2:.4g} at "
-            f"{found.freedom} degrees of freedom): values and intervals hold only as far as it does"
+            f"the model does not fit the data within their uncertainties (chi2 {estimate.best.chi2:.4g} at "
+            f"{estimate.freedom} degrees of freedom): values and intervals hold only as far as it does"
         )
-    chance = _chance_of_order(found.best.residuals, sets)
+    chance = _chance_of_order(estimate.best.residuals, sets)
     if chance < _UNLIKELY:
         said.append(
             f"the residuals are not random along the curves (probability {chance:.1g}): the model misses something "
             "that the data show, and the intervals, which take the errors for independent, are too narrow"
         )
     said += _other_minima(fitted)
-    error = np.sqrt(np.diag(found.covariance))
+    error = np.sqrt(np.diag(estimate.covariance))
     bent = [
         p.name
-        for p, x, profile, width in zip(fitted.parameters, found.best.x, found.profiles, error, strict=True)
+        for p, x, profile, width in zip(fitted.parameters, estimate.best.x, estimate.profiles, error, strict=True)
         if np.isfinite(profile.limits[-1]).all() and not np.all(_same_size(profile.limits[0] - x, width))
     ]
     if bent:
@@ -292,12 +321,12 @@ def _warnings(fitted: "Fit", sets: Sequence[Indices]) -> list[str]:
             f"the law is far from linear within the intervals of {', '.join(bent)}: what follows from the covariance, "
             "standard error and correlation, does not hold; the intervals do"
         )
-    if bench.film is not None and bench.film.regime != "all":
-        codes = np.concatenate([film_by_regime(*groups(slices))[1] for _, _, slices in bench.tables])
-        outside = float(np.mean(codes != NAMES.index(bench.film.regime)))
+    if problem.film is not None and problem.film.regime != "all":
+        codes = np.concatenate([film_by_regime(*groups(slices))[1] for _, _, slices in problem.tables])
+        outside = float(np.mean(codes != NAMES.index(problem.film.regime)))
         if outside > 0.0:
             said.append(
-                f"film model {bench.film.name!r} holds in the {LONG_NAMES[bench.film.regime]} regime, in which "
+                f"film model {problem.film.name!r} holds in the {LONG_NAMES[problem.film.regime]} regime, in which "
                 f"{outside:.0%} of the rows are not; film 'moes' covers all regimes"
             )
     return said
@@ -309,18 +338,18 @@ def _same_size(distances: Array, width: float) -> NDArray[np.bool_]:
     return np.asarray((share > 0.5) & (share < 2.0))
 
 
-def _other_minima(fitted: "Fit") -> list[str]:
-    found = fitted.estimate
-    ends = [(one, (one.chi2 - found.best.chi2) / found.scale**2) for one in found.others if one is not None]
-    elsewhere = [(one, rise) for one, rise in ends if one.converged and rise > 0.01]
+def _other_minima(fitted: Fit) -> list[str]:
+    estimate = fitted.estimate
+    rises = [(end, (end.chi2 - estimate.best.chi2) / estimate.scale**2) for end in estimate.others if end is not None]
+    elsewhere = [(end, rise) for end, rise in rises if end.converged and rise > 0.01]
     if not elsewhere:
         return []
     second, rise = min(elsewhere, key=lambda pair: pair[1])
     values = zip(fitted.parameters, fitted.values_at(second.x), strict=True)
     at = ", ".join(f"{p.name} {p.shown(value)}" for p, value in values)
-    judged = "which the data do not exclude" if rise < found.quantiles[-1] else "which fits worse"
+    judged = "which the data do not exclude" if rise < estimate.quantiles[-1] else "which fits worse"
     return [
-        f"{len(elsewhere)} of {len(found.others)} searches ended in another minimum, {judged} (chi2 higher by "
+        f"{len(elsewhere)} of {len(estimate.others)} searches ended in another minimum, {judged} (chi2 higher by "
         f"{rise:.3g} variances): {at}"
     ]
 
@@ -336,9 +365,9 @@ def _chance_of_order(residuals: Array, sets: Sequence[Indices]) -> float:
 # Origin -------------------------------------------------------------------------------------------------------------
 
 
-def _provenance(fitted: "Fit", dataset: "xr.Dataset") -> dict[str, Any]:
-    bench = fitted.bench
-    models, oil, rig = bench.models, bench.lubricant, bench.rig
+def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
+    problem = fitted.problem
+    models, oil, rig = problem.models, problem.lubricant, problem.rig
     offers = {kind: find(kind, model.name) for kind, model in models.items()}
     used = list(offers.values()) + ([] if rig.lubricant.name is None else [find("lubricant", rig.lubricant.name)])
     packages = {offer.package: offer.version for offer in used}
@@ -357,13 +386,15 @@ def _provenance(fitted: "Fit", dataset: "xr.Dataset") -> dict[str, Any]:
     ]
     law = oil.pressure_viscosity_law
     cited = [text for model in (*models.values(), law) for text in references_of(model)]
-    asked = json.dumps([resolved(rig), described, bench.data.sha256, list(dataset["parameter"].values)], sort_keys=True)
+    asked = json.dumps(
+        [resolved(rig), described, problem.data.sha256, list(dataset["parameter"].values)], sort_keys=True
+    )
     return {
         "study": "fit",
         "title": rig.title,
-        "source": bench.data.source,
-        "data": bench.data.text,
-        "data_sha256": bench.data.sha256,
+        "source": problem.data.source,
+        "data": problem.data.text,
+        "data_sha256": problem.data.sha256,
         "rig": rig.text,
         "rig_resolved": json.dumps(resolved(rig)),
         "scene_hash": hashlib.sha256(asked.encode()).hexdigest(),
@@ -371,66 +402,25 @@ def _provenance(fitted: "Fit", dataset: "xr.Dataset") -> dict[str, Any]:
         "models": json.dumps(described),
         "lubricant": json.dumps({"name": oil.name, "source": oil.source, "pressure_viscosity_law": repr(law)}),
         "citations": json.dumps(list(dict.fromkeys([KLEBANOV, *cited, *oil.references]))),
-        "evaluations": bench.evaluated,
+        "evaluations": problem.evaluated,
         "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         **_tables(fitted, dataset),
     }
 
 
-# Oil ----------------------------------------------------------------------------------------------------------------
-
-
-def write_oil(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> None:
-    """Write the fitted oil as a TOML file with a table ``[lubricant]``, ready for a scene.
-
-    If parameters of the traction model were fitted, the file has a table ``[models.traction]`` too.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Result of `rollslip.fit`.
-    path : str or path
-        The file; it appears whole or not at all.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
-    """
-    lines = [f"# Fitted to {dataset.attrs['source']}; copy into a scene."]
-    lines += [
-        f"# {name}: {value}, 95 %: {limits}; {status}" for name, value, _, _, limits, status in parameter_rows(dataset)
-    ]
-    for key, attribute in (("lubricant", "lubricant_table"), ("models.traction", "traction_table")):
-        if attribute in dataset.attrs:
-            lines += ["", f"[{key}]"]
-            lines += [f"{name} = {_toml(value)}" for name, value in json.loads(dataset.attrs[attribute]).items()]
-    with whole_file(Path(path)) as partial:
-        partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _toml(value: Any) -> str:
-    """A value as TOML; numbers with all their digits."""
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{key} = {_toml(inner)}" for key, inner in value.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_toml, value)) + "]"
-    return json.dumps(value, ensure_ascii=False)  # its texts and numbers are TOML's too
-
-
-def _tables(fitted: "Fit", dataset: "xr.Dataset") -> dict[str, str]:
+def _tables(fitted: Fit, dataset: "xr.Dataset") -> dict[str, str]:
     """Tables of a scene with what was fitted, as JSON."""
-    bench, values = fitted.bench, fitted.values
+    problem, values = fitted.problem, fitted.values
     oil = {p.key[0]: value / p.unit_value for p, value in zip(fitted.parameters, values, strict=True) if p.of_oil}
-    written = resolved(bench.rig.lubricant)
-    at = " to ".join(dict.fromkeys(format_quantity(T, "K", 4) for T, *_ in (bench.tables[0], bench.tables[-1])))
-    film = "measured film" if bench.film is None else f"film {bench.film.name}"
-    found = ", ".join(
+    written = resolved(problem.rig.lubricant)
+    at = " to ".join(dict.fromkeys(format_quantity(T, "K", 4) for T, *_ in (problem.tables[0], problem.tables[-1])))
+    film = "measured film" if problem.film is None else f"film {problem.film.name}"
+    values_told = ", ".join(
         f"{name} {value} (95 %: {limits}; {status})" for name, value, _, _, limits, status in parameter_rows(dataset)
     )
     source = (
-        f"Fitted by rollslip {importlib.metadata.version('rollslip')} to {Path(bench.data.source).name} (sha256 "
-        f"{bench.data.sha256}) with traction {bench.traction.name} and {film} at {at}: {found}."
+        f"Fitted by rollslip {importlib.metadata.version('rollslip')} to {Path(problem.data.source).name} (sha256 "
+        f"{problem.data.sha256}) with traction {problem.traction.name} and {film} at {at}: {values_told}."
     )
     source = " ".join(filter(None, (str(written.get("source", "")), source)))
     tables = {"lubricant_table": json.dumps({**written, **oil, "source": source})}
@@ -441,115 +431,9 @@ def _tables(fitted: "Fit", dataset: "xr.Dataset") -> dict[str, str]:
 
 def _model_table(model: SliceModel) -> dict[str, object]:
     """A model as a scene writes it."""
-    made: dict[str, object] = {"model": model.name}
+    table: dict[str, object] = {"model": model.name}
     for attribute in getattr(model, "__attrs_attrs__", ()):
         value = getattr(model, attribute.name)
         if attribute.metadata.get("key", attribute.name) is not None:  # what the oil puts in is no key
-            made[attribute.name] = _model_table(value) if isinstance(value, SliceModel) else value
-    return made
-
-
-# Words --------------------------------------------------------------------------------------------------------------
-
-
-def headline(dataset: "xr.Dataset") -> str:
-    """Return the first line about a fit: version, data and hash, models with their packages."""
-    a = dataset.attrs
-    models = ", ".join(
-        f"{model['kind']} {model['name']} ({model['package']} {model['version']})" for model in json.loads(a["models"])
-    )
-    return f"rollslip {json.loads(a['packages'])['rollslip']} | {a['source']} {a['data_sha256'][:12]} | {models}"
-
-
-def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:
-    """Return rows of parameter, value, standard error, 68 % and 95 % interval and status."""
-    rows = []
-    for name in dataset["parameter"].values:
-        one = dataset.sel(parameter=name)
-        unit, value, error = one["unit"].item(), float(one["value"]), float(one["standard_error"])
-        share = f"{100 * error / abs(value):.2g} %" if value else format_quantity(error, unit, 2)
-        intervals = (_interval(limits, unit) for limits in one["interval"].values)
-        rows.append(
-            (
-                str(name),
-                format_quantity(value, unit, 4),
-                "-" if math.isnan(error) else share,
-                *intervals,
-                one["status"].item(),
-            )
-        )
-    return rows
-
-
-def _interval(limits: Array, unit: str) -> str:
-    low, high = ("" if math.isnan(limit) else format_quantity(float(limit), unit, 4) for limit in limits)
-    if low and high:
-        number, _, same = low.partition(" ")
-        return f"{number if high.endswith(f' {same}') else low} to {high}"
-    return f"above {low}" if low else f"below {high}" if high else "none"
-
-
-def notes(dataset: "xr.Dataset") -> list[str]:
-    """Return what the table does not say: the scatter and the strongest correlations."""
-    a = dataset.attrs
-    largest = float(np.abs(dataset["friction"]).max())
-    chi2 = f", chi2 {a['chi2']:.4g}" if "chi2" in a else ""
-    points = f"{dataset.sizes['point']} operating point{'s' * (dataset.sizes['point'] > 1)}"
-    said = [
-        f"{dataset.sizes['row']} rows at {points}, {a['freedom']} degrees of freedom"
-        f"{chi2}; residuals of {a['scatter']:.3g}, {a['scatter'] / largest:.2%} of the largest friction; uncertainties "
-        f"{a['uncertainties']}"
-    ]
-    names, correlation = dataset["parameter"].values, dataset["correlation"].to_numpy()
-    pairs = [(i, j) for i in range(names.size) for j in range(i) if math.isfinite(correlation[i, j])]
-    if pairs:
-        strongest = sorted(pairs, key=lambda pair: -abs(correlation[pair]))[:3]
-        said.append(
-            "correlation: " + ", ".join(f"{names[j]} with {names[i]} {correlation[i, j]:.3f}" for i, j in strongest)
-        )
-    return said
-
-
-def as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return a fit as plain values; a value without meaning is null, with its status beside it."""
-    a = dataset.attrs
-    parameters = {}
-    for name in dataset["parameter"].values:
-        one = dataset.sel(parameter=name)
-        levels = dict(zip(("68 %", "95 %"), one["interval"].values, strict=True))
-        parameters[str(name)] = {
-            "unit": one["unit"].item(),
-            "meaning": one["meaning"].item(),
-            "value": float(one["value"]),
-            "start_value": float(one["start_value"]),
-            "standard_error": _or_none(one["standard_error"]),
-            "status": one["status"].item(),
-            **{f"interval {level}": [_or_none(limit) for limit in limits] for level, limits in levels.items()},
-            "limit_status": dict(zip(("lower", "upper"), map(str, one["limit_status"].values), strict=True)),
-            "correlation": {
-                str(other): _or_none(value)
-                for other, value in zip(dataset["with_parameter"].values, one["correlation"], strict=True)
-            },
-        }
-    return {
-        "rollslip": json.loads(a["packages"])["rollslip"],
-        "data": a["source"],
-        "data_sha256": a["data_sha256"],
-        "models": {model["kind"]: model["name"] for model in json.loads(a["models"])},
-        "rows": dataset.sizes["row"],
-        "operating_points": dataset.sizes["point"],
-        "freedom": int(a["freedom"]),
-        "chi2": float(a["chi2"]) if "chi2" in a else None,
-        "scatter": float(a["scatter"]),
-        "uncertainties": a["uncertainties"],
-        "parameters": parameters,
-        "spread": [_or_none(value) for value in dataset["spread"]],
-        "warnings": json.loads(a["warnings"]),
-        "evaluations": int(a["evaluations"]),
-        "wall_time": float(a["wall_time"]),
-    }
-
-
-def _or_none(value: Any) -> float | None:
-    number = float(value)
-    return number if math.isfinite(number) else None
+            table[attribute.name] = _model_table(value) if isinstance(value, SliceModel) else value
+    return table

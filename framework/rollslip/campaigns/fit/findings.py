@@ -1,0 +1,121 @@
+"""What a fit has found, in words and as plain values: parameters, their intervals, and what the table does not say.
+
+There is no number without a meaning: what the data do not determine is null, with a sentence beside it.
+"""
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.units import format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["as_dict", "headline", "notes", "parameter_rows"]
+
+
+def headline(dataset: "xr.Dataset") -> str:
+    """Return the first line about a fit: version, data and hash, models with their packages."""
+    a = dataset.attrs
+    models = ", ".join(
+        f"{model['kind']} {model['name']} ({model['package']} {model['version']})" for model in json.loads(a["models"])
+    )
+    return f"rollslip {json.loads(a['packages'])['rollslip']} | {a['source']} {a['data_sha256'][:12]} | {models}"
+
+
+def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:
+    """Return rows of parameter, value, standard error, 68 % and 95 % interval and status."""
+    rows = []
+    for name in dataset["parameter"].values:
+        parameter = dataset.sel(parameter=name)
+        unit, value, error = parameter["unit"].item(), float(parameter["value"]), float(parameter["standard_error"])
+        share = f"{100 * error / abs(value):.2g} %" if value else format_quantity(error, unit, 2)
+        intervals = (_interval(limits, unit) for limits in parameter["interval"].values)
+        rows.append(
+            (
+                str(name),
+                format_quantity(value, unit, 4),
+                "-" if math.isnan(error) else share,
+                *intervals,
+                parameter["status"].item(),
+            )
+        )
+    return rows
+
+
+def _interval(limits: NDArray[np.float64], unit: str) -> str:
+    low, high = ("" if math.isnan(limit) else format_quantity(float(limit), unit, 4) for limit in limits)
+    if low and high:
+        number, _, same = low.partition(" ")
+        return f"{number if high.endswith(f' {same}') else low} to {high}"
+    return f"above {low}" if low else f"below {high}" if high else "none"
+
+
+def notes(dataset: "xr.Dataset") -> list[str]:
+    """Return what the table does not say: the scatter and the strongest correlations."""
+    a = dataset.attrs
+    largest = float(np.abs(dataset["friction"]).max())
+    chi2 = f", chi2 {a['chi2']:.4g}" if "chi2" in a else ""
+    points = f"{dataset.sizes['point']} operating point{'s' * (dataset.sizes['point'] > 1)}"
+    said = [
+        f"{dataset.sizes['row']} rows at {points}, {a['freedom']} degrees of freedom"
+        f"{chi2}; residuals of {a['scatter']:.3g}, {a['scatter'] / largest:.2%} of the largest friction; uncertainties "
+        f"{a['uncertainties']}"
+    ]
+    names, correlation = dataset["parameter"].values, dataset["correlation"].to_numpy()
+    pairs = [(i, j) for i in range(names.size) for j in range(i) if math.isfinite(correlation[i, j])]
+    if pairs:
+        strongest = sorted(pairs, key=lambda pair: -abs(correlation[pair]))[:3]
+        said.append(
+            "correlation: " + ", ".join(f"{names[j]} with {names[i]} {correlation[i, j]:.3f}" for i, j in strongest)
+        )
+    return said
+
+
+def as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return a fit as plain values; a value without meaning is null, with its status beside it."""
+    a = dataset.attrs
+    parameters = {}
+    for name in dataset["parameter"].values:
+        parameter = dataset.sel(parameter=name)
+        levels = dict(zip(("68 %", "95 %"), parameter["interval"].values, strict=True))
+        parameters[str(name)] = {
+            "unit": parameter["unit"].item(),
+            "meaning": parameter["meaning"].item(),
+            "value": float(parameter["value"]),
+            "start_value": float(parameter["start_value"]),
+            "standard_error": _or_none(parameter["standard_error"]),
+            "status": parameter["status"].item(),
+            **{f"interval {level}": [_or_none(limit) for limit in limits] for level, limits in levels.items()},
+            "limit_status": dict(zip(("lower", "upper"), map(str, parameter["limit_status"].values), strict=True)),
+            "correlation": {
+                str(other): _or_none(value)
+                for other, value in zip(dataset["with_parameter"].values, parameter["correlation"], strict=True)
+            },
+        }
+    return {
+        "rollslip": json.loads(a["packages"])["rollslip"],
+        "data": a["source"],
+        "data_sha256": a["data_sha256"],
+        "models": {model["kind"]: model["name"] for model in json.loads(a["models"])},
+        "rows": dataset.sizes["row"],
+        "operating_points": dataset.sizes["point"],
+        "freedom": int(a["freedom"]),
+        "chi2": float(a["chi2"]) if "chi2" in a else None,
+        "scatter": float(a["scatter"]),
+        "uncertainties": a["uncertainties"],
+        "parameters": parameters,
+        "spread": [_or_none(value) for value in dataset["spread"]],
+        "warnings": json.loads(a["warnings"]),
+        "evaluations": int(a["evaluations"]),
+        "wall_time": float(a["wall_time"]),
+    }
+
+
+def _or_none(value: Any) -> float | None:
+    number = float(value)
+    return number if math.isfinite(number) else None
