@@ -16,6 +16,7 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.load_map import build_load_map
 from rollslip.motion.carried import carried_motion
+from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip_kernels.rosenbrock import Rosenbrock
 
 SCENE = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15})
@@ -49,7 +50,7 @@ def main():
     for (level, friction), colour in CASES.items():
         times = []
         for rollers in ROLLERS:
-            moving = carried_motion(bearing(rollers), level=level, friction=friction, loads=loads)
+            moving = carried_motion(bearing(rollers), FrictionSettings(name=friction), level=level, loads=loads)
             system, best = moving.system, math.inf
             start = moving.initial(cage_slip=0.02)
             for _ in range(TURNS):

@@ -21,6 +21,7 @@ from rollslip import available, evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import PluginError
 from rollslip.motion.carried import carried_motion
+from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip_kernels.rosenbrock import Rosenbrock
 from rollslip_kernels.system import python_system
@@ -93,7 +94,9 @@ def order():
         ("cage-set, even load", even, 0.02, 0.5),
         ("cage-set, as shipped", {}, 0.002, 0.05),
     ):
-        moving = carried_motion(assemble(evolve(SCENE, changes)), level="cage-set", friction="conventional")
+        moving = carried_motion(
+            assemble(evolve(SCENE, changes)), FrictionSettings(name="conventional"), level="cage-set"
+        )
         capsule, start = moving.system.capsule, moving.initial(cage_slip=slip, roller_slip=slip)
         known = fixed_steps(capsule, start, end, 2048)
         errors = [distance(moving, fixed_steps(capsule, start, end, count), known) for count in STEPS]
@@ -161,7 +164,7 @@ def work_precision():
     """Error against work."""
     rows, (made, axes) = [], figure(4, width=2.3, height=2.9)
     for (level, end), (left, right) in zip(DURATION.items(), (axes[:2], axes[2:]), strict=True):
-        moving = carried_motion(assemble(SCENE), level=level, friction="effective")
+        moving = carried_motion(assemble(SCENE), FrictionSettings(name="effective"), level=level)
         known = solve(moving, "radau", 1e-12, end)[0].last_y
         apart = distance(moving, solve(moving, "rodas5p", 1e-13, end)[0].last_y, known)
         for name in installed():

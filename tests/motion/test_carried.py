@@ -15,6 +15,7 @@ from rollslip.bearing.chain import Chain
 from rollslip.bearing.load_map import build_load_map
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.carried import carried_motion
+from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip_kernels import drag
 from rollslip_kernels import raceway as compiled
 from rollslip_kernels.carried import LEDGER
@@ -26,6 +27,7 @@ FAST = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2, "cage.mass": 0.4, "cag
 DRAGS = ["rolling-resistance", {"model": "pocket-friction", "coefficient": 0.08}]
 KINDS = ["constant", "effective", "slips", "conventional"]
 LEVELS = ["cage-set", "pocket"]
+CONVENTIONAL = FrictionSettings(name="conventional")
 
 
 def bearing(**changes):
@@ -44,15 +46,17 @@ def motion(level, kind, drags=DRAGS, torque=0.03, critical_slip=math.nan, film_l
     assembly, loads = MADE[key]
     return carried_motion(
         assembly,
+        FrictionSettings(
+            name="effective" if kind == "slips" else kind,
+            effective_over="slips" if kind == "slips" else "sliding-speed",
+            coefficient=0.01,
+            transition=0.5,
+            critical_slip=critical_slip,
+            film_limit=film_limit,
+        ),
         level=level,
-        friction="effective" if kind == "slips" else kind,
-        effective_over="slips" if kind == "slips" else "sliding-speed",
-        coefficient=0.01,
-        transition=0.5,
         loads=loads,
         torques=(drag.constant_torque(torque, 1.0),) if torque else (),
-        critical_slip=critical_slip,
-        film_limit=film_limit,
     )
 
 
@@ -76,7 +80,7 @@ def random_state(m, rng):
 def plain_friction(m, ring, load, V, u):
     """Traction and rolling resistance of the rollers on a ring, (Z,) each; load (Z, n) [N/m]."""
     raceway, widths, film = m.assembly.raceways[ring], m.assembly.widths, np.hypot(u, 1e-3)
-    if m.friction == "conventional":
+    if m.friction.settings.name == "conventional":
         traction, resistance = np.zeros(28), np.zeros(28)
         for j, one in enumerate(load):
             if np.any(one > 0.0):
@@ -86,9 +90,9 @@ def plain_friction(m, ring, load, V, u):
                     resistance[j] = slices.resistance @ widths[one > 0.0]
         return traction, resistance * u / film
     force = load[:, 0]
-    if m.friction == "constant":
+    if m.friction.settings.name == "constant":
         return 0.01 * force * V / np.sqrt(V**2 + 0.25), None
-    table = m.tables[ring]
+    table = m.friction.tables[ring]
 
     def spline(low, high, nodes, at):
         x = np.linspace(low, high, nodes.shape[0])
@@ -143,7 +147,7 @@ def plain_rates(m, y, torque=0.03):
     V = Ri * (wi - w) - r * (s + w), r * (s + w) - Ro * (w - wo)
     roll = (Ri * (wi - w) + r * (s + w)) / 2, (Ro * (w - wo) + r * (s + w)) / 2
     F, R = zip(*(plain_friction(m, ring, loads[ring], V[ring], roll[ring]) for ring in (0, 1)), strict=True)
-    if m.friction != "conventional":
+    if m.friction.settings.name != "conventional":
         R = [loads[2 + i, :, 0] * roll[i] / np.hypot(roll[i], 1e-3) if len(loads) > 2 else 0.0 * w for i in (0, 1)]
     spin = r * (F[0] - R[0]) - r * (F[1] + R[1])
     orbital = spin + Ri * (F[0] + R[0]) + Ro * (F[1] - R[1])
@@ -273,7 +277,10 @@ def test_drags_get_the_real_speeds():
     torque = drag.python_drag(lambda *speeds: seen.append(speeds) or 0.5)
     assembly = bearing(**{"operation.inner_speed": "-6000 rpm"})
     m = carried_motion(
-        assembly, level="cage-set", friction="constant", coefficient=0.0, transition=1.0, torques=[torque]
+        assembly,
+        FrictionSettings(name="constant", coefficient=0.0, transition=1.0),
+        level="cage-set",
+        torques=[torque],
     )
     y = m.initial()
     rate = m.split(m.system.rates(0.0, y))
@@ -386,9 +393,7 @@ def test_what_a_stage_refuses_is_said_in_words():
         domain = MappingProxyType({"sliding_speed": (-1.0, 1.0)})
 
     limited = Limited(m.assembly.traction)
-    made = carried_motion(
-        with_traction(m, limited), level="cage-set", friction="conventional", loads=m.loads, torques=()
-    )
+    made = carried_motion(with_traction(m, limited), CONVENTIONAL, level="cage-set", loads=m.loads, torques=())
     assert np.all(np.isfinite(made.system.rates(0.0, made.initial())))
     with pytest.raises(RefusedError) as caught:
         made.system.rates(0.0, made.initial(0.3))
@@ -405,8 +410,8 @@ def test_python_stages_and_python_drags_serve():
     torque = drag.python_drag(lambda cage, inner, outer: -0.03 * cage / math.hypot(cage, 1.0))
     made = carried_motion(
         with_traction(m, NumpyForm(m.assembly.traction)),
+        CONVENTIONAL,
         level="cage-set",
-        friction="conventional",
         loads=m.loads,
         torques=(torque,),
     )
@@ -427,7 +432,7 @@ def test_an_error_of_a_plugin_comes_out_as_it_is(where):
     m = motion("cage-set", "conventional", ())
     assembly = with_traction(m, Broken(m.assembly.traction)) if where == "traction" else m.assembly
     torques = (drag.python_drag(torque),) if where == "drag" else ()
-    made = carried_motion(assembly, level="cage-set", friction="conventional", loads=m.loads, torques=torques)
+    made = carried_motion(assembly, CONVENTIONAL, level="cage-set", loads=m.loads, torques=torques)
     with pytest.raises(ConvergenceError, match="no root"):
         made.system.rates(0.0, made.initial())
 

@@ -17,7 +17,7 @@ from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.motion.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
-from rollslip.motion.raceway_friction import named_friction
+from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
 from rollslip_kernels import planar as kernels
 from rollslip_kernels import raceway as friction_kernels
 from rollslip_kernels.rosenbrock import Rosenbrock
@@ -37,9 +37,8 @@ def scene_of(rollers=28, guidance="roller", drag=(), cage=(), more=()):
 
 def motion(scene, friction="constant", coefficient=0.05, transition=0.1, **given):
     found = PlanarSettings(**{"inner_ring_mass": 3.0} | given)
-    return planar_motion(
-        assemble(scene), found, friction=friction, coefficient=coefficient, transition=transition, tolerance=1e-2
-    )
+    of_raceways = FrictionSettings(name=friction, coefficient=coefficient, transition=transition, tolerance=1e-2)
+    return planar_motion(assemble(scene), found, of_raceways)
 
 
 # Lagrange's equations ------------------------------------------------------------------------------------------------
@@ -62,9 +61,7 @@ class Lagrange:
         g, at = self.set.gravity, self.set.gravity_direction
         self.g = g * np.array([np.cos(at), sign * np.sin(at)])
         if kind == "effective":
-            self.table = named_friction(
-                a, kind, effective_over="sliding-speed", coefficient=0.0, transition=0.0, tolerance=1e-2
-            ).capsules
+            self.table = raceway_friction(a, FrictionSettings(name=kind, tolerance=1e-2)).capsules
         self.e = self.cage.unbalance / self.cage.mass
         self.pitch = 2 * np.pi * np.arange(self.Z) / self.Z
 

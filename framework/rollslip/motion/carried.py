@@ -15,13 +15,11 @@ import numpy as np
 from rollslip.bearing.assembly import Array, Assembly
 from rollslip.bearing.load_map import LoadMap, build_load_map, resistances
 from rollslip.errors import DomainError, RollslipError
-from rollslip.motion.moving_bearing import MovingBearing
-from rollslip.motion.raceway_friction import named_friction
+from rollslip.motion.moving_bearing import MovingBearing, pocket_contact
+from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
 from rollslip_kernels.carried import LEDGER, Carried
 from rollslip_kernels.system import System
 
-#: Squeeze film of a cylinder and a flat wall, 3 sqrt(2) pi eta (r/h)^1.5 dh/dt per length.
-_SQUEEZE: Final = 3.0 * math.sqrt(2.0) * math.pi
 _BLOCKS: Final = {
     "cage-set": {"roller_spin": "rad/s"},
     "pocket": {"roller_spin": "rad/s", "orbital_speed": "rad/s", "pocket_position": "m"},
@@ -103,15 +101,9 @@ class CarriedMotion(MovingBearing):
 
 def carried_motion(
     assembly: Assembly,
+    friction: FrictionSettings,
     *,
     level: str,
-    friction: str,
-    effective_over: str = "sliding-speed",
-    coefficient: float = math.nan,
-    transition: float = math.nan,
-    tolerance: float | None = None,
-    critical_slip: float = math.nan,
-    film_limit: float = math.nan,
     loads: LoadMap | None = None,
     torques: Sequence[object] | None = None,
 ) -> CarriedMotion:
@@ -124,18 +116,10 @@ def carried_motion(
     ----------
     assembly : Assembly
         The bearing.
+    friction : FrictionSettings
+        Which friction, and what is watched.
     level : str
         "cage-set" (rollers at the cage's spacing) or "pocket" (within their pockets).
-    friction : str
-        "constant", "effective" or "conventional".
-    effective_over : str
-        What effective friction is tabulated over: "sliding-speed", or "slips" for sliding and rolling speed.
-    coefficient, transition : float
-        Constant friction: mu_0, and the sliding speed V_s [m/s] in mu_0 V/sqrt(V^2 + V_s^2).
-    tolerance : float, optional
-        Error of loads and tables, by default that of the resolution.
-    critical_slip, film_limit : float
-        Cage slip and film parameter that are watched; NaN for none. Only conventional friction knows the film.
     loads : LoadMap, optional
         Loads per slice that were built before.
     torques : sequence of capsules, optional
@@ -153,30 +137,11 @@ def carried_motion(
         If the coefficient of constant friction is negative or its sliding speed not positive.
     """
     assembly = assembly.resisting()
-    tolerance = assembly.resolution.table_tolerance if tolerance is None else tolerance
-    loads = build_load_map(assembly, tolerance) if loads is None else loads
+    loads = build_load_map(assembly, friction.table_tolerance(assembly)) if loads is None else loads
     k, cage, Z = assembly.kinematics, assembly.cage, assembly.scene.bearing.rollers
-    made = named_friction(
-        assembly,
-        friction,
-        effective_over=effective_over,
-        coefficient=coefficient,
-        transition=transition,
-        tolerance=tolerance,
-        loads=loads,
-    )
-    if friction != "conventional":
+    of_raceways = raceway_friction(assembly, friction, loads)
+    if friction.name != "conventional":
         loads = loads.forces(_resistance(assembly))
-    film = cage.pocket_contact == "film"
-    viscosity = assembly.lubricant.at(assembly.scene.operation.temperature).viscosity if film else 0.0
-    pockets = {
-        "half_clearance": 0.5 * cage.pocket_clearance,
-        "stiffness": cage.pocket_stiffness,
-        "damping": cage.pocket_damping,
-        "friction": 0.0 if cage.drags.pocket_friction is None else cage.drags.pocket_friction.coefficient,
-        "film": _SQUEEZE * viscosity * assembly.scene.bearing.roller_length * k.roller_radius**1.5,
-        "roughness": assembly.inner.conditions.roughness,
-    }
     bearing = {
         "rollers": Z,
         "direction": k.direction,
@@ -195,21 +160,19 @@ def carried_motion(
         level == "pocket",
         bearing,
         (loads.centrifugal, loads.table, loads.widths),
-        *made.capsules,
+        *of_raceways.capsules,
         cage.drags.capsules() if torques is None else torques,
-        pockets,
+        pocket_contact(assembly),
         _scale(assembly, level),
-        critical_slip,
-        film_limit if friction == "conventional" else math.nan,
+        friction.critical_slip,
+        friction.watched_film,
     )
     system = System(carried.system())
     return CarriedMotion(
         assembly=assembly,
         level=level,
-        friction=friction,
+        friction=of_raceways,
         loads=loads,
-        tables=made.tables,
-        slices=made.slices,
         carried=carried,
         system=system,
     )

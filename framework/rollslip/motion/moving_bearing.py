@@ -1,17 +1,20 @@
 """What the compiled motions of all levels have in common: names of the unknowns, the ledger, and errors in words."""
 
 import abc
+import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import RINGS, Array, Assembly
 from rollslip.errors import DomainError, RollslipError
-from rollslip.motion.effective_table import EffectiveTable
-from rollslip_kernels.slices import Slices
+from rollslip.motion.raceway_friction import RacewayFriction
 from rollslip_kernels.system import System
+
+#: Squeeze film of a cylinder and a flat wall, 3 sqrt(2) pi eta (r/h)^1.5 dh/dt per length.
+_SQUEEZE: Final = 3.0 * math.sqrt(2.0) * math.pi
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -22,12 +25,8 @@ class MovingBearing(abc.ABC):
     ----------
     assembly : Assembly
         The bearing, with its resistance to rolling.
-    friction : str
-        "constant", "effective" or "conventional".
-    tables : tuple of EffectiveTable
-        Of inner and outer raceway, if friction is effective.
-    slices : tuple of Slices
-        Tables of inner and outer raceway that conventional friction works in.
+    friction : RacewayFriction
+        Friction of inner and outer raceway.
     system : System
         Its rates, Jacobian and watched values: cage slip less the critical one, film parameter less its limit, and at
         level planar the largest approach at the inner ring, below zero where no roller carries it. Its owner, the
@@ -35,9 +34,7 @@ class MovingBearing(abc.ABC):
     """
 
     assembly: Assembly
-    friction: str
-    tables: tuple[EffectiveTable, ...]
-    slices: tuple[Slices, ...]
+    friction: RacewayFriction
     system: System
 
     @property
@@ -126,6 +123,24 @@ class MovingBearing(abc.ABC):
         who, what = refusal
         if who == "drag":
             return DomainError("the drags give a torque that is not finite; check what drives the cage")
-        error = self.assembly.raceways[RINGS.index(who)].chain.error(what, self.slices[RINGS.index(who)])
+        ring = RINGS.index(who)
+        error = self.assembly.raceways[ring].chain.error(what, self.friction.slices[ring])
         error.add_note(f"in a contact with the {who} ring")
         return error
+
+
+def pocket_contact(assembly: Assembly) -> dict[str, float]:
+    """Return how a roller meets the walls of its pocket along the orbit, as the compiled systems take it."""
+    cage, k = assembly.cage, assembly.kinematics
+    film = 0.0
+    if cage.pocket_contact == "film":
+        viscosity = assembly.lubricant.at(assembly.scene.operation.temperature).viscosity
+        film = _SQUEEZE * viscosity * assembly.scene.bearing.roller_length * k.roller_radius**1.5
+    return {
+        "half_clearance": 0.5 * cage.pocket_clearance,
+        "stiffness": cage.pocket_stiffness,
+        "damping": cage.pocket_damping,
+        "friction": 0.0 if cage.drags.pocket_friction is None else cage.drags.pocket_friction.coefficient,
+        "film": film,
+        "roughness": assembly.inner.conditions.roughness,
+    }

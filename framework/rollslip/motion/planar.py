@@ -22,13 +22,12 @@ from rollslip.bearing.load_map import resistances
 from rollslip.errors import DomainError, RollslipError
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
 from rollslip.models import DragModel
-from rollslip.motion.moving_bearing import MovingBearing
-from rollslip.motion.raceway_friction import named_friction
+from rollslip.motion.moving_bearing import MovingBearing, pocket_contact
+from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
 from rollslip_kernels.planar import LEDGER_UNITS, Planar
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.system import System
 
-_SQUEEZE: Final = 3.0 * math.sqrt(2.0) * math.pi  # a cylinder that approaches a flat wall
 _STEP: Final = 1e-6  # s, in which a step of the load is made: a fiftieth of the period of a roller on its contacts
 _SWING: Final = 30.0  # deflections by which the motion of rollers along the radius is measured, see _scale
 _CELLS: Final = 64  # of the table of rolling resistance over sqrt(Q)
@@ -234,14 +233,7 @@ class PlanarMotion(MovingBearing):
 def planar_motion(
     assembly: Assembly,
     settings: PlanarSettings,
-    *,
-    friction: str,
-    effective_over: str = "sliding-speed",
-    coefficient: float = math.nan,
-    transition: float = math.nan,
-    tolerance: float | None = None,
-    critical_slip: float = math.nan,
-    film_limit: float = math.nan,
+    friction: FrictionSettings,
 ) -> PlanarMotion:
     """Build the plane motion of a bearing whose scene has a cage.
 
@@ -251,16 +243,8 @@ def planar_motion(
         The bearing. A drag of its cage that describes the film of the land is left out: the land itself is here.
     settings : PlanarSettings
         Masses, damping, gravity and load.
-    friction : str
-        "constant", "effective" or "conventional".
-    effective_over : str
-        What effective friction is tabulated over: "sliding-speed", or "slips" for sliding and rolling speed.
-    coefficient, transition : float
-        Constant friction: mu_0, and the sliding speed V_s [m/s] in mu_0 V/sqrt(V^2 + V_s^2).
-    tolerance : float, optional
-        Error of tables, by default that of the resolution.
-    critical_slip, film_limit : float
-        Cage slip and film parameter that are watched; NaN for none. Only conventional friction knows the film.
+    friction : FrictionSettings
+        Which friction, and what is watched.
 
     Raises
     ------
@@ -283,25 +267,16 @@ def planar_motion(
             "plane motion knows no tilt, and a roller whose profile differs to its two ends tilts; "
             "make bearing.profile the same to both, or choose level 'pocket'"
         )
-    made = named_friction(
-        a,
-        friction,
-        effective_over=effective_over,
-        coefficient=coefficient,
-        transition=transition,
-        tolerance=a.resolution.table_tolerance if tolerance is None else tolerance,
-    )
+    of_raceways = raceway_friction(a, friction)
     contacts = tuple(Slices(b.rollers * a.slices, raceway.conditions) for raceway in a.raceways)
     direction = k.direction
-    film = cage.pocket_contact == "film"
     oil = a.lubricant.at(o.temperature).viscosity
     roughness = a.inner.conditions.roughness
     guidance = ("roller", "inner", "outer").index(cage.guidance)
-    pocket = cage.drags.pocket_friction
     torques = zip(cage.drags.torques, cage.drags.capsules(), strict=True)
     times, factors = settings.history
     planar = Planar(
-        made.capsules,
+        of_raceways.capsules,
         [raceway.deflection.kernel for raceway in a.raceways],
         contacts,
         a.drop,
@@ -312,9 +287,9 @@ def planar_motion(
         _scale(a, cage),
         times=times,
         factors=factors,
-        resistances=None if friction == "conventional" else _resistances(a),
-        critical_slip=critical_slip,
-        film_limit=film_limit if friction == "conventional" else math.nan,
+        resistances=None if friction.name == "conventional" else _resistances(a),
+        critical_slip=friction.critical_slip,
+        film_limit=friction.watched_film,
         inner_radius=k.inner_radius,
         outer_radius=k.outer_radius,
         roller_radius=k.roller_radius,
@@ -334,23 +309,16 @@ def planar_motion(
         load=o.radial_load,
         direction=direction,
         epicyclic_speed=k.epicyclic_cage_speed,
-        pocket_half_clearance=cage.pocket_clearance / 2,
         pocket_radial_half_clearance=math.inf
         if cage.pocket_radial_clearance is None
         else cage.pocket_radial_clearance / 2,
-        pocket_stiffness=cage.pocket_stiffness,
-        pocket_damping=cage.pocket_damping,
-        pocket_friction=0.0 if pocket is None else pocket.coefficient,
-        pocket_film=_SQUEEZE * oil * b.roller_length * k.roller_radius**1.5 if film else 0.0,
-        pocket_roughness=roughness,
+        **{f"pocket_{name}": value for name, value in pocket_contact(a).items()},
         **_land(cage, settings, oil, roughness),
     )
     return PlanarMotion(
         assembly=a,
         settings=settings,
-        friction=friction,
-        slices=made.slices,
-        tables=made.tables,
+        friction=of_raceways,
         contacts=contacts,
         planar=planar,
         system=System(planar.system()),

@@ -1,5 +1,6 @@
 """Friction of both raceways by the name that a study gives it: what the compiled systems of the dynamics work with."""
 
+import math
 from typing import Final
 
 import attrs
@@ -19,12 +20,50 @@ FRICTION: Final = {
 }
 
 
+@attrs.frozen(kw_only=True)
+class FrictionSettings:
+    """Which friction the contacts of a moving bearing have, and which of its values are watched.
+
+    Parameters
+    ----------
+    name : str
+        One of `FRICTION`.
+    effective_over : str
+        What effective friction is tabulated over: "sliding-speed", or "slips" for sliding and rolling speed.
+    coefficient, transition : float
+        Constant friction: mu_0, and the sliding speed V_s [m/s] in mu_0 V/sqrt(V^2 + V_s^2).
+    tolerance : float, optional
+        Error of loads and tables, by default that of the resolution.
+    critical_slip, film_limit : float
+        Cage slip and film parameter that are watched; NaN for none. Only conventional friction knows the film.
+    """
+
+    name: str
+    effective_over: str = "sliding-speed"
+    coefficient: float = math.nan
+    transition: float = math.nan
+    tolerance: float | None = None
+    critical_slip: float = math.nan
+    film_limit: float = math.nan
+
+    @property
+    def watched_film(self) -> float:
+        """Film parameter that is watched, NaN where friction knows no film."""
+        return self.film_limit if self.name == "conventional" else math.nan
+
+    def table_tolerance(self, assembly: Assembly) -> float:
+        """Error of loads and tables of a bearing."""
+        return assembly.resolution.table_tolerance if self.tolerance is None else self.tolerance
+
+
 @attrs.frozen(eq=False)
-class NamedFriction:
+class RacewayFriction:
     """Friction of inner and outer raceway.
 
     Attributes
     ----------
+    settings : FrictionSettings
+        Which friction it is.
     capsules : tuple of two capsules
         Of `rollslip_kernels.raceway`.
     slices : tuple of Slices
@@ -33,35 +72,21 @@ class NamedFriction:
         What effective friction is taken from.
     """
 
+    settings: FrictionSettings
     capsules: tuple[object, object]
     slices: tuple[Slices, ...] = ()
     tables: tuple[EffectiveTable, ...] = ()
 
 
-def named_friction(
-    assembly: Assembly,
-    friction: str,
-    *,
-    effective_over: str,
-    coefficient: float,
-    transition: float,
-    tolerance: float,
-    loads: LoadMap | None = None,
-) -> NamedFriction:
+def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: LoadMap | None = None) -> RacewayFriction:
     """Return the friction of both raceways.
 
     Parameters
     ----------
     assembly : Assembly
         The bearing, with its resistance to rolling.
-    friction : str
-        One of `FRICTION`.
-    effective_over : str
-        What effective friction is tabulated over: "sliding-speed", or "slips" for sliding and rolling speed.
-    coefficient, transition : float
-        Constant friction: mu_0, and the sliding speed V_s [m/s] in mu_0 V/sqrt(V^2 + V_s^2).
-    tolerance : float
-        Error of tables.
+    settings : FrictionSettings
+        Which friction.
     loads : LoadMap, optional
         Loads over the orbit, if they were built before.
 
@@ -71,21 +96,24 @@ def named_friction(
         If a table does not reach the tolerance.
     """
     rollers = assembly.scene.bearing.rollers
-    if friction == "constant":
-        inner, outer = (compiled.constant(rollers, coefficient, transition) for _ in assembly.raceways)
-        return NamedFriction((inner, outer))
-    if friction == "conventional":
+    if settings.name == "constant":
+        inner, outer = (
+            compiled.constant(rollers, settings.coefficient, settings.transition) for _ in assembly.raceways
+        )
+        return RacewayFriction(settings, (inner, outer))
+    if settings.name == "conventional":
         slices = tuple(Slices(rollers * assembly.slices, raceway.conditions) for raceway in assembly.raceways)
         inner, outer = (
             compiled.conventional(r.chain.kernel, table, rollers, assembly.widths, r.chain.resists)
             for r, table in zip(assembly.raceways, slices, strict=True)
         )
-        return NamedFriction((inner, outer), slices=slices)
+        return RacewayFriction(settings, (inner, outer), slices=slices)
+    tolerance = settings.table_tolerance(assembly)
     loads = build_load_map(assembly, tolerance) if loads is None else loads
     at = int(np.argmin(np.abs(loads.centrifugal - assembly.centrifugal_force)))
     tables = tuple(
-        effective_table(assembly, raceway, load, tolerance, effective_over == "slips")
+        effective_table(assembly, raceway, load, tolerance, settings.effective_over == "slips")
         for raceway, load in zip(assembly.raceways, loads.loads[at], strict=True)
     )
     inner, outer = (table.raceway(rollers) for table in tables)
-    return NamedFriction((inner, outer), tables=tables)
+    return RacewayFriction(settings, (inner, outer), tables=tables)

@@ -36,7 +36,7 @@ from rollslip.motion.carried import carried_motion
 from rollslip.motion.effective_table import table_records
 from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.planar import PlanarMotion, PlanarSettings, planar_motion
-from rollslip.motion.raceway_friction import FRICTION
+from rollslip.motion.raceway_friction import FRICTION, FrictionSettings
 from rollslip.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip.results.dataset import about
 from rollslip.scene.reading import Where
@@ -380,17 +380,17 @@ class Dynamics(Study):
         self, assembly: Assembly, loads: LoadMap | None = None, *, critical_slip: float = math.nan
     ) -> MovingBearing:
         """Return the bearing in motion; its loads over the orbit may be known, but for level planar."""
-        options: dict[str, Any] = {
-            "friction": self.friction,
-            "effective_over": self.effective_over,
-            "coefficient": self.friction_coefficient,
-            "transition": self.friction_speed,
-            "critical_slip": critical_slip,
-            "film_limit": self.film_limit or math.nan,
-        }
+        friction = FrictionSettings(
+            name=self.friction,
+            effective_over=self.effective_over,
+            coefficient=self.friction_coefficient,
+            transition=self.friction_speed,
+            critical_slip=critical_slip,
+            film_limit=self.film_limit or math.nan,
+        )
         if self.level == "planar":
-            return planar_motion(assembly, self._of_planar(assembly), **options)
-        return carried_motion(assembly, level=self.level, loads=loads, **options)
+            return planar_motion(assembly, self._of_planar(assembly), friction)
+        return carried_motion(assembly, friction, level=self.level, loads=loads)
 
     def _of_planar(self, assembly: Assembly) -> PlanarSettings:
         """Settings of level planar, which a scene that names it must give."""
@@ -475,7 +475,7 @@ class Dynamics(Study):
         variables["film_parameter"][2]["film_status"] = self._film_status()
         if place is not None:
             variables |= self.variables(pocket_force=outputs["pocket_force"], pocket_displacement=place)
-        for ring, table in zip(RINGS, moving.tables, strict=False):
+        for ring, table in zip(RINGS, moving.friction.tables, strict=False):
             if (curve := table.curve) is not None:
                 variables |= self.variables(**{f"{ring}_sliding": curve[0], f"{ring}_friction": curve[1]})
         for what in ("inner_ring", "cage"):
@@ -519,7 +519,7 @@ class Dynamics(Study):
                 "steady_status": steady_status,
                 "drag": json.dumps([{"name": drag.name, "equation": drag.equation} for drag in assembly.cage.drags]),
                 "cage": json.dumps(resolved(assembly.cage), default=str),
-                **table_records(moving.tables),
+                **table_records(moving.friction.tables),
             },
         )
 
