@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from rollslip.errors import OutputError
-from rollslip.motion.checkpoints import RunStore
+from rollslip.motion.checkpoints import Checkpoints
 from rollslip.motion.time_integration import Event, Trajectory
 from rollslip.results.dataset import open_result
 
@@ -46,7 +46,7 @@ def part(first, last, **changes):
 
 @pytest.fixture
 def store(tmp_path):
-    return RunStore(tmp_path / "x.unfinished", "a1b2c3", "dynamics")
+    return Checkpoints(tmp_path / "x.unfinished", "a1b2c3", "dynamics")
 
 
 # Parts --------------------------------------------------------------------------------------------------------------
@@ -151,7 +151,7 @@ def test_parts_of_different_numbers_of_unknowns_are_refused(store):
 def test_what_cannot_be_written_says_so(tmp_path):
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(OutputError, match="file: cannot be written"):
-        RunStore(tmp_path / "file", "a", "dynamics").write(0, part(0, 4))
+        Checkpoints(tmp_path / "file", "a", "dynamics").write(0, part(0, 4))
 
 
 def test_a_part_that_is_not_finished_is_none(store, monkeypatch):

@@ -67,19 +67,19 @@ class CarriedMotion(MovingBearing):
         """Return the kinetic energy of cage and rollers, and the elastic energy of the pockets [J], (...)."""
         u = self.split(y)
         orbital = u.get("orbital_speed", u["cage_speed"][..., None] + 0.0 * u["roller_spin"])
-        found = 0.5 * self.assembly.cage.inertia * u["cage_speed"] ** 2
-        found = found + 0.5 * self.orbital_inertia * (orbital**2).sum(axis=-1)
-        found = found + 0.5 * self.spin_inertia * (u["roller_spin"] ** 2).sum(axis=-1)
+        energy = 0.5 * self.assembly.cage.inertia * u["cage_speed"] ** 2
+        energy = energy + 0.5 * self.orbital_inertia * (orbital**2).sum(axis=-1)
+        energy = energy + 0.5 * self.spin_inertia * (u["roller_spin"] ** 2).sum(axis=-1)
         if self.level == "pocket":
-            found = found + self.carried.stored_energy(u["pocket_position"]).sum(axis=-1)
-        return np.asarray(found)
+            energy = energy + self.carried.stored_energy(u["pocket_position"]).sum(axis=-1)
+        return np.asarray(energy)
 
     def angular_momentum(self, y: Array) -> Array:
         """Return the angular momentum of cage and rollers about the axis of the bearing [N m s], (...)."""
         u = self.split(y)
         orbital = u.get("orbital_speed", u["cage_speed"][..., None] + 0.0 * u["roller_spin"])
-        found = self.assembly.cage.inertia * u["cage_speed"] + self.orbital_inertia * orbital.sum(axis=-1)
-        return np.asarray(found - self.spin_inertia * u["roller_spin"].sum(axis=-1))
+        momentum = self.assembly.cage.inertia * u["cage_speed"] + self.orbital_inertia * orbital.sum(axis=-1)
+        return np.asarray(momentum - self.spin_inertia * u["roller_spin"].sum(axis=-1))
 
     @property
     def orbital_inertia(self) -> float:

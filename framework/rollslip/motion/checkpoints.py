@@ -20,7 +20,7 @@ _NUMBERS = ("last_t", "last_step", "steps", "rejected", "evaluations", "jacobian
 
 
 @attrs.frozen
-class RunStore:
+class Checkpoints:
     """Parts of one run.
 
     Parameters
@@ -86,15 +86,15 @@ class RunStore:
         OutputError
             If a part cannot be read, or is of another scene.
         """
-        found, fits = None, True
+        trajectory, fits = None, True
         for path in self.parts():
             part = self._read(path)
             fits = fits and part.y.shape == (part.t.size, unknowns) and part.last_y.shape == (unknowns,)
             if fits:
-                found = part if found is None else found.then(part)
-        if not fits or (found is not None and not np.array_equal(found.t, times[: found.t.size])):
+                trajectory = part if trajectory is None else trajectory.then(part)
+        if not fits or (trajectory is not None and not np.array_equal(trajectory.t, times[: trajectory.t.size])):
             raise OutputError(f"{self.folder}: its parts do not fit together; remove the folder and run anew")
-        return found
+        return trajectory
 
     def _read(self, path: Path) -> Trajectory:
         try:

@@ -289,9 +289,9 @@ class _Path:
                 axis = int(np.argmax(np.maximum(-edge, edge - 1.0)))
                 across = np.eye(2)[1 - axis]
             predicted = np.clip(z + min(step, reach) * tangent, 0.0, 1.0)
-            found = self._across(predicted, across, slope, step)
-            if found is not None:
-                corrected, slope = found
+            balance = self._across(predicted, across, slope, step)
+            if balance is not None:
+                corrected, slope = balance
                 chord = (corrected - z) / np.hypot(*(corrected - z))
                 if chord @ tangent >= _TURN:
                     tangent = 2.0 * (chord @ tangent) * chord - tangent  # as on a circle
@@ -336,14 +336,14 @@ class _Path:
 
         def parameter(slip: float) -> float:
             nonlocal best, slope
-            found = self._across(np.array([slip, best[1]]), upwards, slope, 1.0)
-            if found is None:
+            balance = self._across(np.array([slip, best[1]]), upwards, slope, 1.0)
+            if balance is None:
                 raise ConvergenceError(
                     f"the fold of the steady slips between cage slips of {left[0] * self._largest:.4g} and "
                     f"{right[0] * self._largest:.4g} cannot be located, where rollers change their motion at once; "
                     "narrow the range"
                 )
-            best, slope = found
+            best, slope = balance
             return sign * float(best[1])
 
         low, high = sorted((float(left[0]), float(right[0])))

@@ -106,8 +106,8 @@ class EffectiveTable:
     def record(self) -> dict[str, object]:
         """Size and errors by name, as results keep them; what has no value is None."""
         names = ("error", "slope_error", "critical_speed", "critical_error")
-        found = {name: getattr(self, name) for name in names}
-        known = {name: value if math.isfinite(value) else None for name, value in found.items()}
+        values = {name: getattr(self, name) for name in names}
+        known = {name: value if math.isfinite(value) else None for name, value in values.items()}
         return {"nodes": list(self.nodes.shape[: self.nodes.ndim - 1]), **known}
 
     @property
@@ -237,8 +237,8 @@ def map_table(friction: Callable[[float, Array], Array], epicyclic: float, toler
     while cells <= _MOST_CELLS and rows <= _MOST_ROWS:
         x, e = _halves(limit, 4 * cells), np.linspace(low, high, 2 * rows + 1)
         u = epicyclic * e / (1.0 - e)
-        true = np.array([friction(one, _speed(x, ratio * one)) for one in u.tolist()])
-        rise = [ratio * one * _slope(partial(friction, one), near * one)[0] for one in u[::2].tolist()]
+        true = np.array([friction(speed, _speed(x, ratio * speed)) for speed in u.tolist()])
+        rise = [ratio * speed * _slope(partial(friction, speed), near * speed)[0] for speed in u[::2].tolist()]
         values, step = true[::2, ::4], (high - low) / rows
         slopes = _slopes(limit, values, np.array(rise))
         middle = 5 * rows // 8  # the epicyclic row
@@ -291,16 +291,16 @@ class _Shape:
 
 def _shape(friction: Law, rolling: float) -> _Shape:
     probe = _probe(rolling)
-    found = friction(probe)
-    risen = np.abs(found)
+    values = friction(probe)
+    risen = np.abs(values)
     half = float(probe[np.argmax(risen >= 0.5 * risen.max())])
     end = int(np.searchsorted(probe, 0.5 * _REACH * rolling)) - 1
     # of maxima of nearly the same height, any may be the largest
-    high = found[1:end] >= (1.0 - _ALIKE) * found[: end + 1].max()
-    peaks = 1 + np.flatnonzero(high & (found[1:end] > found[: end - 1]) & (found[1:end] >= found[2 : end + 1]))
+    high = values[1:end] >= (1.0 - _ALIKE) * values[: end + 1].max()
+    peaks = 1 + np.flatnonzero(high & (values[1:end] > values[: end - 1]) & (values[1:end] >= values[2 : end + 1]))
     maxima = [Critical(math.nan, math.nan, "")]
     for grid in ([k - 1, k, k + 1, end] for k in peaks.tolist()):
-        maxima.append(locate(lambda V: float(friction(np.array([V]))[0]), probe[grid], found[grid], ""))
+        maxima.append(locate(lambda V: float(friction(np.array([V]))[0]), probe[grid], values[grid], ""))
     critical = max(maxima, key=lambda one: -math.inf if math.isnan(one.slip) else one.friction)
     return _Shape(half, *_slope(friction, _NEAR * half), critical)
 
@@ -323,9 +323,9 @@ def _slope(friction: Law, near: float) -> tuple[float, float]:
     return float(difference[0]), _apart(before, float(difference[0]))
 
 
-def _apart(found: float, true: float) -> float:
+def _apart(value: float, true: float) -> float:
     """Difference relative to the true value."""
-    return abs(found - true) / (abs(true) or 1.0)
+    return abs(value - true) / (abs(true) or 1.0)
 
 
 def _stated(table: EffectiveTable, shape: _Shape, nodes: Array, scale: float) -> EffectiveTable:
@@ -494,14 +494,14 @@ def _gathered(
         mean = np.bincount(number, share * load, count)[force > 0.0] / force[force > 0.0]
         law = _mean_friction(raceway, mean, force[force > 0.0])
         off = max(_relative(law(u, _probe(u)) - one, one) for u, one in zip(rolling.tolist(), true, strict=True))
-        found = _shape(partial(law, epicyclic), epicyclic)
-        slope, place = _apart(found.slope, shape.slope), 0.0
-        if shape.has_critical != found.has_critical:
+        gathered = _shape(partial(law, epicyclic), epicyclic)
+        slope, place = _apart(gathered.slope, shape.slope), 0.0
+        if shape.has_critical != gathered.has_critical:
             place = math.inf
         elif shape.has_critical:
             place = max(
-                _apart(found.critical.slip, shape.critical.slip),
-                _apart(found.critical.friction, shape.critical.friction),
+                _apart(gathered.critical.slip, shape.critical.slip),
+                _apart(gathered.critical.friction, shape.critical.friction),
             )
         if max(off, slope) <= tolerance and place <= max(tolerance, _PLACE):
             return law, (off, slope, place)
@@ -516,11 +516,11 @@ def _mean_friction(raceway: Raceway, load: Array, share: Array) -> Callable[[flo
     def friction(rolling: float, sliding: Array) -> Array:
         if load.size == 0:
             return np.zeros_like(sliding)
-        found = []
+        parts = []
         for begin in range(0, sliding.size, part):
             V = sliding[begin : begin + part]
             slices = raceway.evaluate(np.tile(load, V.size), rolling, np.repeat(V, load.size))
-            found.append((slices.friction.reshape(V.size, -1) * share).sum(axis=1))  # not by BLAS, whose threads show
-        return np.concatenate(found)
+            parts.append((slices.friction.reshape(V.size, -1) * share).sum(axis=1))  # not by BLAS, whose threads show
+        return np.concatenate(parts)
 
     return friction

@@ -79,10 +79,10 @@ class MovingBearing(abc.ABC):
 
     def split(self, y: Array) -> dict[str, Array]:
         """Return the unknowns of states (..., n) by name, (...) or, those of the rollers, (..., Z)."""
-        found: dict[str, Array] = {}
+        unknowns: dict[str, Array] = {}
         for names, part in zip(self.names, self.parts(y), strict=True):
-            found |= {name: part[..., k] for k, name in enumerate(names)}
-        return found
+            unknowns |= {name: part[..., k] for k, name in enumerate(names)}
+        return unknowns
 
     def works(self, y: Array) -> dict[str, Array]:
         """Return what the ledger recorded of work done on the motion [J], what it lost being negative, by name."""
@@ -113,10 +113,10 @@ class MovingBearing(abc.ABC):
         DomainError
             If a model refuses a state.
         """
-        found: dict[str, Array] | None = self.system.owner.outputs(t, y)
-        if found is None:
+        contacts: dict[str, Array] | None = self.system.owner.outputs(t, y)
+        if contacts is None:
             raise self.error(self.system.refusal())
-        return found
+        return contacts
 
     def error(self, refusal: Any) -> RollslipError:
         """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""

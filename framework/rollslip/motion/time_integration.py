@@ -394,14 +394,14 @@ class _Rates:
 
     def __call__(self, t: float, y: Floats) -> Floats:
         try:
-            found = self._defined(t, y)
-            self.without = 0 if np.all(np.isfinite(found)) else self.without + 1
+            rates = self._defined(t, y)
+            self.without = 0 if np.all(np.isfinite(rates)) else self.without + 1
             if self.without > _NO_NUMBERS:
                 raise ArithmeticError("the rates are not finite there, or a little after it")
         except BaseException as error:
             self.raised = error
             raise
-        return found
+        return rates
 
     def _defined(self, t: float, y: Floats) -> Floats:
         if np.all(np.isfinite(y)):

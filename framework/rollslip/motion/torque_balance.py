@@ -261,7 +261,7 @@ class TorqueBalance:
             cage_slip=cage_slip,
             torque=self._sense * float(spin.on_cage(roller_slip).mean()) * self.assembly.scene.bearing.rollers,
             roller_slip=roller_slip,
-            force=np.stack([one.contacts.per_roller(one.contacts.force) for one in contacts]),
+            force=np.stack([of_ring.contacts.per_roller(of_ring.contacts.force) for of_ring in contacts]),
             traction=self._sense * tractions,
             multiplier=multiplier,
         )
@@ -367,18 +367,18 @@ class _Spin:
 
     def held(self, guess: Array | None) -> tuple[Array, float]:
         """Roller slips that repeat after an orbit and that the rollers hold, if there are any, from a guess."""
-        found: list[tuple[Array, float]] = []
+        motions: list[tuple[Array, float]] = []
         for motion in (lambda: self.periodic(guess), *map(self._approached, self._starts())):
             try:
-                found.append(motion())
+                motions.append(motion())
             except ConvergenceError as error:
                 lost = error
                 continue
-            if found[-1][1] < 1.0:
-                return found[-1]
-        if not found:
+            if motions[-1][1] < 1.0:
+                return motions[-1]
+        if not motions:
             raise lost
-        return found[0]
+        return motions[0]
 
     def _starts(self) -> tuple[Callable[[], Array], ...]:
         """Where else to start from: rolling on the outer ring, no inertia, rolling on the inner ring."""
@@ -410,12 +410,12 @@ class _Spin:
         sides[:, 0], sides[:2, 1], sides[0, 2] = right, (2.0 * c, -0.5 * c), -0.5 * c
         banded = np.stack([1.5 * c + slope, np.full_like(slope, -2.0 * c), np.full_like(slope, 0.5 * c)])
         try:
-            found = solve_banded((2, 0), banded, sides)
-            ends = found[[-1, -2]]
+            solved = solve_banded((2, 0), banded, sides)
+            ends = solved[[-1, -2]]
             last = np.linalg.solve(np.eye(2) - ends[:, 1:], ends[:, 0])
         except np.linalg.LinAlgError:  # or what grows round the orbit has lost all else
             return np.full(right.size, np.nan)
-        return np.asarray(found[:, 0] + found[:, 1:] @ last)
+        return np.asarray(solved[:, 0] + solved[:, 1:] @ last)
 
     def balanced(self) -> Array:
         """Roller slips at which the contacts of a roller without inertia balance at every position.
@@ -440,15 +440,15 @@ class _Spin:
             trial[position] = slip
             return np.asarray(self._torque(trial)[position])
 
-        found = find_root(
+        spin = find_root(
             torque, (low, high), args=(np.arange(self._positions),), tolerances={"xrtol": 1e-12, "xatol": 1e-15}
         )
-        if not np.all(found.success):
+        if not np.all(spin.success):
             raise ConvergenceError(
-                f"no spin balances {np.count_nonzero(~found.success)} of {self._positions} rollers without inertia at "
+                f"no spin balances {np.count_nonzero(~spin.success)} of {self._positions} rollers without inertia at "
                 f"a cage slip of {self._slip:.4g}; take inertia = true"
             )
-        return np.asarray(found.x)
+        return np.asarray(spin.x)
 
 
 def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve, EffectiveCurve]:

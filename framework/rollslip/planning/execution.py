@@ -11,7 +11,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.regimes import LIGHT, LONG_NAMES, NAMES
-from rollslip.motion.checkpoints import RunStore
+from rollslip.motion.checkpoints import Checkpoints
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.verification import accuracy_rows, judge
 from rollslip.results.dataset import about, provenance
@@ -79,7 +79,7 @@ def execute(
         assembly = plan.assemblies[study]
         before = assembly.inner.chain.evaluated
         try:
-            store = None if kept is None else RunStore(kept, scene_hash(plan.scene), study)
+            store = None if kept is None else Checkpoints(kept, scene_hash(plan.scene), study)
             dataset = running.run(assembly, Keep(store=store, progress=progress))
             break
         except BoundBrokenError as broken:

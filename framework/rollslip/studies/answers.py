@@ -8,7 +8,7 @@ import attrs
 
 from rollslip.bearing.assembly import Array, Ring
 from rollslip.bearing.resolution import Resolution
-from rollslip.motion.checkpoints import RunStore
+from rollslip.motion.checkpoints import Checkpoints
 from rollslip.results.dataset import about
 from rollslip.studies.bounds import LeftOut
 
@@ -172,5 +172,5 @@ class Evaluated:
 class Keep:
     """Where a long study leaves what it has computed so far, and whom it tells how far it has come."""
 
-    store: RunStore | None = None
+    store: Checkpoints | None = None
     progress: Callable[[str], None] | None = None

@@ -271,7 +271,7 @@ class Uncertainty:
             # sums in a fixed order: a product of matrices may round differently for one sample and for many
             scores = ndtri(p[:, mixed])
             p[:, mixed] = ndtr(sum(scores[:, [k]] * factor[:, k] for k in range(len(mixed))))
-        columns = [one.quantile(p[:, k]) for k, one in enumerate(self.distributions.values())]
+        columns = [distribution.quantile(p[:, k]) for k, distribution in enumerate(self.distributions.values())]
         return np.column_stack(columns) if columns else np.empty((p.shape[0], 0))
 
 
@@ -292,15 +292,17 @@ def read_uncertainty(
     problems : list of str
         Takes one sentence for every fault.
     """
-    found: dict[str, Distribution] = {}
+    distributions: dict[str, Distribution] = {}
     for key, table, place in _leaves({k: v for k, v in raw.items() if k != "correlation"}, "", where):
         if not isinstance(table, Mapping):
             problems.append(place.says(f"a table with distribution = 'NAME' is expected, not {as_written(table)}"))
         elif key not in known:
             problems.append(place.says(unknown(key, known)))
-        elif (made := _distribution(table, known[key], place, problems)) is not None:
-            found[key] = made
-    return Uncertainty(found, _correlations(raw.get("correlation", ()), where.at("correlation"), list(found), problems))
+        elif (distribution := _distribution(table, known[key], place, problems)) is not None:
+            distributions[key] = distribution
+    return Uncertainty(
+        distributions, _correlations(raw.get("correlation", ()), where.at("correlation"), list(distributions), problems)
+    )
 
 
 def _leaves(table: Mapping[str, object], prefix: str, where: Where) -> Any:
@@ -332,13 +334,13 @@ def _distribution(table: Mapping[str, object], of: Quantity, where: Where, probl
             except UnitError as error:
                 faults.append(where.at(attribute.name).says(str(error)))
                 del values[attribute.name]
-    made = structure(cls, values, where, faults)
-    if made is not None and not faults:
+    distribution = structure(cls, values, where, faults)
+    if distribution is not None and not faults:
         nominal = of.value if isinstance(of.value, float) else None
         try:
-            made = made.centred(nominal)
-            made.quantile(np.array([0.5]))
-            return made
+            distribution = distribution.centred(nominal)
+            distribution.quantile(np.array([0.5]))
+            return distribution
         except FieldError as error:
             faults.append(where.at(error.field).says(error.reason))
     problems += faults
@@ -355,20 +357,20 @@ def _in_unit(raw: object, unit: str, difference: bool) -> float:
 
 def _correlations(raw: object, where: Where, names: Sequence[str], problems: list[str]) -> Array:
     matrix, before = np.eye(len(names)), len(problems)
-    for k, one in enumerate(raw if isinstance(raw, list | tuple) else [raw]):
-        made = structure(Correlation, one, where.at(k), problems)
-        if made is None:
+    for k, table in enumerate(raw if isinstance(raw, list | tuple) else [raw]):
+        correlation = structure(Correlation, table, where.at(k), problems)
+        if correlation is None:
             continue
-        absent = [key for key in made.between if key not in names]
+        absent = [key for key in correlation.between if key not in names]
         for key in absent:
             near = nearest(key, names, count=1)
             hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(names) or 'none'}"
             problems.append(where.at(k).at("between").says(f"{key!r} has no distribution here; {hint}"))
         if not absent:
-            i, j = (names.index(key) for key in made.between)
+            i, j = (names.index(key) for key in correlation.between)
             if matrix[i, j] != 0.0:
                 problems.append(where.at(k).at("between").says("these two have a correlation already; state it once"))
-            matrix[i, j] = matrix[j, i] = made.coefficient
+            matrix[i, j] = matrix[j, i] = correlation.coefficient
     if len(problems) == before and names and np.linalg.eigvalsh(matrix)[0] < 1e-12:
         problems.append(
             where.says(

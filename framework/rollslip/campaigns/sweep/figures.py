@@ -99,8 +99,8 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str])
     pieces = pieces or [("", values)]
     figure = Figure(figsize=((32 + 46 * len(pieces)) * MM, 58 * MM), layout="constrained")
     panels = figure.subplots(1, len(pieces), sharey=True, squeeze=False)[0]
-    found = 100 * values.to_numpy()
-    known = found[np.isfinite(found)]
+    percent = 100 * values.to_numpy()
+    known = percent[np.isfinite(percent)]
     limits: dict[str, Any] = {"vmin": known.min(), "vmax": known.max()} if known.size else {}
     mesh: Any = None
     for axes, (name, piece) in zip(panels, pieces, strict=True):

@@ -53,11 +53,12 @@ def planned(sweep: "Sweep") -> list[str]:
         lines.append(f"{n} samples, {sweep.table.sampling}, seed {sweep.table.seed}{balance}")
     elif sweep.given.uncertainty:
         lines.append("the table [uncertainty] of the scene is not used: no samples are asked for")
-    for name, one in sweep.resolutions.chosen.items():
+    for name, resolution in sweep.resolutions.chosen.items():
         laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""
         lines.append(
-            f"{laws}computed at {one.slices} slices ({one.quadrature}) and {one.instants} instants of a pitch, what "
-            f"scene and points far apart need for the error of {sweep.scene.accuracy.tolerance:g} it states"
+            f"{laws}computed at {resolution.slices} slices ({resolution.quadrature}) and {resolution.instants} "
+            "instants of a pitch, what scene and points far apart need for the error of "
+            f"{sweep.scene.accuracy.tolerance:g} it states"
         )
     own = len(sweep.numbers)
     piece = f" of {sweep.design.size}, piece {sweep.shard[0]} of {sweep.shard[1]}" if sweep.shard[1] > 1 else ""
@@ -84,10 +85,10 @@ def progress(of: Progress) -> str:
 
 def pieces_line(folder: Path, pieces: Sequence[Status]) -> str:
     """Return how the pieces of a sweep that are not put together yet stand."""
-    done, total, all_ = sum(one.done for one in pieces), sum(one.total for one in pieces), pieces[0].shard[1]
+    done, total, all_ = sum(piece.done for piece in pieces), sum(piece.total for piece in pieces), pieces[0].shard[1]
     return (
         f"{len(pieces)} of {all_} pieces in {folder}: {done} of {total} of their points done, "
-        f"{sum(one.running for one in pieces)} running; put together by: rollslip sweep merge {folder}"
+        f"{sum(piece.running for piece in pieces)} running; put together by: rollslip sweep merge {folder}"
     )
 
 
@@ -100,9 +101,10 @@ def status_lines(of: Status) -> list[str]:
         lines.append(f"  not yet: {of.total - of.done}")
         if of.left is not None and of.quiet is not None:
             lines.append(f"  at the last pace {duration(of.left)} left; the last point came {duration(of.quiet)} ago")
-    for one in of.writers:
-        ended = one["ended"] or ("runs" if of.running and one is of.writers[-1] else "was killed")
-        lines.append(f"  {one['host']} process {one['process']}, {one['engine']}: {one['points']} points, {ended}")
+    for writer in of.writers:
+        ended = writer["ended"] or ("runs" if of.running and writer is of.writers[-1] else "was killed")
+        who = f"{writer['host']} process {writer['process']}, {writer['engine']}"
+        lines.append(f"  {who}: {writer['points']} points, {ended}")
     lines += [f"  point {number} {status}: {message}" for number, status, message in of.errors]
     return lines
 
@@ -124,7 +126,7 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
 
 def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
     """Range of every output that is a number; what has no value is counted."""
-    found = {}
+    ranges = {}
     sampled = set(json.loads(dataset.attrs["axes"])) | {"sample"}
     for name, variable in dataset.data_vars.items():
         if name == "seconds" or variable.dtype.kind != "f":
@@ -136,7 +138,7 @@ def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
         for called, piece in pieces.items():
             values = piece.to_numpy()
             known = values[np.isfinite(values)]
-            found[called] = {
+            ranges[called] = {
                 "unit": variable.attrs["units"],
                 "values": int(known.size),
                 "missing": int(values.size - known.size),
@@ -144,7 +146,7 @@ def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
                 "median": float(np.median(known)) if known.size else None,
                 "largest": float(known.max()) if known.size else None,
             }
-    return found
+    return ranges
 
 
 def record(dataset: "xr.Dataset") -> dict[str, Any]:

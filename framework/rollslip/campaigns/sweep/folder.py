@@ -84,12 +84,12 @@ def sweep(
     >>> found.friction.sizes["operation.temperature"], set(found.status.values.ravel().tolist())
     (3, {'ok'})
     """
-    made = plan_sweep(scene, over, **options)
-    asked_engine(made)
+    planned = plan_sweep(scene, over, **options)
+    asked_engine(planned)
     with tempfile.TemporaryDirectory() if out is None else nullcontext(out) as folder:
-        kept = begin(made, Path(folder))
-        run_sweep(made, kept)
-        return finish(made, kept)
+        kept = begin(planned, Path(folder))
+        run_sweep(planned, kept)
+        return finish(planned, kept)
 
 
 def begin(sweep: Sweep, target: Path) -> Path:
@@ -123,8 +123,8 @@ def begin(sweep: Sweep, target: Path) -> Path:
 
 def _own(folder: Path) -> set[str]:
     """Names of the files that sweeps make, but for the one that says what the sweep is."""
-    made = {name for path in journals(folder) for name in (path.name, f"{path.name}-journal")}
-    return made | {LOCK, RESULT} if made else set()
+    written = {name for path in journals(folder) for name in (path.name, f"{path.name}-journal")}
+    return written | {LOCK, RESULT} if written else set()
 
 
 def finish(sweep: Sweep, folder: Path) -> "xr.Dataset":
@@ -177,9 +177,9 @@ class Status:
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain values."""
-        found = attrs.asdict(self, recurse=False)
+        plain = attrs.asdict(self, recurse=False)
         errors = [{"number": n, "status": status, "message": text} for n, status, text in self.errors]
-        return found | {"folder": str(self.folder), "counts": dict(self.counts), "done": self.done, "errors": errors}
+        return plain | {"folder": str(self.folder), "counts": dict(self.counts), "done": self.done, "errors": errors}
 
 
 def pieces(folder: Path) -> list[Path]:
@@ -197,24 +197,24 @@ def status(folder: Path, errors: int = 5) -> Status:
     """
     stored = _stored(folder)
     size, shard = int(stored["facts"]["size"]), (int(stored["shard"][0]), int(stored["shard"][1]))
-    numbers, found = range(shard[0] - 1, size, shard[1]), states(folder, size)
-    counts = Counter(STATUSES[found[number] - 1] for number in numbers if found[number])
+    numbers, codes = range(shard[0] - 1, size, shard[1]), states(folder, size)
+    counts = Counter(STATUSES[codes[number] - 1] for number in numbers if codes[number])
     runs, left, quiet = sessions(folder), None, None
     writers = [
         {
-            "host": one.about.get("host", ""),
-            "process": one.about.get("process", ""),
-            "engine": one.about.get("engine", ""),
-            "points": one.rows,
-            "ended": one.about.get("ended", ""),
+            "host": session.about.get("host", ""),
+            "process": session.about.get("process", ""),
+            "engine": session.about.get("engine", ""),
+            "points": session.rows,
+            "ended": session.about.get("ended", ""),
         }
-        for one in runs
+        for session in runs
     ]
-    if runs and (last := max(runs, key=lambda one: one.last)).rows:
+    if runs and (last := max(runs, key=lambda session: session.last)).rows:
         quiet = max(0.0, time.time() - last.last)
         pace = (last.last - last.started) / last.rows
         left = pace * (len(numbers) - sum(counts.values()))
-    failed = last_failures(folder, FAILED, errors, found)
+    failed = last_failures(folder, FAILED, errors, codes)
     return Status(
         folder=folder,
         study=stored["facts"]["study"],
@@ -252,7 +252,7 @@ def merge(pieces: list[Path], target: Path) -> Sweep:
     if (target / FILE).exists():
         raise OutputError(f"{target}: was merged already; finish it by: rollslip sweep resume {target}")
     hashes = {piece: _stored(piece)["hash"] for piece in pieces}
-    if odd := [str(piece) for piece, one in hashes.items() if one != hashes[pieces[0]]]:
+    if odd := [str(piece) for piece, of in hashes.items() if of != hashes[pieces[0]]]:
         raise OutputError(f"{', '.join(odd)}: not of the same sweep as {pieces[0]}; merge pieces of one sweep")
     if busy := [str(piece) for piece in pieces if running(piece)]:
         raise BusyError(f"{', '.join(busy)}: being computed; wait for it, or end it, and merge then")

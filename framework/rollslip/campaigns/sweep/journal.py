@@ -30,8 +30,8 @@ from rollslip.errors import BusyError, OutputError
 __all__ = [
     "LOCK",
     "Journal",
-    "Record",
-    "Sessions",
+    "JournalEntry",
+    "Session",
     "check_owner",
     "copied",
     "died",
@@ -189,7 +189,7 @@ def only_writer(folder: Path, wait: float = 1.0) -> Iterator[None]:
             if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
                 raise _unwritable(path, error) from error
             last = sessions(folder)[-1:]
-            who = "".join(f" by process {one.about.get('process')} on {one.about.get('host')}" for one in last)
+            who = "".join(f" by process {of.about.get('process')} on {of.about.get('host')}" for of in last)
             raise BusyError(
                 f"{folder}: is being computed{who}; wait for it, or end it; how far it is: "
                 f"rollslip sweep status {folder}"
@@ -224,7 +224,7 @@ def _blamed(path: Path) -> Iterator[None]:
 
 
 @attrs.frozen(eq=False)
-class Record:
+class JournalEntry:
     """A row as it stands in a journal, and when it was written."""
 
     row: Row
@@ -232,7 +232,7 @@ class Record:
 
 
 @attrs.frozen
-class Sessions:
+class Session:
     """One writer: its file, what it noted, when it began, how many rows it has, and when the last one came."""
 
     path: Path
@@ -260,7 +260,7 @@ def _made(connection: sqlite3.Connection) -> bool:
     return bool(found[0])
 
 
-def sessions(folder: Path) -> list[Sessions]:
+def sessions(folder: Path) -> list[Session]:
     """Return the writers of a folder.
 
     Raises
@@ -268,14 +268,14 @@ def sessions(folder: Path) -> list[Sessions]:
     OutputError
         If a journal cannot be read.
     """
-    found = []
+    writers = []
     for path in journals(folder):
         with _opened(path) as connection:
             if _made(connection):
                 about = dict(connection.execute("select name, value from about").fetchall())
                 rows, last = connection.execute("select count(*), max(at) from point").fetchone()
-                found.append(Sessions(path, about, float(about["started"]), rows, float(last) if rows else 0.0))
-    return found
+                writers.append(Session(path, about, float(about["started"]), rows, float(last) if rows else 0.0))
+    return writers
 
 
 def check_owner(folder: Path, of: str) -> None:
@@ -293,15 +293,16 @@ def check_owner(folder: Path, of: str) -> None:
     OutputError
         If there is one, or one cannot be read.
     """
-    for one in sessions(folder):
-        if one.about.get("sweep", of) != of:
-            raise OutputError(f"{one.path}: is a journal of another sweep; move it away")
+    for session in sessions(folder):
+        if session.about.get("sweep", of) != of:
+            raise OutputError(f"{session.path}: is a journal of another sweep; move it away")
 
 
 def died(folder: Path) -> bool:
     """Return whether a run that computed in its own process has ended without a word, maybe through a point."""
     return any(
-        "ended" not in one.about and one.about.get("engine") in ("serial", "threads") for one in sessions(folder)
+        "ended" not in session.about and session.about.get("engine") in ("serial", "threads")
+        for session in sessions(folder)
     )
 
 
@@ -313,7 +314,7 @@ def states(folder: Path, size: int) -> bytearray:
     OutputError
         If a journal cannot be read, or has a point that the sweep does not have.
     """
-    found, codes = bytearray(size), {status: k for k, status in enumerate(STATUSES, 1)}
+    state, codes = bytearray(size), {status: k for k, status in enumerate(STATUSES, 1)}
     for path in journals(folder):
         with _opened(path) as connection:
             if not _made(connection):
@@ -321,14 +322,14 @@ def states(folder: Path, size: int) -> bytearray:
             for number, status in connection.execute("select number, status from point order by rowid"):
                 if not 0 <= number < size or status not in codes:
                     raise ValueError(f"has a point {number}, {status!r}, that this sweep does not have")
-                if found[number] != 1:
-                    found[number] = codes[status]
-    return found
+                if state[number] != 1:
+                    state[number] = codes[status]
+    return state
 
 
 def last_failures(folder: Path, failed: Sequence[str], most: int, known: bytearray) -> list[tuple[int, str, str]]:
     """Return number, status and message of the points that failed last, and have no result since."""
-    found = dict[int, tuple[float, str, str]]()
+    failures = dict[int, tuple[float, str, str]]()
     marks = ", ".join("?" for _ in failed)
     query = f"select number, at, status, message from point where status in ({marks}) order by rowid desc"
     for path in journals(folder):
@@ -336,8 +337,10 @@ def last_failures(folder: Path, failed: Sequence[str], most: int, known: bytearr
             if _made(connection):
                 rows = connection.execute(query, failed)
                 still = islice((row for row in rows if known[row[0]] != 1), most)
-                found |= {number: (at, status, text) for number, at, status, text in reversed([*still])}
-    latest = sorted(found.items(), key=lambda item: (item[1][0], item[0]))[len(found) - min(most, len(found)) :]
+                failures |= {number: (at, status, text) for number, at, status, text in reversed([*still])}
+    latest = sorted(failures.items(), key=lambda item: (item[1][0], item[0]))[
+        len(failures) - min(most, len(failures)) :
+    ]
     return [(n, status, text) for n, (_, status, text) in latest]
 
 
@@ -353,7 +356,7 @@ def copied(path: Path, folder: Path) -> Path:
     return target
 
 
-def records(folder: Path, where: str = "", *values: Any) -> Iterator[Record]:
+def records(folder: Path, where: str = "", *values: Any) -> Iterator[JournalEntry]:
     """Yield all rows in the order in which they were written, or those of a condition; a later one may supersede.
 
     Raises
@@ -372,7 +375,7 @@ def records(folder: Path, where: str = "", *values: Any) -> Iterator[Record]:
                 number, key, status, message, seconds, at, name, texts = told
                 if layout is None or name != named(layout) or checksum != _checksum(tuple(told), numbers):
                     raise ValueError(f"the row of point {number} is damaged")
-                yield Record(Row(number, key, status, message, seconds, layout, numbers, texts), at)
+                yield JournalEntry(Row(number, key, status, message, seconds, layout, numbers, texts), at)
 
 
 def layouts(folder: Path) -> Iterator[str]:

@@ -37,7 +37,7 @@ from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies.outputs import Variables, evaluate, evaluate_together
 from rollslip.studies.study import Study, settings
 
-__all__ = ["FAILED", "STATUSES", "Done", "Row", "Work", "compute", "greet", "here", "unpacked"]
+__all__ = ["FAILED", "STATUSES", "Done", "Row", "SweepWork", "compute", "greet", "here", "unpacked"]
 
 #: Points that are evaluated together, some 20 ms without the GIL; their tables take 4 MB.
 _TOGETHER: Final = 16
@@ -48,7 +48,7 @@ FAILED: Final = STATUSES[1:]
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class Work:
+class SweepWork:
     """What all points of a sweep share.
 
     Attributes
@@ -115,7 +115,7 @@ class Done:
     packages: tuple[tuple[str, str], ...]
 
 
-def compute(work: Work, points: Sequence[tuple[int, Mapping[str, object]]]) -> Done:
+def compute(work: SweepWork, points: Sequence[tuple[int, Mapping[str, object]]]) -> Done:
     """Compute points, given by number and changes of the scene; an executor calls this, and it does not raise."""
     if work.time_limit is not None:
         _import_all()
@@ -139,13 +139,13 @@ def greet(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
 @cache
 def here(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     """Return names and versions of packages in this process, and that of Python."""
-    found = []
+    versions = []
     for name in packages:
         try:
-            found.append((name, importlib.metadata.version(name)))
+            versions.append((name, importlib.metadata.version(name)))
         except importlib.metadata.PackageNotFoundError:
-            found.append((name, "not installed"))
-    return (*found, ("python", sys.version.split()[0]))
+            versions.append((name, "not installed"))
+    return (*versions, ("python", sys.version.split()[0]))
 
 
 class _TimeLimit(BaseException):
@@ -178,28 +178,28 @@ def _within(seconds: float | None) -> Iterator[None]:
         interrupt(thread, None)  # one that is on its way belongs to this point, not to the next
 
 
-def _computed(work: Work, points: Sequence[tuple[int, Mapping[str, object]]]) -> list[Row]:
+def _computed(work: SweepWork, points: Sequence[tuple[int, Mapping[str, object]]]) -> list[Row]:
     """Rows of some points: those that can be are evaluated together, or each alone if one of them fails then."""
-    made = [_Point(work, number, changes) for number, changes in points]
-    if len(made) > 1:
-        for point in made:
+    begun = [_Point(work, number, changes) for number, changes in points]
+    if len(begun) > 1:
+        for point in begun:
             point.prepare()
-        ready = [(point, point.study, point.assembly) for point in made if point.study is not None]
+        ready = [(point, point.study, point.assembly) for point in begun if point.study is not None]
         begin = time.perf_counter()
         try:
-            found = evaluate_together([(study, assembly) for _, study, assembly in ready], work.outputs)
+            evaluated = evaluate_together([(study, assembly) for _, study, assembly in ready], work.outputs)
         except KeyboardInterrupt:
             raise
         except BaseException:  # whose it is, each alone tells
-            found = None
-        if found is not None:
+            evaluated = None
+        if evaluated is not None:
             each = (time.perf_counter() - begin) / len(ready)
-            for (point, *_), values in zip(ready, found, strict=True):
+            for (point, *_), values in zip(ready, evaluated, strict=True):
                 point.seconds += each
                 point.keep(*values)
-    for point in made:
+    for point in begun:
         point.finish()
-    return [point.row() for point in made]
+    return [point.row() for point in begun]
 
 
 class _Point:
@@ -208,7 +208,7 @@ class _Point:
     study: Study | None = None
     assembly: Assembly
 
-    def __init__(self, work: Work, number: int, changes: Mapping[str, object]) -> None:
+    def __init__(self, work: SweepWork, number: int, changes: Mapping[str, object]) -> None:
         self.work, self.number, self.changes = work, number, changes
         self.key, self.status, self.message, self.seconds = "", "", "", 0.0
         self.layout, self.numbers, self.texts = "", b"", "[]"
@@ -296,7 +296,7 @@ def _outcome(said: Mapping[str, Any]) -> tuple[str, str]:
     return "ok", ""
 
 
-def _key(work: Work, scene: Scene, resolution: Resolution | None) -> str:
+def _key(work: SweepWork, scene: Scene, resolution: Resolution | None) -> str:
     finely = None if resolution is None else attrs.asdict(resolution)
     told = json.dumps([scene_hash(scene), work.study, work.outputs, finely, here(work.packages)])
     return hashlib.sha256(told.encode()).hexdigest()
@@ -328,13 +328,13 @@ def _laid_out(dims: tuple[str, ...], values: Any, said: Mapping[str, Any]) -> di
 def unpacked(layout: Mapping[str, Any], numbers: bytes, texts: str) -> dict[str, Any]:
     """Return arrays by the name of their variable, from a layout as JSON gives it and the values of a row."""
     floats, words = np.frombuffer(numbers, dtype="<f8"), iter(json.loads(texts))
-    found, at = dict[str, Any](), 0
+    arrays, at = dict[str, Any](), 0
     for name, about in layout["variables"].items():
         shape = tuple(about["shape"])
         if about["text"]:
-            found[name] = np.array(next(words), dtype=object).reshape(shape)
+            arrays[name] = np.array(next(words), dtype=object).reshape(shape)
         else:
             size = int(np.prod(shape))
-            found[name] = floats[at : at + size].reshape(shape)
+            arrays[name] = floats[at : at + size].reshape(shape)
             at += size
-    return found
+    return arrays

@@ -83,7 +83,7 @@ def chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
     combinations = np.stack(np.unravel_index(np.arange(design.size), design.shape), axis=-1)[:, deciding]
     if not study_class(study).shares_resolution:
         return Resolutions()
-    found = dict[str, Resolution]()
+    resolutions = dict[str, Resolution]()
     for places in np.unique(combinations, axis=0):
         numbers = np.flatnonzero((combinations == places).all(axis=1))
         if numbers.size < _WORTH:
@@ -94,8 +94,8 @@ def chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
         points = [values, *(design.changes(int(number)) for number in _far_apart(design, numbers))]
         chosen = [one for one in (_choice(scene, study, changes) for changes in points) if one is not None]
         if chosen:
-            found[_name(list(values.values()))] = _finest(chosen)
-    return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=found)
+            resolutions[_name(list(values.values()))] = _finest(chosen)
+    return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=resolutions)
 
 
 def _decides(axis: Axis) -> bool:
@@ -107,20 +107,20 @@ def _choice(scene: Scene, study: str, changes: Mapping[str, object]) -> Resoluti
     """Return the plan's choice at a point, None if it has none: the point will say why."""
     try:
         at = evolve(scene, changes) if changes else scene
-        found = estimate(study_class(study).of(at), assemble(at))
+        estimated = estimate(study_class(study).of(at), assemble(at))
     except RollslipError:
         return None
-    return None if found.failed else found.resolution
+    return None if estimated.failed else estimated.resolution
 
 
 def _finest(chosen: Sequence[Resolution]) -> Resolution:
     """Return the finest of some resolutions, part by part, with the laws as they are named."""
-    most = max(chosen, key=lambda one: one.slices)
+    most = max(chosen, key=lambda resolution: resolution.slices)
     return Resolution(
         slices=most.slices,
         quadrature=most.quadrature,
-        instants=max(one.instants or 1 for one in chosen),
-        table_tolerance=min(one.table_tolerance for one in chosen),
+        instants=max(resolution.instants or 1 for resolution in chosen),
+        table_tolerance=min(resolution.table_tolerance for resolution in chosen),
     )
 
 
@@ -131,10 +131,10 @@ def _far_apart(design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int6
     values: Array = np.array(rows, dtype=float)
     width = np.ptp(values, axis=0)
     values = (values - values.min(axis=0)) / np.where(width > 0.0, width, 1.0)
-    found, distance = list[int](), np.linalg.norm(values - 0.5, axis=1)
+    taken, distance = list[int](), np.linalg.norm(values - 0.5, axis=1)
     for _ in range(min(_SPREAD, some.size)):
         k = int(np.argmax(distance))
         apart = np.linalg.norm(values - values[k], axis=1)
-        distance = np.minimum(distance, apart) if found else apart
-        found.append(k)
-    return [int(some[k]) for k in found]
+        distance = np.minimum(distance, apart) if taken else apart
+        taken.append(k)
+    return [int(some[k]) for k in taken]

@@ -82,11 +82,9 @@ def _about(quantity: Any) -> dict[str, Any]:
 
 def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
     own = status[np.fromiter(sweep.numbers, dtype=int)]
-    found = {name: int((own == name).sum()) for name in (*STATUSES, "pending")}
-    lost = [f"{count} {name}" for name, count in found.items() if count and name != "ok"]
-    warnings = (
-        [f"{sum(found.values()) - found['ok']} of {own.size} points have no result: {', '.join(lost)}"] if lost else []
-    )
+    counts = {name: int((own == name).sum()) for name in (*STATUSES, "pending")}
+    lost = [f"{count} {name}" for name, count in counts.items() if count and name != "ok"]
+    warnings = [f"{own.size - counts['ok']} of {own.size} points have no result: {', '.join(lost)}"] if lost else []
     facts = sweep.facts
     return {
         "study": "sweep",
@@ -104,7 +102,7 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
         "sampling": sweep.table.sampling if sweep.design.has_samples else "",
         "seed": sweep.table.seed,
         "shard": f"{sweep.shard[0]}/{sweep.shard[1]}",
-        "counts": json.dumps(found),
+        "counts": json.dumps(counts),
         "packages": json.dumps(facts["packages"]),
         "citations": json.dumps(list(sweep.citations)),
         "warnings": json.dumps(warnings),
@@ -122,11 +120,11 @@ class _Fields:
         self.first: dict[str, Any] = {}  # coordinate of a dimension, None where that layout has none
         self.differ: set[str] = set()
         self.longest: dict[str, dict[str, Any]] = {}
-        for one in layouts:
-            for name, of in one["variables"].items():
+        for layout in layouts:
+            for name, of in layout["variables"].items():
                 self._variable(name, of)
-            for dim in _dims(one):
-                self._coordinate(dim, one["coords"].get(dim))
+            for dim in _dims(layout):
+                self._coordinate(dim, layout["coords"].get(dim))
         self._same_or_own()
         self.arrays = {
             name: np.full(
@@ -142,11 +140,13 @@ class _Fields:
         self.said.setdefault(name, of["attrs"])
         self.text[name] = self.text.get(name, False) or of["text"]
 
-    def _coordinate(self, dim: str, found: Any) -> None:
-        if self.first.setdefault(dim, found) != found:
+    def _coordinate(self, dim: str, coordinate: Any) -> None:
+        if self.first.setdefault(dim, coordinate) != coordinate:
             self.differ.add(dim)
-        if found:
-            self.longest[dim] = max(self.longest.get(dim, found), found, key=lambda one: len(one["values"]))
+        if coordinate:
+            self.longest[dim] = max(
+                self.longest.get(dim, coordinate), coordinate, key=lambda known: len(known["values"])
+            )
 
     def _same_or_own(self) -> None:
         """Tell coordinates that all points share from those that become variables."""

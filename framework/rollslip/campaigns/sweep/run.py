@@ -206,11 +206,11 @@ def asked_engine(sweep: Sweep) -> Engine | None:
     if sweep.table.engine is None:
         return None
     problems: list[str] = []
-    made = structure_model("engine", sweep.table.engine, Where(sweep.given.origins, ("sweep", "engine")), problems)
-    if problems or not isinstance(made, Engine):
+    engine = structure_model("engine", sweep.table.engine, Where(sweep.given.origins, ("sweep", "engine")), problems)
+    if problems or not isinstance(engine, Engine):
         raise SceneError(problems)
-    _check(sweep, made)
-    return made
+    _check(sweep, engine)
+    return engine
 
 
 def _check(sweep: Sweep, engine: Engine) -> None:
@@ -246,19 +246,19 @@ class _Interrupts:
 @contextmanager
 def _interruptible() -> Iterator[_Interrupts]:
     """Count Ctrl-C and requests to end; the second one raises. Only the main thread is told of them."""
-    found = _Interrupts()
+    interrupts = _Interrupts()
     if threading.current_thread() is not threading.main_thread():
-        yield found
+        yield interrupts
         return
 
     def noted(*_: object) -> None:
-        found.times += 1
-        if found.times > 1:
+        interrupts.times += 1
+        if interrupts.times > 1:
             raise KeyboardInterrupt
 
     before = {number: signal.signal(number, noted) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield found
+        yield interrupts
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -279,17 +279,17 @@ class Design:
     def changes(self, number: int) -> dict[str, object]:
         """Return what a point changes in the scene, by key."""
         place = np.unravel_index(number, self.shape) if self.shape else ()
-        found = {axis.key: axis.values[int(k)] for axis, k in zip(self.axes, place, strict=False)}
+        changes = {axis.key: axis.values[int(k)] for axis, k in zip(self.axes, place, strict=False)}
         if self.has_samples:
             row = self.samples[int(place[-1])].tolist()
-            found |= {of.key: value for of, value in zip(self.sampled, row, strict=True)}
-        return found
+            changes |= {of.key: value for of, value in zip(self.sampled, row, strict=True)}
+        return changes
 
     def shown(self, number: int) -> str:
         """Return a point in words: "operation.radial_load = 500 N, models.traction = muraki"."""
         parts = []
         for key, value in self.changes(number).items():
-            quantity = next(one for one in (*(a.quantity for a in self.axes), *self.sampled) if one.key == key)
+            quantity = next(varied for varied in (*(a.quantity for a in self.axes), *self.sampled) if varied.key == key)
             parts.append(f"{key} = {Axis(quantity, ()).shown(value)}")
         return ", ".join(parts)
 

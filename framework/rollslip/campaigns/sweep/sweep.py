@@ -21,7 +21,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.campaigns.sweep.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip.campaigns.sweep.journal import died, journals
-from rollslip.campaigns.sweep.point import Work, here
+from rollslip.campaigns.sweep.point import SweepWork, here
 from rollslip.campaigns.sweep.resolutions import Resolutions, chosen_resolutions
 from rollslip.campaigns.sweep.sampling import SAMPLINGS, Axis, Design, probabilities, read_axis
 from rollslip.catalogue.discovery import THIS_PROCESS, named_data
@@ -121,9 +121,9 @@ class Sweep:
     first: int | None = None
 
     @property
-    def work(self) -> Work:
+    def work(self) -> SweepWork:
         """What all points share."""
-        return Work(
+        return SweepWork(
             scene=self.scene,
             study=self.study,
             outputs=self.outputs,
@@ -329,9 +329,9 @@ def _with_ranges(uncertainty: Uncertainty, ranges: Mapping[str, Distribution]) -
     keys = [key for key in uncertainty.distributions if key not in ranges]
     order = [*keys, *ranges]
     matrix, old = np.eye(len(order)), list(uncertainty.distributions)
-    for i, one in enumerate(keys):
+    for i, key in enumerate(keys):
         for j, other in enumerate(keys):
-            matrix[i, j] = uncertainty.correlation[old.index(one), old.index(other)]
+            matrix[i, j] = uncertainty.correlation[old.index(key), old.index(other)]
     return Uncertainty({key: {**uncertainty.distributions, **ranges}[key] for key in order}, matrix)
 
 
@@ -348,7 +348,7 @@ def _conflicts(keys: Sequence[str]) -> list[str]:
 
 def _tried(base: Scene, study: str, design: Design) -> list[Assembly]:
     """Put the scene together with every value of an axis, and with the ends of the samples; refuse what is wrong."""
-    problems, found = list[str](), [assemble(base)]
+    problems, assemblies = list[str](), [assemble(base)]
     for axis in design.axes:
         values = axis.values
         if len(values) > _TRIED:
@@ -357,7 +357,7 @@ def _tried(base: Scene, study: str, design: Design) -> list[Assembly]:
             try:
                 scene = evolve(base, {axis.key: value})
                 settings(scene, study)
-                found.append(assemble(scene))
+                assemblies.append(assemble(scene))
             except SceneError as error:
                 number = axis.values.index(value) + 1
                 problems.append(
@@ -380,7 +380,7 @@ def _tried(base: Scene, study: str, design: Design) -> list[Assembly]:
                 break
     if problems:
         raise SceneError(problems)
-    return found
+    return assemblies
 
 
 def _packages(assemblies: Sequence[Assembly], study: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
