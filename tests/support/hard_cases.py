@@ -1439,7 +1439,7 @@ CASES = [
         judge=several(
             judge_result,
             [{"operation.inner_speed": W, "operation.outer_speed": 0.999 * W}],
-            refused="lower study.effective-friction.max_cage_slip",
+            refused="lower max_cage_slip",
         ),
     ),
     Case(

@@ -302,7 +302,6 @@ class _Run:
     # Step by step -----------------------------------------------------------------------------------------------------
 
     def _stepped(self, solver: Any, rates: "_Rates") -> str:
-        watch = self.problem.watch
         before, still, steps = self.work, 0, 0
         while solver.status == "running":
             try:
@@ -319,21 +318,26 @@ class _Run:
                 return f"the solver stands still at t = {self.t:.6g} s: its steps are lost in the rounding of time"
             if not np.all(np.isfinite(solver.y)):
                 return f"the solution is not finite after t = {self.t:.6g} s"
-            dense = solver.dense_output()
-            passed = [] if watch is None else self._changed_sides(watch(solver.t, solver.y))
-            events = [Event(self._locate(dense, solver, k, rising), k, rising) for k, rising in passed]
-            events.sort(key=lambda event: event.time)
-            final = next((event for event in events if event.rising and event.watched in self.stop), None)
-            t = float(solver.t) if final is None else final.time
-            y = np.array(solver.y if final is None else dense(t))
-            self._store_until(t, y, dense)
-            self.t, self.y, self.h = t, y, float(solver.step_size or 0.0)
-            self.events += [event for event in events if event.time <= t]
-            if final is not None:
-                self.extra = t, y
-                return f"stopped at t = {t:.6g} s"
+            if self._stopped_in_step(solver):
+                return f"stopped at t = {self.t:.6g} s"
             self._pause()
         return ""
+
+    def _stopped_in_step(self, solver: Any) -> bool:
+        """Take the last step of a solver, up to the first event that ends the run, and tell whether there is one."""
+        watch, dense = self.problem.watch, solver.dense_output()
+        passed = [] if watch is None else self._changed_sides(watch(solver.t, solver.y))
+        events = [Event(self._locate(dense, solver, k, rising), k, rising) for k, rising in passed]
+        events.sort(key=lambda event: event.time)
+        final = next((event for event in events if event.rising and event.watched in self.stop), None)
+        t = float(solver.t) if final is None else final.time
+        y = np.array(solver.y if final is None else dense(t))
+        self._store_until(t, y, dense)
+        self.t, self.y, self.h = t, y, float(solver.step_size or 0.0)
+        self.events += [event for event in events if event.time <= t]
+        if final is not None:
+            self.extra = t, y
+        return final is not None
 
     def _locate(self, dense: Any, solver: Any, k: int, rising: bool) -> float:
         """Time at which a watched value changed sides in the last step of a solver."""

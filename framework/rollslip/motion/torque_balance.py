@@ -355,7 +355,7 @@ class _Spin:
         raise ConvergenceError(
             f"the rollers' spin at a cage slip of {self._slip:.4g} found no motion that repeats after an orbit in "
             f"{_STEPS} steps: torques of up to {np.abs(residual).max():.1e} N m are left; take inertia = false, or "
-            "lower study.steady-slip.max_cage_slip"
+            "lower max_cage_slip"
         )
 
     def _scale(self, slip: Array) -> float:

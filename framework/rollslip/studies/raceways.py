@@ -26,6 +26,7 @@ from rollslip.bearing.regimes import LIGHT, NAMES
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.results.dataset import about
 from rollslip.scene.reading import Where
+from rollslip.scene.values import Scene
 from rollslip.studies.answers import Output
 
 #: Error of a map's loads relative to the tolerance.
@@ -84,16 +85,7 @@ class LoadedRaceways:
             of(assembly.outer, distribution.outer_load),
         )
         if self.inner.total == 0.0:
-            operation, bearing = assembly.scene.operation, assembly.scene.bearing
-            raise SceneError(
-                [
-                    Where(assembly.scene.origins, ("operation", "radial_load")).says(
-                        f"no roller is loaded on the inner ring with {operation.radial_load:g} N and "
-                        f"bearing.radial_clearance = {bearing.radial_clearance:g} m, so there is no friction to "
-                        "average; give a radial load or a negative clearance"
-                    )
-                ]
-            )
+            raise unloaded(assembly.scene, "there is no friction to average")
         inner, outer = float(distribution.inner_force.max()), float(distribution.outer_force.max())
         unbalanced = max(distribution.force_residual, np.finfo(float).eps) * max(inner, outer)
         if unbalanced > max(assembly.scene.accuracy.tolerance, 1e-9) * inner:
@@ -190,8 +182,7 @@ class LoadedRaceways:
                 slip = 1.0 - float(speeds.cage_speed[row].flat[0]) / self.assembly.kinematics.epicyclic_cage_speed
                 raise DomainError(
                     f"at a cage slip of {slip:.3g} a contact of the {ring} ring has the entrainment speed "
-                    f"{np.min(rolling[row]):.3g} m/s, which draws no oil in; lower "
-                    "study.effective-friction.max_cage_slip"
+                    f"{np.min(rolling[row]):.3g} m/s, which draws no oil in; lower max_cage_slip"
                 )
 
     def evaluated(self, speeds: SurfaceSpeeds) -> tuple[Array, Array]:
@@ -297,6 +288,19 @@ def evaluated_together(cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]]) ->
         (np.array([inner[0], outer[0]]), np.array([inner[1], outer[1]]))
         for inner, outer in zip(found[::2], found[1::2], strict=True)
     ]
+
+
+def unloaded(scene: Scene, so: str) -> SceneError:
+    """Return the error that no roller is loaded on the inner ring, and what comes of it."""
+    clearance = scene.bearing.radial_clearance
+    return SceneError(
+        [
+            Where(scene.origins, ("operation", "radial_load")).says(
+                f"no roller is loaded on the inner ring with {scene.operation.radial_load:g} N and "
+                f"bearing.radial_clearance = {clearance:g} m, so {so}; give a radial load or a negative clearance"
+            )
+        ]
+    )
 
 
 def largest_change(before: Array, after: Array) -> float:

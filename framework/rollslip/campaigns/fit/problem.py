@@ -290,29 +290,34 @@ def parameters_named(problem: RigProblem, names: str | Iterable[str]) -> list[Pa
     """
     known = {parameter.name: parameter for parameter in _fittable(problem)}
     names = [name.strip() for name in (names.split(",") if isinstance(names, str) else names)]
-    problems = [] if names else ["parameters: none to fit; name some, such as eyring_stress"]
-    for name in names:
-        if name not in known:
-            near = ", ".join(nearest(name, known, cutoff=0.0))
-            problems.append(f"parameters: there is no {name!r} to fit; nearest: {near}")
-        elif math.isnan(known[name].start):
-            problems.append(
-                f"parameters: {name}: oil {problem.lubricant.name!r} gives none to start from; give lubricant.{name} "
-                f"in {problem.rig.source or 'the rig file'}"
-            )
     chosen = [known[name] for name in names if name in known]
+    faults = [] if names else ["parameters: none to fit; name some, such as eyring_stress"]
+    faults += _without_start(problem, names, known)
     if len({parameter.key for parameter in chosen}) < len(chosen):
-        problems.append(f"parameters: two of {', '.join(names)} are the same")
+        faults.append(f"parameters: two of {', '.join(names)} are the same")
     if len(problem.data) <= len(names):
-        problems.append(f"{problem.data.source}: {len(problem.data)} rows do not determine {len(names)} parameters")
-    if problems:
-        raise SceneError(problems)
+        faults.append(f"{problem.data.source}: {len(problem.data)} rows do not determine {len(names)} parameters")
+    if faults:
+        raise SceneError(faults)
     oil = [parameter for parameter in chosen if parameter.of_oil]
     try:
         with_values(problem, oil, [parameter.start * 1.1 for parameter in oil])
     except FieldError as error:  # an oil whose law fixes what is to be fitted
         raise SceneError([f"parameters: {error}"]) from error
     return chosen
+
+
+def _without_start(problem: RigProblem, names: Iterable[str], known: Mapping[str, Parameter]) -> Iterator[str]:
+    """Say which names nothing is known of, or nothing to start from."""
+    for name in names:
+        if name not in known:
+            near = ", ".join(nearest(name, known, cutoff=0.0))
+            yield f"parameters: there is no {name!r} to fit; nearest: {near}"
+        elif math.isnan(known[name].start):
+            yield (
+                f"parameters: {name}: oil {problem.lubricant.name!r} gives none to start from; give lubricant.{name} "
+                f"in {problem.rig.source or 'the rig file'}"
+            )
 
 
 def with_values(

@@ -15,7 +15,7 @@ import math
 import os
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -148,15 +148,7 @@ def read_data(path: str | os.PathLike[str]) -> RigData:
     number, header = rows[0]
     units = [_header(cell, f"{source}:{number}", faults) for cell in header]
     _check_columns([name for name, _ in units], f"{source}:{number}", faults)
-    values = np.full((len(rows) - 1, len(units)), np.nan)
-    for at, (number, row) in zip(values, rows[1:], strict=True):
-        if len(row) != len(units):
-            hint = "; a decimal comma is not read, write 0.05" if len(row) > len(units) else ""
-            faults.append(f"{source}:{number}: {len(row)} values under {len(units)} columns{hint}")
-            continue
-        for k, ((name, unit), cell) in enumerate(zip(units, row, strict=True)):
-            if unit:
-                at[k] = _value(name, unit, cell, f"{source}:{number}", faults)
+    values = _values(rows[1:], units, source, faults)
     if not faults:
         columns = {name: values[:, k].copy() for k, (name, _) in enumerate(units)}
         friction = columns["friction"][columns["slide_roll_ratio"] < 0.0]
@@ -170,6 +162,22 @@ def read_data(path: str | os.PathLike[str]) -> RigData:
         )
     more = len(faults) - _MOST_FAULTS
     raise SceneError(faults if more <= 0 else [*faults[:_MOST_FAULTS], f"{source}: and {more} faults more"])
+
+
+def _values(
+    rows: Sequence[tuple[int, list[str]]], units: Sequence[tuple[str, str]], source: str, faults: list[str]
+) -> Array:
+    """SI values of rows, each with its line, under columns of names and units, (rows, columns); NaN for faults."""
+    values = np.full((len(rows), len(units)), np.nan)
+    for at, (number, row) in zip(values, rows, strict=True):
+        if len(row) != len(units):
+            hint = "; a decimal comma is not read, write 0.05" if len(row) > len(units) else ""
+            faults.append(f"{source}:{number}: {len(row)} values under {len(units)} columns{hint}")
+            continue
+        for k, ((name, unit), cell) in enumerate(zip(units, row, strict=True)):
+            if unit:
+                at[k] = _value(name, unit, cell, f"{source}:{number}", faults)
+    return values
 
 
 def _content(path: Path) -> bytes:

@@ -3,7 +3,7 @@
 - It is read from the journals row by row, and can be made at any time; a point that is not done yet is "pending".
 - What it takes of memory is the dataset: rows and layouts, of which every point may have its own, are read one by one.
 - Values are 64-bit floats, NaN where a point has none; its status and message say why. Nothing is left out.
-- ``status`` is that of the point; a study's own variable of this name, as steady-slip has one, is ``study_status``.
+- ``status`` is that of the point; a study's own variable of this name is ``study_status``.
 - A coordinate of the study that is the same for all points, such as its cage slips, is one of the dataset. Where it
   differs between points it becomes a variable of its own over them, and points with fewer values are filled with NaN.
 """

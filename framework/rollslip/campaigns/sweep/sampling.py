@@ -204,15 +204,9 @@ def _checked(quantity: Quantity, value: object, which: str) -> object:
 
 
 def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
-    key, parts = quantity.key, [part.strip() for part in text.split(":")]
-    logarithmic = parts[-1] == "log"
-    ends, count = parts[:2], parts[2:-1] if logarithmic else parts[2:]
-    if len(parts) - logarithmic not in (2, 3) or not all(parts):
-        raise FieldError(key, f"{as_written(text)} is no range; write LOW:HIGH:COUNT or LOW:HIGH:COUNT:log")
-    if "," in text:
-        raise FieldError(key, f"{as_written(text)} has a comma; write decimals with a point, and no range in a list")
-    unit = quantity.unit or "1"
-    low, high = evenly(ends[0], ends[1], 2, unit)
+    key, unit = quantity.key, quantity.unit or "1"
+    ends, count, logarithmic = _parted(key, text)
+    low, high = evenly(*ends, 2, unit)
     if not low < high:
         raise FieldError(key, f"{as_written(text)}: the first end must be below the second")
     if logarithmic and not low > 0.0:
@@ -225,15 +219,28 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
         for end, value in (("its low end", low), ("its high end", high)):
             _checked(quantity, value, end)
         return LogUniform(low=low, high=high) if logarithmic else Uniform(low=low, high=high)
-    if not count[0].isascii() or not count[0].isdecimal() or not 2 <= int(count[0]) <= _MOST:
-        raise FieldError(key, f"{as_written(text)}: {as_written(count[0])} is no count of values, which are 2 or more")
-    n = int(count[0])
+    if not count.isascii() or not count.isdecimal() or not 2 <= int(count) <= _MOST:
+        raise FieldError(key, f"{as_written(text)}: {as_written(count)} is no count of values, which are 2 or more")
+    n = int(count)
     if logarithmic:
         between = [low * math.exp(k / (n - 1) * math.log(high / low)) for k in range(1, n - 1)]
         values: Sequence[object] = (low, *between, high)
     else:
-        values = evenly(ends[0], ends[1], n, unit)
+        values = evenly(*ends, n, unit)
     return Axis(quantity, tuple(_checked(quantity, v, f"point {k} of {n}") for k, v in enumerate(values, 1)))
+
+
+def _parted(key: str, text: str) -> tuple[tuple[str, str], str, bool]:
+    """Return both ends of a range as they are written, its count or "", and whether it is logarithmic."""
+    parts = [part.strip() for part in text.split(":")]
+    logarithmic = parts[-1] == "log"
+    numbers = parts[:-1] if logarithmic else parts
+    if len(numbers) not in (2, 3) or not all(parts):
+        raise FieldError(key, f"{as_written(text)} is no range; write LOW:HIGH:COUNT or LOW:HIGH:COUNT:log")
+    if "," in text:
+        raise FieldError(key, f"{as_written(text)} has a comma; write decimals with a point, and no range in a list")
+    low, high, count = numbers if len(numbers) == 3 else (*numbers, "")
+    return (low, high), count, logarithmic
 
 
 @attrs.frozen(eq=False)

@@ -30,7 +30,7 @@ from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError, RollslipError, SceneError
 from rollslip.fields import FieldError, at_least, non_negative, one_of, parameter, positive
 from rollslip.files import whole_file
-from rollslip.planning.quantities import quantities, unknown
+from rollslip.planning.quantities import Quantity, quantities, unknown
 from rollslip.references import KLEBANOV
 from rollslip.results.dataset import references_of
 from rollslip.scene.reading import Where, evolve, from_raw, load_scene, parse_scene, shipped_scenes, structure
@@ -212,60 +212,24 @@ def plan_sweep(
         "samples": samples, "sampling": sampling, "seed": seed, "study": study, "output": list(output) or None,
         "time_limit": time_limit, "engine": engine,
     }  # fmt: skip
-    told = {key: value for key, value in asked.items() if value is not None}
-    origins = {
-        path: text
-        for path, text in given.origins.items()
-        if path[:1] != ("sweep",) or path[1:2] not in {(k,) for k in told}
-    }
-    place = Where(origins).at("sweep")
-    table = structure(SweepTable, {**(given.sweep or {}), **told}, place, problems)
-    if table is None:
-        raise SceneError(problems)
+    table, place = _table(given, {key: value for key, value in asked.items() if value is not None}, problems)
     name = table.study or next(iter(base.study), DEFAULT_STUDY)
     cls = study_class(name, base)
     names = _noted(problems, lambda: named_outputs(cls, table.output), ())
     studies, assembly = settings(base, name), assemble(base)
     known = quantities(assembly, studies)
     sampled = table.samples is not None
-    if not sampled and "sampling" in {**(given.sweep or {}), **told}:
-        problems.append(place.at("sampling").says("says how samples are drawn, but none are asked for; give samples"))
-    axes, ranges = list[Axis](), dict[str, Distribution]()
     wanted = [
         *_leaves(table.over, "", place.at("over")),
         *((key.strip(), value, Where({}, tuple(key.strip().split(".")))) for key, value in (over or {}).items()),
     ]
-    for key, raw, at in {one[0]: one for one in wanted}.values():
-        quantity = known.get(key)
-        if quantity is None:
-            problems.append(at.says(unknown(key, known)))
-            continue
-        try:
-            made = read_axis(quantity, raw, sampled)
-        except RollslipError as error:
-            problems.append(at.says(error.reason if isinstance(error, FieldError) else str(error)))
-            continue
-        if isinstance(made, Axis):
-            axes.append(made)
-        else:
-            ranges[key] = made
+    axes, ranges = _axes(wanted, known, sampled, problems)
     uncertainty = read_uncertainty(given.uncertainty or {}, where.at("uncertainty"), known, problems)
     uncertainty = _with_ranges(uncertainty, ranges) if sampled else Uncertainty({}, np.empty((0, 0)))
     varied = [*(axis.key for axis in axes), *uncertainty.distributions]
     problems += _conflicts(varied)
-    if sampled and not uncertainty.distributions and not problems:
-        problems.append(
-            place.at("samples").says(
-                "there is nothing to sample; give a range without a count, such as --over "
-                "operation.radial_load=500:5000, or a table [uncertainty]"
-            )
-        )
-    if not varied and not problems:
-        problems.append(
-            place.says(
-                "there is nothing to sweep; give --over KEY=LOW:HIGH:COUNT, a list, or samples of an [uncertainty]"
-            )
-        )
+    if not problems:
+        problems += _nothing_varied(place, varied, sampled and not uncertainty.distributions)
     if problems:
         raise SceneError(list(dict.fromkeys(problems)))
     drawn = np.empty((1, 0))
@@ -292,6 +256,64 @@ def plan_sweep(
         given=given,
         shard=_checked_shard(shard),
     )
+
+
+def _table(given: Scene, told: Mapping[str, object], problems: list[str]) -> tuple[SweepTable, Where]:
+    """Return the table of a sweep with what was told besides, and where it stands."""
+    said = {**(given.sweep or {}), **told}
+    origins = {
+        path: text
+        for path, text in given.origins.items()
+        if path[:1] != ("sweep",) or path[1:2] not in {(k,) for k in told}
+    }
+    place = Where(origins).at("sweep")
+    table = structure(SweepTable, said, place, problems)
+    if table is None:
+        raise SceneError(problems)
+    if table.samples is None and "sampling" in said:
+        problems.append(place.at("sampling").says("says how samples are drawn, but none are asked for; give samples"))
+    return table, place
+
+
+def _axes(
+    wanted: Sequence[tuple[str, object, Where]], known: dict[str, Quantity], sampled: bool, problems: list[str]
+) -> tuple[list[Axis], dict[str, Distribution]]:
+    """Return what is crossed, and the ranges that are sampled; of a key that comes twice the last."""
+    axes, ranges = list[Axis](), dict[str, Distribution]()
+    for key, raw, at in {item[0]: item for item in wanted}.values():
+        quantity = known.get(key)
+        if quantity is None:
+            problems.append(at.says(unknown(key, known)))
+            continue
+        try:
+            axis = read_axis(quantity, raw, sampled)
+        except RollslipError as error:
+            problems.append(at.says(error.reason if isinstance(error, FieldError) else str(error)))
+            continue
+        if isinstance(axis, Axis):
+            axes.append(axis)
+        else:
+            ranges[key] = axis
+    return axes, ranges
+
+
+def _nothing_varied(place: Where, varied: Sequence[str], unsampled: bool) -> list[str]:
+    """Return what is wrong if samples are asked for of nothing, or nothing varies."""
+    problems = []
+    if unsampled:
+        problems.append(
+            place.at("samples").says(
+                "there is nothing to sample; give a range without a count, such as --over "
+                "operation.radial_load=500:5000, or a table [uncertainty]"
+            )
+        )
+    elif not varied:
+        problems.append(
+            place.says(
+                "there is nothing to sweep; give --over KEY=LOW:HIGH:COUNT, a list, or samples of an [uncertainty]"
+            )
+        )
+    return problems
 
 
 def _noted(problems: list[str], make: Any, otherwise: Any) -> Any:

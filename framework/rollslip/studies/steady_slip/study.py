@@ -22,18 +22,18 @@ from rollslip.bearing.assembly import RINGS, Array, Assembly, assemble
 from rollslip.bearing.critical import Critical, locate
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.bearing.resolution import Resolution, refined
-from rollslip.errors import ConvergenceError, SceneError
+from rollslip.errors import ConvergenceError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.motion.continuation import Branch, TorqueCurve, follow, steady_slips, torque_curve
 from rollslip.motion.effective_table import table_records
 from rollslip.motion.torque_balance import Orbit, TorqueBalance, effective_curves
 from rollslip.results.dataset import about
-from rollslip.scene.reading import Where, evolve
+from rollslip.scene.reading import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies import estimates
 from rollslip.studies.answers import Compared, Estimated, Keep, Output, Some
-from rollslip.studies.raceways import REGIMES, regime_variables
+from rollslip.studies.raceways import REGIMES, regime_variables, unloaded
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
 
@@ -430,16 +430,7 @@ def _loaded(assembly: Assembly) -> Assembly:
         If no roller is loaded on the inner ring.
     """
     if not assembly.load_distribution(2).inner_force.any():
-        operation, bearing = assembly.scene.operation, assembly.scene.bearing
-        raise SceneError(
-            [
-                Where(assembly.scene.origins, ("operation", "radial_load")).says(
-                    f"no roller is loaded on the inner ring with {operation.radial_load:g} N and "
-                    f"bearing.radial_clearance = {bearing.radial_clearance:g} m, so nothing drives the cage; give a "
-                    "radial load or a negative clearance"
-                )
-            ]
-        )
+        raise unloaded(assembly.scene, "nothing drives the cage")
     return assembly
 
 
