@@ -230,11 +230,7 @@ class PlanarMotion(MovingBearing):
         return error
 
 
-def planar_motion(
-    assembly: Assembly,
-    settings: PlanarSettings,
-    friction: FrictionSettings,
-) -> PlanarMotion:
+def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: FrictionSettings) -> PlanarMotion:
     """Build the plane motion of a bearing whose scene has a cage.
 
     Parameters

@@ -136,14 +136,14 @@ class LoadedRaceways:
             return np.asarray((pulls[0] - pulls[1])[roller])
 
         bracket = (np.full(loaded.size, inner_rolling), np.full(loaded.size, outer_rolling))
-        found = find_root(difference, bracket, args=(loaded,), tolerances={"xrtol": 1e-12, "xatol": 1e-15})
-        if not np.all(found.success):
+        spin = find_root(difference, bracket, args=(loaded,), tolerances={"xrtol": 1e-12, "xatol": 1e-15})
+        if not np.all(spin.success):
             raise ConvergenceError(
-                f"closure 'free-roller' found no spin for {np.count_nonzero(~found.success)} of {loaded.size} rollers "
+                f"closure 'free-roller' found no spin for {np.count_nonzero(~spin.success)} of {loaded.size} rollers "
                 f"at a cage slip of {cage_slip:g}, where friction rises within the rounding of the speeds or has no "
                 "balance; take closure 'epicyclic' or 'outer-rolling'"
             )
-        result[loaded] = found.x
+        result[loaded] = spin.x
         return result
 
     def contacts(self, speeds: SurfaceSpeeds) -> "Iterator[list[tuple[LoadedContacts, Any, Any]]]":
@@ -187,8 +187,8 @@ class LoadedRaceways:
 
     def evaluated(self, speeds: SurfaceSpeeds) -> tuple[Array, Array]:
         """Effective friction and smallest film parameter of both rings at every row of speeds, (2, n) each."""
-        (found,) = evaluated_together([(self, speeds)])
-        return found
+        (curves,) = evaluated_together([(self, speeds)])
+        return curves
 
     def curve(self, slip: Array) -> Array:
         """Effective friction of both rings, (2, n)."""
@@ -280,13 +280,13 @@ def evaluated_together(cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]]) ->
     for raceways, speeds in cases:
         raceways.require_entrainment(speeds)
     rings = [ring for raceways, speeds in cases for ring in raceways.rings(speeds)]
-    found = [
+    values = [
         (contacts.mean(pull), film / contacts.raceway.conditions.roughness)
         for (contacts, *_), (pull, film) in zip(rings, along([c.job(u, V) for c, u, V in rings]), strict=True)
     ]
     return [
         (np.array([inner[0], outer[0]]), np.array([inner[1], outer[1]]))
-        for inner, outer in zip(found[::2], found[1::2], strict=True)
+        for inner, outer in zip(values[::2], values[1::2], strict=True)
     ]
 
 

@@ -116,8 +116,8 @@ def fit_parameters(
             return np.full(measured.size, np.nan)
 
     low, high = np.array([p.x(p.low) for p in free]), np.array([p.x(p.high) for p in free])
-    found = estimate(residuals, low, high, known=uncertainty is not None, profiles=profiles)
-    return Fit(problem=problem, parameters=free, weight=weight, kept=dict(kept), estimate=found)
+    estimated = estimate(residuals, low, high, known=uncertainty is not None, profiles=profiles)
+    return Fit(problem=problem, parameters=free, weight=weight, kept=dict(kept), estimate=estimated)
 
 
 def _effect(fitted: Fit, k: int) -> tuple[float, str]:
