@@ -13,20 +13,21 @@ HERE = "kernels/rollslip_kernels"
 FLAGS = [] if sys.platform == "win32" else ["-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"]
 # ROLLSLIP_BOUNDSCHECK=1 checks every index of a memoryview, for a build under test.
 CHECKED = os.environ.get("ROLLSLIP_BOUNDSCHECK") == "1"
-# What the modules exchange with the stages
-SHARED = ("table.h", "rollslip_blocks.pxd")
 
 
 def kernel(name: str) -> Extension:
-    # The formulas in blocks/ are compiled once, in simd.
-    blocks = glob.glob(f"{HERE}/blocks/*.*") if name == "simd" else [f"{HERE}/blocks/{seen}" for seen in SHARED]
+    shared = ["include/*.*", "stages/table.h", "stages/rollslip_blocks.pxd"]
+    if name == "stages/simd":  # which alone compiles the laws
+        shared.append("stages/*.h")
+    if name.startswith("motion/"):
+        shared.append("motion/*.pxd")
     # Not cythonize(): with it the sdist loses the .pyx files.
     return Extension(
-        f"rollslip_kernels.{name}",
+        f"rollslip_kernels.{name.replace('/', '.')}",
         [f"{HERE}/{name}.pyx"],
-        depends=sorted(glob.glob(f"{HERE}/include/*.*") + blocks),
+        depends=sorted({file for pattern in shared for file in glob.glob(f"{HERE}/{pattern}")}),
         include_dirs=[HERE, f"{HERE}/include"],
-        cython_include_dirs=[f"{HERE}/include", f"{HERE}/blocks"],
+        cython_include_dirs=[f"{HERE}/include", f"{HERE}/stages", f"{HERE}/motion"],
         extra_compile_args=FLAGS,
         cython_directives={
             "language_level": 3,
@@ -39,23 +40,23 @@ def kernel(name: str) -> Extension:
 
 
 KERNELS = (
-    "blend",
-    "carried",
     "chain",
-    "contact",
-    "drag",
     "equilibrium",
-    "film",
-    "planar",
-    "raceway",
-    "rheology",
-    "rosenbrock",
-    "simd",
-    "stress",
-    "system",
-    "traction",
-    "vector_math",
-    "viscosity",
+    "motion/carried",
+    "motion/planar",
+    "motion/raceway",
+    "motion/rosenbrock",
+    "motion/system",
+    "stages/blend",
+    "stages/contact",
+    "stages/drag",
+    "stages/film",
+    "stages/rheology",
+    "stages/simd",
+    "stages/stress",
+    "stages/traction",
+    "stages/vector_math",
+    "stages/viscosity",
 )
 
 setup(ext_modules=[kernel(name) for name in KERNELS])

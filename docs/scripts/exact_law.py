@@ -21,7 +21,7 @@ from mpmath import mp
 from output import write_table
 
 from rollslip import Chain, Conditions, Slices
-from rollslip_kernels import simd, stress
+from rollslip_kernels.stages import simd, stress
 from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))

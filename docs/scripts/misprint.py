@@ -6,7 +6,7 @@ import numpy as np
 from muraki_error_map import as_printed, with_logarithm
 from output import BLACK, BLUE, GREEN, ORANGE, figure, save_figure, write_table
 
-from rollslip_kernels.stress import maxwell_eyring, muraki
+from rollslip_kernels.stages.stress import maxwell_eyring, muraki
 
 SIGMA, HEATING = 10.0, 0.1
 

@@ -14,7 +14,7 @@ import itertools
 import math
 from pathlib import Path
 
-from rollslip_kernels.stress import maxwell_eyring, muraki
+from rollslip_kernels.stages.stress import maxwell_eyring, muraki
 
 SIGMA = (0.01, 0.1, 1.0, 10.0, 100.0, 1e4, 1e6)
 DEBORAH = (0.0, 1e-3, 0.1, 1.0, 10.0)

@@ -17,7 +17,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.load_map import build_load_map
 from rollslip.motion.carried import carried_motion
 from rollslip.motion.raceway_friction import FrictionSettings
-from rollslip_kernels.rosenbrock import Rosenbrock
+from rollslip_kernels.motion.rosenbrock import Rosenbrock
 
 SCENE = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15})
 ROLLERS = (10, 20, 50, 100, 200, 500, 1000)

@@ -20,8 +20,8 @@ from rollslip.bearing.chain import stage
 from rollslip.fields import FieldError, in_range, non_negative, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, Domain, TractionModel, submodel
-from rollslip_kernels import blend as compiled
 from rollslip_kernels.slices import COLUMNS, Slices
+from rollslip_kernels.stages import blend as compiled
 from rollslip_plugins.boundary import Kragelsky
 from rollslip_plugins.hydrodynamic import Muraki
 

@@ -11,8 +11,8 @@ from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import KLEBANOV
-from rollslip_kernels import traction as compiled
 from rollslip_kernels.slices import Slices
+from rollslip_kernels.stages import traction as compiled
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from rollslip.errors import DomainError
 from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, ContactModel, SliceModel
-from rollslip_kernels import contact as compiled
 from rollslip_kernels.slices import Slices
+from rollslip_kernels.stages import contact as compiled
 
 HARRIS = "Harris T.A., Kotzalas M.N. Essential Concepts of Bearing Technology, 5th ed. CRC Press, 2006."
 JOHNSON = "Johnson K.L. Contact Mechanics. Cambridge University Press, 1985."

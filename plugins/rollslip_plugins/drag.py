@@ -8,7 +8,7 @@ import attrs
 from rollslip.fields import in_range, non_negative, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import Drag, DragModel, PocketFriction, from_scene
-from rollslip_kernels import drag as compiled
+from rollslip_kernels.stages import drag as compiled
 
 HARRIS = "Harris T.A., Kotzalas M.N. Advanced Concepts of Bearing Technology. 5th ed., CRC Press, 2007."
 

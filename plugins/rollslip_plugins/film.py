@@ -16,8 +16,8 @@ from rollslip.bearing.regimes import BLOK, DOWSON_1968, HERREBRUGH, MARTIN, Powe
 from rollslip.fields import one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, FilmModel
-from rollslip_kernels import film as compiled
 from rollslip_kernels.slices import Slices
+from rollslip_kernels.stages import film as compiled
 
 #: Where the piezoviscous fits are defined: without pressure viscosity they would give no film at all.
 PIEZOVISCOUS = MappingProxyType({**FilmModel.domain, "pressure_viscosity": POSITIVE})

@@ -17,8 +17,8 @@ from rollslip.errors import DomainError
 from rollslip.fields import FieldError, in_range, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Domain, FilmModel, evaluate_arrays, submodel
-from rollslip_kernels import film as compiled
 from rollslip_kernels.slices import Slices
+from rollslip_kernels.stages import film as compiled
 from rollslip_plugins.film import Moes
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from rollslip.fields import in_range, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, Domain, TractionModel
 from rollslip.references import KLEBANOV
-from rollslip_kernels import traction as compiled
 from rollslip_kernels.slices import Slices
+from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.heating import HEATED, flash_factor
 from rollslip_plugins.stress import eyring_stress, maxwell_eyring_stress, muraki_stress
 

@@ -9,8 +9,8 @@ import numpy as np
 from rollslip.fields import in_range, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.models import NON_NEGATIVE, POSITIVE, Drag, ResistanceModel
-from rollslip_kernels import drag as compiled
 from rollslip_kernels.slices import Slices
+from rollslip_kernels.stages import drag as compiled
 
 #: F = RIGID sqrt(eta u w): int h dp/2 of the half-open parabolic gap that Reynolds's condition ends.
 RIGID: Final = 2.0796226511

@@ -1,4 +1,4 @@
-"""Our own integrator for stiff problems, compiled: see rollslip_kernels.rosenbrock."""
+"""Our own integrator for stiff problems, compiled: see rollslip_kernels.motion.rosenbrock."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -41,7 +41,7 @@ class Rodas5p(IntegratorModel):
 
     def compiled(self) -> type[Any]:
         """Return the kernel."""
-        from rollslip_kernels.rosenbrock import Rosenbrock
+        from rollslip_kernels.motion.rosenbrock import Rosenbrock
 
         return Rosenbrock
 

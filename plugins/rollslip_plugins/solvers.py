@@ -1,8 +1,8 @@
 """Solvers of SciPy's kind, for ``solve_ivp``: our Rosenbrock method and CVODE.
 
 - They stand apart from the models that offer them since a base class of SciPy's has to be imported to be one.
-- Given a `rollslip_kernels.system.System` ours solves with the arrow shape, in work proportional to the number of
-  rollers; given any other function, with a dense Jacobian, yours (``jac``) or one by differences.
+- Given a `rollslip_kernels.motion.system.System` ours solves with the arrow shape, in work proportional to the number
+  of rollers; given any other function, with a dense Jacobian, yours (``jac``) or one by differences.
 - Stepped through here every step is a call from Python; a study lets the kernel itself take many.
 """
 
@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DenseOutput, OdeSolver
 
-from rollslip_kernels.rosenbrock import Rosenbrock
-from rollslip_kernels.system import System, python_system
+from rollslip_kernels.motion.rosenbrock import Rosenbrock
+from rollslip_kernels.motion.system import System, python_system
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ class Rodas5pSolver(OdeSolver):
     Parameters
     ----------
     fun, t0, y0, t_bound
-        As for SciPy's solvers; ``fun`` may be a `rollslip_kernels.system.System`.
+        As for SciPy's solvers; ``fun`` may be a `rollslip_kernels.motion.system.System`.
     max_step, rtol, atol, first_step
         As for SciPy's solvers; rtol >= 2.3e-14, and both tolerances one or for each unknown. Differences take atol/rtol
         for the typical magnitude of an unknown, unless a system gives its own.

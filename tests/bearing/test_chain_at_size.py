@@ -19,8 +19,8 @@ from rollslip import Chain, Slices
 from rollslip.bearing import chain as chain_module
 from rollslip.errors import DomainError, PluginError, RollslipError
 from rollslip.lubricant.pressure import Barus
-from rollslip_kernels import simd
 from rollslip_kernels.slices import COLUMNS
+from rollslip_kernels.stages import simd
 from rollslip_plugins.blend import LambdaBlend
 from rollslip_plugins.boundary import Kragelsky
 from rollslip_plugins.contact import Palmgren

@@ -17,7 +17,7 @@ import numpy_peers
 from contacts import CONTACT, FILMS, OIL, TRACTION, contacts, kinds, reference, worst_error
 from report import Table, cell
 from rollslip import Chain, Slices, get_model
-from rollslip_kernels import simd
+from rollslip_kernels.stages import simd
 from timing import interleaved, medians
 
 SIZES = (16, 64, 1024, 16384, 65536)

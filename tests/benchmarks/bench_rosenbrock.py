@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rollslip_kernels.rosenbrock import Rosenbrock
+from rollslip_kernels.motion.rosenbrock import Rosenbrock
 
 SOURCE = r"""
 #include <math.h>
@@ -58,7 +58,7 @@ int dense_rates(double t, const double *y, double *rates, void *state) {
 
 
 class System(ctypes.Structure):
-    """``rs_system`` of include/rollslip_system.pxd."""
+    """``rs_system`` of motion/rollslip_system.pxd."""
 
     _fields_ = (
         *((name, ctypes.c_size_t) for name in ("head", "rollers", "block", "ledger")),

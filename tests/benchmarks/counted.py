@@ -17,7 +17,8 @@ from pathlib import Path
 
 sys.path.insert(0, sys.argv[1])
 
-from rollslip_kernels import blend, contact, film, get_include, traction, viscosity
+from rollslip_kernels import get_include
+from rollslip_kernels.stages import blend, contact, film, traction, viscosity
 
 #: Inner contact of the bearing 1032930 at 50 degC.
 CONDITIONS = {

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import attrs
 
-from rollslip_kernels import simd
+from rollslip_kernels.stages import simd
 
 DOCS = Path(__file__).parents[2] / "docs"
 VERSIONS = ("rollslip", "numpy", "scipy", "numba", "llvmlite", "jax", "jaxlib", "cython", "tribology")

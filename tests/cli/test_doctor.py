@@ -10,7 +10,7 @@ import pytest
 from packages import TRACTION, install, python, rollslip
 from rollslip.cli import doctor
 from rollslip.cli.doctor import Finding, agreement, as_text, examine, healthy
-from rollslip_kernels import simd
+from rollslip_kernels.stages import simd
 from rollslip_plugins.film import Moes
 
 

@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipj
 
 from rollslip import get_model
-from rollslip_kernels.rosenbrock import Rosenbrock, tableau
-from rollslip_kernels.system import RefusedError, System, python_system
+from rollslip_kernels.motion.rosenbrock import Rosenbrock, tableau
+from rollslip_kernels.motion.system import RefusedError, System, python_system
 
 STAGES = 8
 

@@ -112,13 +112,13 @@ def test_kernels_run_clean_on_any_bits(sanitized):
 # Shapes of the elementwise laws, through the memoryviews whose indices this build checks.
 SHAPES = """
 import numpy as np
-from rollslip_kernels import stress
+from rollslip_kernels.stages import stress
 for law in (stress.muraki, stress.maxwell_eyring, stress.eyring):
     for shapes in (((), (), ()), ((0,), (1,), (1,)), ((3, 1), (2,), ()), ((1000,), (1000,), (1,))):
         result = law(*(np.full(shape, 0.5) for shape in shapes))
         assert result.shape == np.broadcast_shapes(*shapes)
         assert np.isfinite(result).all()
-print((sum(1 for _ in open("kernels/rollslip_kernels/stress.c") if "__Pyx_RaiseBufferIndexError" in _)))
+print((sum(1 for _ in open("kernels/rollslip_kernels/stages/stress.c") if "__Pyx_RaiseBufferIndexError" in _)))
 """
 
 

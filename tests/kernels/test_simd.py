@@ -10,7 +10,7 @@ import pytest
 
 from fuzz import stages
 from rollslip import Chain
-from rollslip_kernels import simd
+from rollslip_kernels.stages import simd
 
 SUPPORT = Path(__file__).parents[1] / "support"
 
@@ -23,7 +23,7 @@ def run(code, name):
 
 
 def test_the_widest_set_runs_by_default():
-    code = "from rollslip_kernels import simd; print(simd.active())"
+    code = "from rollslip_kernels.stages import simd; print(simd.active())"
     environment = {name: value for name, value in os.environ.items() if name != "ROLLSLIP_SIMD"}
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == simd.available()[-1]
@@ -45,7 +45,7 @@ import numpy as np
 from fuzz import stages
 from rollslip import Chain
 from rollslip.errors import DomainError
-from rollslip_kernels import simd
+from rollslip_kernels.stages import simd
 
 single, *_ = stages.stages()
 rng = np.random.default_rng(7)

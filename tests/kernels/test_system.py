@@ -6,8 +6,8 @@ import weakref
 import numpy as np
 import pytest
 
-from rollslip_kernels.rosenbrock import Rosenbrock
-from rollslip_kernels.system import RefusedError, System, python_system
+from rollslip_kernels.motion.rosenbrock import Rosenbrock
+from rollslip_kernels.motion.system import RefusedError, System, python_system
 
 HEAD, BLOCK, LEDGER = 2, 3, 2
 N_RECEIVING = HEAD + LEDGER

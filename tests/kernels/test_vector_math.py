@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from rollslip_kernels import simd, vector_math
+from rollslip_kernels.stages import simd, vector_math
 
 mpmath.mp.dps = 40
 

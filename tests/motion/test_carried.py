@@ -16,11 +16,11 @@ from rollslip.bearing.load_map import build_load_map
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.carried import carried_motion
 from rollslip.motion.raceway_friction import FrictionSettings
-from rollslip_kernels import drag
-from rollslip_kernels import raceway as compiled
-from rollslip_kernels.carried import LEDGER
+from rollslip_kernels.stages import drag
+from rollslip_kernels.motion import raceway as compiled
+from rollslip_kernels.motion.carried import LEDGER
 from rollslip_kernels.slices import Slices
-from rollslip_kernels.system import RefusedError
+from rollslip_kernels.stages import drag
 from strategies import NumpyForm
 
 FAST = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2, "cage.mass": 0.4, "cage.inertia": 3.3e-3}

@@ -20,7 +20,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError
 from rollslip.motion.effective_table import curve_table, effective_table, map_table
 from rollslip.testing.samples import decades
-from rollslip_kernels import raceway as compiled
+from rollslip_kernels.motion import raceway as compiled
 
 ROLLING = 30.0
 REACH = 8.0 * ROLLING

@@ -18,10 +18,10 @@ from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.motion.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
-from rollslip_kernels import planar as kernels
-from rollslip_kernels import raceway as friction_kernels
-from rollslip_kernels.rosenbrock import Rosenbrock
-from rollslip_kernels.system import RefusedError
+from rollslip_kernels.motion import planar as kernels
+from rollslip_kernels.motion import raceway as friction_kernels
+from rollslip_kernels.motion.rosenbrock import Rosenbrock
+from rollslip_kernels.motion.system import RefusedError
 from rollslip_plugins.drag import PetroffLand
 
 CAGE = {"mass": 0.4, "inertia": 3.3e-3}

@@ -11,8 +11,8 @@ from scipy.integrate import OdeSolver
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError
 from rollslip.motion.time_integration import Event, InitialValueProblem, integrate
-from rollslip_kernels.rosenbrock import Rosenbrock
-from rollslip_kernels.system import System, python_system
+from rollslip_kernels.motion.rosenbrock import Rosenbrock
+from rollslip_kernels.motion.system import System, python_system
 
 SCIPY = ("rk23", "rk45", "dop853", "radau", "bdf", "lsoda")
 #: Name of an integrator, and whether it is given a compiled system.

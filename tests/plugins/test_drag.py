@@ -21,7 +21,7 @@ from rollslip.fields import FieldError, parameter, positive
 from rollslip.models import POSITIVE, SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, from_scene
 from rollslip.testing import conformance, samples
 from rollslip.units import check_unit
-from rollslip_kernels import drag as compiled
+from rollslip_kernels.stages import drag as compiled
 from rollslip_plugins.drag import Churning, ConstantTorque, CoulombPocket, PetroffLand
 from rollslip_plugins.resistance import ELASTIC, RIGID, Hysteresis, RollingResistance
 from rollslip_plugins.reynolds_line import solve_line_contact

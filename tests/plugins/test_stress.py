@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fifty_digits import maxwell_eyring_stress as fifty_digits
-from rollslip_kernels import stress as compiled
+from rollslip_kernels.stages import stress as compiled
 from rollslip_plugins import stress as readable
 
 MURAKI = (compiled.muraki, readable.muraki_stress)

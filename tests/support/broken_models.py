@@ -40,8 +40,8 @@ from rollslip.models import (
     SliceModel,
     TractionModel,
 )
-from rollslip_kernels.drag import python_drag
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
+from rollslip_kernels.stages.drag import python_drag
 
 SOURCE = ("Nobody N. On laws that are made to be tested. J. None 1, 2000.",)
 BROKEN = []

@@ -37,8 +37,8 @@ from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.lubricant.pressure import Barus, PressureViscosity
 from rollslip.scene.reading import schema
 from rollslip.testing.samples import NumpyForm, picked, table
-from rollslip_kernels import stress as compiled_stress
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
+from rollslip_kernels.stages import stress as compiled_stress
 from rollslip_plugins import stress as readable_stress
 
 EPS, TINY, HUGE = sys.float_info.epsilon, sys.float_info.min, sys.float_info.max

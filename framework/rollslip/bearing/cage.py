@@ -35,8 +35,8 @@ from rollslip.models import (
 from rollslip.scene.reading import Where, structure
 from rollslip.scene.values import Bearing, Scene
 from rollslip.units import expectation, format_quantity, quantity
-from rollslip_kernels import drag as compiled
 from rollslip_kernels.slices import COLUMNS, Slices
+from rollslip_kernels.stages import drag as compiled
 
 _optional = attrs.validators.optional(positive)
 _BRONZE = 8600.0  # kg/m3

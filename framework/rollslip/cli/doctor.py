@@ -90,7 +90,7 @@ def versions() -> dict[str, str]:
 
 def instructions() -> str:
     """Return in words which instruction set the kernels use, of which."""
-    from rollslip_kernels import simd
+    from rollslip_kernels.stages import simd
 
     return f"{simd.active()}, of {', '.join(simd.available())}"
 
@@ -155,7 +155,7 @@ def _environment() -> Iterator[Finding]:
 def _kernels() -> Iterator[Finding]:
     """Which set runs; and for each set whether its kernels agree with NumPy."""
     try:
-        from rollslip_kernels import simd
+        from rollslip_kernels.stages import simd
     except ImportError as error:
         remedy = "unset ROLLSLIP_SIMD, or set it to one of these" if error.name == "ROLLSLIP_SIMD" else _REINSTALL
         yield Finding("kernels", "fault", f"cannot be loaded ({error})", remedy)

@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from rollslip.errors import DomainError
 from rollslip.fields import field, non_negative, positive
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, SliceModel
-from rollslip_kernels import viscosity as compiled
 from rollslip_kernels.slices import Conditions, Slices
+from rollslip_kernels.stages import viscosity as compiled
 
 Array = NDArray[np.float64]
 

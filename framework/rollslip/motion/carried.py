@@ -17,8 +17,8 @@ from rollslip.bearing.load_map import LoadMap, build_load_map, resistances
 from rollslip.errors import DomainError, RollslipError
 from rollslip.motion.moving_bearing import MovingBearing, pocket_contact
 from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
-from rollslip_kernels.carried import LEDGER, Carried
-from rollslip_kernels.system import System
+from rollslip_kernels.motion.carried import LEDGER, Carried
+from rollslip_kernels.motion.system import System
 
 _BLOCKS: Final = {
     "cage-set": {"roller_spin": "rad/s"},

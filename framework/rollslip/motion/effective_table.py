@@ -34,7 +34,7 @@ import numpy as np
 from rollslip.bearing.assembly import RINGS, Array, Assembly, Raceway
 from rollslip.bearing.critical import Critical, locate
 from rollslip.errors import ConvergenceError
-from rollslip_kernels import raceway as compiled
+from rollslip_kernels.motion import raceway as compiled
 
 #: Largest sliding speed, relative to the epicyclic rolling speed; beyond it friction is held.
 _REACH: Final = 8.0
@@ -65,7 +65,7 @@ Law = Callable[[Array], Array]
 
 @attrs.frozen(eq=False)
 class EffectiveTable:
-    """A table as ``rollslip_kernels.raceway.effective`` takes it.
+    """A table as ``rollslip_kernels.motion.raceway.effective`` takes it.
 
     Attributes
     ----------

@@ -11,7 +11,7 @@ import numpy as np
 from rollslip.bearing.assembly import RINGS, Array, Assembly
 from rollslip.errors import DomainError, RollslipError
 from rollslip.motion.raceway_friction import RacewayFriction
-from rollslip_kernels.system import System
+from rollslip_kernels.motion.system import System
 
 #: Squeeze film of a cylinder and a flat wall, 3 sqrt(2) pi eta (r/h)^1.5 dh/dt per length.
 _SQUEEZE: Final = 3.0 * math.sqrt(2.0) * math.pi

@@ -1,4 +1,4 @@
-"""Bearing, rollers and cage in plane motion: what the compiled system of `rollslip_kernels.planar` is made of.
+"""Bearing, rollers and cage in plane motion: what the compiled system of `rollslip_kernels.motion.planar` is made of.
 
 - The loads follow from the motion, by the deflection law of the contact model. So the clearance, the mass of the inner
   ring and the history of the load matter, and a map of loads does not exist.
@@ -24,9 +24,8 @@ from rollslip.fields import FieldError, field, non_negative, one_of, positive
 from rollslip.models import DragModel
 from rollslip.motion.moving_bearing import MovingBearing, pocket_contact
 from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
-from rollslip_kernels.planar import LEDGER_UNITS, Planar
+from rollslip_kernels.motion.planar import LEDGER_UNITS, Planar
 from rollslip_kernels.slices import Slices
-from rollslip_kernels.system import System
 
 _STEP: Final = 1e-6  # s, in which a step of the load is made: a fiftieth of the period of a roller on its contacts
 _SWING: Final = 30.0  # deflections by which the motion of rollers along the radius is measured, see _scale

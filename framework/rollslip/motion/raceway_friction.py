@@ -9,7 +9,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.load_map import LoadMap, build_load_map
 from rollslip.motion.effective_table import EffectiveTable, effective_table
-from rollslip_kernels import raceway as compiled
+from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.slices import Slices
 
 #: Friction by name -> what it is.
@@ -65,7 +65,7 @@ class RacewayFriction:
     settings : FrictionSettings
         Which friction it is.
     capsules : tuple of two capsules
-        Of `rollslip_kernels.raceway`.
+        Of `rollslip_kernels.motion.raceway`.
     slices : tuple of Slices
         Tables that conventional friction works in.
     tables : tuple of EffectiveTable

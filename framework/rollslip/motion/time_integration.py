@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.models import IntegratorModel
-from rollslip_kernels.system import RefusedError, System
+from rollslip_kernels.motion.system import RefusedError, System
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int_]

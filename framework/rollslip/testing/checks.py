@@ -155,7 +155,7 @@ import json, os, sys, time
 sys.path[:] = json.loads(sys.argv[2])
 import rollslip, rollslip.bearing.chain, rollslip.hookspecs, rollslip.lubricant, rollslip.models
 import rollslip.studies.study
-import rollslip_kernels.traction
+import rollslip_kernels.stages.traction
 answer = os.fdopen(os.dup(1), "w")
 start = time.process_time()
 __import__(sys.argv[1])

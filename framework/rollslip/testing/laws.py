@@ -31,8 +31,8 @@ from rollslip.models import (
 )
 from rollslip.testing.rules import DENORMAL, Inapplicable, Nonconformance, changed, drawn, refuse_unless, rule, same
 from rollslip.testing.samples import BEARING, copy_of, evaluate, for_all, forms_of, picked, shown, signed, table
-from rollslip_kernels import drag as compiled
 from rollslip_kernels.slices import Slices
+from rollslip_kernels.stages import drag as compiled
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

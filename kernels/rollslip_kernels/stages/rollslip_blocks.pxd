@@ -3,7 +3,7 @@ from cpython.pycapsule cimport PyCapsule_GetPointer
 
 from rollslip_abi cimport rs_evaluate, rs_model, rs_slices
 
-cdef extern from "blocks/table.h" nogil:
+cdef extern from "stages/table.h" nogil:
     enum:
         TERMS
 
@@ -71,5 +71,5 @@ cdef extern from "blocks/table.h" nogil:
 
 
 cdef inline const rs_blocks *rs_active_blocks() except NULL:
-    from rollslip_kernels.simd import table
+    from rollslip_kernels.stages.simd import table
     return <const rs_blocks *>PyCapsule_GetPointer(table(), "rollslip.blocks")

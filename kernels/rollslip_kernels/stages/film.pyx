@@ -1,4 +1,4 @@
-"""Film thickness of a line contact; the formulas are in blocks/film.h."""
+"""Film thickness of a line contact; the formulas are in stages/film.h."""
 
 from cpython.pycapsule cimport PyCapsule_GetPointer
 

@@ -1,4 +1,4 @@
-"""Viscosity of the oil at a slice's pressure, and its fall with temperature; the formulas are in blocks/viscosity.h."""
+"""Viscosity of the oil at a slice's pressure, and its fall with temperature; the formulas are in stages/viscosity.h."""
 
 from rollslip_blocks cimport roelands_params, rs_active_blocks, yasutomi_params
 from rollslip_stage cimport rs_new_model

@@ -10,7 +10,7 @@ import os
 
 from cpython.pycapsule cimport PyCapsule_New
 
-cdef extern from "blocks/blocks.h" nogil:
+cdef extern from "stages/blocks.h" nogil:
     ctypedef struct rs_blocks:
         pass
     const rs_blocks *blocks_of(int which)

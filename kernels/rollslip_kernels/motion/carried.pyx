@@ -39,7 +39,7 @@ from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_pocket, rs_p
 from rollslip_raceway cimport RS_RACEWAY, rs_film_parameter, rs_raceway, rs_raceway_friction
 from rollslip_system cimport rs_new_system, rs_system
 
-from rollslip_kernels.raceway import refusal
+from rollslip_kernels.motion.raceway import refusal
 
 cdef enum:
     INNER

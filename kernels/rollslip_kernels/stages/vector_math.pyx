@@ -6,7 +6,7 @@ from cpython.pycapsule cimport PyCapsule_GetPointer
 
 from rollslip_blocks cimport rs_blocks
 
-from rollslip_kernels.simd import table
+from rollslip_kernels.stages.simd import table
 
 ctypedef void (*function_t)(size_t, const double *, double *) noexcept nogil
 

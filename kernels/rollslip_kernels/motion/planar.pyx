@@ -48,7 +48,7 @@ from rollslip_raceway cimport RS_RACEWAY, rs_film_parameter, rs_raceway, rs_race
 from rollslip_system cimport rs_new_system, rs_system
 
 from rollslip_kernels.chain import bound
-from rollslip_kernels.raceway import refusal as raceway_refusal
+from rollslip_kernels.motion.raceway import refusal as raceway_refusal
 
 cdef enum:
     INNER

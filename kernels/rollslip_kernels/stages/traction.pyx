@@ -1,4 +1,4 @@
-"""Traction coefficient of a slice: hydrodynamic laws and boundary laws; the formulas are in blocks/traction.h."""
+"""Traction coefficient of a slice: hydrodynamic laws and boundary laws; the formulas are in stages/traction.h."""
 
 from rollslip_blocks cimport constant_params, kragelsky_params, maxwell_params, rs_active_blocks
 from rollslip_stage cimport rs_new_model

@@ -1,4 +1,4 @@
-"""Line contact: Hertz half width and pressure, and the deflection laws; the formulas are in blocks/contact.h."""
+"""Line contact: Hertz half width and pressure, and the deflection laws; the formulas are in stages/contact.h."""
 
 from rollslip_blocks cimport rs_active_blocks
 from rollslip_stage cimport rs_new_model

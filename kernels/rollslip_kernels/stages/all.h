@@ -1,11 +1,11 @@
 /* Everything of one instruction set, and its table */
-#include "blocks/contact.h"
-#include "blocks/film.h"
-#include "blocks/viscosity.h"
-#include "blocks/near_stress.h"
-#include "blocks/stress.h"
-#include "blocks/traction.h"
-#include "blocks/blend.h"
+#include "stages/contact.h"
+#include "stages/film.h"
+#include "stages/viscosity.h"
+#include "stages/near_stress.h"
+#include "stages/stress.h"
+#include "stages/traction.h"
+#include "stages/blend.h"
 
 #define ELEMENTWISE(name) \
     static void PATH(each_##name)(size_t n, const double *x, double *y) { EACH(i, n) y[i] = rs_##name(x[i]); }

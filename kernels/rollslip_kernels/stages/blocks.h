@@ -8,7 +8,7 @@
  *   bits on every set. */
 #ifndef ROLLSLIP_BLOCKS_H
 #define ROLLSLIP_BLOCKS_H
-#include "blocks/table.h"
+#include "stages/table.h"
 #include "rollslip_math.h"
 
 #if defined(__GNUC__) && !defined(__clang__)
@@ -94,7 +94,7 @@ static int in_blocks(const rs_slices *s, const void *params, rs_evaluate body, u
 #define PATH(name) JOINED(name, SET)
 
 #define SET baseline
-#include "blocks/all.h"
+#include "stages/all.h"
 #undef SET
 
 /* GCC and clang set the instruction set of a part of a file each in its own way; by features, since older compilers do
@@ -110,7 +110,7 @@ static int in_blocks(const rs_slices *s, const void *params, rs_evaluate body, u
 #pragma GCC target("avx,avx2,bmi,bmi2,f16c,fma,lzcnt,movbe")
 #endif
 #define SET v3
-#include "blocks/all.h"
+#include "stages/all.h"
 #undef SET
 #if defined(__clang__)
 #pragma clang attribute pop
@@ -122,7 +122,7 @@ static int in_blocks(const rs_slices *s, const void *params, rs_evaluate body, u
 #pragma GCC target("avx512f,avx512bw,avx512cd,avx512dq,avx512vl,prefer-vector-width=512")
 #endif
 #define SET v4
-#include "blocks/all.h"
+#include "stages/all.h"
 #undef SET
 #if defined(__clang__)
 #pragma clang attribute pop

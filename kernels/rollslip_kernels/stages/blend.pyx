@@ -1,4 +1,4 @@
-"""Blend of two traction models by the share of the load that asperities carry; the formulas are in blocks/blend.h."""
+"""Blend of two traction models by the share of the load that asperities carry; the formulas are in stages/blend.h."""
 
 from cpython.pycapsule cimport PyCapsule_GetPointer
 

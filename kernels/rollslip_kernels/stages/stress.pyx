@@ -1,6 +1,6 @@
 """The compiled dimensionless stress laws, elementwise over arrays with NumPy broadcasting.
 
-The laws are the functions of blocks/stress.h, so that traction kernels and this module run the same code.
+The laws are the functions of stages/stress.h, so that traction kernels and this module run the same code.
 """
 import numpy as np
 

@@ -1,0 +1,1 @@
+"""The compiled equations of motion of the bearing, and what integrates them."""
