@@ -2,7 +2,9 @@
 
 import glob
 import os
+import re
 import sys
+from pathlib import Path
 
 from Cython.Distutils import Extension
 from setuptools import setup
@@ -13,6 +15,20 @@ HERE = "kernels/rollslip_kernels"
 FLAGS = [] if sys.platform == "win32" else ["-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"]
 # ROLLSLIP_BOUNDSCHECK=1 checks every index of a memoryview, for a build under test.
 CHECKED = os.environ.get("ROLLSLIP_BOUNDSCHECK") == "1"
+
+
+def declare_members() -> None:
+    """Write the members of rs_slices where Cython reads them: it sees no macros."""
+    conditions, columns = (Path(HERE) / "include" / "rollslip.h").read_text().split("#define ROLLSLIP_COLUMNS(X)")
+    members = ["size_t n"]
+    members += [f"double {name}" for name in re.findall(r"^    X\((\w+),", conditions, re.M)]
+    members += [f"double *{name}" for name in re.findall(r"^    X\((\w+),", columns, re.M)]
+    path = Path(HERE) / "include" / "rollslip_abi.pxd"
+    text = path.read_text()
+    lines = "".join(f"        {member}\n" for member in members)
+    written = re.sub(r"(ctypedef struct rs_slices:\n)(?: {8}.*\n)+", rf"\g<1>{lines}", text)
+    if written != text:
+        path.write_text(written)
 
 
 def kernel(name: str) -> Extension:
@@ -42,6 +58,7 @@ def kernel(name: str) -> Extension:
 KERNELS = (
     "chain",
     "equilibrium",
+    "layout",
     "motion/carried",
     "motion/planar",
     "motion/raceway",
@@ -59,4 +76,5 @@ KERNELS = (
     "stages/viscosity",
 )
 
+declare_members()
 setup(ext_modules=[kernel(name) for name in KERNELS])

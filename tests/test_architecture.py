@@ -68,7 +68,7 @@ def test_every_compiled_kernel_was_looked_at():
     kernels = FOLDERS["rollslip_kernels"]
     found = {path.relative_to(kernels).with_suffix("").as_posix() for _, path in SOURCES if path.suffix == ".pyx"}
     assert found == {
-        "chain", "equilibrium",
+        "chain", "equilibrium", "layout",
         *(f"motion/{name}" for name in ("carried", "planar", "raceway", "rosenbrock", "system")),
         *(f"stages/{name}" for name in ("blend", "contact", "drag", "film", "rheology", "simd", "stress", "traction",
                                         "vector_math", "viscosity")),
@@ -78,6 +78,23 @@ def test_every_compiled_kernel_was_looked_at():
 
 def test_the_header_includes_no_python():
     assert imported(FOLDERS["rollslip_kernels"] / "include" / "rollslip.h") == {"stddef.h", "stdint.h"}
+
+
+def columns_of(path: Path) -> list[str]:
+    """Return the names that a header or its Cython form lists as members of ``rs_slices``."""
+    member = r"^    X\((\w+)," if path.suffix == ".h" else r"^        (?:size_t |double \*?)(\w+)$"
+    return re.findall(member, path.read_text().partition("rs_evaluate")[0], re.M)
+
+
+def test_a_column_is_listed_in_one_place():
+    """Appending one is a line of rollslip.h; its form for Cython, which sees no macros, is written by the build."""
+    from rollslip_kernels.layout import COLUMNS, layout
+
+    folder = FOLDERS["rollslip_kernels"]
+    kernels = [path for package, path in SOURCES if package == "rollslip_kernels"]
+    listing = [path for path in kernels if set(COLUMNS) <= set(re.findall(r"\w+", path.read_text()))]
+    assert listing == [folder / "include" / name for name in ("rollslip.h", "rollslip_abi.pxd")]
+    assert ["n", *columns_of(listing[0])] == columns_of(listing[1]) == list(layout()[1])
 
 
 def test_vector_mathematics_calls_no_mathematical_library():

@@ -8,7 +8,8 @@ import ctypes
 import importlib
 from typing import Any, NamedTuple
 
-from rollslip_kernels.chain import layout, python_stage
+from rollslip_kernels.chain import python_stage
+from rollslip_kernels.layout import layout
 from rollslip_kernels.slices import CONDITIONS
 
 __all__ = ["EVALUATE", "NumbaSlices", "SlicesStruct", "capsule_from_address", "numba_slices"]

@@ -22,11 +22,12 @@ from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
 from libc.math cimport INFINITY
 from libc.stdlib cimport free, malloc
 
-from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, rs_model, rs_slices
+from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, ROLLSLIP_N_COLUMNS, rs_model, rs_slices
 from rollslip_blocks cimport rs_active_blocks, rs_blocks, rs_range
 from rollslip_stage cimport rs_capsule_context, rs_capsule_pointer, rs_cut, rs_new_model
 
-from rollslip_kernels.slices import COLUMNS, Conditions, Slices
+from rollslip_kernels.layout import COLUMNS, CONDITIONS, layout
+from rollslip_kernels.slices import Conditions, Slices
 
 cdef enum:
     MAX_STAGES = 8
@@ -34,7 +35,6 @@ cdef enum:
     BLOCK = 256          # 13 columns x 256 x 8 B = 26 KiB: one block stays in a 32 KiB L1 cache
     RELEASE = 4096       # slices from which on the GIL is released: who gives it up may wait 5 ms to get it back
     PYTHON_RAISED = -1   # the Python error is set in this thread
-    N_COLUMNS = 13
 
 cdef const rs_blocks *BLOCKS = rs_active_blocks()
 cdef double LARGEST = 1.7976931348623157e308
@@ -455,42 +455,6 @@ def python_stage(evaluate, writes):
     return rs_new_model(_call_python, &pointer, sizeof(pointer), callee)
 
 
-def layout():
-    """Return the size of ``rs_slices`` and the offset of every member, as the C compiler laid it out."""
-    cdef rs_slices s
-    cdef char *base = <char *>&s
-    offsets = {
-        "n": <char *>&s.n - base,
-        "length": <char *>&s.length - base,
-        "radius": <char *>&s.radius - base,
-        "modulus": <char *>&s.modulus - base,
-        "roughness": <char *>&s.roughness - base,
-        "effusivity": <char *>&s.effusivity - base,
-        "temperature": <char *>&s.temperature - base,
-        "viscosity": <char *>&s.viscosity - base,
-        "pressure_viscosity": <char *>&s.pressure_viscosity - base,
-        "thermoviscosity": <char *>&s.thermoviscosity - base,
-        "pressure_thermoviscosity": <char *>&s.pressure_thermoviscosity - base,
-        "conductivity": <char *>&s.conductivity - base,
-        "eyring_stress": <char *>&s.eyring_stress - base,
-        "shear_modulus": <char *>&s.shear_modulus - base,
-        "approach": <char *>&s.approach - base,
-        "rolling_speed": <char *>&s.rolling_speed - base,
-        "sliding_speed": <char *>&s.sliding_speed - base,
-        "load": <char *>&s.load - base,
-        "stiffness": <char *>&s.stiffness - base,
-        "half_width": <char *>&s.half_width - base,
-        "pressure": <char *>&s.pressure - base,
-        "film_thickness": <char *>&s.film_thickness - base,
-        "regime": <char *>&s.regime - base,
-        "friction": <char *>&s.friction - base,
-        "film_viscosity": <char *>&s.film_viscosity - base,
-        "film_thermoviscosity": <char *>&s.film_thermoviscosity - base,
-        "resistance": <char *>&s.resistance - base,
-    }
-    return sizeof(rs_slices), offsets
-
-
 def bound(slices):
     """Return a capsule "rollslip.slices" of an ``rs_slices`` that points at the table of ``slices``."""
     cdef rs_slices *made = <rs_slices *>malloc(sizeof(rs_slices))
@@ -517,29 +481,21 @@ cdef int _bind(rs_slices *s, slices) except -1:
     """Point ``s`` at the rows of a table, in the order of COLUMNS, and copy the conditions."""
     global READ, VALUES
     cdef Py_buffer buffer
+    cdef double *values
+    cdef int k
     conditions = slices.conditions
     if conditions is not READ:
-        s.length = conditions.length
-        s.radius = conditions.radius
-        s.modulus = conditions.modulus
-        s.roughness = conditions.roughness
-        s.effusivity = conditions.effusivity
-        s.temperature = conditions.temperature
-        s.viscosity = conditions.viscosity
-        s.pressure_viscosity = conditions.pressure_viscosity
-        s.thermoviscosity = conditions.thermoviscosity
-        s.pressure_thermoviscosity = conditions.pressure_thermoviscosity
-        s.conductivity = conditions.conductivity
-        s.eyring_stress = conditions.eyring_stress
-        s.shear_modulus = conditions.shear_modulus
+        values = &s.length
+        for k, name in enumerate(CONDITIONS):
+            values[k] = getattr(conditions, name)
         VALUES = s[0]
         READ = conditions
     s[0] = VALUES
     # a typed memoryview costs three times as much; the table itself outlives the call, or is kept by who binds it
     PyObject_GetBuffer(slices._table, &buffer, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE | PyBUF_FORMAT)
     try:
-        if buffer.ndim != 2 or buffer.shape[0] != N_COLUMNS or buffer.format != b"d":
-            raise ValueError(f"a table of slices is one of {N_COLUMNS} rows of doubles")
+        if buffer.ndim != 2 or buffer.shape[0] != ROLLSLIP_N_COLUMNS or buffer.format != b"d":
+            raise ValueError(f"a table of slices is one of {ROLLSLIP_N_COLUMNS} rows of doubles")
         s.n = buffer.shape[1]
         _point(s, <double *>buffer.buf)
     finally:
@@ -548,20 +504,10 @@ cdef int _bind(rs_slices *s, slices) except -1:
 
 
 cdef void _point(rs_slices *s, double *table) noexcept:
-    cdef size_t n = s.n
-    s.approach = table
-    s.rolling_speed = table + n
-    s.sliding_speed = table + 2 * n
-    s.load = table + 3 * n
-    s.stiffness = table + 4 * n
-    s.half_width = table + 5 * n
-    s.pressure = table + 6 * n
-    s.film_thickness = table + 7 * n
-    s.regime = table + 8 * n
-    s.friction = table + 9 * n
-    s.film_viscosity = table + 10 * n
-    s.film_thermoviscosity = table + 11 * n
-    s.resistance = table + 12 * n
+    cdef double **columns = &s.approach
+    cdef int k
+    for k in range(ROLLSLIP_N_COLUMNS):
+        columns[k] = table + k * s.n
 
 
 cdef extern from *:
@@ -584,23 +530,11 @@ cdef int _call_python(const rs_slices *s, const void *params) noexcept nogil:
 
 
 cdef object _as_slices(const rs_slices *s, writes):
-    cdef double *columns[N_COLUMNS]
-    columns[:] = [
-        s.approach, s.rolling_speed, s.sliding_speed, s.load, s.stiffness,
-        s.half_width, s.pressure, s.film_thickness, s.regime, s.friction,
-        s.film_viscosity, s.film_thermoviscosity, s.resistance,
-    ]
+    cdef double *const *columns = &s.approach
+    cdef const double *values = &s.length
+    cdef int k
     arrays = {}
-    for i, name in enumerate(COLUMNS):
+    for k, name in enumerate(COLUMNS):
         access = PyBUF_WRITE if name in writes else PyBUF_READ
-        arrays[name] = np.frombuffer(PyMemoryView_FromMemory(<char *>columns[i], s.n * sizeof(double), access))
-    return Slices.of_columns(_conditions(s), arrays)
-
-
-cdef object _conditions(const rs_slices *s):
-    return Conditions(
-        length=s.length, radius=s.radius, modulus=s.modulus, roughness=s.roughness, effusivity=s.effusivity,
-        temperature=s.temperature, viscosity=s.viscosity, pressure_viscosity=s.pressure_viscosity,
-        thermoviscosity=s.thermoviscosity, pressure_thermoviscosity=s.pressure_thermoviscosity,
-        conductivity=s.conductivity, eyring_stress=s.eyring_stress, shear_modulus=s.shear_modulus,
-    )
+        arrays[name] = np.frombuffer(PyMemoryView_FromMemory(<char *>columns[k], s.n * sizeof(double), access))
+    return Slices.of_columns(Conditions(**{name: values[k] for k, name in enumerate(CONDITIONS)}), arrays)

@@ -21,6 +21,7 @@ from rollslip.errors import DomainError, PluginError
 from rollslip.lubricant.pressure import Barus, Roelands, Yasutomi
 from rollslip.models import interval
 from rollslip_kernels import chain as compiled
+from rollslip_kernels.layout import layout
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_plugins.blend import LambdaBlend
 from rollslip_plugins.boundary import Constant, Kragelsky
@@ -93,9 +94,22 @@ def bearing_slices(n=5, conditions=BEARING):
 # Layout --------------------------------------------------------------------------------------------------------------
 
 
+#: What packages that were compiled against version 1 of the contract read, at its place.
+ABI_1 = (
+    "n", "length", "radius", "modulus", "roughness", "effusivity", "temperature", "viscosity", "pressure_viscosity",
+    "thermoviscosity", "pressure_thermoviscosity", "conductivity", "eyring_stress", "shear_modulus",
+    "approach", "rolling_speed", "sliding_speed", "load", "stiffness", "half_width", "pressure", "film_thickness",
+    "regime", "friction", "film_viscosity", "film_thermoviscosity", "resistance",
+)  # fmt: skip
+
+
+def test_members_are_only_ever_appended():
+    assert tuple(layout()[1])[: len(ABI_1)] == ABI_1
+
+
 def test_c_structure_has_the_members_of_python_in_their_order():
-    size, offsets = compiled.layout()
-    assert sorted(offsets, key=offsets.get) == ["n", *CONDITIONS, *COLUMNS]
+    size, offsets = layout()
+    assert sorted(offsets, key=offsets.get) == list(offsets) == ["n", *CONDITIONS, *COLUMNS]
     assert list(offsets.values()) == [getattr(RsSlices, name).offset for name in offsets]
     assert size == ctypes.sizeof(RsSlices)
     assert tuple(a.name for a in attrs.fields(Conditions)) == tuple(CONDITIONS)

@@ -4,20 +4,17 @@
   is dumped before each call of getppid: once for what came before, and then for a call of every stage, the first of
   them on no slices.
 - The names of functions do not serve: a compiler may merge them.
-- Under valgrind the interpreter is 50 times as slow, so nothing is imported but the kernels; the members of rs_slices
-  are read from the header.
+- Under valgrind the interpreter is 50 times as slow, so nothing is imported but the kernels.
 """
 
 import ctypes
 import math
 import os
-import re
 import sys
-from pathlib import Path
 
 sys.path.insert(0, sys.argv[1])
 
-from rollslip_kernels import get_include
+from rollslip_kernels import layout
 from rollslip_kernels.stages import blend, contact, film, traction, viscosity
 
 #: Inner contact of the bearing 1032930 at 50 degC.
@@ -59,22 +56,14 @@ STAGES = {
 }
 
 
-def members():
-    """Return (type, name) of the members of rs_slices."""
-    header = (Path(get_include()) / "rollslip.h").read_text(encoding="utf-8")
-    struct = header.partition("typedef struct {")[2].partition("} rs_slices;")[0]
-    return re.findall(r"^\s*(size_t|double \*|double) ?(\w+);", struct, re.MULTILINE)
-
-
 def main(n):
     """Call the stages."""
-    kinds = {"size_t": ctypes.c_size_t, "double": ctypes.c_double, "double *": ctypes.POINTER(ctypes.c_double)}
-    fields = [(name, kinds[kind]) for kind, name in members()]
+    fields = [("n", ctypes.c_size_t), *((name, ctypes.c_double) for name in layout.CONDITIONS)]
+    fields += [(name, ctypes.POINTER(ctypes.c_double)) for name in layout.COLUMNS]
     slices = type("Slices", (ctypes.Structure,), {"_fields_": fields})(n=n, **CONDITIONS)
     column = ctypes.c_double * n
-    for name, kind in fields:
-        if kind is kinds["double *"]:
-            setattr(slices, name, column())
+    for name in layout.COLUMNS:
+        setattr(slices, name, column())
     for i in range(n):
         slices.approach[i] = 2e-6 * (1.1 + math.sin(0.15 * i))
         slices.rolling_speed[i] = 17.5 + 12.5 * math.sin(0.065 * i)

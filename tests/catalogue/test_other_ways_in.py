@@ -24,7 +24,7 @@ from rollslip.foreign import EVALUATE, SlicesStruct, capsule_from_address, numba
 from rollslip.models import FINITE, POSITIVE, ContactModel, FilmModel, TractionModel
 from rollslip.planning.plan import plan
 from rollslip.scene import Surface
-from rollslip_kernels.chain import layout
+from rollslip_kernels.layout import layout
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_plugins.blend import LambdaBlend
 from rollslip_plugins.boundary import Constant

@@ -16,37 +16,49 @@
 #define ROLLSLIP_MODEL "rollslip.slice_model.v1"   /* PyCapsule names */
 #define ROLLSLIP_DRAG "rollslip.drag.v1"
 
+/* Shared by all slices: X(name, unit, meaning) */
+#define ROLLSLIP_CONDITIONS(X) \
+    X(length,                   "m",              "contact length of the roller") \
+    X(radius,                   "m",              "equivalent radius R") \
+    X(modulus,                  "Pa",             "equivalent modulus E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]") \
+    X(roughness,                "m",              "composite roughness 1.25 sqrt(Ra1^2 + Ra2^2)") \
+    X(effusivity,               "J/(m2 K s^0.5)", "thermal effusivity sqrt(K rho c) of the solids") \
+    X(temperature,              "K",              "film temperature at the inlet") \
+    X(viscosity,                "Pa s",           "dynamic viscosity eta0 at ambient pressure") \
+    X(pressure_viscosity,       "1/Pa",           "pressure-viscosity coefficient alpha") \
+    X(thermoviscosity,          "1/K",            "temperature-viscosity coefficient beta0 = -dln(eta0)/dT") \
+    X(pressure_thermoviscosity, "1/(Pa K)",       "its pressure term gamma = -dalpha/dT") \
+    X(conductivity,             "W/(m K)",        "thermal conductivity of the oil K_f") \
+    X(eyring_stress,            "Pa",             "Eyring stress tau0") \
+    X(shear_modulus,            "Pa",             "limiting elastic shear modulus of the oil Gamma")
+
+/* One value a slice: X(name, unit, meaning), and who fills it.  A column is appended to this list and nowhere else. */
+#define ROLLSLIP_COLUMNS(X) \
+    X(approach,             "m",    "elastic approach of the two surfaces") /* in */ \
+    X(rolling_speed,        "m/s",  "mean surface speed (entrainment) u") /* in */ \
+    X(sliding_speed,        "m/s",  "difference of the surface speeds V, signed") /* in */ \
+    X(load,                 "N/m",  "normal force per length w") /* deflection -> */ \
+    X(stiffness,            "N/m2", "slope of load per length over approach") /* deflection -> */ \
+    X(half_width,           "m",    "Hertz half width b") /* contact -> */ \
+    X(pressure,             "Pa",   "mean Hertz pressure p") /* contact -> */ \
+    X(film_thickness,       "m",    "lubricant film thickness h") /* film ->; which one, the model says */ \
+    X(regime,               "1",    "film regime: 0 IR, 1 VR, 2 IE, 3 VE") /* film -> */ \
+    X(friction,             "1",    "traction coefficient mu, with the sign of the sliding speed") /* traction -> */ \
+    X(film_viscosity,       "Pa s", "viscosity of the oil at the mean pressure and the inlet temperature") /* oil -> */ \
+    X(film_thermoviscosity, "1/K",  "its fall with temperature -dln(eta)/dT at that pressure") /* oil -> */ \
+    X(resistance,           "N/m",  "rolling resistance of one surface per length, against its rolling") /* drag -> */
+
+#define ROLLSLIP_CONDITION(name, unit, meaning) double name;
+#define ROLLSLIP_COLUMN(name, unit, meaning) double *name;
+#define ROLLSLIP_COUNTED(name, unit, meaning) + 1
+
 typedef struct {
-    size_t n;                          /* slices in this block; any number */
-    /* shared by all slices */
-    double length;                     /* m          contact length of the roller                  */
-    double radius;                     /* m          equivalent radius R                           */
-    double modulus;                    /* Pa         equivalent modulus E' = 2/sum((1-nu^2)/E)     */
-    double roughness;                  /* m          composite roughness 1.25 sqrt(Ra1^2 + Ra2^2)  */
-    double effusivity;                 /* J/(m2 K s^.5)  sqrt(K rho c) of the solids               */
-    double temperature;                /* K          of the film at the inlet                      */
-    double viscosity;                  /* Pa s       eta0 at ambient pressure                      */
-    double pressure_viscosity;         /* 1/Pa       alpha                                         */
-    double thermoviscosity;            /* 1/K        beta0 = -dln(eta0)/dT                         */
-    double pressure_thermoviscosity;   /* 1/(Pa K)   gamma = -dalpha/dT                            */
-    double conductivity;               /* W/(m K)    of the oil                                    */
-    double eyring_stress;              /* Pa         tau0                                          */
-    double shear_modulus;              /* Pa         Gamma of the oil                              */
-    /* one value a slice */
-    double *approach;                  /* m     elastic approach of the surfaces      in           */
-    double *rolling_speed;             /* m/s   mean surface speed (entrainment) u    in           */
-    double *sliding_speed;             /* m/s   surface speed difference V, signed    in           */
-    double *load;                      /* N/m   normal force per length w             deflection ->*/
-    double *stiffness;                 /* N/m2  dw/d(approach)                        deflection ->*/
-    double *half_width;                /* m     Hertz half width b                    contact ->   */
-    double *pressure;                  /* Pa    mean Hertz pressure                   contact ->   */
-    double *film_thickness;            /* m     h; which one, the model says          film ->      */
-    double *regime;                    /* 0 IR, 1 VR, 2 IE, 3 VE                      film ->      */
-    double *friction;                  /* 1     traction coefficient, sign of V       traction ->  */
-    double *film_viscosity;            /* Pa s  of the oil at that pressure           oil ->       */
-    double *film_thermoviscosity;      /* 1/K   its fall -dln(eta)/dT there           oil ->       */
-    double *resistance;                /* N/m   rolling resistance of one surface     drag ->      */
+    size_t n;   /* slices in this block; any number */
+    ROLLSLIP_CONDITIONS(ROLLSLIP_CONDITION)
+    ROLLSLIP_COLUMNS(ROLLSLIP_COLUMN)
 } rs_slices;
+
+enum { ROLLSLIP_N_COLUMNS = 0 ROLLSLIP_COLUMNS(ROLLSLIP_COUNTED) };
 
 /* 0: done; k > 0: slice k-1 of the block is outside the model's domain; -1: a Python error is set. */
 typedef int (*rs_evaluate)(const rs_slices *slices, const void *params);

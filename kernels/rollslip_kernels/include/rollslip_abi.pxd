@@ -1,9 +1,11 @@
-# rollslip.h for Cython.  Declarations only, so a cimport leaves no run-time import.
+# rollslip.h for Cython.  Declarations only, so a cimport leaves no run-time import; the members of rs_slices are written
+# here by setup.py, from the lists in rollslip.h.
 from libc.stdint cimport uint32_t
 
 cdef extern from "rollslip.h" nogil:
     enum:
         ROLLSLIP_ABI
+        ROLLSLIP_N_COLUMNS
     const char *ROLLSLIP_MODEL
     const char *ROLLSLIP_DRAG
 

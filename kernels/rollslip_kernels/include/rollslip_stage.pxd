@@ -4,7 +4,7 @@ from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
 from libc.stdlib cimport free, malloc
 from libc.string cimport memcpy
 
-from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, rs_evaluate, rs_model, rs_slices
+from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, ROLLSLIP_N_COLUMNS, rs_evaluate, rs_model, rs_slices
 
 # Cython's own declarations look for a Python error after NULL. A capsule may be freed while an error is on its way,
 # which would then be taken for a fault of the destructor, printed and lost.
@@ -37,18 +37,9 @@ cdef inline void rs_free_model(object capsule) noexcept:
 cdef inline rs_slices rs_cut(const rs_slices *whole, size_t start, size_t n) noexcept nogil:
     """Slices start .. start + n."""
     cdef rs_slices s = whole[0]
+    cdef double **columns = &s.approach
+    cdef int k
     s.n = n
-    s.approach += start
-    s.rolling_speed += start
-    s.sliding_speed += start
-    s.load += start
-    s.stiffness += start
-    s.half_width += start
-    s.pressure += start
-    s.film_thickness += start
-    s.regime += start
-    s.friction += start
-    s.film_viscosity += start
-    s.film_thermoviscosity += start
-    s.resistance += start
+    for k in range(ROLLSLIP_N_COLUMNS):
+        columns[k] += start
     return s

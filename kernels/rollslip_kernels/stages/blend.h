@@ -5,7 +5,7 @@
  *   needed and never learns that it is one. */
 
 /* ((Lambda_hd - Lambda)/(Lambda_hd - Lambda_bd))^m, 1 below and 0 above the limits */
-STAGE(power_share, FILM_THICKNESS, FRICTION) {
+STAGE(power_share, COL_film_thickness, COL_friction) {
     const double *law = (const double *)params, *film = s->film_thickness;
     double *share = s->friction, low = law[0], top = law[1], per_band = 1.0 / (top - low), exponent = law[2];
     double roughness = s->roughness, x[BLOCK];
@@ -27,7 +27,7 @@ STAGE(power_share, FILM_THICKNESS, FRICTION) {
 }
 
 /* exp(-B Lambda^C) */
-STAGE(exponential_share, FILM_THICKNESS, FRICTION) {
+STAGE(exponential_share, COL_film_thickness, COL_friction) {
     const double *law = (const double *)params, *film = s->film_thickness;
     double *share = s->friction, reach = law[0], factor = law[1], exponent = law[2], roughness = s->roughness;
     double power[BLOCK];
@@ -38,7 +38,7 @@ STAGE(exponential_share, FILM_THICKNESS, FRICTION) {
 }
 
 /* p_a/p = k E'/p F_5/2(Lambda) at most; ln[F_5/2 exp(Lambda^2/2)] is a Chebyshev series in 2 Lambda/reach - 1 */
-STAGE(greenwood_tripp_share, FILM_THICKNESS | PRESSURE, FRICTION) {
+STAGE(greenwood_tripp_share, COL_film_thickness | COL_pressure, COL_friction) {
     const double *law = (const double *)params, *c = law + 2, *film = s->film_thickness, *pressure = s->pressure;
     double *share = s->friction, x[BLOCK], b1[BLOCK], b2[BLOCK];
     double reach = law[0], asperities = law[1] * s->modulus, roughness = s->roughness;

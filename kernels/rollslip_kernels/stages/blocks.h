@@ -17,14 +17,15 @@
 
 #define BLOCK 256
 #define LANES 8   /* of the widest set */
-#define COLUMNS 13
 
-/* Columns as bits, in the order of rs_slices */
-enum {
-    APPROACH = 1 << 0, ROLLING_SPEED = 1 << 1, SLIDING_SPEED = 1 << 2, LOAD = 1 << 3, STIFFNESS = 1 << 4,
-    HALF_WIDTH = 1 << 5, PRESSURE = 1 << 6, FILM_THICKNESS = 1 << 7, REGIME = 1 << 8, FRICTION = 1 << 9,
-    FILM_VISCOSITY = 1 << 10, FILM_THERMOVISCOSITY = 1 << 11, RESISTANCE = 1 << 12
-};
+/* Columns by their place in rs_slices, where they adjoin, and as bits */
+#define PLACE(name, unit, meaning) AT_##name,
+#define BIT(name, unit, meaning) COL_##name = 1 << AT_##name,
+enum { ROLLSLIP_COLUMNS(PLACE) COLUMNS };
+enum { ROLLSLIP_COLUMNS(BIT) };
+#undef PLACE
+#undef BIT
+typedef char columns_adjoin[sizeof(rs_slices) == offsetof(rs_slices, approach) + COLUMNS * sizeof(double *) ? 1 : -1];
 
 /* Loop over the slices of a block: no value is used by the next. */
 #if defined(__clang__)

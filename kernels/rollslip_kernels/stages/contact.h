@@ -1,7 +1,7 @@
 /* Line contact: Hertz half width and pressure, and the deflection laws. */
 
 /* b = sqrt(8 w R/(pi E')), p = w/(2 b) = b pi E'/(16 R)      [Hertz 1881; Johnson 1985, eq. 4.43] */
-STAGE(hertz_line, LOAD, HALF_WIDTH | PRESSURE) {
+STAGE(hertz_line, COL_load, COL_half_width | COL_pressure) {
     const double *load = s->load;
     double *half_width = s->half_width, *pressure = s->pressure;
     double per_load = 8.0 * s->radius / (RS_PI * s->modulus), per_width = 0.5 / per_load;
@@ -16,7 +16,7 @@ STAGE(hertz_line, LOAD, HALF_WIDTH | PRESSURE) {
 }
 
 /* Q = k l^(8/9) delta^(10/9)      [Palmgren 1959; ISO/TS 16281] */
-STAGE(power_deflection, APPROACH, LOAD | STIFFNESS) {
+STAGE(power_deflection, COL_approach, COL_load | COL_stiffness) {
     const double *approach = s->approach;
     double *load = s->load, *stiffness = s->stiffness;
     double per_metre = *(const double *)params * rs_pow(s->length, 8.0 / 9.0) / s->length;
@@ -33,7 +33,7 @@ STAGE(power_deflection, APPROACH, LOAD | STIFFNESS) {
 }
 
 /* delta = 4 w/(pi E') (1/2 + ln(2 l/b)), both bodies      [Lundberg 1939] */
-STAGE(lundberg_deflection, APPROACH, LOAD | STIFFNESS) {
+STAGE(lundberg_deflection, COL_approach, COL_load | COL_stiffness) {
     /* With g the bracket, g = k - ln(w)/2 and c w g = delta, hence g - k + (L - ln g)/2 = 0, L = ln(delta/c):
      * convex in g, so Newton from above the root falls monotonically; below g = 1/2 the contact is wider than long. */
     const double *approach = s->approach;

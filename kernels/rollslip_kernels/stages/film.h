@@ -45,7 +45,7 @@ RS_INLINE double PATH(power_law)(
                          (u.low * ku + w.low * kw) + (u.whole * lu + w.whole * lw));
 }
 
-STAGE(power_film, ROLLING_SPEED | LOAD, FILM_THICKNESS) {
+STAGE(power_film, COL_rolling_speed | COL_load, COL_film_thickness) {
     const power_law *q = (const power_law *)params;
     const double *speed = s->rolling_speed, *load = s->load;
     double *film = s->film_thickness, kw[BLOCK], lw[BLOCK];
@@ -65,7 +65,7 @@ STAGE(power_film, ROLLING_SPEED | LOAD, FILM_THICKNESS) {
  * h/R = H sqrt(2 U), M = W/sqrt(2 U), L = G (2 U)^(1/4)
  *
  * In logarithms to base 2 of M and L, whose large parts are multiples of 1/4. */
-STAGE(moes_film, ROLLING_SPEED | LOAD, FILM_THICKNESS) {
+STAGE(moes_film, COL_rolling_speed | COL_load, COL_film_thickness) {
     const double *speed = s->rolling_speed, *load = s->load;
     double *film = s->film_thickness, k2[BLOCK], l2[BLOCK], km[BLOCK], lm[BLOCK], over[BLOCK];
     double i_high[BLOCK], i_low[BLOCK], p_high[BLOCK], p_low[BLOCK], ratio[BLOCK];
@@ -126,7 +126,7 @@ STAGE(moes_film, ROLLING_SPEED | LOAD, FILM_THICKNESS) {
 }
 
 /* Elasticity thickens the isoviscous film and thins the piezoviscous one; the thicker of the two mechanisms holds. */
-STAGE(regime_film, ROLLING_SPEED | LOAD, FILM_THICKNESS | REGIME) {
+STAGE(regime_film, COL_rolling_speed | COL_load, COL_film_thickness | COL_regime) {
     const power_law *laws = &((const regime_laws *)params)->ri;
     const double *speed = s->rolling_speed, *load = s->load;
     double *film = s->film_thickness, *regime = s->regime, ku[BLOCK], lu[BLOCK], kw[BLOCK], lw[BLOCK], h[4][BLOCK];
@@ -154,7 +154,7 @@ STAGE(regime_film, ROLLING_SPEED | LOAD, FILM_THICKNESS | REGIME) {
 /* C_T of Lt = eta0 beta0 u^2/K_f; the printed constant 3.94 is 1/0.254       [Murch and Wilson]
  * or of p_H/E' and S = |V|/u as well                                         [Zhou and Hoeprich 1991, Eq. 21]
  * h = C_T C_S h_film; a factor that is not positive has no film */
-STAGE(inlet_factor, ROLLING_SPEED | SLIDING_SPEED | PRESSURE | FILM_THICKNESS, FILM_THICKNESS) {
+STAGE(inlet_factor, COL_rolling_speed | COL_sliding_speed | COL_pressure | COL_film_thickness, COL_film_thickness) {
     const inlet_params *q = (const inlet_params *)params;
     const double *speed = s->rolling_speed, *sliding = s->sliding_speed, *pressure = s->pressure;
     double *film = s->film_thickness, factor[BLOCK];

@@ -4,7 +4,8 @@
  * heat flux of surfaces and film zeta = flash sqrt(b/u)/(e sqrt(pi)) + h/(12 K_f) */
 #ifndef HYDRODYNAMIC
 #define HYDRODYNAMIC \
-    (ROLLING_SPEED | SLIDING_SPEED | HALF_WIDTH | PRESSURE | FILM_THICKNESS | FILM_VISCOSITY | FILM_THERMOVISCOSITY)
+    (COL_rolling_speed | COL_sliding_speed | COL_half_width | COL_pressure | COL_film_thickness | COL_film_viscosity \
+     | COL_film_thermoviscosity)
 #endif
 
 /* The groups sigma, w, D = eta u/(Gamma b) and sigma/D = V Gamma b/(u tau0 h) for |V| and positive speeds */
@@ -24,7 +25,7 @@ static void PATH(groups)(const rs_slices *s, double factor, filled sigma, filled
     }
 }
 
-STAGE(muraki, HYDRODYNAMIC, FRICTION) {
+STAGE(muraki, HYDRODYNAMIC, COL_friction) {
     const double *sliding = s->sliding_speed, *pressure = s->pressure;
     double *friction = s->friction, tau0 = s->eyring_stress, sigma[BLOCK], w[BLOCK], deborah[BLOCK], ramp[BLOCK];
     double over[BLOCK], under[BLOCK];
@@ -38,7 +39,7 @@ STAGE(muraki, HYDRODYNAMIC, FRICTION) {
     return 0;
 }
 
-STAGE(maxwell_eyring, HYDRODYNAMIC, FRICTION) {
+STAGE(maxwell_eyring, HYDRODYNAMIC, COL_friction) {
     const maxwell_params *q = (const maxwell_params *)params;
     const double *sliding = s->sliding_speed, *pressure = s->pressure;
     double *friction = s->friction, tau0 = s->eyring_stress;
@@ -50,7 +51,7 @@ STAGE(maxwell_eyring, HYDRODYNAMIC, FRICTION) {
     return 0;
 }
 
-STAGE(eyring, HYDRODYNAMIC, FRICTION) {
+STAGE(eyring, HYDRODYNAMIC, COL_friction) {
     const double *sliding = s->sliding_speed, *pressure = s->pressure;
     double *friction = s->friction, tau0 = s->eyring_stress, sigma[BLOCK], w[BLOCK], stress[BLOCK], none[BLOCK];
     size_t n = WHOLE(s->n);
@@ -61,7 +62,7 @@ STAGE(eyring, HYDRODYNAMIC, FRICTION) {
 }
 
 /* mu = (-A + B s) exp(-C s) + A, written with expm1 so that small s loses no digits */
-STAGE(kragelsky, ROLLING_SPEED | SLIDING_SPEED, FRICTION) {
+STAGE(kragelsky, COL_rolling_speed | COL_sliding_speed, COL_friction) {
     const kragelsky_params *q = (const kragelsky_params *)params;
     const double *u = s->rolling_speed, *sliding = s->sliding_speed;
     double *friction = s->friction, limit = q->limit, rise = q->rise, decay = q->decay;
@@ -74,7 +75,7 @@ STAGE(kragelsky, ROLLING_SPEED | SLIDING_SPEED, FRICTION) {
 }
 
 /* mu = (A + B s) exp(-C s) + D - (A + D) max(0, 1 - s/s0), with expm1 so that small s loses no digits */
-STAGE(gupta, ROLLING_SPEED | SLIDING_SPEED, FRICTION) {
+STAGE(gupta, COL_rolling_speed | COL_sliding_speed, COL_friction) {
     const gupta_params *q = (const gupta_params *)params;
     const double *u = s->rolling_speed, *sliding = s->sliding_speed;
     double *friction = s->friction, a = q->a, b = q->b, c = q->c, ramp = q->a + q->d, transition = q->transition;
@@ -87,7 +88,7 @@ STAGE(gupta, ROLLING_SPEED | SLIDING_SPEED, FRICTION) {
     return 0;
 }
 
-STAGE(constant, ROLLING_SPEED | SLIDING_SPEED, FRICTION) {
+STAGE(constant, COL_rolling_speed | COL_sliding_speed, COL_friction) {
     const constant_params *q = (const constant_params *)params;
     const double *u = s->rolling_speed, *sliding = s->sliding_speed;
     double *friction = s->friction, coefficient = q->coefficient, transition = q->transition;

@@ -1,7 +1,7 @@
 /* Viscosity of the oil at the pressure of a slice, and its fall with temperature there. */
 
 /* eta = eta0 exp(alpha p), -dln(eta)/dT = beta0 + gamma p      [Barus 1893] */
-STAGE(barus, PRESSURE, FILM_VISCOSITY | FILM_THERMOVISCOSITY) {
+STAGE(barus, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     const double *pressure = s->pressure;
     double *viscosity = s->film_viscosity, *fall = s->film_thermoviscosity;
     double ambient = s->viscosity, alpha = s->pressure_viscosity, beta = s->thermoviscosity;
@@ -16,7 +16,7 @@ STAGE(barus, PRESSURE, FILM_VISCOSITY | FILM_THERMOVISCOSITY) {
 }
 
 /* eta = eta0 exp(k ((1 + p/p0)^z - 1)), k = ln(eta0/eta_inf), z = alpha p0/k      [Roelands 1966] */
-STAGE(roelands, PRESSURE, FILM_VISCOSITY | FILM_THERMOVISCOSITY) {
+STAGE(roelands, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     const roelands_params *q = (const roelands_params *)params;
     const double *pressure = s->pressure;
     double *viscosity = s->film_viscosity, *fall = s->film_thermoviscosity, x[BLOCK], y[BLOCK];
@@ -36,7 +36,7 @@ STAGE(roelands, PRESSURE, FILM_VISCOSITY | FILM_THERMOVISCOSITY) {
 
 /* log10(eta/eta_g) = -C1 x/(C2 + x), x = (T - Tg) F, Tg = Tg0 + A1 ln(1 + A2 p), F = 1 - B1 ln(1 + B2 p)
  *                                                                                [Yasutomi, Bair and Winer 1984] */
-STAGE(yasutomi, PRESSURE, FILM_VISCOSITY | FILM_THERMOVISCOSITY) {
+STAGE(yasutomi, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     const yasutomi_params *q = (const yasutomi_params *)params;
     const double *pressure = s->pressure;
     double *viscosity = s->film_viscosity, *fall = s->film_thermoviscosity, f[BLOCK], x[BLOCK];

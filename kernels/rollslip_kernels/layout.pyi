@@ -1,0 +1,7 @@
+from collections.abc import Mapping
+from typing import Final
+
+CONDITIONS: Final[Mapping[str, tuple[str, str]]]
+COLUMNS: Final[Mapping[str, tuple[str, str]]]
+
+def layout() -> tuple[int, dict[str, int]]: ...
