@@ -70,7 +70,7 @@ def test_every_compiled_kernel_was_looked_at():
     assert found == {
         "chain", "equilibrium", "layout",
         *(f"motion/{name}" for name in ("carried", "planar", "raceway", "rosenbrock", "system")),
-        *(f"stages/{name}" for name in ("blend", "contact", "drag", "film", "rheology", "simd", "stress", "traction",
+        *(f"stages/{name}" for name in ("blend", "contact", "drag", "film", "shear_thinning", "simd", "stress", "thermal_couette", "traction",
                                         "vector_math", "viscosity")),
     }  # fmt: skip
     assert "rollslip_kernels.slices" in imported(FOLDERS["rollslip_kernels"] / "chain.pyx")

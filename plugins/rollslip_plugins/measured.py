@@ -24,7 +24,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.units import UnitError, as_written, expectation, format_quantity, quantity
 from rollslip_kernels.slices import Slices
-from rollslip_kernels.stages import rheology as compiled
+from rollslip_kernels.stages import traction as compiled
 
 Array = NDArray[np.float64]
 

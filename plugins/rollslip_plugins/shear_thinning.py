@@ -10,7 +10,7 @@ from rollslip.fields import in_range, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, TractionModel
 from rollslip_kernels.slices import Slices
-from rollslip_kernels.stages import rheology as compiled
+from rollslip_kernels.stages import shear_thinning as compiled
 from rollslip_plugins.heating import (
     HEATED,
     MAX_STEPS,

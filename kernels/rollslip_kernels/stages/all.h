@@ -5,6 +5,9 @@
 #include "stages/near_stress.h"
 #include "stages/stress.h"
 #include "stages/traction.h"
+#include "stages/heated_film.h"
+#include "stages/shear_thinning.h"
+#include "stages/thermal_couette.h"
 #include "stages/blend.h"
 
 #define ELEMENTWISE(name) \

@@ -30,6 +30,12 @@ cdef extern from "stages/table.h" nogil:
     ctypedef struct gupta_params:
         double a, b, c, d, transition
 
+    ctypedef struct carreau_params:
+        double flash, critical_stress, exponent
+
+    ctypedef struct limiting_params:
+        double flash, limit
+
     ctypedef struct constant_params:
         double coefficient, transition
 
@@ -54,6 +60,7 @@ cdef extern from "stages/table.h" nogil:
         rs_evaluate power_film, moes_film, regime_film, inlet_film
         rs_evaluate barus, roelands, yasutomi
         rs_evaluate muraki, maxwell_eyring, eyring, kragelsky, constant, gupta
+        rs_evaluate carreau, limiting_shear, newtonian_thermal, eyring_thermal
         rs_evaluate power_share, exponential_share, greenwood_tripp_share, blend
         void (*exp)(size_t, const double *, double *) noexcept nogil
         void (*exp2)(size_t, const double *, double *) noexcept nogil

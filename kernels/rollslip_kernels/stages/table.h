@@ -12,6 +12,8 @@ typedef struct { double pole_viscosity, pole_pressure; } roelands_params;
 typedef struct { double glass_temperature, a1, a2, b1, b2, c1, c2; } yasutomi_params;
 typedef struct { double limit, rise, decay; } kragelsky_params;
 typedef struct { double a, b, c, d, transition; } gupta_params;
+typedef struct { double flash, critical_stress, exponent; } carreau_params;
+typedef struct { double flash, limit; } limiting_params;
 typedef struct { double coefficient, transition; } constant_params;
 typedef struct { double flash, accuracy; } maxwell_params;
 enum { TERMS = 26, NO_SUCH_STATUS = -2 };   /* of Greenwood and Tripp's integral; more than its number of slices */
@@ -22,6 +24,7 @@ typedef struct { rs_model boundary, hydrodynamic; rs_evaluate share; double law[
     X(power_film) X(moes_film) X(regime_film) X(inlet_film) \
     X(barus) X(roelands) X(yasutomi) \
     X(muraki) X(maxwell_eyring) X(eyring) X(kragelsky) X(constant) X(gupta) \
+    X(carreau) X(limiting_shear) X(newtonian_thermal) X(eyring_thermal) \
     X(power_share) X(exponential_share) X(greenwood_tripp_share) X(blend)
 #define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh) X(exp2_falling) X(log2_plus_one)
 

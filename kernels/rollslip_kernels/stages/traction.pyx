@@ -1,6 +1,6 @@
 """Traction coefficient of a slice: hydrodynamic laws and boundary laws; the formulas are in stages/traction.h."""
 
-from rollslip_blocks cimport constant_params, kragelsky_params, maxwell_params, rs_active_blocks
+from rollslip_blocks cimport constant_params, gupta_params, kragelsky_params, maxwell_params, rs_active_blocks
 from rollslip_stage cimport rs_new_model
 
 
@@ -24,6 +24,12 @@ def kragelsky(double limit, double rise, double decay):
     """Return the stage of Kragelsky's boundary friction."""
     cdef kragelsky_params q = kragelsky_params(limit, rise, decay)
     return rs_new_model(rs_active_blocks().kragelsky, &q, sizeof(q), None)
+
+
+def gupta(double a, double b, double c, double d, double transition):
+    """Return the stage of Gupta's curve with its ramp."""
+    cdef gupta_params q = gupta_params(a, b, c, d, transition)
+    return rs_new_model(rs_active_blocks().gupta, &q, sizeof(q), None)
 
 
 def constant(double coefficient, double transition):
