@@ -70,10 +70,33 @@ def test_every_compiled_kernel_was_looked_at():
     assert found == {
         "chain", "equilibrium", "layout",
         *(f"motion/{name}" for name in ("carried", "planar", "raceway", "rosenbrock", "system")),
-        *(f"stages/{name}" for name in ("blend", "contact", "drag", "film", "shear_thinning", "simd", "stress", "thermal_couette", "traction",
-                                        "vector_math", "viscosity")),
+        *(f"stages/{name}" for name in ("blend", "contact", "drag", "film", "shear_thinning", "simd", "stress",
+                                        "thermal_couette", "traction", "vector_math", "viscosity")),
     }  # fmt: skip
     assert "rollslip_kernels.slices" in imported(FOLDERS["rollslip_kernels"] / "chain.pyx")
+
+
+def plugins_named(folder: Path) -> list[str]:
+    """Return what the sources below a folder say of plugins' modules, in code, comments and strings."""
+    return [
+        f"{path.relative_to(folder)}: {line.strip()}"
+        for path in sorted(folder.rglob("*"))
+        if path.suffix in (".py", ".pyi", ".pyx", ".pxd", ".h")
+        for line in path.read_text().splitlines()
+        if re.search(r"\brollslip_plugins\b|\bplugins/", line)
+    ]
+
+
+def test_kernels_name_no_plugin(tmp_path):
+    assert not plugins_named(FOLDERS["rollslip_kernels"])
+    for k, fault in enumerate(("from rollslip_plugins import film", "/* as in rollslip_plugins.film */", "# plugins/")):
+        (tmp_path / f"planted{k}.{'h' if '*' in fault else 'pyx'}").write_text(f"\n{fault}\n")
+    assert len(plugins_named(tmp_path)) == 3
+
+
+def test_strangers_are_promised_five_headers():
+    names = {path.name for path in (FOLDERS["rollslip_kernels"] / "include").iterdir() if path.suffix in (".h", ".pxd")}
+    assert names == {"rollslip.h", "rollslip_abi.pxd", "rollslip_math.h", "rollslip_stage.pxd", "rollslip_drag.pxd"}
 
 
 def test_the_header_includes_no_python():

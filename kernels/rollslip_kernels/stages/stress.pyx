@@ -20,12 +20,12 @@ cdef object _map(rs_stress_law law, object strain_rate, object deborah, object h
 
 
 def muraki(strain_rate, deborah, heating):
-    """Muraki's closed form with asinh; the same law as rollslip_plugins.stress.muraki_stress."""
+    """Muraki's closed form with asinh."""
     return _map(rs_active_blocks().muraki_stress, strain_rate, deborah, heating)
 
 
 def maxwell_eyring(strain_rate, deborah, heating, double accuracy=0.0):
-    """Exact Maxwell-Eyring mean stress; the same law as rollslip_plugins.stress.maxwell_eyring_stress.
+    """Exact Maxwell-Eyring mean stress.
 
     From a relative error of 1e-6 allowed on, ``accuracy``, it takes short series and less than half of the time.
     """
@@ -33,5 +33,5 @@ def maxwell_eyring(strain_rate, deborah, heating, double accuracy=0.0):
 
 
 def eyring(strain_rate, deborah, heating):
-    """Heated Eyring stress without elasticity; the same law as rollslip_plugins.stress.eyring_stress."""
+    """Heated Eyring stress without elasticity."""
     return _map(rs_active_blocks().eyring_stress, strain_rate, deborah, heating)
