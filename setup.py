@@ -32,7 +32,7 @@ def declare_members() -> None:
 
 
 def kernel(name: str) -> Extension:
-    shared = ["include/*.*", "stages/table.h", "stages/rollslip_blocks.pxd"]
+    shared = ["*.pxd", "include/*.*", "stages/table.h", "stages/rollslip_blocks.pxd"]
     if name == "stages/simd":  # which alone compiles the laws
         shared.append("stages/*.h")
     if name.startswith("motion/"):
@@ -43,7 +43,7 @@ def kernel(name: str) -> Extension:
         [f"{HERE}/{name}.pyx"],
         depends=sorted({file for pattern in shared for file in glob.glob(f"{HERE}/{pattern}")}),
         include_dirs=[HERE, f"{HERE}/include"],
-        cython_include_dirs=[f"{HERE}/include", f"{HERE}/stages", f"{HERE}/motion"],
+        cython_include_dirs=[HERE, f"{HERE}/include", f"{HERE}/stages", f"{HERE}/motion"],
         extra_compile_args=FLAGS,
         cython_directives={
             "language_level": 3,

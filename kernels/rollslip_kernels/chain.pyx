@@ -17,14 +17,14 @@ from cpython.buffer cimport (
 )
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.memoryview cimport PyMemoryView_FromMemory
-from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid, PyCapsule_New, PyCapsule_SetContext
-from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
+from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid
 from libc.math cimport INFINITY
 from libc.stdlib cimport free, malloc
 
 from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, ROLLSLIP_N_COLUMNS, rs_model, rs_slices
 from rollslip_blocks cimport rs_active_blocks, rs_blocks, rs_range
-from rollslip_stage cimport rs_capsule_context, rs_capsule_pointer, rs_cut, rs_new_model
+from rollslip_errors cimport rs_raise_pending
+from rollslip_stage cimport rs_cut, rs_new_capsule, rs_new_model
 
 from rollslip_kernels.layout import COLUMNS, CONDITIONS, layout
 from rollslip_kernels.slices import Conditions, Slices
@@ -144,7 +144,7 @@ cdef class Chain:
         if status == 0:
             return None
         if status == PYTHON_RAISED and PyErr_Occurred() != NULL:
-            _raise_pending()
+            rs_raise_pending()
         if refusal.column and refusal.slice >= 0:
             refusal.slice += start
         return self._words(refusal)
@@ -460,17 +460,9 @@ def bound(slices):
     cdef rs_slices *made = <rs_slices *>malloc(sizeof(rs_slices))
     if made == NULL:
         raise MemoryError
-    capsule = PyCapsule_New(made, "rollslip.slices", _free_bound)
+    capsule = rs_new_capsule(made, "rollslip.slices", slices)
     _bind(made, slices)
-    Py_INCREF(slices)
-    PyCapsule_SetContext(capsule, <void *>slices)
     return capsule
-
-
-cdef void _free_bound(object capsule) noexcept:
-    cdef PyObject *slices = <PyObject *>rs_capsule_context(capsule)
-    free(rs_capsule_pointer(capsule, "rollslip.slices"))
-    Py_XDECREF(slices)
 
 
 cdef object READ = None   # conditions that are in VALUES: as a rule those of the next table too
@@ -508,13 +500,6 @@ cdef void _point(rs_slices *s, double *table) noexcept:
     cdef int k
     for k in range(ROLLSLIP_N_COLUMNS):
         columns[k] = table + k * s.n
-
-
-cdef extern from *:
-    """
-    static int rs_raise_pending(void) { return -1; }   /* the error is already set */
-    """
-    int _raise_pending "rs_raise_pending"() except -1
 
 
 cdef int _call_python(const rs_slices *s, const void *params) noexcept nogil:

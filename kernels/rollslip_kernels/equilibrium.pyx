@@ -13,6 +13,7 @@ from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport INFINITY, M_LN10, exp, fabs, log
 
 from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
+from rollslip_errors cimport rs_raise_pending
 
 from rollslip_kernels.chain import bound
 
@@ -155,15 +156,8 @@ def solve(stages, tables, const double[:, :, ::1] direction, const double[::1] x
                         loads[ring, m, j, i] = loads[ring, m, j, n - 1 - i]
             m += 1
     if PyErr_Occurred() != NULL:
-        _raise_pending()
+        rs_raise_pending()
     return {INNER: "inner", OUTER: "outer", ARRIVED: "", BEYOND_FLOATS: "range"}[ended]
-
-
-cdef extern from *:
-    """
-    static int rs_equilibrium_pending(void) { return -1; }   /* the error is already set */
-    """
-    int _raise_pending "rs_equilibrium_pending"() except -1
 
 
 cdef inline double _larger(double a, double b) noexcept nogil:

@@ -1,5 +1,5 @@
-# rollslip.h for Cython.  Declarations only, so a cimport leaves no run-time import; the members of rs_slices are written
-# here by setup.py, from the lists in rollslip.h.
+# rollslip.h for Cython.  Declarations only, so a cimport leaves no run-time import; the build writes the members of
+# rs_slices, from the lists in the header.
 from libc.stdint cimport uint32_t
 
 cdef extern from "rollslip.h" nogil:

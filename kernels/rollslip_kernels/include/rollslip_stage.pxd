@@ -10,7 +10,23 @@ from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_MODEL, ROLLSLIP_N_COLUMNS, rs_e
 # which would then be taken for a fault of the destructor, printed and lost.
 cdef extern from "Python.h":
     void *rs_capsule_context "PyCapsule_GetContext"(object) noexcept
+    const char *rs_capsule_name "PyCapsule_GetName"(object) noexcept
     void *rs_capsule_pointer "PyCapsule_GetPointer"(object, const char *) noexcept
+
+
+cdef inline object rs_new_capsule(void *made, const char *name, object keep):
+    """Capsule of what malloc gave; ``keep`` (or None) lives with it."""
+    capsule = PyCapsule_New(made, name, rs_free_capsule)
+    if keep is not None:
+        Py_INCREF(keep)
+        PyCapsule_SetContext(capsule, <void *>keep)
+    return capsule
+
+
+cdef inline void rs_free_capsule(object capsule) noexcept:
+    cdef PyObject *keep = <PyObject *>rs_capsule_context(capsule)
+    free(rs_capsule_pointer(capsule, rs_capsule_name(capsule)))
+    Py_XDECREF(keep)
 
 
 cdef inline object rs_new_model(rs_evaluate evaluate, const void *params, size_t size, object keep):
@@ -21,17 +37,7 @@ cdef inline object rs_new_model(rs_evaluate evaluate, const void *params, size_t
     if size:
         memcpy(made + 1, params, size)
     made[0] = rs_model(ROLLSLIP_ABI, sizeof(rs_slices), evaluate, <const void *>(made + 1))
-    capsule = PyCapsule_New(made, ROLLSLIP_MODEL, rs_free_model)
-    if keep is not None:
-        Py_INCREF(keep)
-        PyCapsule_SetContext(capsule, <void *>keep)
-    return capsule
-
-
-cdef inline void rs_free_model(object capsule) noexcept:
-    cdef PyObject *keep = <PyObject *>rs_capsule_context(capsule)
-    free(rs_capsule_pointer(capsule, ROLLSLIP_MODEL))
-    Py_XDECREF(keep)
+    return rs_new_capsule(made, ROLLSLIP_MODEL, keep)
 
 
 cdef inline rs_slices rs_cut(const rs_slices *whole, size_t start, size_t n) noexcept nogil:

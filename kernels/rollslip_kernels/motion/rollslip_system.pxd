@@ -6,15 +6,9 @@
 # - Ours alone, unlike rollslip.h: both sides of it are always built together.
 # - The context of the capsule is a reference to the owner, which keeps ``state`` and ``scale`` alive and answers
 #   ``refusal()`` after a status k > 0.
-from cpython.pycapsule cimport PyCapsule_New, PyCapsule_SetContext
-from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
-from libc.math cimport fabs
-from libc.stdlib cimport free, malloc
+from libc.stdlib cimport malloc
 
-cdef extern from "Python.h":
-    # without the look for a Python error that Cython's own declarations have: see rollslip_stage.pxd
-    void *rs_system_context "PyCapsule_GetContext"(object) noexcept
-    void *rs_system_pointer "PyCapsule_GetPointer"(object, const char *) noexcept
+from rollslip_stage cimport rs_new_capsule
 
 cdef extern from *:
     """
@@ -85,13 +79,4 @@ cdef inline object rs_new_system(const rs_system *system, object owner):
     if made == NULL:
         raise MemoryError
     made[0] = system[0]
-    capsule = PyCapsule_New(made, ROLLSLIP_SYSTEM, rs_free_system)
-    Py_INCREF(owner)
-    PyCapsule_SetContext(capsule, <void *>owner)
-    return capsule
-
-
-cdef inline void rs_free_system(object capsule) noexcept:
-    cdef PyObject *owner = <PyObject *>rs_system_context(capsule)
-    free(rs_system_pointer(capsule, ROLLSLIP_SYSTEM))
-    Py_XDECREF(owner)
+    return rs_new_capsule(made, ROLLSLIP_SYSTEM, owner)

@@ -37,13 +37,8 @@ from rollslip_arrow cimport (
     RS_CENTRAL, RS_FORWARD, RS_NOT_FINITE, RS_RAISED, rs_arrow_size, rs_differences, rs_factorise, rs_factors,
     rs_factors_size, rs_finite, rs_place_arrow, rs_place_factors, rs_raw, rs_raw_size, rs_solve, rs_sum, rs_unknowns,
 )
+from rollslip_errors cimport rs_raise_pending
 from rollslip_system cimport ROLLSLIP_SYSTEM, rs_arrow, rs_system
-
-cdef extern from *:
-    """
-    static int rs_raise_pending(void) { return -1; }   /* the error is already set */
-    """
-    int _raise_pending "rs_raise_pending"() except -1
 
 cdef enum:
     STAGES = 8
@@ -327,7 +322,7 @@ cdef class Rosenbrock:
                 reason = self._advance(stop, times, out, &written, max_steps)
             if reason == RS_RAISED:
                 self.evaluated = False
-                _raise_pending()
+                rs_raise_pending()
         finally:
             self.busy = False
         if reason == FAILED and self.status == "running":

@@ -1,6 +1,6 @@
 """Initial value problems y' = f(t, y) of arrow shape, seen from Python: rates, Jacobian, watched values.
 
-- A system is a capsule of ``include/rollslip_system.pxd``, made by whoever owns the numbers; here it is only asked.
+- A system is a capsule of ``rollslip_system.pxd``, made by whoever owns the numbers; here it is only asked.
 - `System` is callable as SciPy's solvers want it, and its dense ``jacobian`` is what their implicit ones take.
 - `python_system` makes such a capsule of Python functions: of f alone, or of the head's and the rollers' parts.
 """
@@ -16,15 +16,9 @@ from rollslip_arrow cimport (
     RS_NOT_FINITE, RS_RAISED, rs_arrow_size, rs_differences, rs_factorise, rs_factors, rs_factors_size,
     rs_place_arrow, rs_place_factors, rs_raw, rs_raw_size, rs_solve, rs_sum, rs_unknowns,
 )
-from rollslip_system cimport (
-    ROLLSLIP_SYSTEM, rs_arrow, rs_new_system, rs_system, rs_system_context,
-)
-
-cdef extern from *:
-    """
-    static int rs_raise_pending(void) { return -1; }   /* the error is already set */
-    """
-    int _raise_pending "rs_raise_pending"() except -1
+from rollslip_errors cimport rs_raise_pending
+from rollslip_stage cimport rs_capsule_context
+from rollslip_system cimport ROLLSLIP_SYSTEM, rs_arrow, rs_new_system, rs_system
 
 
 class RefusedError(ArithmeticError):
@@ -65,7 +59,7 @@ cdef class System:
         if not PyCapsule_IsValid(capsule, ROLLSLIP_SYSTEM):
             raise TypeError(f"a system is a capsule named {ROLLSLIP_SYSTEM.decode()!r}, got {capsule!r}")
         self.c = <const rs_system *>PyCapsule_GetPointer(capsule, ROLLSLIP_SYSTEM)
-        self.capsule, self.owner = capsule, <object>rs_system_context(capsule)  # which rs_new_system has set
+        self.capsule, self.owner = capsule, <object>rs_capsule_context(capsule)  # which rs_new_system has set
         self.n, self.head, self.rollers = rs_unknowns(self.c), self.c.head, self.c.rollers
         self.block, self.ledger, self.watched = self.c.block, self.c.ledger, self.c.watched
 
@@ -174,7 +168,7 @@ cdef class System:
 
     cdef int _check(self, int status, double t) except -1:
         if status == RS_RAISED:
-            _raise_pending()
+            rs_raise_pending()
         if status == RS_NOT_FINITE:
             raise ArithmeticError(f"the rates are not finite near t = {t:g}")
         if status != 0:

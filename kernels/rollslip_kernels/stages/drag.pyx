@@ -10,18 +10,13 @@ from libc.math cimport M_PI, NAN, fabs, pow, sqrt
 
 from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
 from rollslip_drag cimport rs_new_drag
+from rollslip_errors cimport rs_raise_pending
 from rollslip_stage cimport rs_cut, rs_new_model
 
 cdef enum:
     MOST = 8
     BLOCK = 256
     NO_SUCH_STATUS = -2   # a stage returned more than its number of slices; the chain says so
-
-cdef extern from *:
-    """
-    static int rs_raise_pending_of_drag(void) { return -1; }   /* the error is already set */
-    """
-    int _raise_pending "rs_raise_pending_of_drag"() except -1
 
 
 def problem(capsule):
@@ -46,7 +41,7 @@ def torque(capsule, double cage_speed, double inner_speed, double outer_speed):
     with nogil:
         found = given.torque(cage_speed, inner_speed, outer_speed, given.params)
     if found != found and PyErr_Occurred() != NULL:
-        _raise_pending()
+        rs_raise_pending()
     return found
 
 
