@@ -35,11 +35,12 @@ from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport M_PI, NAN, fabs, floor, isfinite, sqrt
 
 from rollslip_abi cimport ROLLSLIP_DRAG, rs_drag
-from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_pocket, rs_pocket_side
-from rollslip_raceway cimport RS_RACEWAY, rs_film_parameter, rs_raceway, rs_raceway_friction
+from rollslip_errors cimport rs_raise_pending
+from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_pocket, rs_pocket_bars
+from rollslip_raceway cimport RS_RACEWAY, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest
 from rollslip_system cimport rs_new_system, rs_system
 
-from rollslip_kernels.motion.raceway import refusal
+from rollslip_kernels.motion.raceway import OUTPUTS, refusal
 
 cdef enum:
     INNER
@@ -110,18 +111,6 @@ cdef inline double _risen(double d, double soft) noexcept nogil:
     if d >= soft:
         return 0.5 * d * d + soft * soft / 6.0
     return (d + soft) * (d + soft) * (d + soft) / (12.0 * soft)
-
-
-cdef inline double _pocket_force(
-    const rs_pocket *p, double x, double rate, double *normal, double *lost
-) noexcept nogil:
-    """Tangential force of a roller on the cage, the sum of both sides' and the power lost."""
-    cdef double spring, recoil
-    cdef double ahead = rs_pocket_side(p, x - p.half_clearance, rate, &spring)
-    cdef double behind = rs_pocket_side(p, -x - p.half_clearance, -rate, &recoil)
-    lost[0] = ((ahead - spring) - (behind - recoil)) * rate
-    normal[0] = ahead + behind
-    return ahead - behind
 
 
 cdef inline int _loads(carried_t *c, size_t j, double psi, double speed) noexcept nogil:
@@ -207,7 +196,8 @@ cdef int _roller_rates(
     cdef const double *y
     cdef double *to
     cdef double *rate
-    cdef double Fi, Fo, Ri, Ro, spin, orbital, force, normal, lost, moment, slides
+    cdef double Fi, Fo, Ri, Ro, spin, orbital, force, normal, lost, moment, slides, rate_of_x
+    cdef rs_bars bars
     cdef double inertia = c.cage_inertia
     cdef double orbital_inertia = c.mass * c.orbit * c.orbit
     cdef int status = _contacts(c, head, rollers)
@@ -225,7 +215,10 @@ cdef int _roller_rates(
         orbital = spin + c.inner_radius * (Fi + Ri) + c.outer_radius * (Fo - Ro)
         lost = 0.0
         if c.pocket:
-            force = _pocket_force(&c.cage, y[2], c.orbit * (y[1] - head[1]), &normal, &lost)
+            rate_of_x = c.orbit * (y[1] - head[1])
+            bars = rs_pocket_bars(&c.cage, y[2], rate_of_x)
+            force, normal = bars.ahead - bars.behind, bars.ahead + bars.behind
+            lost = ((bars.ahead - bars.spring_ahead) - (bars.behind - bars.spring_behind)) * rate_of_x
         else:
             force = orbital / c.orbit
             normal = fabs(force)
@@ -274,28 +267,19 @@ cdef int _head_rates(double t, const double *head, double *rates, void *state) n
     return 0
 
 
-cdef double _thinnest(carried_t *c) noexcept nogil:
-    """Smallest film parameter of all contacts as last evaluated; infinite without any. Overwrites the speeds."""
-    cdef double least = 1e308
-    cdef size_t j
-    rs_film_parameter(&c.raceway[INNER], c.sliding)
-    rs_film_parameter(&c.raceway[OUTER], c.sliding + c.rollers)
-    for j in range(2 * c.rollers):
-        if c.sliding[j] < least:
-            least = c.sliding[j]
-    return least
-
-
 cdef int _watch(double t, const double *y, double *values, void *state) noexcept nogil:
     """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, if watched."""
     cdef carried_t *c = <carried_t *>state
-    cdef int status
+    cdef int status, ring
     values[0] = 1.0 - y[1] / c.epicyclic_speed - c.critical_slip if c.critical_slip == c.critical_slip else -1.0
     if c.film_limit == c.film_limit:
         status = _contacts(c, y, y + HEAD)
         if status != 0:
             return status
-        values[1] = _thinnest(c) - c.film_limit
+        values[1] = 1e308
+        for ring in range(RINGS):
+            values[1] = rs_thinnest(&c.raceway[ring], values[1], c.sliding + ring * c.rollers)
+        values[1] -= c.film_limit
     return 0
 
 
@@ -414,13 +398,12 @@ cdef class Carried:
         """
         cdef double[:, ::1] states = np.array(y, dtype=float, ndmin=2, order="C")
         cdef size_t Z = self.c.rollers, i, j
-        cdef int status
-        cdef double lost, normal, spin
+        cdef int status, ring
+        cdef double spin
+        cdef rs_bars bars
         if <size_t>states.shape[1] != ALL + Z * self.c.block:
             raise ValueError(f"states are of shape (m, {ALL + Z * self.c.block}), got {np.shape(y)}")
-        names = ("normal_force", "traction_force", "sliding_speed", "rolling_speed", "film_parameter",
-                 "rolling_resistance")
-        found = np.full((len(names), states.shape[0], RINGS, Z), np.nan)
+        found = np.empty((len(OUTPUTS), states.shape[0], RINGS, Z))
         pockets = np.zeros((states.shape[0], Z))
         cdef double[:, :, :, ::1] to = found
         cdef double[:, ::1] push = pockets
@@ -430,26 +413,24 @@ cdef class Carried:
             row = &states[i, 0]
             status = _contacts(c, row, row + HEAD)
             if status == -1:
-                _raise_pending()
+                rs_raise_pending()
             if status != 0:
                 return None
-            for j in range(RINGS * Z):
-                (&to[0, i, 0, 0])[j] = c.force[j]
-                (&to[1, i, 0, 0])[j] = c.traction[j]
-                (&to[2, i, 0, 0])[j] = c.sliding[j]
-                (&to[3, i, 0, 0])[j] = c.rolling[j]
-                (&to[5, i, 0, 0])[j] = c.force[RINGS * Z + j]
-            rs_film_parameter(&c.raceway[INNER], &to[4, i, INNER, 0])
-            rs_film_parameter(&c.raceway[OUTER], &to[4, i, OUTER, 0])
+            for ring in range(RINGS):
+                rs_contact_outputs(
+                    &c.raceway[ring], c.force + ring * Z, c.traction + ring * Z, c.sliding + ring * Z,
+                    c.rolling + ring * Z, c.force + (RINGS + ring) * Z, &to[0, i, ring, 0],
+                    RINGS * Z * <size_t>states.shape[0])
             for j in range(Z):
                 if c.pocket:
-                    push[i, j] = _pocket_force(
-                        &c.cage, row[HEAD + 3 * j + 2], c.orbit * (row[HEAD + 3 * j + 1] - row[1]), &normal, &lost)
+                    bars = rs_pocket_bars(
+                        &c.cage, row[HEAD + 3 * j + 2], c.orbit * (row[HEAD + 3 * j + 1] - row[1]))
+                    push[i, j] = bars.ahead - bars.behind
                 else:
                     spin = c.radius * (c.traction[j] - c.force[2 * Z + j] - c.traction[Z + j] - c.force[3 * Z + j])
                     push[i, j] = (spin + c.inner_radius * (c.traction[j] + c.force[2 * Z + j])
                                   + c.outer_radius * (c.traction[Z + j] - c.force[3 * Z + j])) / c.orbit
-        return dict(zip(names, found, strict=True)) | {"pocket_force": pockets}
+        return dict(zip(OUTPUTS, found, strict=True)) | {"pocket_force": pockets}
 
     def stored_energy(self, x):
         """Return the elastic energy [J] of pockets whose rollers are at ``x`` [m], of any shape."""
@@ -462,10 +443,3 @@ cdef class Carried:
             to[i] = self.c.cage.stiffness * (
                 _risen(at[i] - self.c.cage.half_clearance, soft) + _risen(-at[i] - self.c.cage.half_clearance, soft))
         return energy.reshape(np.shape(x))
-
-
-cdef extern from *:
-    """
-    static int rs_carried_pending(void) { return -1; }   /* the error is already set */
-    """
-    int _raise_pending "rs_carried_pending"() except -1

@@ -31,8 +31,6 @@ forces come from the energy, and no force is written down twice::
 - A cage that no land holds is held by the rollers: their pockets have a play along the radius too, with the same
   stiffness, damping and friction of the bars, and no film.  A land leaves the radius to itself.
 - Elastic work is recorded, not taken from a potential: a contact law need not have one in closed form.
-- The land's film is that of a short bearing (Ocvirk), ruptured where its surfaces recede: exact for any V_s, squeeze
-  included, by Sommerfeld's substitution cos b = (eps + cos x)/(1 + eps cos x).  Its gap is floored at the roughness.
 - Cage accelerations are coupled by the unbalance: M^-1 is applied to what each roller adds, so that sums stay sums.
 """
 
@@ -40,15 +38,17 @@ import numpy as np
 
 from cpython.exc cimport PyErr_Occurred
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport M_PI, NAN, atan2, cos, exp, sin, sqrt
+from libc.math cimport M_PI, NAN, cos, sin, sqrt
 
 from rollslip_abi cimport ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
-from rollslip_pocket cimport RS_POCKET_SLIDING, rs_damping, rs_pocket, rs_pocket_side
-from rollslip_raceway cimport RS_RACEWAY, rs_film_parameter, rs_raceway, rs_raceway_friction
+from rollslip_errors cimport rs_raise_pending
+from rollslip_land cimport INNER_LAND, OUTER_LAND, ROLLERS, rs_land, rs_land_force, rs_land_forces
+from rollslip_pocket cimport RS_POCKET_SLIDING, rs_bars, rs_damping, rs_pocket, rs_pocket_bars
+from rollslip_raceway cimport RS_RACEWAY, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest
 from rollslip_system cimport rs_new_system, rs_system
 
 from rollslip_kernels.chain import bound
-from rollslip_kernels.motion.raceway import refusal as raceway_refusal
+from rollslip_kernels.motion.raceway import OUTPUTS, refusal as raceway_refusal
 
 cdef enum:
     INNER
@@ -95,11 +95,6 @@ cdef enum:   # ledger, behind the head in what is added
     ROW
     LEDGER = ROW - HEAD
 
-cdef enum:   # where the cage is guided
-    ROLLERS
-    INNER_LAND
-    OUTER_LAND
-
 cdef enum:
     MOST_DRAGS = 16
 
@@ -131,14 +126,6 @@ NUMBERS = (
     "land_damping", "land_friction",
 )
 
-ctypedef struct land_t:
-    int guidance
-    double radius, clearance
-    double film          # R eta L^3/c^3 [N s/m]
-    double shear         # 2 pi eta L R^3/c [N m s]
-    double floor         # least gap of the film over the clearance
-    double stiffness, damping, friction
-
 ctypedef struct planar_t:
     size_t rollers, slices
     double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance
@@ -153,7 +140,7 @@ ctypedef struct planar_t:
     const double *factors
     rs_pocket pocket
     rs_pocket guide        # along the radius; its play is infinite where a land holds the cage
-    land_t land
+    rs_land land
     const double *drop
     const double *widths
     double lowest_drop
@@ -185,19 +172,7 @@ ctypedef struct planar_t:
     double *traction[2]
     double *resistance[2]
 
-cdef extern from *:
-    """
-    static int rs_planar_pending(void) { return -1; }   /* the error is already set */
-    """
-    int _raise_pending "rs_planar_pending"() except -1
-
-cdef double SLOW = 1e-3   # speed below which Coulomb friction fades [m/s]
 cdef double FAR = 0.1     # displacement over the roller's radius, beyond which it is not small
-
-
-cdef inline double floored(double gap, double floor) noexcept nogil:
-    """What a gap below twice the floor is taken for: with one slope there, down to the floor."""
-    return floor * (1.0 + exp(gap / floor - 2.0))
 
 
 cdef inline double load_factor(const planar_t *p, double t) noexcept nogil:
@@ -311,67 +286,6 @@ cdef int contacts(const double *head, const double *rollers, planar_t *p) noexce
     return 0
 
 
-cdef struct land_force_t:
-    double x, y          # on the journal; the opposite on the bush
-    double journal, bush   # torques
-    double stored, lost    # power of the elastic force, with its sign; power dissipated
-
-
-cdef land_force_t land_force(
-    const land_t *l, double x, double y, double vx, double vy, double journal_speed, double bush_speed
-) noexcept nogil:
-    """What the land does to journal and bush, by place and speed of the journal in the bush and both angular speeds."""
-    cdef double mean = 0.5 * (journal_speed + bush_speed), shearing = journal_speed - bush_speed
-    cdef double distance = sqrt(x * x + y * y)
-    cdef double dx = x / distance if distance > 0.0 else 1.0, dy = y / distance if distance > 0.0 else 0.0
-    cdef double eps = distance / l.clearance
-    if eps > 1.0 - 2.0 * l.floor:
-        eps = 1.0 - floored(1.0 - eps, l.floor)
-    cdef double root = sqrt((1.0 - eps) * (1.0 + eps))
-    # speed of squeeze, along d and across it
-    cdef double along = (vx + mean * y) * dx + (vy - mean * x) * dy
-    cdef double across = (vy - mean * x) * dx - (vx + mean * y) * dy
-    cdef double speed = sqrt(along * along + across * across)
-    cdef double fd = 0.0, ft = 0.0, half, q, c1, s1, c2, s2, arc, product, cc, cs, ss
-    cdef double depth = distance - l.clearance, closing, elastic, normal, rub, rubbed
-    cdef land_force_t f
-    if speed > 0.0:
-        # the film's half-circle about the direction of squeeze, in x of cos b = (eps + cos x)/(1 + eps cos x)
-        q = speed - eps * across
-        c1, s1 = (across - eps * speed) / q, -root * along / q
-        q = speed + eps * across
-        c2, s2 = -(across + eps * speed) / q, root * along / q
-        arc = atan2(s2, c2) - atan2(s1, c1)
-        if arc < 0.0:
-            arc += 2.0 * M_PI
-        product = 0.5 * (s2 * c2 - s1 * c1)
-        q = root * root * root
-        cc = ((eps * eps + 0.5) * arc + 2.0 * eps * (s2 - s1) + product) / (q * root * root)
-        cs = (0.5 * (s2 - s1) * (s2 + s1) - eps * (c2 - c1)) / (q * root)
-        ss = (0.5 * arc - product) / q
-        fd = -l.film * (along * cc + across * cs)
-        ft = -l.film * (along * cs + across * ss)
-    q = l.shear / root * shearing
-    half = 0.5 * distance * ft   # what the pressure's flow adds to both torques
-    f.journal, f.bush = -q - half, q - half
-    f.lost = q * shearing - fd * along - ft * across
-    f.stored = 0.0
-    if depth > 0.0:
-        closing = vx * dx + vy * dy
-        elastic = l.stiffness * depth
-        normal = elastic * (1.0 + rs_damping(l.damping * closing))
-        rubbed = vy * dx - vx * dy + l.radius * journal_speed - (l.radius + distance) * bush_speed
-        rub = l.friction * normal * rubbed / sqrt(rubbed * rubbed + SLOW * SLOW)
-        fd -= normal
-        ft -= rub
-        f.journal -= rub * l.radius
-        f.bush += rub * (l.radius + distance)
-        f.stored = -elastic * closing
-        f.lost += (normal - elastic) * closing + rub * rubbed
-    f.x, f.y = fd * dx - ft * dy, fd * dy + ft * dx
-    return f
-
-
 cdef inline double pocket_place(
     const planar_t *p, const double *head, const double *y, size_t j, double *closing
 ) noexcept nogil:
@@ -392,20 +306,6 @@ cdef inline double radial_place(
     return y[RADIAL] - (head[CAGE_X] * c + head[CAGE_Y] * s)
 
 
-cdef struct bars_t:
-    double ahead, behind   # forces of the two bars
-    double spring          # elastic part of their difference
-
-
-cdef inline bars_t bars(const rs_pocket *p, double z, double rate) noexcept nogil:
-    cdef bars_t f
-    cdef double recoil
-    f.ahead = rs_pocket_side(p, z - p.half_clearance, rate, &f.spring)
-    f.behind = rs_pocket_side(p, -z - p.half_clearance, -rate, &recoil)
-    f.spring -= recoil
-    return f
-
-
 cdef inline double rubbing(const planar_t *p, double force, double speed) noexcept nogil:
     return p.pocket.friction * force * speed / sqrt(speed * speed + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
 
@@ -419,8 +319,8 @@ cdef int roller_rates(
     cdef double *rate
     cdef double *add
     cdef double c, s, along, across, radius, ni, no, fi, fo, ri, ro, z, closing, rising, spin
-    cdef double push, lift, fore, aft, top, bottom, moment
-    cdef bars_t pocket, guide
+    cdef double push, lift, pushed, lifted, fore, aft, top, bottom, moment
+    cdef rs_bars pocket, guide
     cdef double fx, fy, weight, torque, uc = cos(head[CAGE_ANGLE]), us = sin(head[CAGE_ANGLE])
     cdef double cage_along, cage_across, r = p.roller_radius
     cdef int status = contacts(head, rollers, p)
@@ -439,9 +339,10 @@ cdef int roller_rates(
         ri, ro = p.resistance[INNER][j], p.resistance[OUTER][j]
 
         z = pocket_place(p, head, y, j, &closing)
-        pocket = bars(&p.pocket, z, closing)
+        pocket = rs_pocket_bars(&p.pocket, z, closing)
         z = radial_place(p, head, y, j, &rising)
-        guide = bars(&p.guide, z, rising)
+        guide = rs_pocket_bars(&p.guide, z, rising)
+        pushed, lifted = pocket.spring_ahead - pocket.spring_behind, guide.spring_ahead - guide.spring_behind
         # every bar rubs on its own side of the roller, those opposite in opposite directions by the spin
         spin = r * (y[SPIN] + head[CAGE_SPEED])
         fore, aft = rubbing(p, pocket.ahead, rising + spin), rubbing(p, pocket.behind, rising - spin)
@@ -471,14 +372,14 @@ cdef int roller_rates(
         add[WORK_RINGS] = (p.inner_radius * p.inner_speed * (fi + ri) + p.outer_radius * p.outer_speed * (fo - ro))
         add[WORK_GRAVITY] = weight * y[ORBIT] + p.roller_mass * (p.gravity_x * c + p.gravity_y * s) * y[RISE]
         add[WORK_RACEWAYS] = -p.elastic[INNER][j] * p.rate[INNER][j] - p.elastic[OUTER][j] * p.rate[OUTER][j]
-        add[WORK_CAGE] = -pocket.spring * closing - guide.spring * rising
+        add[WORK_CAGE] = -pushed * closing - lifted * rising
         add[LOST_INNER], add[LOST_OUTER] = fi * p.sliding[INNER][j], fo * p.sliding[OUTER][j]
         add[LOST_ROLLING] = 2.0 * (ri * p.rolling[INNER][j] + ro * p.rolling[OUTER][j])
         add[LOST_DAMPING] = ((ni - p.elastic[INNER][j]) * p.rate[INNER][j]
                              + (no - p.elastic[OUTER][j]) * p.rate[OUTER][j])
         add[LOST_POCKETS] = (
-            (pocket.ahead - pocket.behind - pocket.spring) * closing
-            + (guide.ahead - guide.behind - guide.spring) * rising
+            (pocket.ahead - pocket.behind - pushed) * closing
+            + (guide.ahead - guide.behind - lifted) * rising
             + fore * (rising + spin) + aft * (rising - spin) + top * (closing - spin) + bottom * (closing + spin)
         )
         add[IMPULSE_RINGS] = p.inner_radius * (fi + ri) + p.outer_radius * (fo - ro)
@@ -494,7 +395,7 @@ cdef int head_rates(double t, const double *head, double *rates, void *state) no
     # the cage's weight acts at its centre of mass
     cdef double fx = p.cage_mass * p.gravity_x, fy = p.cage_mass * p.gravity_y
     cdef double weight = p.unbalance * (p.gravity_y * c - p.gravity_x * s), torque = weight
-    cdef land_force_t f
+    cdef rs_land_forces f
     for k in range(ROW):
         rates[k] = 0.0
     rates[RING_X], rates[RING_Y] = head[RING_VX], head[RING_VY]
@@ -519,7 +420,7 @@ cdef int head_rates(double t, const double *head, double *rates, void *state) no
     rates[WORK_DRAG] = drag * w
     rates[IMPULSE_DRAG] = drag
     if p.land.guidance == INNER_LAND:   # the ring is the journal
-        f = land_force(
+        f = rs_land_force(
             &p.land, head[RING_X] - head[CAGE_X], head[RING_Y] - head[CAGE_Y], head[RING_VX] - head[CAGE_VX],
             head[RING_VY] - head[CAGE_VY], p.inner_speed, w)
         rates[RING_VX] += f.x / p.ring_mass
@@ -530,7 +431,7 @@ cdef int head_rates(double t, const double *head, double *rates, void *state) no
         rates[WORK_RINGS] = -f.journal * p.inner_speed
         rates[IMPULSE_RINGS] = -f.journal
     elif p.land.guidance == OUTER_LAND:   # the cage is
-        f = land_force(&p.land, head[CAGE_X], head[CAGE_Y], head[CAGE_VX], head[CAGE_VY], w, p.outer_speed)
+        f = rs_land_force(&p.land, head[CAGE_X], head[CAGE_Y], head[CAGE_VX], head[CAGE_VY], w, p.outer_speed)
         fx += f.x
         fy += f.y
         torque += f.journal
@@ -562,7 +463,7 @@ cdef int watch(double t, const double *y, double *values, void *state) noexcept 
     """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, NaN where it is
     not watched; largest approach at the inner ring."""
     cdef planar_t *p = <planar_t *>state
-    cdef size_t j, ring
+    cdef size_t ring
     cdef int status = displacement(y, p)
     if status != 0:
         return status
@@ -575,10 +476,7 @@ cdef int watch(double t, const double *y, double *values, void *state) noexcept 
             return status
         values[1] = 1e308
         for ring in range(2):
-            rs_film_parameter(&p.raceway[ring], p.sliding[ring])
-            for j in range(p.rollers):
-                if p.sliding[ring][j] < values[1]:
-                    values[1] = p.sliding[ring][j]
+            values[1] = rs_thinnest(&p.raceway[ring], values[1], p.sliding[ring])
         values[1] -= p.film_limit
     return 0
 
@@ -732,34 +630,30 @@ cdef class Planar:
         cdef int status
         if <size_t>states.shape[1] != self.n:
             raise ValueError(f"states are of shape (m, {self.n}), got {np.shape(y)}")
-        names = ("normal_force", "traction_force", "sliding_speed", "rolling_speed", "film_parameter",
-                 "rolling_resistance")
-        found = np.empty((len(names), states.shape[0], 2, Z))
+        found = np.empty((len(OUTPUTS), states.shape[0], 2, Z))
         pockets = np.empty((2, states.shape[0], Z))
         cdef double[:, :, :, ::1] to = found
         cdef double[:, :, ::1] push = pockets
         cdef double z, rate
-        cdef bars_t f
+        cdef rs_bars f
         for m in range(<size_t>states.shape[0]):
             status = contacts(&states[m, 0], &states[m, HEAD], p)
             if status == -1:
-                _raise_pending()
+                rs_raise_pending()
             if status != 0:
                 return None
             for ring in range(2):
-                for j in range(Z):
-                    to[0, m, ring, j], to[1, m, ring, j] = p.force[ring][j], p.traction[ring][j]
-                    to[2, m, ring, j], to[3, m, ring, j] = p.sliding[ring][j], p.rolling[ring][j]
-                    to[5, m, ring, j] = p.resistance[ring][j]
-                rs_film_parameter(&p.raceway[ring], &to[4, m, ring, 0])
+                rs_contact_outputs(
+                    &p.raceway[ring], p.force[ring], p.traction[ring], p.sliding[ring], p.rolling[ring],
+                    p.resistance[ring], &to[0, m, ring, 0], 2 * Z * <size_t>states.shape[0])
             for j in range(Z):
                 z = pocket_place(p, &states[m, 0], &states[m, HEAD + j * BLOCK], j, &rate)
-                f = bars(&p.pocket, z, rate)
+                f = rs_pocket_bars(&p.pocket, z, rate)
                 push[0, m, j] = f.ahead - f.behind
                 z = radial_place(p, &states[m, 0], &states[m, HEAD + j * BLOCK], j, &rate)
-                f = bars(&p.guide, z, rate)
+                f = rs_pocket_bars(&p.guide, z, rate)
                 push[1, m, j] = f.ahead - f.behind
-        return dict(zip(names, found, strict=True)) | {
+        return dict(zip(OUTPUTS, found, strict=True)) | {
             "pocket_force": pockets[0], "pocket_radial_force": pockets[1]}
 
     @property
@@ -778,11 +672,11 @@ def land(double x, double y, double vx, double vy, double journal_speed, double 
 
     ``numbers`` are those of `NUMBERS` that begin with land, without it.
     """
-    cdef land_t l
+    cdef rs_land l
     l.guidance = INNER_LAND
     l.radius, l.clearance, l.film, l.shear = (
         numbers["radius"], numbers["clearance"], numbers["film"], numbers["shear"])
     l.floor, l.stiffness, l.damping, l.friction = (
         numbers["floor"], numbers["stiffness"], numbers["damping"], numbers["friction"])
-    cdef land_force_t f = land_force(&l, x, y, vx, vy, journal_speed, bush_speed)
+    cdef rs_land_forces f = rs_land_force(&l, x, y, vx, vy, journal_speed, bush_speed)
     return f.x, f.y, f.journal, f.bush, -f.stored, f.lost

@@ -7,6 +7,7 @@ from rollslip_kernels.chain import Chain, Refusal
 from rollslip_kernels.slices import Slices
 
 REST_SPEED: float
+OUTPUTS: tuple[str, ...]
 
 def constant(rollers: int, coefficient: float, transition: float) -> object: ...
 def effective(

@@ -2,23 +2,27 @@
 
 import numpy as np
 
-from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_New, PyCapsule_SetContext
-from cpython.ref cimport PyObject, Py_INCREF, Py_XDECREF
+from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport INFINITY
-from libc.stdlib cimport free, malloc
+from libc.stdlib cimport malloc
 from libc.string cimport memset
 
 from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
+from rollslip_errors cimport rs_raise_pending
 from rollslip_raceway cimport (
     RS_CONSTANT, RS_CONVENTIONAL, RS_EFFECTIVE, RS_RACEWAY, RS_REST_SPEED, rs_film_parameter, rs_raceway,
     rs_raceway_friction,
 )
-from rollslip_stage cimport rs_capsule_context, rs_capsule_pointer
+from rollslip_stage cimport rs_capsule_context, rs_new_capsule
 
 from rollslip_kernels.chain import bound
 
 #: Speed u_0 of the regularisation sqrt(u^2 + u_0^2) [m/s].
 REST_SPEED = RS_REST_SPEED
+#: What is told of the contacts of stored states: forces [N], speeds [m/s], smallest film parameter, resistance [N].
+OUTPUTS = (
+    "normal_force", "traction_force", "sliding_speed", "rolling_speed", "film_parameter", "rolling_resistance",
+)
 
 
 def constant(Py_ssize_t rollers, double coefficient, double transition):
@@ -105,16 +109,9 @@ def friction(raceway, load, force, sliding, rolling, resistance):
         status = rs_raceway_friction(
             w, &loads[0, 0], &given[0, 0], &given[1, 0], &given[2, 0], &results[0, 0], &results[1, 0])
     if status == -1:
-        _raise_pending()
+        rs_raise_pending()
     rs_film_parameter(w, &results[2, 0])
     return *out, status
-
-
-cdef extern from *:
-    """
-    static int rs_raceway_pending(void) { return -1; }   /* the error is already set */
-    """
-    int _raise_pending "rs_raceway_pending"() except -1
 
 
 cdef rs_raceway _raceway(int friction, Py_ssize_t rollers, Py_ssize_t slices) except *:
@@ -132,13 +129,4 @@ cdef object _new(const rs_raceway *w, tuple keep):
     if made == NULL:
         raise MemoryError
     made[0] = w[0]
-    capsule = PyCapsule_New(made, RS_RACEWAY, _free)
-    Py_INCREF(keep)
-    PyCapsule_SetContext(capsule, <void *>keep)
-    return capsule
-
-
-cdef void _free(object capsule) noexcept:
-    cdef PyObject *keep = <PyObject *>rs_capsule_context(capsule)
-    free(rs_capsule_pointer(capsule, RS_RACEWAY))
-    Py_XDECREF(keep)
+    return rs_new_capsule(made, RS_RACEWAY, keep)

@@ -46,3 +46,16 @@ cdef inline double rs_pocket_side(const rs_pocket *p, double d, double rate, dou
         h = p.roughness + rs_rise(-d - p.roughness, p.roughness)
         film = p.film / (h * sqrt(h)) * rate * rate / (rate + RS_SQUEEZE)
     return spring[0] * (1.0 + rs_damping(p.damping * rate)) + film
+
+
+ctypedef struct rs_bars:
+    double ahead, behind                 # forces of the two bars
+    double spring_ahead, spring_behind   # elastic parts of them
+
+
+cdef inline rs_bars rs_pocket_bars(const rs_pocket *p, double z, double rate) noexcept nogil:
+    """Forces on a roller that is at z from the middle of its pocket."""
+    cdef rs_bars f
+    f.ahead = rs_pocket_side(p, z - p.half_clearance, rate, &f.spring_ahead)
+    f.behind = rs_pocket_side(p, -z - p.half_clearance, -rate, &f.spring_behind)
+    return f

@@ -188,3 +188,28 @@ cdef inline void rs_film_parameter(const rs_raceway *w, double *smallest) noexce
             for i in range(w.first[j] + 1, w.first[j + 1]):
                 least = min(least, w.gathered.film_thickness[i])
             smallest[j] = least / w.gathered.roughness
+
+
+cdef inline double rs_thinnest(const rs_raceway *w, double least, double *room) noexcept nogil:
+    """The smallest film parameter as last evaluated, where it is below ``least``; ``room`` [Z] is overwritten."""
+    cdef size_t j
+    rs_film_parameter(w, room)
+    for j in range(w.rollers):
+        if room[j] < least:
+            least = room[j]
+    return least
+
+
+cdef inline void rs_contact_outputs(
+    const rs_raceway *w, const double *force, const double *traction, const double *sliding, const double *rolling,
+    const double *resistance, double *to, size_t step
+) noexcept nogil:
+    """Write ``OUTPUTS`` of raceway.pyx for every roller, ``step`` values from one to the next."""
+    cdef size_t j
+    for j in range(w.rollers):
+        to[j] = force[j]
+        to[step + j] = traction[j]
+        to[2 * step + j] = sliding[j]
+        to[3 * step + j] = rolling[j]
+        to[5 * step + j] = resistance[j]
+    rs_film_parameter(w, to + 4 * step)
