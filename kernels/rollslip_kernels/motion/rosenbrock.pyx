@@ -9,7 +9,8 @@ Method
 Source
     Steinebach G. Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia
     Differential Equations package. BIT Numer. Math. 63, 2023, 27; the figures as in OrdinaryDiffEq.jl. Grade B: the
-    conditions of order, of stability and of the continuous output are computed from them in tests/kernels/test_rosenbrock.py.
+    conditions of order, of stability and of the continuous output are computed from them in
+    tests/kernels/test_rosenbrock.py.
 Step size
     Every unknown is held to its own tolerance: the norm is the largest of |error|/(atol + rtol |y|), so that one
     unknown of the head does not drown in a thousand rollers. Gustafsson's predictive control, see Hairer E., Wanner
