@@ -22,7 +22,7 @@ from output import write_table
 
 from rollslip import Chain, Conditions, Slices
 from rollslip_kernels.stages import simd, stress
-from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
+from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 

@@ -12,8 +12,8 @@ from rollslip.errors import PluginError, SceneError
 from rollslip.models import DragModel
 from rollslip.scene import resolved
 from rollslip.scene.reading import parse_scene
-from rollslip_plugins.drag import Churning, ConstantTorque, CoulombPocket, PetroffLand
-from rollslip_plugins.resistance import Hysteresis, RollingResistance
+from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
+from rollslip_plugins.drag.torques import Churning, ConstantTorque, CoulombPocket, PetroffLand
 
 SCENE = load_scene("1032930-50C")
 #: The same without a cage.

@@ -23,11 +23,11 @@ from rollslip.models import interval
 from rollslip_kernels import chain as compiled
 from rollslip_kernels.layout import layout
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
-from rollslip_plugins.blend import LambdaBlend
-from rollslip_plugins.boundary import Constant, Kragelsky
 from rollslip_plugins.contact import Iso16281, Lundberg, Palmgren
-from rollslip_plugins.film import Martin, Moes, PanHamrock, Regime
-from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
+from rollslip_plugins.film.formulas import Martin, Moes, PanHamrock, Regime
+from rollslip_plugins.traction.blend import LambdaBlend
+from rollslip_plugins.traction.boundary import Constant, Kragelsky
+from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
 from strategies import NumpyForm, forms, law_of
 
 STAGES = [

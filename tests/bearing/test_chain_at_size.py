@@ -21,11 +21,11 @@ from rollslip.errors import DomainError, PluginError, RollslipError
 from rollslip.lubricant.pressure import Barus
 from rollslip_kernels.slices import COLUMNS
 from rollslip_kernels.stages import simd
-from rollslip_plugins.blend import LambdaBlend
-from rollslip_plugins.boundary import Kragelsky
 from rollslip_plugins.contact import Palmgren
-from rollslip_plugins.film import Moes
-from rollslip_plugins.hydrodynamic import Muraki
+from rollslip_plugins.film.formulas import Moes
+from rollslip_plugins.traction.blend import LambdaBlend
+from rollslip_plugins.traction.boundary import Kragelsky
+from rollslip_plugins.traction.eyring import Muraki
 
 PAPER = (Palmgren(), Moes(), Barus(), LambdaBlend(boundary=Kragelsky(), hydrodynamic=Muraki()))
 PART, LARGE = chain_module._PART, chain_module._LARGE

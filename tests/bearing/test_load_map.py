@@ -12,7 +12,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
 from rollslip.bearing.load_map import build_load_map, fastest, resistances
 from rollslip.errors import ConvergenceError
-from rollslip_plugins.resistance import RollingResistance
+from rollslip_plugins.drag.rolling import RollingResistance
 
 SCENES = {
     "profiled": {"accuracy.slices": 15},

@@ -22,7 +22,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
 from rollslip.bearing.profile import profile_drop, slice_positions
 from rollslip.bearing.regimes import PowerLaw
-from rollslip_plugins.film import DowsonHigginson
+from rollslip_plugins.film.formulas import DowsonHigginson
 from timing import interleaved, medians
 
 ROLLERS, SLICES, LENGTH, DIAMETER = 28, 41, 0.015, 0.015

@@ -19,7 +19,7 @@ from rollslip.models import FilmModel, TractionModel
 from rollslip.results.dataset import save
 from rollslip.results.figures import curves, plot
 from rollslip.results.report import write_report
-from rollslip_plugins.hydrodynamic import Muraki
+from rollslip_plugins.traction.eyring import Muraki
 
 #: One slice a contact and few slips: quick, and still both rings, all rollers and a maximum.
 SCENE = evolve(

@@ -99,7 +99,7 @@ def test_data_of_the_scene_do_not_scatter_like_those_of_the_oil():
 
 
 def test_every_shipped_oil_says_how_uncertain_it_is():
-    from rollslip_plugins.lubricants import lubricants
+    from rollslip_plugins.data.lubricants import lubricants
 
     for oil in lubricants():
         assert {one.quantity for one in oil.scatter} >= {"pressure_viscosity_factor", "eyring_stress"}

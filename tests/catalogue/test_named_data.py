@@ -11,7 +11,7 @@ from rollslip.datasets import BearingData, SurfaceData
 from rollslip.errors import PluginError, SceneError
 from rollslip.scene import Bearing, Material, Profile, Surface, resolved, scene_hash
 from rollslip.scene.reading import parse_scene, schema
-from rollslip_plugins.bearings import bearing_1032930, bearings
+from rollslip_plugins.data.bearings import bearing_1032930, bearings
 
 SHIPPED = load_scene("1032930-70C")
 CROWNED = BearingData(

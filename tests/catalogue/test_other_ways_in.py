@@ -26,9 +26,9 @@ from rollslip.planning.plan import plan
 from rollslip.scene import Surface
 from rollslip_kernels.layout import layout
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
-from rollslip_plugins.blend import LambdaBlend
-from rollslip_plugins.boundary import Constant
-from rollslip_plugins.film import Moes
+from rollslip_plugins.film.formulas import Moes
+from rollslip_plugins.traction.blend import LambdaBlend
+from rollslip_plugins.traction.boundary import Constant
 
 READS = ("rolling_speed", "sliding_speed")
 

@@ -11,7 +11,7 @@ from packages import TRACTION, install, python, rollslip
 from rollslip.cli import doctor
 from rollslip.cli.doctor import Finding, agreement, as_text, examine, healthy
 from rollslip_kernels.stages import simd
-from rollslip_plugins.film import Moes
+from rollslip_plugins.film.formulas import Moes
 
 
 def test_this_installation_is_healthy():

@@ -28,7 +28,7 @@ from rollslip.lubricant import (
     lubricant_from_table,
 )
 from rollslip.scene.reading import Where
-from rollslip_plugins.lubricants import lubricants
+from rollslip_plugins.data.lubricants import lubricants
 
 OILS = {oil.name: oil for oil in lubricants()}
 every_oil = pytest.mark.parametrize("oil", OILS.values(), ids=OILS)

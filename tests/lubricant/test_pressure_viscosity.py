@@ -18,8 +18,8 @@ from rollslip.lubricant import Constant, Lubricant, lubricant_from_table
 from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi, from_oil, with_law
 from rollslip.models import TractionModel
 from rollslip_kernels.slices import Slices
-from rollslip_plugins.blend import LambdaBlend
-from rollslip_plugins.lubricants import mil_prf_7808
+from rollslip_plugins.data.lubricants import mil_prf_7808
+from rollslip_plugins.traction.blend import LambdaBlend
 from strategies import NumpyForm, decades, evaluated, forms, law_of, or_zero
 
 #: Polyphenyl ether 5P4E after Ehret, Dowson and Taylor (1998); units in the file's form.

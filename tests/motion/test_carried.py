@@ -16,7 +16,6 @@ from rollslip.bearing.load_map import build_load_map
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.carried import carried_motion
 from rollslip.motion.raceway_friction import FrictionSettings
-from rollslip_kernels.stages import drag
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.motion.carried import LEDGER
 from rollslip_kernels.slices import Slices

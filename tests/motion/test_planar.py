@@ -22,7 +22,7 @@ from rollslip_kernels.motion import planar as kernels
 from rollslip_kernels.motion import raceway as friction_kernels
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
 from rollslip_kernels.motion.system import RefusedError
-from rollslip_plugins.drag import PetroffLand
+from rollslip_plugins.drag.torques import PetroffLand
 
 CAGE = {"mass": 0.4, "inertia": 3.3e-3}
 TINY = 1e-30  # of a complex step: exact to rounding

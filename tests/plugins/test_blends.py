@@ -15,9 +15,16 @@ from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene, p
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError
 from rollslip.testing import Conformance
-from rollslip_plugins.blend import REACH, GreenwoodTripp, LambdaBlend, LinearBlend, ZhouHoeprich, asperity_integral
-from rollslip_plugins.boundary import Constant, Kragelsky
-from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
+from rollslip_plugins.traction.blend import (
+    REACH,
+    GreenwoodTripp,
+    LambdaBlend,
+    LinearBlend,
+    ZhouHoeprich,
+    asperity_integral,
+)
+from rollslip_plugins.traction.boundary import Constant, Kragelsky
+from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
 from strategies import NumpyForm, decades, films, forms, law_of
 
 REFERENCE = Path(__file__).parents[1] / "references" / "greenwood_tripp.csv"

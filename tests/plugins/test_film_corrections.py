@@ -19,8 +19,8 @@ from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.models import POSITIVE, FilmModel
 from rollslip.testing import Conformance
-from rollslip_plugins.film import Moes, PanHamrock, Regime
-from rollslip_plugins.film_corrections import InletCorrection
+from rollslip_plugins.film.corrections import InletCorrection
+from rollslip_plugins.film.formulas import Moes, PanHamrock, Regime
 from strategies import NumpyForm, decades, forms, law_of, or_zero
 
 REFERENCE = Path(__file__).parents[1] / "references" / "film_corrections.csv"

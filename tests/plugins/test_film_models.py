@@ -11,7 +11,7 @@ from rollslip import Conditions
 from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, moes_groups
 from rollslip.errors import DomainError
 from rollslip_kernels.slices import CONDITIONS
-from rollslip_plugins.film import (
+from rollslip_plugins.film.formulas import (
     Blok,
     Dowson1968,
     DowsonHigginson,

@@ -16,8 +16,8 @@ from rollslip import Chain, get_model
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError
 from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi
-from rollslip_plugins import reynolds_line
-from rollslip_plugins.reynolds_line import LOCATIONS, ReynoldsLine, solve_line_contact
+from rollslip_plugins.film import reynolds_line
+from rollslip_plugins.film.reynolds_line import LOCATIONS, ReynoldsLine, solve_line_contact
 from strategies import evaluated
 
 HERE = Path(__file__).parents[1]

@@ -15,12 +15,12 @@ from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene, r
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.testing import Conformance
-from rollslip_plugins.blend import LambdaBlend
-from rollslip_plugins.boundary import Kragelsky
-from rollslip_plugins.hydrodynamic import Eyring
-from rollslip_plugins.measured import KRAGELSKY, Gupta, Tabulated
-from rollslip_plugins.shear_thinning import Carreau, LimitingShear
-from rollslip_plugins.thermal_couette import EyringThermal, NewtonianThermal
+from rollslip_plugins.traction.blend import LambdaBlend
+from rollslip_plugins.traction.boundary import Kragelsky
+from rollslip_plugins.traction.eyring import Eyring
+from rollslip_plugins.traction.measured import KRAGELSKY, Gupta, Tabulated
+from rollslip_plugins.traction.shear_thinning import Carreau, LimitingShear
+from rollslip_plugins.traction.thermal_couette import EyringThermal, NewtonianThermal
 from strategies import NumpyForm, decades, evaluated, films, forms, law_of, or_zero, signed
 
 HEATED = [

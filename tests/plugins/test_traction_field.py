@@ -14,8 +14,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
 from rollslip.lubricant.pressure import Barus, Roelands
-from rollslip_plugins.stress import maxwell_eyring_stress
-from rollslip_plugins.traction_field import (
+from rollslip_plugins.traction.field import (
     GRIDS,
     OIL_HEAT_CAPACITY,
     MaxwellEyringField,
@@ -24,6 +23,7 @@ from rollslip_plugins.traction_field import (
     solve_friction,
     stress_on_grid,
 )
+from rollslip_plugins.traction.stress import maxwell_eyring_stress
 
 REFERENCES = Path(__file__).parents[1] / "references"
 DOCS = Path(__file__).parents[2] / "docs"

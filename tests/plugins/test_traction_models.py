@@ -14,12 +14,12 @@ from rollslip import Chain, Conditions, Slices
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
 from rollslip.lubricant.pressure import Barus
-from rollslip_plugins.blend import LambdaBlend
-from rollslip_plugins.boundary import Constant, Kragelsky
 from rollslip_plugins.contact import Palmgren
-from rollslip_plugins.film import Blok, Dowson1968, DowsonToyoda, Martin, Moes, Regime
-from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
-from rollslip_plugins.stress import eyring_stress, maxwell_eyring_stress, muraki_stress
+from rollslip_plugins.film.formulas import Blok, Dowson1968, DowsonToyoda, Martin, Moes, Regime
+from rollslip_plugins.traction.blend import LambdaBlend
+from rollslip_plugins.traction.boundary import Constant, Kragelsky
+from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
+from rollslip_plugins.traction.stress import eyring_stress, maxwell_eyring_stress, muraki_stress
 from strategies import NumpyForm, decades, evaluated, films, forms, law_of, or_zero, signed
 
 FLUIDS = [Muraki(), MaxwellEyring(), Eyring()]

@@ -5,7 +5,7 @@ forty digits by mpmath's parabolic cylinder function and, to check that, by quad
 is not taken from the formula either: Hertz's load of two paraboloids with tips of radius beta, side by side at every
 distance r, is summed over r and over the heights.
 
-Run it to write greenwood_tripp.csv anew, and to print the constants in ``rollslip_plugins.blend``.
+Run it to write greenwood_tripp.csv anew, and to print the constants in ``rollslip_plugins.traction.blend``.
 """
 
 import csv

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import lambertw
 
-from rollslip_plugins.stress import maxwell_eyring_stress
+from rollslip_plugins.traction.stress import maxwell_eyring_stress
 
 mp.mp.dps = 40
 

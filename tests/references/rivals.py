@@ -9,7 +9,7 @@ law is taken from where it is not the form under test:
 - couette: the first integral of the film's energy equation by quadrature, not the solution in hyperbolic functions.
 
 Groups: strain c = eta V/(h tau*) with tau* = G, tau_L or tau0; deborah D = eta u/(Gamma b); surfaces and across as in
-rollslip_plugins.heating; exponent n of the thinning.
+rollslip_plugins.traction.heating; exponent n of the thinning.
 """
 
 import csv

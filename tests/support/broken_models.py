@@ -315,7 +315,7 @@ def _make(name):
 class NotInItsEntryPoints(Film):
     """No entry point of its module has its name."""
 
-    __module__ = "rollslip_plugins.film"
+    __module__ = "rollslip_plugins.film.formulas"
     __reduce__ = _by_name
 
 

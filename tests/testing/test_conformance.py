@@ -18,11 +18,11 @@ from rollslip.testing import (
     conformance,
     format_findings,
 )
-from rollslip_plugins.blend import LambdaBlend
-from rollslip_plugins.boundary import Constant, Kragelsky
-from rollslip_plugins.drag import ConstantTorque, PetroffLand
-from rollslip_plugins.film import PanHamrock
-from rollslip_plugins.hydrodynamic import Eyring, MaxwellEyring, Muraki
+from rollslip_plugins.drag.torques import ConstantTorque, PetroffLand
+from rollslip_plugins.film.formulas import PanHamrock
+from rollslip_plugins.traction.blend import LambdaBlend
+from rollslip_plugins.traction.boundary import Constant, Kragelsky
+from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
 
 pytest_plugins = ["pytester"]
 
@@ -157,7 +157,7 @@ def test_a_test_class_gives_one_test_a_model_and_check(pytester):
     pytester.makepyfile(
         """
         from rollslip.testing import Conformance
-        from rollslip_plugins.integrators import Lsoda, Rk23, Rk45
+        from rollslip_plugins.integrators.scipy import Lsoda, Rk23, Rk45
 
         class TestGood(Conformance):
             models = [Rk23(), Rk45()]

@@ -8,7 +8,7 @@ import pytest
 from hard_cases import CASES, LOSSES, MECHANICS, STRESS_LAWS, is_slow, subjects, why_not
 from rollslip import available
 from rollslip.lubricant.pressure import PressureViscosity
-from rollslip_plugins import stress
+from rollslip_plugins.traction import stress
 
 TABLE = Path(__file__).parents[2] / "docs" / "tables" / "hard_cases.csv"
 ROUNDING = 1.2e-16

@@ -11,7 +11,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, TractionModel
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import shear_thinning as compiled
-from rollslip_plugins.heating import (
+from rollslip_plugins.traction.heating import (
     HEATED,
     MAX_STEPS,
     NO_EFFECT,

@@ -20,7 +20,15 @@ from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, TractionModel
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import thermal_couette as compiled
-from rollslip_plugins.heating import HEATED, NO_EFFECT, Array, HeatedFilm, flash_factor, newtonian_bound, softened
+from rollslip_plugins.traction.heating import (
+    HEATED,
+    NO_EFFECT,
+    Array,
+    HeatedFilm,
+    flash_factor,
+    newtonian_bound,
+    softened,
+)
 
 
 @attrs.frozen(kw_only=True)

@@ -250,7 +250,7 @@ def _fault(file: str, line: int | None, reason: str) -> FieldError:
 
 def _text(file: str) -> str:
     if file == KRAGELSKY:
-        return (files("rollslip_plugins") / f"{KRAGELSKY}.csv").read_text(encoding="utf-8")
+        return (files("rollslip_plugins.traction") / f"{KRAGELSKY}.csv").read_text(encoding="utf-8")
     path = Path(file)
     if not path.is_absolute():
         raise FieldError(

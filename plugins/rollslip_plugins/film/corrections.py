@@ -19,7 +19,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Domain, FilmModel, evaluate_arrays, submodel
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import film as compiled
-from rollslip_plugins.film import Moes
+from rollslip_plugins.film.formulas import Moes
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

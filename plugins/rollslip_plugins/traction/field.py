@@ -39,7 +39,7 @@ from rollslip.lubricant.pressure import Barus, PressureViscosity, from_oil
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import KLEBANOV
 from rollslip_kernels.slices import COLUMNS, Slices
-from rollslip_plugins.stress import LINEAR, _dilogarithm
+from rollslip_plugins.traction.stress import LINEAR, _dilogarithm
 
 Array = NDArray[np.float64]
 

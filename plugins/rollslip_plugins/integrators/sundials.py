@@ -39,7 +39,7 @@ class Cvode(IntegratorModel):
                 f"integrator 'cvode' needs scikit-sundae, which cannot be imported ({error}); install it with "
                 "pip install 'rollslip[sundials]', or take 'rodas5p', 'bdf' or 'radau'"
             ) from error
-        from rollslip_plugins.solvers import CvodeSolver
+        from rollslip_plugins.integrators.solvers import CvodeSolver
 
         return CvodeSolver
 

@@ -14,8 +14,8 @@ from rollslip.models import POSITIVE, Domain, TractionModel
 from rollslip.references import KLEBANOV
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
-from rollslip_plugins.heating import HEATED, flash_factor
-from rollslip_plugins.stress import eyring_stress, maxwell_eyring_stress, muraki_stress
+from rollslip_plugins.traction.heating import HEATED, flash_factor
+from rollslip_plugins.traction.stress import eyring_stress, maxwell_eyring_stress, muraki_stress
 
 Array = NDArray[np.float64]
 

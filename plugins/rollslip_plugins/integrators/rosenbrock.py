@@ -35,7 +35,7 @@ class Rodas5p(IntegratorModel):
 
     def solver(self) -> type[Any]:
         """Return the OdeSolver class."""
-        from rollslip_plugins.solvers import Rodas5pSolver
+        from rollslip_plugins.integrators.solvers import Rodas5pSolver
 
         return Rodas5pSolver
 

@@ -22,8 +22,8 @@ from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, Domain, TractionModel, submodel
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_kernels.stages import blend as compiled
-from rollslip_plugins.boundary import Kragelsky
-from rollslip_plugins.hydrodynamic import Muraki
+from rollslip_plugins.traction.boundary import Kragelsky
+from rollslip_plugins.traction.eyring import Muraki
 
 Array = NDArray[np.float64]
 

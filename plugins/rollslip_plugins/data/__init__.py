@@ -1,0 +1,1 @@
+"""Oils and bearings by name, each with source and range."""

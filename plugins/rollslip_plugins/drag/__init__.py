@@ -1,0 +1,1 @@
+"""What resists cage and rollers beside the raceways: torques on the cage, and resistance to rolling."""

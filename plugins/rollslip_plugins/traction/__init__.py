@@ -1,0 +1,1 @@
+"""Friction of one contact: laws of the film, of the boundary, and blends of the two."""
