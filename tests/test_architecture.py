@@ -207,8 +207,9 @@ points = 3
 )
 #: What no scene above names: other models, integrators and engines, and packages for tables, graphs and statistics.
 UNNAMED = {
-    "traction.measured", "film.reynolds_line", "traction.field", "integrators.solvers", "integrators.sundials",
-    "drag.rolling", "integrators.scipy", "engines",
+    "traction.measured", "traction.field", "traction.conduction", "traction.relaxation", "film.reynolds_line",
+    "film.line_contact", "film.elements", "integrators.solvers", "integrators.sundials", "integrators.scipy",
+    "drag.rolling", "engines",
 }  # fmt: skip
 #: Modules that a minimal run, and one of all studies with plots, may load: a tenth more than the 868 and 1492 that
 #: they did, of which pandas, xarray, NumPy, SciPy and Matplotlib are the most.

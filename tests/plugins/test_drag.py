@@ -24,7 +24,7 @@ from rollslip.units import check_unit
 from rollslip_kernels.stages import drag as compiled
 from rollslip_plugins.drag.rolling import ELASTIC, RIGID, Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, ConstantTorque, CoulombPocket, PetroffLand
-from rollslip_plugins.film.reynolds_line import solve_line_contact
+from rollslip_plugins.film.line_contact import solve_line_contact
 from strategies import NumpyForm
 
 STEEL = Conditions(radius=0.006875, modulus=2.2857e11, viscosity=8.58e-3, pressure_viscosity=10.74e-9, length=0.015)

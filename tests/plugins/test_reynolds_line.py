@@ -16,8 +16,9 @@ from rollslip import Chain, get_model
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError
 from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi
-from rollslip_plugins.film import reynolds_line
-from rollslip_plugins.film.reynolds_line import LOCATIONS, ReynoldsLine, solve_line_contact
+from rollslip_plugins.film import line_contact, reynolds_line
+from rollslip_plugins.film.line_contact import LOCATIONS, solve_line_contact
+from rollslip_plugins.film.reynolds_line import ReynoldsLine
 from strategies import evaluated
 
 HERE = Path(__file__).parents[1]
@@ -149,12 +150,12 @@ def test_the_exit_is_reynoldss(M, L):
 @pytest.mark.parametrize(("M", "L"), [(0.5, 0.0), (2.0, 8.0)])
 def test_halving_the_elements_divides_the_change_by_sixteen_and_more(M, L):
     """Degree 4 at Radau points; measured are factors of 13 to 230, see docs/tables/reynolds_line_halving.csv."""
-    problem = reynolds_line._Problem(M, (lambda P: L * P) if L else None, None, share=1.0, floor=1e-5)
-    state = reynolds_line._along_the_path(problem, 16)
+    problem = line_contact._Problem(M, (lambda P: L * P) if L else None, None, share=1.0, floor=1e-5)
+    state = line_contact._along_the_path(problem, 16)
     films = []
     for _ in range(4):
-        films.append(np.array(list(reynolds_line._films(state).values())))
-        state = reynolds_line._solved(state.bisected(), problem, 1e-9)
+        films.append(np.array(list(line_contact._films(state).values())))
+        state = line_contact._solved(state.bisected(), problem, 1e-9)
     change = np.max(np.abs(np.diff(films, axis=0)) / films[-1], axis=1)
     assert change[0] / change[2] > 16**2
 
@@ -195,7 +196,7 @@ def test_the_film_does_not_mind_a_pressure_spike_without_limit():
 
 def test_the_inlet_is_far_enough(monkeypatch):
     contact = solve_line_contact(0.5, 10.0, accuracy=1e-6)
-    monkeypatch.setattr(reynolds_line, "_REACH", 2 * reynolds_line._REACH)
+    monkeypatch.setattr(line_contact, "_REACH", 2 * line_contact._REACH)
     further = solve_line_contact(0.5, 10.0, accuracy=1e-6)
     for name in LOCATIONS:
         assert contact.thickness[name] == pytest.approx(further.thickness[name], rel=5e-7)
@@ -228,8 +229,8 @@ def test_no_solution_is_no_number():
 
 def test_a_film_under_the_spike_is_refused_only_where_it_is_asked_for(monkeypatch):
     """At M = 2, L = 25 the spike sits at X = 0.07, so that its height moves the central film."""
-    monkeypatch.setattr(reynolds_line, "_ELEMENTS", (24,))
-    monkeypatch.setattr(reynolds_line, "_MOST_ELEMENTS", 100)
+    monkeypatch.setattr(line_contact, "_ELEMENTS", (24,))
+    monkeypatch.setattr(line_contact, "_MOST_ELEMENTS", 100)
     with pytest.raises(ConvergenceError, match=r"the film \(central\) is uncertain by 0.00\d on \d+ elements"):
         solve_line_contact(2.0, 25.0, location="central")
     contact = solve_line_contact(2.0, 25.0, location="minimum")

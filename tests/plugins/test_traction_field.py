@@ -14,11 +14,11 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
 from rollslip.lubricant.pressure import Barus, Roelands
+from rollslip_plugins.traction.conduction import even_cells
 from rollslip_plugins.traction.field import (
     GRIDS,
     OIL_HEAT_CAPACITY,
     MaxwellEyringField,
-    _grid,
     solve_field,
     solve_friction,
     stress_on_grid,
@@ -275,7 +275,7 @@ every_flux = pytest.mark.parametrize("name", FLUXES)
 
 @every_flux
 def test_the_surfaces_integral_is_that_of_quadrature(name):
-    grid, flux = _grid(128), FLUXES[name]
+    grid, flux = even_cells(128), FLUXES[name]
     mine = grid.flash @ flux(grid.middle)
     some = [1, 3, 40, 64, 100, 126, 128]
     exact = [

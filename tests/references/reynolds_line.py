@@ -9,7 +9,7 @@
   isoviscous and known in closed form; only the load is left, by quadrature in 30 digits. The last row is the limit
   q = 1/L at the largest q, where the pressure is infinite and the load is not.
 
-In Moes's groups, see rollslip_plugins/film/reynolds_line.py. Takes five minutes.
+In Moes's groups, see rollslip_plugins/film/line_contact.py. Takes five minutes.
 """
 
 import csv

@@ -9,27 +9,21 @@ The equations, with x along the contact from -b to b and z across the film, tran
 
 How they are solved, and why:
 
-- In a cell of the grid viscosity and heat release are frozen. The stress then has an exact solution, so that no stress
-  relaxes too fast for the grid (D of a bearing is 1e-4 to 1e-2); only its slow drift with pressure and temperature is
-  taken out first, without which the relaxation would leave an error of first order. The film's temperature has an
-  exact solution too, in the modes of conduction, and no film is too thin.
-- Film and surfaces are linear in the heat released in a cell, temperature = offset + response (release), so that one
-  Newton iteration in the temperatures of the cell serves the field and its simplified variants.
+- In a cell of the grid viscosity and heat release are frozen. Stress (`relaxation`) and temperatures (`conduction`)
+  then have exact solutions, so that no stress relaxes too fast for the grid and no film is too thin. Temperatures are
+  linear in the heat released, so that one Newton iteration serves the field and its simplified variants.
 - The cells are even in phi, x = -b cos(phi), where Hertz's pressure and the surfaces' temperature are smooth. The
   scheme is of second order and regular; two grids are extrapolated, and three extrapolations tell the error.
 - The conduction of the film must have a memory. Without it (rho_f c_f = 0) an elastic film has no solution beyond the
   stress at which conduction cannot carry the heat of its shear.
 """
 
-import abc
 from collections.abc import Callable
-from functools import lru_cache
 from types import MappingProxyType
 from typing import ClassVar, Final, Literal, NamedTuple, TypeAlias
 
 import attrs
 import numpy as np
-from numpy.polynomial.legendre import leggauss, legvander
 from numpy.typing import ArrayLike, NDArray
 
 from rollslip.errors import DomainError
@@ -39,7 +33,19 @@ from rollslip.lubricant.pressure import Barus, PressureViscosity, from_oil
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import KLEBANOV
 from rollslip_kernels.slices import COLUMNS, Slices
-from rollslip_plugins.traction.stress import LINEAR, _dilogarithm
+from rollslip_plugins.traction.conduction import (
+    Cells,
+    ConductedHeat,
+    GivenHeat,
+    Heat,
+    LocalHeat,
+    Modes,
+    conduction_modes,
+    even_cells,
+)
+from rollslip_plugins.traction.heating import FLASH
+from rollslip_plugins.traction.relaxation import carried
+from rollslip_plugins.traction.stress import LINEAR
 
 Array = NDArray[np.float64]
 
@@ -49,8 +55,6 @@ Pressure: TypeAlias = Literal["hertz", "mean"] | tuple[ArrayLike, ArrayLike]
 #: the mean stress, as in the closed forms; none.
 Heating: TypeAlias = Literal["field", "local-stress", "mean-stress", "none"]
 
-#: Factor of the mean flash temperature in the closed forms, which the simplified heatings share.
-FLASH: Final = 0.97
 #: Heat capacity of an oil by volume [J/(m3 K)], 850 to 950 kg/m3 times 1.9 to 2.1 kJ/(kg K) (grade C).
 OIL_HEAT_CAPACITY: Final = 1.8e6
 #: Cells along the contact and modes across half the film, from one refinement to the next.
@@ -62,216 +66,6 @@ MAX_SECANTS = 60  # for the mean stress; a dozen are usual
 SETTLED = 1e-9  # change of beta theta that ends them
 COARSE = 64  # cells, below which no solution is no verdict
 BATCH = 256  # slices marched at a time, for the sake of the cache
-
-
-# Grids ---------------------------------------------------------------------------------------------------------------
-
-
-class _Grid(NamedTuple):
-    """Cells along the contact, lengths in half widths."""
-
-    edge: Array
-    middle: Array
-    width: Array
-    #: (edges, cells): integral of q(x')/sqrt(x - x') up to an edge from the mean q of the cells
-    flash: Array
-
-
-@lru_cache(maxsize=len(GRIDS))
-def _grid(n: int) -> _Grid:
-    """Return n cells; q is taken as linear in a cell, with the slope between its mean and that of the cell before."""
-    edge = np.pi * np.arange(n + 1) / n
-    middle = (edge[1:] + edge[:-1]) / 2
-
-    def apart(a: Array, b: Array) -> Array:
-        return 2 * np.sin((a + b) / 2) * np.sin((a - b) / 2)  # cos(b) - cos(a), without cancellation
-
-    width, gap = apart(edge[1:], edge[:-1]), apart(middle[1:], middle[:-1])
-    root = np.sqrt(np.maximum(apart(edge[:, None], edge), 0))
-    behind = np.tri(n + 1, n, -1, dtype=bool)
-    rise = np.where(behind, width / np.where(behind, root[:, :-1] + root[:, 1:], 1), 0)
-    flash, tilt = 2 * rise, rise[:, 1:] ** 3 / (3 * gap)
-    flash[:, 1:] += tilt
-    flash[:, :-1] -= tilt
-    return _Grid(-np.cos(edge), -np.cos(middle), width, flash)
-
-
-class _Modes(NamedTuple):
-    """Modes of conduction between walls at zero, over half the film: polynomials, even about its middle."""
-
-    place: Array
-    weight: Array
-    #: (places, modes), orthonormal over the half film
-    shape: Array
-    mean: Array
-    #: decay over x/b times the film's capacity
-    rate: Array
-
-
-@lru_cache(maxsize=len(GRIDS))
-def _modes(m: int) -> _Modes:
-    """Return m modes, and m + 1 places of Gauss's rule."""
-    place, weight = (values[m + 1 :] for values in leggauss(2 * (m + 1)))
-    legendre = legvander(place, 2 * m)
-    # P_2j - P_2j+2 vanish at the wall, and the products of their slopes are orthogonal
-    basis = (legendre[:, 0 : 2 * m : 2] - legendre[:, 2 : 2 * m + 1 : 2]) / np.sqrt(4 * np.arange(m) + 3)
-    inverse, vectors = np.linalg.eigh(basis.T @ (weight[:, None] * basis))
-    shape = basis @ vectors[:, ::-1] / np.sqrt(inverse[::-1])
-    return _Modes(place, weight, shape, weight @ shape, 4 / inverse[::-1])
-
-
-# Stress --------------------------------------------------------------------------------------------------------------
-
-RAMP, SHARE = (values / 2 for values in leggauss(4))
-RAMP = RAMP + 0.5
-
-
-def _relaxed(start: Array, kappa: Array, sigma: Array, deborah: Array) -> tuple[Array, Array]:
-    """Return mean and end of S over a cell of unit length: D S' + kappa sinh S = sigma, all positive.
-
-    tanh(S/2) and exp(-S) both follow from their first values by one Moebius map without a difference; the former has
-    the digits of small stresses, the latter those of large ones.
-    """
-    r = np.hypot(kappa, sigma)
-    steady, fading = sigma / (kappa + r), kappa / (sigma + r)  # tanh(S/2) and exp(-S) at rest
-    z, y = np.tanh(start / 2), np.exp(-start)
-    p = np.minimum(r / deborah, 1e30)  # where relaxation is faster its ramp is lost in rounding
-
-    def after(p: Array, steady: Array, fading: Array, z: Array, y: Array) -> Array:
-        q, gone = np.exp(-p), -np.expm1(-p)
-        return _stress(_moebius(steady, z, q, gone), _moebius(fading, y, q, gone))
-
-    # mean = steady stress + [Li2(-x m q) - Li2(-x m) + Li2(x) - Li2(x q)]/p, m = fading^2, x the distance from rest
-    small = (z < 0.5) & (steady < 0.5)
-    distance = np.where(small, (z - steady) / (1 - z * steady), (fading - y) / (fading + y))
-    x, q = distance * (fading + y) / (fading * (1 + fading * y)), np.exp(-p)
-    inner = -x * fading**2
-    plus, minus, other_minus, other_plus = _dilogarithm_of_any(np.stack([inner * q, inner, x * q, x]))
-    mean = _stress(steady, fading) + (plus - minus + other_plus - other_minus) / p
-    ramp = p < 0.25  # there the bracket cancels, while S is smooth
-    if np.any(ramp):
-        part = (values[ramp, None] for values in (steady, fading, z, y))
-        mean[ramp] = after(p[ramp, None] * RAMP, *part) @ SHARE
-    return mean, after(p, steady, fading, z, y)
-
-
-def _moebius(rest: Array, start: Array, q: Array, gone: Array) -> Array:
-    return (rest * gone + start * (rest**2 + q)) / (1 + rest**2 * q + rest * start * gone)
-
-
-def _stress(z: Array, y: Array) -> Array:
-    """S of tanh(S/2) and exp(-S)."""
-    return np.where(z < 0.5, 2 * np.arctanh(np.minimum(z, 0.5)), -np.log(y))
-
-
-def _dilogarithm_of_any(x: Array) -> Array:
-    """Return Li2(x), x < 1, by inversion and reflection."""
-    far, near = x < -1, x > 0.5
-    inner = _dilogarithm(np.where(far, 1 / np.where(far, x, -1), np.where(near, 1 - x, x)))
-    inverted = -(np.pi**2) / 6 - np.log(np.where(far, -x, 1)) ** 2 / 2 - inner
-    reflected = np.pi**2 / 6 - np.log(np.where(near, x, 1)) * np.log1p(-np.where(near, x, 0)) - inner
-    return np.asarray(np.where(far, inverted, np.where(near, reflected, inner)))
-
-
-def _carried(start: Array, kappa: Array, sigma: Array, deborah: Array, change: Array) -> tuple[Array, Array]:
-    """Return mean and end of S over a cell across which ln(kappa) changes, kappa that of its middle.
-
-    With the drift g of the steady stress, R = S - g x follows the equation of S with sigma - D g for sigma, up to terms
-    that are odd about the middle. The drift is bounded where that would leave nothing of the drive or of the stress.
-    """
-    half = -np.tanh(change) * sigma / np.hypot(kappa, sigma) / 2
-    half = np.maximum(np.minimum(half, sigma / deborah / 4), -start / 2)
-    mean, end = _relaxed(start + half, kappa, sigma - 2 * half * deborah, deborah)
-    return mean, end + half
-
-
-# Heat ----------------------------------------------------------------------------------------------------------------
-
-
-class _Heat(abc.ABC):
-    """Temperatures of a cell as offset + response @ release, in units of tau0 V h/K_f; release in those of tau0 V/h."""
-
-    #: weights of the mean over the places at which there is a temperature
-    weight: Array
-    #: does stored elastic energy count as heat
-    of_all_work: bool = True
-
-    @abc.abstractmethod
-    def affine(self, i: int) -> tuple[Array, Array]:
-        """Return offset (s, places) and response (s, places, places) of cell i."""
-
-    def advance(self, i: int, release: Array) -> None:  # noqa: B027 - most have no memory
-        """Go on to the next cell with the heat released in cell i at the places."""
-
-
-class _Given(_Heat):
-    """A uniform temperature."""
-
-    def __init__(self, temperature: Array) -> None:
-        self.weight = np.ones(1)
-        self._affine = temperature[:, None], np.zeros((temperature.size, 1, 1))
-
-    def affine(self, i: int) -> tuple[Array, Array]:
-        return self._affine
-
-
-class _Local(_Heat):
-    """Uniform across the film and in proportion to the stress of the cell."""
-
-    def __init__(self, zeta: Array) -> None:
-        self.weight = np.ones(1)
-        self._affine = np.zeros((zeta.size, 1)), zeta[:, None, None]
-
-    def affine(self, i: int) -> tuple[Array, Array]:
-        return self._affine
-
-
-class _Field(_Heat):
-    """Conduction and convection of the film between two equal surfaces, and the surfaces' flash temperature."""
-
-    of_all_work = False
-
-    def __init__(self, capacity: Array, flash: Array, grid: _Grid, modes: _Modes) -> None:
-        self.weight, s, n = modes.weight, capacity.size, grid.width.size
-        self._capacity, self._flash, self._grid, self._modes = capacity[:, None], flash, grid, modes
-        self._amplitude = np.zeros((s, modes.rate.size))
-        self.surface = np.zeros((s, n + 1))  # at the edges
-        self.flux = np.zeros((s, n))  # from the film into one surface, in units of 2 tau0 V
-        self._project = (modes.shape * modes.weight[:, None]).T
-
-    def affine(self, i: int) -> tuple[Array, Array]:
-        """Solve the cell for a release that is constant along it; mean values over the cell."""
-        m, grid = self._modes, self._grid
-        storage = self._capacity / grid.width[i]
-        decay = m.rate / storage
-        gone = -np.expm1(-decay)
-        kept = gone / decay
-        self._gone, self._storage = gone, storage
-        self._end = gone / m.rate  # response of a mode at the end of the cell, and its mean over the cell:
-        mean = (1 - kept) / m.rate
-        # The heat that has not stayed in the film flows into the surfaces: this fixes how far their temperature rises.
-        stored = m.mean * self._end * storage
-        into = self._flash * grid.flash[i + 1, i] / 4
-        share = 1 + into * storage[:, 0] * (1 - stored @ m.mean)
-        known = self._flash * (self.flux[:, :i] @ grid.flash[i + 1, :i]) - self.surface[:, i]
-        given_back = (gone * self._amplitude) @ m.mean * storage[:, 0]
-        self._rise = (known + into * given_back) / share
-        self._rise_of_release = (into / share)[:, None] * (m.weight - stored @ self._project)
-        offset = (self.surface[:, i] + self._rise / 2)[:, None] + (
-            kept * self._amplitude - mean * storage * self._rise[:, None] * m.mean
-        ) @ m.shape.T
-        response = (m.shape * mean[:, None, :]) @ self._project
-        response += (0.5 - (mean * storage * m.mean) @ m.shape.T)[:, :, None] * self._rise_of_release[:, None, :]
-        return offset, response
-
-    def advance(self, i: int, release: Array) -> None:
-        m = self._modes
-        rise = self._rise + np.sum(self._rise_of_release * release, axis=1)
-        source = release @ self._project.T - self._storage * rise[:, None] * m.mean
-        change = self._end * source - self._gone * self._amplitude
-        self.flux[:, i] = (release @ m.weight - self._storage[:, 0] * (rise + change @ m.mean)) / 4
-        self.surface[:, i + 1] = self.surface[:, i] + rise
-        self._amplitude = self._amplitude + change
 
 
 # March ---------------------------------------------------------------------------------------------------------------
@@ -303,7 +97,7 @@ class _Marched(NamedTuple):
     temperature: Array
 
 
-def _march(groups: _Groups, oil: _Oil, grid: _Grid, heat: _Heat) -> _Marched:
+def _march(groups: _Groups, oil: _Oil, grid: Cells, heat: Heat) -> _Marched:
     """Integrate stress and temperature cell by cell; NaN where Newton's method does not settle."""
     s, n = oil.thinning.shape
     weight, identity = heat.weight, np.eye(heat.weight.size)
@@ -333,7 +127,7 @@ def _march(groups: _Groups, oil: _Oil, grid: _Grid, heat: _Heat) -> _Marched:
             kappa, change = oil.thinning[todo, i] * np.exp(np.minimum(log, 600)), oil.change[todo, i]
             if i > 1:
                 change = change + 1.5 * log - 2 * warming[todo, i - 1] + 0.5 * warming[todo, i - 2]
-            mean, last = _carried(first, kappa, sigma, deborah, change)
+            mean, last = carried(first, kappa, sigma, deborah, change)
             spring = 0.0 if heat.of_all_work else deborah / sigma
             heated = mean - spring * (last**2 - first**2) / 2
             # slope of the heat over ln(kappa), as if cosh S were constant in the cell: right for slow and for fast
@@ -380,16 +174,16 @@ def _times(matrix: Array, vector: Array) -> Array:
     return (matrix @ vector[:, :, None])[:, :, 0]
 
 
-def _solve(groups: _Groups, oil: _Oil, grid: _Grid, modes: _Modes, heating: Heating) -> tuple[_Marched, _Heat]:
+def _solve(groups: _Groups, oil: _Oil, grid: Cells, modes: Modes, heating: Heating) -> tuple[_Marched, Heat]:
     """Integrate along a grid with a kind of heating."""
     zeta = FLASH * groups.flash / 2 + 1 / 12
-    heat: _Heat
+    heat: Heat
     if heating == "field":
-        heat = _Field(groups.capacity, groups.flash, grid, modes)
+        heat = ConductedHeat(groups.capacity, groups.flash, grid, modes)
     elif heating == "local-stress":
-        heat = _Local(zeta)
+        heat = LocalHeat(zeta)
     else:
-        heat = _Given(np.zeros_like(zeta))
+        heat = GivenHeat(np.zeros_like(zeta))
     marched = _march(groups, oil, grid, heat)
     if heating != "mean-stress":
         return marched, heat
@@ -398,7 +192,7 @@ def _solve(groups: _Groups, oil: _Oil, grid: _Grid, modes: _Modes, heating: Heat
     log = np.log(_mean(marched, grid))
     old, residual_old = log, np.full_like(log, np.nan)  # no slope yet: a step of 1e-3
     for _ in range(MAX_SECANTS):
-        heat = _Given(zeta * np.exp(log))
+        heat = GivenHeat(zeta * np.exp(log))
         marched = _march(groups, oil, grid, heat)
         residual = log - np.log(_mean(marched, grid))
         if not np.any(np.abs(residual) > SETTLED / 10):
@@ -409,7 +203,7 @@ def _solve(groups: _Groups, oil: _Oil, grid: _Grid, modes: _Modes, heating: Heat
     return marched, heat
 
 
-def _mean(marched: _Marched, grid: _Grid) -> Array:
+def _mean(marched: _Marched, grid: Cells) -> Array:
     return np.asarray(marched.stress @ grid.width / 2)
 
 
@@ -441,7 +235,7 @@ def _groups(slices: Slices, law: PressureViscosity, heat_capacity: float) -> _Gr
     )
 
 
-def _oil(slices: Slices, law: PressureViscosity, profile: Callable[[Array], Array], grid: _Grid) -> _Oil:
+def _oil(slices: Slices, law: PressureViscosity, profile: Callable[[Array], Array], grid: Cells) -> _Oil:
     c, p = slices.conditions, slices.pressure[:, None]
     eta, softening = law.at(c, p * profile(grid.middle))
     at_edges = np.log(law.at(c, p * profile(grid.edge))[0])
@@ -550,14 +344,14 @@ def solve_field(
     friction, error, level = _refined(one, law, pressure, heating, heat_capacity, accuracy)
     _refuse_unsettled("traction field", error, accuracy, k)
     n, m = GRIDS[level[0]]
-    grid, modes = _grid(n), _modes(m)
+    grid, modes = even_cells(n), conduction_modes(m)
     c, V, h = one.conditions, one.sliding_speed[0], one.film_thickness[0]
     groups = _groups(one, law, heat_capacity)
     marched, heat = _solve(groups, _oil(one, law, profile, grid), grid, modes, heating)
     kelvin = c.eyring_stress * abs(V) * h / c.conductivity
     film = kelvin * marched.temperature[0]
     height, surface = np.array([0.5]), film[:, 0]
-    if isinstance(heat, _Field):
+    if isinstance(heat, ConductedHeat):
         height = np.concatenate([(1 - modes.place[::-1]) / 2, (1 + modes.place) / 2])
         film = np.concatenate([film[:, ::-1], film], axis=1)
         surface = kelvin * (heat.surface[0, :-1] + heat.surface[0, 1:]) / 2
@@ -592,13 +386,13 @@ def stress_on_grid(
     cells, modes : int
         Cells along the contact, modes across half the film.
     """
-    law, profile, grid = law or Barus(), _profile(pressure), _grid(cells)
+    law, profile, grid = law or Barus(), _profile(pressure), even_cells(cells)
     stress = np.empty(slices.pressure.size)
     with np.errstate(all="ignore"):  # what leaves the floats becomes NaN
         for first in range(0, stress.size, BATCH):
             part = _picked(slices, np.arange(first, min(first + BATCH, stress.size)))
             groups, oil = _groups(part, law, heat_capacity), _oil(part, law, profile, grid)
-            marched, _ = _solve(groups, oil, grid, _modes(modes), heating)
+            marched, _ = _solve(groups, oil, grid, conduction_modes(modes), heating)
             stress[first : first + BATCH] = _mean(marched, grid)
     return stress
 

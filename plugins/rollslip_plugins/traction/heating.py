@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 MAX_STEPS: Final = 60  # never reached: some eight are enough
 #: Below, a group has no effect on the last bit; in its place it keeps quotients of it from 0/0.
 NO_EFFECT: Final = 1e-17
+#: Factor of the flash temperature for the elliptic heat flux of Hertz's contact.
+FLASH: Final = 0.97
 
 HEATED: Final[Domain] = MappingProxyType(
     {
@@ -44,7 +46,7 @@ HEATED: Final[Domain] = MappingProxyType(
 def flash_factor() -> float:
     """Declare the factor of the flash temperature of two surfaces that share the heat of the film."""
     factor: float = parameter(
-        default=0.97,
+        default=FLASH,
         unit="1",
         validator=positive,
         doc="factor of the flash temperature: 0.97 elliptic heat flux, 0.960 plain mean, 1.001 flux-weighted mean",

@@ -230,8 +230,8 @@ def _layer_mean(eps: Floats, c: Floats, p: Floats) -> tuple[Floats, Floats]:
     a, b, q = tanh_half / (eps + c), tanh_half * (eps + c), np.exp(-p)
     bq = b * q
     # Li2(-B) for B > 1 by inversion: -Li2(-B) = pi^2/6 + log(B)^2/2 + Li2(-1/B).
-    inner, inner_q = (_dilogarithm(-np.minimum(x, 1 / np.maximum(x, 1))) for x in (b, bq))
-    bracket = _dilogarithm(a) - _dilogarithm(a * q)
+    inner, inner_q = (dilogarithm(-np.minimum(x, 1 / np.maximum(x, 1))) for x in (b, bq))
+    bracket = dilogarithm(a) - dilogarithm(a * q)
     outer = np.where(b > 1, np.pi**2 / 6 + np.log(np.maximum(b, 1)) ** 2 / 2 + inner, -inner)
     one = steady - (bracket + outer + inner_q) / p
     # With both inverted, the squared logarithms would leave only their difference, taken here by hand.
@@ -242,7 +242,7 @@ def _layer_mean(eps: Floats, c: Floats, p: Floats) -> tuple[Floats, Floats]:
     return value, fall
 
 
-def _dilogarithm(x: Floats) -> Floats:
+def dilogarithm(x: Floats) -> Floats:
     """Return Li2(x) for -1 <= x <= 1/2 from the series in Bernoulli numbers; spence(1 - x) is blind to small x."""
     u = -np.log1p(-x)
     t = u * u
