@@ -262,6 +262,16 @@ class TractionModel(SliceModel):
     writes = frozenset({"friction"})
     #: Name of a closed form that may serve in place of the law where the difference is allowed; None if there is none.
     closed_form: ClassVar[str | None] = None
+    #: Name of the law that solves the equation of which this law is an approximation; None if it is none.
+    solved_by: ClassVar[str | None] = None
+
+    def groups(self, slices: "Slices") -> "Mapping[str, NDArray[Any]]":
+        """Return the dimensionless groups of evaluated slices with which the law and its closed form grow apart.
+
+        A plan that takes the closed form watches that no group leaves the range in which it compared the two; where
+        there are no groups, it does not take it.
+        """
+        return {}
 
     @property
     def full_film_from(self) -> float | None:

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import math
 
 import attrs
 import numpy as np
@@ -9,13 +10,13 @@ import pytest
 
 import rollslip
 from plan_scenes import STUDY, TRACTIONS, judge, pick, points, scene
-from rollslip import evolve, load_scene
+from rollslip import Conditions, Slices, evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import changed, plan
 from rollslip.planning.verification import verify
-from rollslip.studies.bounds import BoundaryFriction, BoundBrokenError, ExactLaw
+from rollslip.studies.bounds import BoundaryFriction, BoundBrokenError, ExactLaw, Extremes
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.estimates import Bound, difference
 
@@ -147,10 +148,38 @@ def test_a_closed_form_serves_only_within_its_bounds():
     scale = np.abs(exact.effective_friction).max("cage_slip")
     assert float((np.abs(result.effective_friction - exact.effective_friction) / scale).max()) <= 2e-3
     assert plan(evolve(BASE, stiff), STUDY).estimated[STUDY].resolution.traction == "named"
-    tight = attrs.evolve(made.estimated[STUDY], left_out=(ExactLaw("the law", 1e-9, 1.0, 1e9),))
+    law, most = get_model("traction", "maxwell-eyring"), {"strain_rate": 1e-9, "deborah": 1.0, "heating": 1e9}
+    tight = attrs.evolve(made.estimated[STUDY], left_out=(ExactLaw(law, most),))
     again = execute(attrs.evolve(made, estimated={STUDY: tight}).at(STUDY, resolution), STUDY)
     assert np.array_equal(again.effective_friction, exact.effective_friction)
     assert "a strain rate of" in json.loads(again.attrs["taken_back"])[0]
+
+
+@pytest.mark.parametrize("flash", [0.97, 1.001])
+def test_a_law_says_the_groups_in_which_its_closed_form_departs_from_it(flash):
+    """sigma = 2.5, D = 0.02, Phi = 0.1 of round numbers by hand, but for the flash temperature of the surfaces."""
+    conditions = Conditions(eyring_stress=4e6, shear_modulus=5e5, effusivity=13000.0, conductivity=0.12, roughness=1e-7)
+    slices = Slices(
+        2,
+        conditions,
+        film_viscosity=1.0,
+        film_thermoviscosity=np.array([0.04, 0.02]),
+        film_thickness=1e-6,
+        half_width=1e-4,
+        rolling_speed=np.array([1.0, 0.5]),
+        sliding_speed=np.array([0.5, -10.0]),
+    )
+    law = get_model("traction", "maxwell-eyring", flash=flash)
+    extremes = Extremes(law)
+    extremes(slices)
+    zeta = flash * math.sqrt(1e-4 / math.pi) / 13000.0 + 1e-6 / (12 * 0.12)
+    assert extremes.groups == pytest.approx({"strain_rate": 2.5, "deborah": 0.02, "heating": 0.04 * zeta * 1.6e7})
+    assert Extremes(get_model("traction", "muraki")).groups == {}
+    ExactLaw(law, extremes.groups)(slices)
+    with pytest.raises(
+        BoundBrokenError, match=r"'maxwell-eyring' was left out, but a deborah of 0\.02 is above 0\.019"
+    ):
+        ExactLaw(law, extremes.groups | {"deborah": 0.019})(slices)
 
 
 def test_a_bound_is_watched_at_every_evaluation():

@@ -9,13 +9,14 @@
 
 import abc
 import math
-from typing import Any
+from collections.abc import Mapping
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.resolution import Resolution
 from rollslip.errors import RollslipError
+from rollslip.models import TractionModel
 from rollslip_kernels.slices import Slices
 
 
@@ -30,7 +31,10 @@ class BoundBrokenError(RollslipError):
 class LeftOut(abc.ABC):
     """Something left out under a bound that is checked on every table of slices."""
 
-    what: str
+    @property
+    @abc.abstractmethod
+    def what(self) -> str:
+        """What is left out, in words."""
 
     @abc.abstractmethod
     def __call__(self, slices: Slices) -> None:
@@ -52,7 +56,11 @@ class BoundaryFriction(LeftOut):
     """Boundary friction, whose share is zero as long as every film parameter is at least a limit."""
 
     limit: float
-    what: str = attrs.field(default="boundary friction", init=False)
+
+    @property
+    def what(self) -> str:
+        """Boundary friction."""
+        return "boundary friction"
 
     def __call__(self, slices: Slices) -> None:
         """Check the smallest film parameter."""
@@ -69,23 +77,25 @@ class BoundaryFriction(LeftOut):
 
 @attrs.frozen
 class ExactLaw(LeftOut):
-    """The law that the scene names, for which another one serves up to a strain rate, elasticity and heating.
+    """The law that the scene names, for which its closed form serves up to a size of each of the law's groups.
 
-    The difference of the two grows with each of sigma = eta V/(tau0 h), D = eta u/(Gamma b) and
-    Phi = beta zeta tau0^2 h/eta; it was found where they are largest.
+    The difference of the two grows with each group; it was found where they are largest.
     """
 
-    what: str
-    strain_rate: float
-    deborah: float
-    heating: float
+    law: TractionModel
+    most: Mapping[str, float]
+
+    @property
+    def what(self) -> str:
+        """The law by its name."""
+        return f"the law {self.law.name!r}"
 
     def __call__(self, slices: Slices) -> None:
-        """Check the largest of each of the three groups."""
+        """Check the largest of each group."""
         if not len(slices):
             return
-        for name, found in rheology_groups(slices).items():
-            most = getattr(self, name)
+        for name, found in _largest(self.law, slices).items():
+            most = self.most[name]
             if not found <= most:
                 raise BoundBrokenError(self, f"a {name.replace('_', ' ')} of {found:.4g} is above {most:.4g}")
 
@@ -95,28 +105,21 @@ class ExactLaw(LeftOut):
 
 
 class Extremes:
-    """What was met in evaluated slices: the smallest film parameter and, on request, the largest rheology groups."""
+    """What was met in evaluated slices: the smallest film parameter and the largest of each group of a law."""
 
-    def __init__(self, *, rheology: bool) -> None:
-        self.thinnest, self.groups, self._rheology = math.inf, dict[str, float](), rheology
+    def __init__(self, law: TractionModel) -> None:
+        self.thinnest, self.groups, self._law = math.inf, dict[str, float](), law
 
     def __call__(self, slices: Slices) -> None:
         """Take in evaluated slices."""
         if not len(slices):
             return
         self.thinnest = min(self.thinnest, float(slices.film_thickness.min()) / slices.conditions.roughness)
-        if self._rheology:
-            self.groups = {name: max(self.groups.get(name, 0.0), x) for name, x in rheology_groups(slices).items()}
+        if self._law.closed_form is not None:
+            found = _largest(self._law, slices)
+            self.groups = {name: max(self.groups.get(name, 0.0), x) for name, x in found.items()}
 
 
-def rheology_groups(slices: Slices) -> dict[str, float]:
-    """Return the largest strain rate sigma, Deborah number D and heating Phi of evaluated slices."""
-    s, c = slices, slices.conditions
-    zeta = 0.97 / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed)
-    zeta = zeta + s.film_thickness / (12 * c.conductivity)
-    eta: Any = s.film_viscosity
-    return {
-        "strain_rate": float((eta * np.abs(s.sliding_speed) / (c.eyring_stress * s.film_thickness)).max()),
-        "deborah": float((eta * s.rolling_speed / (c.shear_modulus * s.half_width)).max()),
-        "heating": float((s.film_thermoviscosity * zeta * c.eyring_stress**2 * s.film_thickness / eta).max()),
-    }
+def _largest(law: TractionModel, slices: Slices) -> dict[str, float]:
+    """Return the largest size of each group of a law in evaluated slices."""
+    return {name: float(np.abs(group).max()) for name, group in law.groups(slices).items()}

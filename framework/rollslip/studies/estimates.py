@@ -257,7 +257,7 @@ def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) ->
     """Leave boundary friction out where films are full, and evaluate laws as cheaply as their share allows."""
     accuracy, law, left_out = few.scene.accuracy, few.traction.full_film, list[LeftOut]()
     resolution, errors = chosen.resolution, dict(chosen.errors)
-    extremes, limit = Extremes(rheology=law.closed_form is not None), few.traction.full_film_from
+    extremes, limit = Extremes(law), few.traction.full_film_from
     probe.measure(few.watched(extremes), (1,))
     probe.study.beyond(few.watched(extremes))
     if limit is not None and extremes.thinnest >= limit:
@@ -274,10 +274,10 @@ def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) ->
     share = min(allowed.values())
     closed = attrs.evolve(few.resolution, traction=law.closed_form or "named")
     cheaper = attrs.evolve(few.resolution, traction_error=share)
-    if cheaper_laws and law.closed_form is not None and (found := serves(closed)) is not None:
-        resolution, errors["law"] = attrs.evolve(resolution, traction=law.closed_form), found
+    if cheaper_laws and extremes.groups and (found := serves(closed)) is not None:
+        resolution, errors["law"] = attrs.evolve(resolution, traction=closed.traction), found
         most = {name: _MARGIN * value for name, value in extremes.groups.items()}
-        left_out.append(ExactLaw(f"the law {law.name!r}", **most))
+        left_out.append(ExactLaw(law, most))
     elif cheaper_laws and law.evaluated_to(share) != law and (found := serves(cheaper)) is not None:
         resolution, errors["law"] = attrs.evolve(resolution, traction_error=share), found
     return attrs.evolve(chosen, resolution=resolution, errors=errors, left_out=tuple(left_out))

@@ -1,6 +1,7 @@
 """Hydrodynamic traction of an Eyring fluid: Muraki's closed form, the exact Maxwell-Eyring stress, no elasticity."""
 
 import abc
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
 
@@ -49,17 +50,22 @@ class _EyringFluid(TractionModel, abc.ABC):
             Phi = beta zeta tau0^2 h/eta, >= 0.
         """
 
-    def evaluate(self, slices: Slices) -> None:
-        """Fill the traction coefficient."""
+    def groups(self, slices: Slices) -> Mapping[str, Array]:
+        """Return sigma, D and Phi of slices, by the names that `dimensionless_stress` has for them."""
         c, s = slices.conditions, slices
         eta = s.film_viscosity
         zeta = self.flash / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed)
         zeta = zeta + s.film_thickness / (12 * c.conductivity)
         # a product, since a power of Python's floats raises where it overflows
-        heating = s.film_thermoviscosity * zeta * (c.eyring_stress * c.eyring_stress) * s.film_thickness / eta
+        phi = s.film_thermoviscosity * zeta * (c.eyring_stress * c.eyring_stress) * s.film_thickness / eta
         deborah = eta * s.rolling_speed / (c.shear_modulus * s.half_width)
         strain_rate = eta * s.sliding_speed / (c.eyring_stress * s.film_thickness)
-        s.friction[...] = c.eyring_stress / s.pressure * self.dimensionless_stress(strain_rate, deborah, heating)
+        return {"strain_rate": strain_rate, "deborah": deborah, "heating": phi}
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the traction coefficient."""
+        stress = self.dimensionless_stress(**self.groups(slices))
+        slices.friction[...] = slices.conditions.eyring_stress / slices.pressure * stress
 
 
 @attrs.frozen(kw_only=True)
@@ -78,6 +84,7 @@ class Muraki(_EyringFluid):
         "mu = tau0 S/p, S = y - D y^2/(4 sigma), (D Phi/4) y^2 - (1 + Phi sigma) y + asinh(sigma) = 0"
     )
     references: ClassVar[tuple[str, ...]] = (KLEBANOV, MURAKI)
+    solved_by: ClassVar[str | None] = "maxwell-eyring"
     flash: float = flash_factor()
 
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
@@ -147,6 +154,7 @@ class Eyring(_EyringFluid):
         "J. Chem. Phys. 4, 1936, 283-291.",
         KLEBANOV,
     )
+    solved_by: ClassVar[str | None] = "maxwell-eyring"
     reads = _EyringFluid.reads - {"shear_modulus"}
     domain = MappingProxyType({k: v for k, v in _EyringFluid.domain.items() if k != "shear_modulus"})
     flash: float = flash_factor()

@@ -56,8 +56,6 @@ _INTEGRATORS: Final = ("rodas5p", "lsoda", "bdf", "radau", "cvode")
 #: Crossed.
 _CORE: Final = ((5, 11, 21, 41), (1, 2, 4))
 _CORE_STEPS: Final = (1e-3, 1e-5, 1e-7)
-#: Laws that are forms of one equation, that of Maxwell and Eyring with mean-stress heating; the last solves it.
-_FORMS: Final = ("eyring", "muraki", "maxwell-eyring")
 _LAW_ERRORS: Final = (1e-2, 1e-3, 1e-4, 1e-6)
 _FILMS: Final = ("moes", "regime", "dowson-1968", "pan-hamrock")
 #: Tables of the finest, over the plan's: loads over the orbit take time with the inverse of their error, and end.
@@ -247,7 +245,7 @@ def _of_study(
 
 def _exact(best: Resolution, law: str) -> Resolution:
     """Return the finest of the exact model: the equation solved that a law is a form of, friction of every slice."""
-    traction = _FORMS[-1] if law in _FORMS and law != _FORMS[-1] else best.traction
+    traction = get_class("traction", law).solved_by or best.traction
     return attrs.evolve(best, traction=traction, friction=best.friction and "conventional")
 
 
@@ -295,7 +293,7 @@ def _modelling(
 ) -> Iterable[dict[str, Any]]:
     """Other laws, each as it is and by its cheaper evaluations, and the other friction of dynamics."""
     if "traction" in axes:
-        for name in laws or (_FORMS if law in _FORMS else (law,)):
+        for name in laws or _forms(law):
             traction = "named" if name == law else name
             # of a law that has no cheaper way they are the same
             evaluations = dict[Any, float]()
@@ -310,6 +308,16 @@ def _modelling(
             yield from ({"traction": traction, "traction_error": error} for error in evaluations.values())
     if "friction" in axes:
         yield from ({"friction": name} for name in ("conventional", "effective"))
+
+
+def _forms(law: str) -> list[str]:
+    """Laws that are forms of the same equation as one is; the last solves it."""
+    solves, found = get_class("traction", law).solved_by or law, list[str]()
+    for name in available("traction"):
+        with contextlib.suppress(PluginError):
+            if get_class("traction", name).solved_by == solves:
+                found.append(name)
+    return [*found, solves]
 
 
 def _integrators(made: Plan, study: str) -> list[str | None]:
