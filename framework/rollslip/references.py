@@ -3,6 +3,6 @@
 from typing import Final
 
 KLEBANOV: Final = (
-    "Klebanov Ya.M., Polyakov K.A., Petrov N.I., Pankratova I.V. Slip in roller bearings under hydrodynamic contact "
+    "Klebanov I.M., Polyakov K.A., Petrov V.R., Pankratova N.A. Slip in roller bearings under hydrodynamic contact "
     "friction. J. Frict. Wear 43, 2022. doi:10.3103/S1068366622010068"
 )

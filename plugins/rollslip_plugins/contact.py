@@ -15,7 +15,7 @@ from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import contact as compiled
 
 HARRIS = "Harris T.A., Kotzalas M.N. Essential Concepts of Bearing Technology, 5th ed. CRC Press, 2006."
-JOHNSON = "Johnson K.L. Contact Mechanics. Cambridge University Press, 1985."
+JOHNSON = "Johnson K.L. Contact Mechanics. Cambridge University Press, 1985. doi:10.1017/CBO9781139171731"
 ISO16281 = (
     "ISO/TS 16281:2008 Rolling bearings: methods for calculating the modified reference rating life "
     "for universally loaded bearings."
@@ -25,7 +25,27 @@ MPA = 1e6  # Pa, the unit of the published coefficients, N/mm2
 
 @attrs.frozen
 class PowerDeflection(SliceModel):
-    """Deflection Q = k l^(8/9) delta^(10/9) of one line contact; the powers make k a pressure, published in N/mm2."""
+    """Deflection Q = k l^(8/9) delta^(10/9) of one line contact; the powers make k a pressure, published in N/mm2.
+
+    Symbols:
+
+    - w: load per length Q/l, 0 where the surfaces are apart [N/m]
+    - k: coefficient of the deflection (``coefficient``) [Pa]
+    - l: length of the contact [m]
+    - delta: approach of the two bodies [m]
+
+    Range: that of the coefficient, fitted to steel on steel.
+
+    Examples
+    --------
+    With l = delta = 1 m all powers are 1.
+
+    >>> from rollslip import Conditions, Slices
+    >>> slices = Slices(1, Conditions(length=1.0), approach=1.0)
+    >>> PowerDeflection(5.0).evaluate(slices)
+    >>> float(slices.load[0]), float(slices.stiffness[0]) * 0.9
+    (5.0, 5.0)
+    """
 
     name: ClassVar[str] = "power-deflection"
     equation: ClassVar[str] = "w = k l^(8/9) delta^(10/9)/l"
@@ -53,13 +73,36 @@ class PowerDeflection(SliceModel):
 class LundbergDeflection(SliceModel):
     """Deflection of two elastic half spaces under a semi-elliptic strip of finite length.
 
-    delta = (4 w/(pi E')) [1/2 + ln(2 l/b)], b the Hertz half width; 1/2 + ln 4 = 1.8863 is the constant that is
-    published as 1.8864 with ln(l/(2 b)). Solved for w by Newton's method.
+    delta = (4 w/(pi E')) [1/2 + ln(2 l/b)]; 1/2 + ln 4 = 1.8863 is the constant that is published as 1.8864 with
+    ln(l/(2 b)). Solved for w by Newton's method.
+
+    Symbols:
+
+    - delta: approach of the two bodies [m]
+    - w: load per length, 0 where the surfaces are apart [N/m]
+    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - l: length of the contact [m]
+    - b: half width of the contact after Hertz [m]
+
+    Range: b << l, elastic bodies large against b.
+
+    Examples
+    --------
+    Load pi 2.5e4 N/m, b = 0.1 mm, l = 10 mm: delta = 5e-7 (1/2 + ln 200) m = 2.899158683 um.
+
+    >>> from rollslip import Conditions, Slices
+    >>> slices = Slices(1, Conditions(radius=0.01, modulus=2e11, length=0.01), approach=2.899158683e-6)
+    >>> LundbergDeflection().evaluate(slices)
+    >>> f"{slices.load[0]:.5e}"
+    '7.85398e+04'
     """
 
     name: ClassVar[str] = "lundberg-deflection"
     equation: ClassVar[str] = "delta = 4 w/(pi E') (1/2 + ln(2 l/b))"
-    references: ClassVar[tuple[str, ...]] = ("Lundberg G. Elastische Berührung zweier Halbräume. Forsch. 10, 1939.",)
+    references: ClassVar[tuple[str, ...]] = (
+        "Lundberg G. Elastische Berührung zweier Halbräume. Forsch. Geb. Ingenieurwes. 10, 1939, 201-211. "
+        "doi:10.1007/BF02584950",
+    )
     reads = frozenset({"approach", "length", "radius", "modulus"})
     writes = frozenset({"load", "stiffness"})
     domain = MappingProxyType({"approach": FINITE, "length": POSITIVE, "radius": POSITIVE, "modulus": POSITIVE})
@@ -117,7 +160,33 @@ class _HertzLine(ContactModel):
 class Palmgren(_HertzLine):
     """Hertz line contact with Palmgren's deflection delta[mm] = 3.84e-5 Q^0.9/l^0.8 of each steel contact.
 
+    Symbols:
+
+    - b: half width of the contact [m]
+    - p: mean pressure [Pa]
+    - w: load per length [N/m]
+    - R: equivalent radius [m]
+    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - delta: approach of the two bodies, in the stage of deflection [m]
+    - Q: normal force, there in N [N]
+    - l: length of the contact, there in mm [m]
+
     Range: steel on steel, fitted to crowned rollers (grade B).
+
+    Examples
+    --------
+    Hertz with w = pi 2.5e4 N/m: b = sqrt(8 pi 2.5e4 0.01/(pi 2e11)) = 0.1 mm, p = w/(2 b).
+    Palmgren with Q = 10 kN, l = 10 mm: delta = 3.84e-5 10^2.8 mm.
+
+    >>> from rollslip import Conditions, Slices
+    >>> steel = Conditions(radius=0.01, modulus=2e11, length=0.01)
+    >>> slices = Slices(1, steel, load=78539.816340, approach=3.84e-8 * 10**2.8)
+    >>> Palmgren().evaluate(slices)
+    >>> f"{slices.half_width[0]:.6e} {slices.pressure[0]:.6e}"
+    '1.000000e-04 3.926991e+08'
+    >>> Palmgren().deflection().evaluate(slices)
+    >>> f"{slices.load[0]:.6e}"
+    '1.000000e+06'
     """
 
     name: ClassVar[str] = "palmgren"
@@ -132,7 +201,35 @@ class Palmgren(_HertzLine):
 class Iso16281(_HertzLine):
     """Hertz line contact with the stiffness of ISO/TS 16281, c_L = 35948 l^(8/9) for both contacts in series.
 
-    One contact is 2^(10/9) as stiff as the pair. Range: steel on steel.
+    One contact is 2^(10/9) as stiff as the pair: Q = 35948 l^(8/9) (2 delta)^(10/9) in N and mm.
+
+    Symbols:
+
+    - b: half width of the contact [m]
+    - p: mean pressure [Pa]
+    - w: load per length [N/m]
+    - R: equivalent radius [m]
+    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - delta: approach of the two bodies, in the stage of deflection [m]
+    - Q: normal force, there in N [N]
+    - l: length of the contact, there in mm [m]
+
+    Range: steel on steel.
+
+    Examples
+    --------
+    Hertz with w = pi 2.5e4 N/m: b = sqrt(8 pi 2.5e4 0.01/(pi 2e11)) = 0.1 mm, p = w/(2 b).
+    ISO with l = 10 mm, delta = 0.01 mm of one contact: Q = 35948 10^(8/9) 0.02^(10/9) N = 3604.2854 N.
+
+    >>> from rollslip import Conditions, Slices
+    >>> steel = Conditions(radius=0.01, modulus=2e11, length=0.01)
+    >>> slices = Slices(1, steel, load=78539.816340, approach=1e-5)
+    >>> Iso16281().evaluate(slices)
+    >>> f"{slices.half_width[0]:.6e} {slices.pressure[0]:.6e}"
+    '1.000000e-04 3.926991e+08'
+    >>> Iso16281().deflection().evaluate(slices)
+    >>> f"{slices.load[0]:.6e}"
+    '3.604285e+05'
     """
 
     name: ClassVar[str] = "iso16281"
@@ -145,7 +242,35 @@ class Iso16281(_HertzLine):
 
 @attrs.frozen
 class Lundberg(_HertzLine):
-    """Hertz line contact with Lundberg's deflection of a contact of finite length, any elastic material."""
+    """Hertz line contact with Lundberg's deflection of a contact of finite length, any elastic material.
+
+    Symbols:
+
+    - b: half width of the contact [m]
+    - p: mean pressure [Pa]
+    - w: load per length [N/m]
+    - R: equivalent radius [m]
+    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - delta: approach of the two bodies, (4 w/(pi E')) [1/2 + ln(2 l/b)] in the stage of deflection [m]
+    - l: length of the contact [m]
+
+    Range: b << l, elastic bodies large against b.
+
+    Examples
+    --------
+    Hertz with w = pi 2.5e4 N/m: b = sqrt(8 pi 2.5e4 0.01/(pi 2e11)) = 0.1 mm, p = w/(2 b).
+    Lundberg with l = 10 mm: delta = 5e-7 (1/2 + ln 200) m = 2.899158683 um.
+
+    >>> from rollslip import Conditions, Slices
+    >>> steel = Conditions(radius=0.01, modulus=2e11, length=0.01)
+    >>> slices = Slices(1, steel, load=78539.816340, approach=2.899158683e-6)
+    >>> Lundberg().evaluate(slices)
+    >>> f"{slices.half_width[0]:.6e} {slices.pressure[0]:.6e}"
+    '1.000000e-04 3.926991e+08'
+    >>> Lundberg().deflection().evaluate(slices)
+    >>> f"{slices.load[0]:.6e}"
+    '7.853982e+04'
+    """
 
     name: ClassVar[str] = "lundberg"
     references: ClassVar[tuple[str, ...]] = (*LundbergDeflection.references, JOHNSON)

@@ -22,16 +22,37 @@ ELASTIC: Final = 4.318
 class RollingResistance(ResistanceModel):
     """Resistance of the oil's pressure to rolling, between the rigid and the elastic limit.
 
-    F = (a^-5 + b^-5)^(-1/5), a = 2.0796 sqrt(eta0 u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126
+    F = (a^-5 + b^-5)^(-1/5), a = 2.0796 sqrt(eta0 u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126. a is exact for a
+    rigid, isoviscous contact; b is Goksem and Hargreaves's fit for an elastic one, without heating and starvation.
 
-    F force on each surface for a unit of length [N/m], which is int h dp/2 over the film; eta0 viscosity at ambient
-    pressure [Pa s], u mean rolling speed [m/s], w load per length [N/m], R equivalent radius [m], alpha
-    pressure-viscosity coefficient [1/Pa], G = alpha E', U = eta0 u/(E' R), W = w/(E' R). a is exact for a rigid,
-    isoviscous contact; b is Goksem and Hargreaves's fit for an elastic one, without inlet heating and starvation.
+    Symbols:
+
+    - F: force on each surface for a unit of length, int h dp/2 over the film [N/m]
+    - a, b: its rigid and its elastic limit [N/m]
+    - eta0: viscosity at ambient pressure [Pa s]
+    - u: mean of the two surface speeds [m/s]
+    - w: load per length [N/m]
+    - R: equivalent radius [m]
+    - alpha: pressure-viscosity coefficient [1/Pa]
+    - G: material parameter alpha E' [1]
+    - U: speed parameter eta0 u/(E' R) [1]
+    - W: load parameter w/(E' R) [1]
+    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
 
     Range: against a numerical solution (isothermal, Barus) -36 to 0 % at M = W/sqrt(2 U) from 0.2 to 20 and
     L = G (2 U)^(1/4) from 5 to 15, of which -15 to 0 % up to M = 1 and L = 10. b counts the inlet alone, which the law
     meets to -23 to +15 %; the exit, where the pressure falls through a film that narrows, adds up to half as much.
+
+    Examples
+    --------
+    An oil that pressure does not thicken leaves a alone: 2.0796226511 sqrt(0.01 20 2e5) = 2.0796226511 200.
+
+    >>> from rollslip import Conditions, Slices
+    >>> oil = Conditions(radius=0.01, modulus=2e11, viscosity=0.01, pressure_viscosity=0.0)
+    >>> slices = Slices(1, oil, load=2e5, rolling_speed=20.0)
+    >>> RollingResistance().evaluate(slices)
+    >>> f"{slices.resistance[0]:.5f}"
+    '415.92453'
     """
 
     name: ClassVar[str] = "rolling-resistance"
@@ -40,7 +61,7 @@ class RollingResistance(ResistanceModel):
     )
     references: ClassVar[tuple[str, ...]] = (
         "Goksem P.G., Hargreaves R.A. The effect of viscous shear heating on both film thickness and rolling traction "
-        "in an EHL line contact. J. Lubr. Technol. 100, 1978, 346-358.",
+        "in an EHL line contact. J. Lubr. Technol. 100, 1978, 346-358 (two parts). doi:10.1115/1.3453183",
         "Martin H.M. Lubrication of gear teeth. Engineering 102, 1916, 119-121.",
     )
     reads = frozenset({"load", "rolling_speed", "radius", "modulus", "viscosity", "pressure_viscosity"})
@@ -66,18 +87,35 @@ class RollingResistance(ResistanceModel):
 class Hysteresis(ResistanceModel):
     """Resistance of steel that gives back a little less work than it takes: F = k w b/(3 pi R).
 
-    F force on each surface for a unit of length [N/m], w load per length [N/m], b Hertz half width and R equivalent
-    radius [m]. Rolling by a unit of length the front half of the contact takes up the work
-    int_0^b p (x/R) dx = 2 w b/(3 pi R), of which the share k is lost; the two surfaces resist with half of that each.
-    k = 0.01 is an estimate for hard steel under pressures that leave it elastic (D).
+    Rolling by a unit of length the front half of the contact takes up the work int_0^b p (x/R) dx = 2 w b/(3 pi R), of
+    which the share k is lost; the two surfaces resist with half of that each.
 
-    Range: Hertz's pressure; k is a property of a cycle of stress, and grows with its amplitude.
+    Symbols:
+
+    - F: force on each surface for a unit of length [N/m]
+    - k: share of the work that is lost (``loss``) [1]
+    - w: load per length [N/m]
+    - b: half width of the contact [m]
+    - R: equivalent radius [m]
+
+    Range: Hertz's pressure; k is a property of a cycle of stress, and grows with its amplitude. k = 0.01 is an estimate
+    for hard steel under pressures that leave it elastic (D).
+
+    Examples
+    --------
+    0.01 2e5 1e-4/(3 pi 0.01) = 20/(3 pi).
+
+    >>> from rollslip import Conditions, Slices
+    >>> slices = Slices(1, Conditions(radius=0.01), load=2e5, half_width=1e-4)
+    >>> Hysteresis().evaluate(slices)
+    >>> f"{slices.resistance[0]:.6f}"
+    '2.122066'
     """
 
     name: ClassVar[str] = "hysteresis"
     equation: ClassVar[str] = "F = k w b/(3 pi R)"
     references: ClassVar[tuple[str, ...]] = (
-        "Johnson K.L. Contact Mechanics. Cambridge University Press, 1985, chapter 9.",
+        "Johnson K.L. Contact Mechanics. Cambridge University Press, 1985, chapter 9. doi:10.1017/CBO9781139171731",
         "Greenwood J.A., Minshall H., Tabor D. Hysteresis losses in rolling and sliding friction. "
         "Proc. R. Soc. Lond. A 259, 1961, 480-507.",
     )

@@ -17,11 +17,23 @@ HARRIS = "Harris T.A., Kotzalas M.N. Advanced Concepts of Bearing Technology. 5t
 class ConstantTorque(DragModel):
     """Torque of one size against the motion of the cage: T = -T0 w_c/sqrt(w_c^2 + w_s^2).
 
-    T torque on the cage [N m], w_c its speed, w_s the speed below which the torque fades towards rest [rad/s]. It
-    stands for all that brakes the cage when the sum is known, by a measurement say. The size of 0.1 N m is an
-    estimate for a bearing of 180 mm pitch diameter (D).
+    It stands for all that brakes the cage when the sum is known, by a measurement say.
+
+    Symbols:
+
+    - T: torque on the cage [N m]
+    - T0: its size (``size``); 0.1 N m is an estimate for a bearing of 180 mm pitch diameter (D) [N m]
+    - w_c: speed of the cage [rad/s]
+    - w_s: speed below which the torque fades towards rest (``transition``) [rad/s]
 
     Range: a cage that turns; at 10 w_s the torque is 0.5 % below T0.
+
+    Examples
+    --------
+    At 3 rad/s of a transition of 4 rad/s it is 3/5 of its size.
+
+    >>> round(ConstantTorque(size=0.1, transition=4.0).torque(3.0, 10.0, 0.0), 12)
+    -0.06
     """
 
     name: ClassVar[str] = "constant-torque"
@@ -46,11 +58,18 @@ class ConstantTorque(DragModel):
 class PetroffLand(DragModel):
     """Torque of the oil between the cage and the land that guides it, after Petroff.
 
-    T = 2 pi eta W R^3 (w_ring - w_c)/c
+    T = 2 pi eta W R^3 (w_ring - w_c)/c. The inner ring drives the cage, the outer one brakes it. Derived: shear stress
+    eta R (w_ring - w_c)/c on the area 2 pi R W at the lever R.
 
-    T torque on the cage [N m], eta viscosity of the oil [Pa s], R radius, W width of all rails together and c radial
-    clearance of the land [m], w_ring and w_c speeds of the guiding ring and of the cage [rad/s]. The inner ring drives
-    the cage, the outer one brakes it. Derived: shear stress eta R (w_ring - w_c)/c on the area 2 pi R W at the lever R.
+    Symbols:
+
+    - T: torque on the cage [N m]
+    - eta: viscosity of the oil (``viscosity``) [Pa s]
+    - W: width of all rails together (``width``) [m]
+    - R: radius of the land (``radius``) [m]
+    - c: radial clearance of the land (``clearance``) [m]
+    - w_ring: speed of the guiding ring (``ring``) [rad/s]
+    - w_c: speed of the cage [rad/s]
 
     Range: laminar flow in a full, concentric gap, c << R; an oil at the temperature of the scene, while the gap of a
     fast bearing is hotter, and the torque less. A starved land has a smaller width.
@@ -59,6 +78,14 @@ class PetroffLand(DragModel):
     ------
     DomainError
         If a value is left to a scene and there is none.
+
+    Examples
+    --------
+    2 pi 0.01 0.01 0.1^3 100/1e-4 = 0.2 pi.
+
+    >>> land = PetroffLand(ring="inner", viscosity=0.01, radius=0.1, width=0.01, clearance=1e-4)
+    >>> f"{land.torque(300.0, 400.0, 0.0):.6f}"
+    '0.628319'
     """
 
     name: ClassVar[str] = "petroff-land"
@@ -93,20 +120,37 @@ class PetroffLand(DragModel):
 class Churning(DragModel):
     """Torque of rollers that plough through a mist of oil: each meets F = C_D rho_eff l D (w_c R_m)^2/2 at R_m.
 
-    T = -Z R_m F sign(w_c), rho_eff = phi rho
+    T = -Z R_m F sign(w_c), rho_eff = phi rho. The rollers' mass of air is left out.
 
-    T torque on the cage [N m], Z rollers of length l and diameter D on an orbit of radius R_m [m], w_c speed of the
-    cage [rad/s], rho density of the oil [kg/m3], phi its share of the free volume and C_D the drag coefficient [1].
-    The rollers' mass of air is left out. C_D is about 1 for a long cylinder alone (Re from 1e3 to 1e5) and less in the
-    wake of the next; the default of 0.5 is an estimate (D). phi is 0.01 to 0.05 under a jet of oil (C), far more in a
-    bath; the default of 0.02 is an estimate (D). The torque is in proportion to both: it is known to a factor of two.
+    Symbols:
 
-    Range: turbulent wakes; the mist itself stands still.
+    - T: torque on the cage [N m]
+    - Z: number of rollers (``rollers``) [1]
+    - l: length of a roller (``roller_length``) [m]
+    - D: diameter of a roller (``roller_diameter``) [m]
+    - R_m: radius of the orbit (``orbit_radius``) [m]
+    - w_c: speed of the cage [rad/s]
+    - rho: density of the oil (``density``) [kg/m3]
+    - phi: its share of the volume between the rings (``oil_fraction``) [1]
+    - C_D: drag coefficient of a roller (``coefficient``) [1]
+
+    Range: turbulent wakes; the mist itself stands still. C_D is about 1 for a long cylinder alone (Re from 1e3 to 1e5)
+    and less in the wake of the next; the default of 0.5 is an estimate (D). phi is 0.01 to 0.05 under a jet of oil (C),
+    far more in a bath; the default of 0.02 is an estimate (D). The torque is in proportion to both: it is known to a
+    factor of two.
 
     Raises
     ------
     DomainError
         If a value is left to a scene and there is none.
+
+    Examples
+    --------
+    10 rollers of 10 x 10 mm on 0.1 m at 100 rad/s in 0.5 0.02 1000 kg/m3 = 10 kg/m3: 10 10 1e-4 0.1^3 1e4/2 N m.
+
+    >>> mist = Churning(density=1000.0, rollers=10, roller_diameter=0.01, roller_length=0.01, orbit_radius=0.1)
+    >>> round(mist.torque(100.0, 200.0, 0.0), 12)
+    -0.05
     """
 
     name: ClassVar[str] = "churning"
@@ -150,10 +194,21 @@ class Churning(DragModel):
 class CoulombPocket(PocketFriction):
     """Friction of a roller in its pocket in proportion to the force there: M = mu_p |P| r against the spin.
 
-    M moment on the roller [N m], P normal force between roller and cage [N], r radius of the roller [m]. The default of
-    mu_p = 0.1 is that of oiled metal without a film (D).
+    Symbols:
+
+    - M: moment on the roller [N m]
+    - mu_p: friction coefficient (``coefficient``); 0.1 is that of oiled metal without a film (D) [1]
+    - P: normal force between roller and cage [N]
+    - r: radius of the roller [m]
 
     Range: a pocket without a film of oil, which would lower mu_p by far.
+
+    Examples
+    --------
+    A force of 50 N on a roller of 15 mm: 0.1 50 0.0075 N m.
+
+    >>> round(CoulombPocket().coefficient * 50.0 * 0.0075, 12)
+    0.0375
     """
 
     name: ClassVar[str] = "pocket-friction"

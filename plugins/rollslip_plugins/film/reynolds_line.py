@@ -28,13 +28,34 @@ class ReynoldsLine(FilmModel):
     """Film of the numerically solved line contact: the reference of the formulas, and slow.
 
     Reynolds equation with the film of two elastic half-spaces and Reynolds's condition at the exit, steady, isothermal
-    and fully flooded; the viscosity follows the local pressure by the law of the oil. Compressible, the density is
-    rho/rho0 = 1 + 0.6 p/(1 + 1.7 p) with p in GPa (Dowson and Higginson). One solution takes 0.1 to 1 s, the next
-    slice in the same state none.
+    and fully flooded; the viscosity follows the local pressure by the law of the oil (``law``). One solution takes 0.1
+    to 1 s, the next slice in the same state none.
+
+    Symbols:
+
+    - h: film over the contact; the minimum, the central one or that where dp/dx = 0 is returned (``thickness``) [m]
+    - h0: constant of the film that the load fixes [m]
+    - x, s: places along the contact [m]
+    - p: pressure [Pa]
+    - eta: viscosity at the local pressure [Pa s]
+    - rho: density over the ambient one, 1 or 1 + 0.6 p/(1 + 1.7 p) with p in GPa (``compressible``) [1]
+    - u: mean of the two surface speeds [m/s]
+    - w: load per length [N/m]
+    - R: equivalent radius [m]
+    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
 
     Range: M = W/sqrt(2 U) from 1e-6 to 200; L = alpha E' (2 U)^(1/4) to 25 and, where M is small, far beyond. A contact
-    that is not solved to the accuracy is refused. With Barus's law the pressure spike has no limit, the film has. The
-    central film may rise with the load below M = 2, where the middle of the contact is not yet the plateau.
+    that is not solved to the relative error allowed (``accuracy``) is refused. With Barus's law the pressure spike has
+    no limit, the film has. The central film may rise with the load below M = 2, where the middle of the contact is not
+    yet the plateau.
+
+    Examples
+    --------
+    A light load on an oil that pressure does not thicken: Martin's exact 4.89497 eta0 u R/w = 24.475 um.
+
+    >>> film = ReynoldsLine().film_thickness(200.0, 10.0, 0.01, 2e11, 0.01, 0.0)
+    >>> f"{film:.2e}"
+    '2.45e-05'
     """
 
     name: ClassVar[str] = "reynolds-line"
@@ -45,8 +66,9 @@ class ReynoldsLine(FilmModel):
     references: ClassVar[tuple[str, ...]] = (
         "Dowson D., Higginson G.R. Elasto-hydrodynamic Lubrication. Pergamon, 1966.",
         "Moes H. Optimum similarity analysis with applications to elastohydrodynamic lubrication. "
-        "Wear 159, 1992, 57-66.",
-        "Hairer E., Wanner G. Solving Ordinary Differential Equations II. 2nd ed., Springer, 1996, section IV.5.",
+        "Wear 159, 1992, 57-66. doi:10.1016/0043-1648(92)90286-H",
+        "Hairer E., Wanner G. Solving Ordinary Differential Equations II. 2nd ed., Springer, 1996, section IV.5. "
+        "doi:10.1007/978-3-642-05221-7",
     )
     location: ClassVar[str] = "minimum, central or dp/dx = 0, as chosen"
 

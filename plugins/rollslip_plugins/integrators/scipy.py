@@ -9,8 +9,14 @@ import attrs
 from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
 
-HAIRER = "Hairer E., Nørsett S.P., Wanner G. Solving Ordinary Differential Equations I, 2nd ed. Springer, 1993."
-WANNER = "Hairer E., Wanner G. Solving Ordinary Differential Equations II, 2nd ed. Springer, 1996."
+HAIRER = (
+    "Hairer E., Nørsett S.P., Wanner G. Solving Ordinary Differential Equations I, 2nd ed. Springer, 1993. "
+    "doi:10.1007/978-3-540-78862-1"
+)
+WANNER = (
+    "Hairer E., Wanner G. Solving Ordinary Differential Equations II, 2nd ed. Springer, 1996. "
+    "doi:10.1007/978-3-642-05221-7"
+)
 
 
 class _SciPy(IntegratorModel):
@@ -27,7 +33,19 @@ class _SciPy(IntegratorModel):
 
 @attrs.frozen
 class Rk23(_SciPy):
-    """Explicit Runge-Kutta method of order 3(2) by Bogacki and Shampine."""
+    """Explicit Runge-Kutta method of order 3(2) by Bogacki and Shampine.
+
+    Range: problems that are not stiff, at tolerances of 1e-3 or more.
+
+    Examples
+    --------
+    y' = -y over unit time: 1/e = 0.367879.
+
+    >>> from scipy.integrate import solve_ivp
+    >>> found = solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method=Rk23().solver(), rtol=1e-8, atol=1e-10)
+    >>> f"{found.y[0, -1]:.6f}"
+    '0.367879'
+    """
 
     name: ClassVar[str] = "rk23"
     order: ClassVar[int] = 3
@@ -35,13 +53,26 @@ class Rk23(_SciPy):
     solver_name: ClassVar[str] = "RK23"
     equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 3, error estimate of order 2"
     references: ClassVar[tuple[str, ...]] = (
-        "Bogacki P., Shampine L.F. A 3(2) pair of Runge-Kutta formulas. Appl. Math. Lett. 2, 1989, 321-325.",
+        "Bogacki P., Shampine L.F. A 3(2) pair of Runge-Kutta formulas. Appl. Math. Lett. 2, 1989, 321-325. "
+        "doi:10.1016/0893-9659(89)90079-7",
     )
 
 
 @attrs.frozen
 class Rk45(_SciPy):
-    """Explicit Runge-Kutta method of order 5(4) by Dormand and Prince."""
+    """Explicit Runge-Kutta method of order 5(4) by Dormand and Prince.
+
+    Range: problems that are not stiff, at usual tolerances.
+
+    Examples
+    --------
+    y' = -y over unit time: 1/e = 0.367879.
+
+    >>> from scipy.integrate import solve_ivp
+    >>> found = solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method=Rk45().solver(), rtol=1e-8, atol=1e-10)
+    >>> f"{found.y[0, -1]:.6f}"
+    '0.367879'
+    """
 
     name: ClassVar[str] = "rk45"
     order: ClassVar[int] = 5
@@ -49,13 +80,26 @@ class Rk45(_SciPy):
     solver_name: ClassVar[str] = "RK45"
     equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 5, error estimate of order 4"
     references: ClassVar[tuple[str, ...]] = (
-        "Dormand J.R., Prince P.J. A family of embedded Runge-Kutta formulae. J. Comp. Appl. Math. 6, 1980, 19-26.",
+        "Dormand J.R., Prince P.J. A family of embedded Runge-Kutta formulae. J. Comp. Appl. Math. 6, 1980, 19-26. "
+        "doi:10.1016/0771-050X(80)90013-3",
     )
 
 
 @attrs.frozen
 class Dop853(_SciPy):
-    """Explicit Runge-Kutta method of order 8(5,3) by Dormand and Prince."""
+    """Explicit Runge-Kutta method of order 8(5,3) by Dormand and Prince.
+
+    Range: problems that are not stiff, at tolerances below 1e-6.
+
+    Examples
+    --------
+    y' = -y over unit time: 1/e = 0.367879.
+
+    >>> from scipy.integrate import solve_ivp
+    >>> found = solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method=Dop853().solver(), rtol=1e-8, atol=1e-10)
+    >>> f"{found.y[0, -1]:.6f}"
+    '0.367879'
+    """
 
     name: ClassVar[str] = "dop853"
     order: ClassVar[int] = 8
@@ -67,7 +111,19 @@ class Dop853(_SciPy):
 
 @attrs.frozen
 class Radau(_SciPy):
-    """Implicit Runge-Kutta method of the Radau IIA family of order 5, for stiff problems."""
+    """Implicit Runge-Kutta method of the Radau IIA family of order 5, for stiff problems.
+
+    Range: stiff problems, L-stable; a dense Jacobian of n unknowns costs work of n^3.
+
+    Examples
+    --------
+    y' = -y over unit time: 1/e = 0.367879.
+
+    >>> from scipy.integrate import solve_ivp
+    >>> found = solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method=Radau().solver(), rtol=1e-8, atol=1e-10)
+    >>> f"{found.y[0, -1]:.6f}"
+    '0.367879'
+    """
 
     name: ClassVar[str] = "radau"
     order: ClassVar[int] = 5
@@ -78,19 +134,44 @@ class Radau(_SciPy):
 
 @attrs.frozen
 class Bdf(_SciPy):
-    """Backward differentiation formulas of variable order 1 to 5, for stiff problems."""
+    """Backward differentiation formulas of variable order 1 to 5, for stiff problems.
+
+    Range: stiff problems without undamped oscillation, for which orders above 2 are not stable.
+
+    Examples
+    --------
+    y' = -y over unit time: 1/e = 0.367879.
+
+    >>> from scipy.integrate import solve_ivp
+    >>> found = solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method=Bdf().solver(), rtol=1e-8, atol=1e-10)
+    >>> f"{found.y[0, -1]:.6f}"
+    '0.367879'
+    """
 
     name: ClassVar[str] = "bdf"
     solver_name: ClassVar[str] = "BDF"
     equation: ClassVar[str] = "dy/dt = f(t, y); implicit, order 1 to 5"
     references: ClassVar[tuple[str, ...]] = (
-        "Shampine L.F., Reichelt M.W. The MATLAB ODE suite. SIAM J. Sci. Comput. 18, 1997, 1-22.",
+        "Shampine L.F., Reichelt M.W. The MATLAB ODE suite. SIAM J. Sci. Comput. 18, 1997, 1-22. "
+        "doi:10.1137/S1064827594276424",
     )
 
 
 @attrs.frozen
 class Lsoda(_SciPy):
-    """Adams and BDF methods with automatic switch between them (ODEPACK)."""
+    """Adams and BDF methods with automatic switch between them (ODEPACK).
+
+    Range: problems that are stiff at times; before a singularity it steps on the spot and reports no failure.
+
+    Examples
+    --------
+    y' = -y over unit time: 1/e = 0.367879.
+
+    >>> from scipy.integrate import solve_ivp
+    >>> found = solve_ivp(lambda t, y: -y, (0.0, 1.0), [1.0], method=Lsoda().solver(), rtol=1e-8, atol=1e-10)
+    >>> f"{found.y[0, -1]:.6f}"
+    '0.367879'
+    """
 
     name: ClassVar[str] = "lsoda"
     solver_name: ClassVar[str] = "LSODA"
@@ -100,7 +181,7 @@ class Lsoda(_SciPy):
     equation: ClassVar[str] = "dy/dt = f(t, y); Adams where it is not stiff, BDF where it is"
     references: ClassVar[tuple[str, ...]] = (
         "Petzold L. Automatic selection of methods for solving stiff and nonstiff systems of ordinary differential "
-        "equations. SIAM J. Sci. Stat. Comput. 4, 1983, 136-148.",
+        "equations. SIAM J. Sci. Stat. Comput. 4, 1983, 136-148. doi:10.1137/0904010",
     )
 
 

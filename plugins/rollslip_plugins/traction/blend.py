@@ -127,23 +127,47 @@ class _BetweenLimits(_Blend):
 
 @attrs.frozen(kw_only=True)
 class LambdaBlend(_BetweenLimits):
-    """Blend by the film parameter Lambda = h/(1.25 sqrt(Ra1^2 + Ra2^2)) after Sakaguchi and Ueno.
+    """Blend by the film parameter Lambda after Sakaguchi and Ueno.
 
     mu = mu_bd below Lambda_bd, mu_hd from Lambda_hd on, and between them
     mu_hd + (mu_bd - mu_hd) ((Lambda - Lambda_hd)/(Lambda_bd - Lambda_hd))^m. A child is evaluated only on the slices
-    that need it. The limits 0.01 and 1.5 are of grade C.
+    that need it.
+
+    Symbols:
+
+    - mu: friction coefficient, with the sign of V [1]
+    - mu_bd: that of boundary friction (``boundary``) [1]
+    - mu_hd: that of the full film (``hydrodynamic``) [1]
+    - Lambda: film thickness over the composite rms roughness 1.25 sqrt(Ra1^2 + Ra2^2) [1]
+    - Lambda_bd: boundary friction alone up to here (``boundary_limit``) [1]
+    - Lambda_hd: full film from here on (``hydrodynamic_limit``) [1]
+    - m: power of the blend (``exponent``) [1]
+
+    Range: the limits 0.01 and 1.5 are of grade C; no range of a fit was at hand.
 
     Raises
     ------
     FieldError
         If the limits are not in order.
+
+    Examples
+    --------
+    Half way between the limits the share is 2^-6: 0.02 + 0.08/64 = 0.02125.
+
+    >>> from rollslip import Conditions, Slices
+    >>> from rollslip_plugins.traction.boundary import Constant
+    >>> between = Slices(1, Conditions(roughness=1e-6), film_thickness=0.755e-6, rolling_speed=1.0, sliding_speed=1.0)
+    >>> rough, smooth = Constant(coefficient=0.1), Constant(coefficient=0.02)
+    >>> LambdaBlend(boundary=rough, hydrodynamic=smooth).evaluate(between)
+    >>> f"{between.friction[0]:.7f}"
+    '0.0212500'
     """
 
     name: ClassVar[str] = "lambda-blend"
     equation: ClassVar[str] = "mu = mu_hd + (mu_bd - mu_hd) ((Lambda - Lambda_hd)/(Lambda_bd - Lambda_hd))^m"
     references: ClassVar[tuple[str, ...]] = (
         "Sakaguchi T., Ueno K. Dynamic analysis of cage behavior in a cylindrical roller bearing. "
-        "NTN Technical Review 71, 2003.",
+        "NTN Technical Review 71, 2003, 8-17.",
     )
 
     exponent: float = parameter(default=6.0, unit="1", validator=positive, doc="power m of the blend")
@@ -160,43 +184,91 @@ class LinearBlend(_BetweenLimits):
 
     mu = mu_bd below Lambda_bd, mu_hd from Lambda_hd on, and between them
     mu_hd + (mu_bd - mu_hd) (Lambda_hd - Lambda)/(Lambda_hd - Lambda_bd): the blend of Sakaguchi and Ueno with m = 1.
-    Programs of bearing dynamics interpolate so for want of a law (grade C, from recall of Gupta's book; no number of
-    his to test against is at hand). The limits are those of ``lambda-blend``, so that the two differ in the form alone.
+    The limits are those of ``lambda-blend``, so that the two differ in the form alone.
+
+    Symbols:
+
+    - mu: friction coefficient, with the sign of V [1]
+    - mu_bd: that of boundary friction (``boundary``) [1]
+    - mu_hd: that of the full film (``hydrodynamic``) [1]
+    - Lambda: film thickness over the composite rms roughness 1.25 sqrt(Ra1^2 + Ra2^2) [1]
+    - Lambda_bd: boundary friction alone up to here (``boundary_limit``) [1]
+    - Lambda_hd: full film from here on (``hydrodynamic_limit``) [1]
+
+    Range: none is claimed. Programs of bearing dynamics interpolate so for want of a law (grade C, from recall of
+    Gupta's book; no number of his to test against is at hand).
 
     Raises
     ------
     FieldError
         If the limits are not in order.
+
+    Examples
+    --------
+    Half way between the limits: (0.1 + 0.02)/2.
+
+    >>> from rollslip import Conditions, Slices
+    >>> from rollslip_plugins.traction.boundary import Constant
+    >>> between = Slices(1, Conditions(roughness=1e-6), film_thickness=0.755e-6, rolling_speed=1.0, sliding_speed=1.0)
+    >>> rough, smooth = Constant(coefficient=0.1), Constant(coefficient=0.02)
+    >>> LinearBlend(boundary=rough, hydrodynamic=smooth).evaluate(between)
+    >>> f"{between.friction[0]:.7f}"
+    '0.0600000'
     """
 
     name: ClassVar[str] = "linear-blend"
     equation: ClassVar[str] = "mu = mu_hd + (mu_bd - mu_hd) (Lambda_hd - Lambda)/(Lambda_hd - Lambda_bd)"
-    references: ClassVar[tuple[str, ...]] = ("Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, 1984.",)
+    references: ClassVar[tuple[str, ...]] = (
+        "Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984. doi:10.1007/978-1-4612-5276-4",
+    )
 
 
 @attrs.frozen(kw_only=True)
 class ZhouHoeprich(_Blend):
     """Asperities carry the share exp(-B Lambda^C) of the load, the film the rest, after Zhou and Hoeprich.
 
-    mu = share mu_bd + (1 - share) mu_hd. B and C belong to the profiles of the two surfaces; Zhou and Hoeprich plot
-    the share of a ground and of a finely finished pair and print no constants. Defaults are Aihara's B = 1.8,
-    C = 1.2, fitted to Patir and Cheng's solution of a partial elastohydrodynamic contact with lengthwise roughness
-    below 0.4 GPa; after it the film carries "almost all" from Lambda = 2 on (here 98.4 %). For the raceway of a ground
-    tapered roller bearing Schwarz et al. (2023) give B = 2.32, C = 0.97.
+    mu = share mu_bd + (1 - share) mu_hd. Zhou and Hoeprich, and Aihara, take the central film; and they add the whole
+    friction of the film to that of the asperities, where here the film's is in proportion to its share of the load, as
+    Schwarz et al. have it.
 
-    Zhou and Hoeprich, and Aihara, take the central film; and they add the whole friction of the film to that of the
-    asperities, where here the film's is in proportion to its share of the load, as Schwarz et al. have it.
+    Symbols:
 
-    Range: that of the fit. The share does not know the pressure.
+    - mu: friction coefficient, with the sign of V [1]
+    - mu_bd: that of boundary friction (``boundary``) [1]
+    - mu_hd: that of the full film (``hydrodynamic``) [1]
+    - share: part of the load that asperities carry [1]
+    - Lambda: film thickness over the composite rms roughness 1.25 sqrt(Ra1^2 + Ra2^2) [1]
+    - B: factor of the exponent, of the profiles of the two surfaces (``factor``) [1]
+    - C: power of Lambda, likewise (``exponent``) [1]
+
+    Range: that of the fit of B and C; the share does not know the pressure. Zhou and Hoeprich plot a ground and a
+    finely finished pair and print no constants. Defaults are Aihara's B = 1.8, C = 1.2, fitted to Patir and Cheng's
+    solution of a partial elastohydrodynamic contact with lengthwise roughness below 0.4 GPa; after it the film carries
+    "almost all" from Lambda = 2 on (here 98.4 %). For the raceway of a ground tapered roller bearing Schwarz et al.
+    (2023) give B = 2.32, C = 0.97.
+
+    Examples
+    --------
+    At Lambda = 1 the share is exp(-1.8) = 0.1652989: 0.02 + 0.08 0.1652989 = 0.0332239.
+
+    >>> from rollslip import Conditions, Slices
+    >>> from rollslip_plugins.traction.boundary import Constant
+    >>> between = Slices(1, Conditions(roughness=1e-6), film_thickness=1e-6, rolling_speed=1.0, sliding_speed=1.0)
+    >>> rough, smooth = Constant(coefficient=0.1), Constant(coefficient=0.02)
+    >>> ZhouHoeprich(boundary=rough, hydrodynamic=smooth).evaluate(between)
+    >>> f"{between.friction[0]:.7f}"
+    '0.0332239'
     """
 
     name: ClassVar[str] = "zhou-hoeprich"
     equation: ClassVar[str] = "mu = share mu_bd + (1 - share) mu_hd, share = exp(-B Lambda^C)"
     references: ClassVar[tuple[str, ...]] = (
-        "Zhou R.S., Hoeprich M.R. Torque of tapered roller bearings. J. Tribol. 113, 1991, 590-597.",
+        "Zhou R.S., Hoeprich M.R. Torque of tapered roller bearings. J. Tribol. 113, 1991, 590-597. "
+        "doi:10.1115/1.2920664",
         "Aihara S. A new running torque formula for tapered roller bearings under axial load. "
-        "J. Tribol. 109, 1987, 471-477.",
-        "Schwarz et al., friction of tapered roller bearings in multi-body simulation. Lubricants 11, 2023, 369.",
+        "J. Tribol. 109, 1987, 471-477. doi:10.1115/1.3261475",
+        "Schwarz et al., friction of tapered roller bearings in multi-body simulation. Lubricants 11, 2023, 369. "
+        "doi:10.3390/lubricants11090369",
     )
 
     factor: float = parameter(default=1.8, unit="1", validator=positive, doc="B of the asperities' share of the load")
@@ -251,17 +323,42 @@ class GreenwoodTripp(_Blend):
     """Asperities carry their pressure over the mean pressure, after Greenwood and Tripp; the film carries the rest.
 
     mu = share mu_bd + (1 - share) mu_hd, share = p_a/p and at most 1, with
-    p_a = (16 sqrt(2) pi/15) (sigma beta eta)^2 sqrt(sigma/beta) (E'/2) F_5/2(Lambda): sigma the composite rms
-    roughness, beta the radius and eta the number per area of asperities, F_5/2 the integral of
-    (s - Lambda)^(5/2) over the standard normal distribution beyond Lambda. Greenwood and Tripp's modulus is
+    p_a = (16 sqrt(2) pi/15) (sigma beta eta)^2 sqrt(sigma/beta) (E'/2) F_5/2(Lambda). Greenwood and Tripp's modulus is
     1/[(1-nu1^2)/E1 + (1-nu2^2)/E2], half of E'.
 
-    sigma beta eta is 0.03 to 0.05 and sigma/beta 1e-4 to 1e-2 for engineering surfaces (grade C); defaults are the
-    upper end of the first and the middle of the second on a logarithmic scale (grade D).
+    Symbols:
+
+    - mu: friction coefficient, with the sign of V [1]
+    - mu_bd: that of boundary friction (``boundary``) [1]
+    - mu_hd: that of the full film (``hydrodynamic``) [1]
+    - share: part of the load that asperities carry [1]
+    - Lambda: film thickness over the composite rms roughness 1.25 sqrt(Ra1^2 + Ra2^2) [1]
+    - p: mean pressure of the contact [Pa]
+    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
+    - sigma: composite rms roughness; sigma beta eta is one parameter (``roughness_parameter``) [m]
+    - beta: radius of the tips; sigma/beta is the other one (``slope_parameter``) [m]
+    - eta: number of tips per area [1/m2]
+    - F_5: F_5/2, integral of (s - Lambda)^(5/2) over the standard normal distribution beyond Lambda [1]
 
     Range: elastic asperities of Gaussian height on flat surfaces whose mean planes are the film apart. Without a film
     they carry what their number and height allow, 26 MPa between steel surfaces with the defaults: far less than a
-    heavily loaded contact, so that friction does not become that of the boundary alone.
+    heavily loaded contact, so that friction does not become that of the boundary alone. sigma beta eta is 0.03 to 0.05
+    and sigma/beta 1e-4 to 1e-2 for engineering surfaces (grade C); defaults are the upper end of the first and the
+    middle of the second on a logarithmic scale (grade D).
+
+    Examples
+    --------
+    F_5/2(1) = 0.0805623 by quadrature in thirty digits (0.08056 in the published table), so the share at
+    E'/p = 2000/3 is 0.01006108: 0.02 + 0.08 0.01006108 = 0.0208049.
+
+    >>> from rollslip import Conditions, Slices
+    >>> from rollslip_plugins.traction.boundary import Constant
+    >>> between = Slices(1, Conditions(roughness=1e-6, modulus=2e11), pressure=3e8, film_thickness=1e-6,
+    ...                  rolling_speed=1.0, sliding_speed=1.0)
+    >>> rough, smooth = Constant(coefficient=0.1), Constant(coefficient=0.02)
+    >>> GreenwoodTripp(boundary=rough, hydrodynamic=smooth).evaluate(between)
+    >>> f"{between.friction[0]:.7f}"
+    '0.0208049'
     """
 
     name: ClassVar[str] = "greenwood-tripp"
@@ -271,7 +368,7 @@ class GreenwoodTripp(_Blend):
     )
     references: ClassVar[tuple[str, ...]] = (
         "Greenwood J.A., Tripp J.H. The contact of two nominally flat rough surfaces. "
-        "Proc. Inst. Mech. Eng. 185, 1970-71, 625-633.",
+        "Proc. Inst. Mech. Eng. 185, 1970-71, 625-633. doi:10.1243/PIME_PROC_1970_185_069_02",
     )
     share_domain: ClassVar[Domain] = MappingProxyType(
         {**_Blend.share_domain, "pressure": POSITIVE, "modulus": POSITIVE}

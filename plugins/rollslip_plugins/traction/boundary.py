@@ -21,16 +21,35 @@ SLIDE_ROLL: Domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed
 
 @attrs.frozen(kw_only=True)
 class Kragelsky(TractionModel):
-    """Boundary friction of a rolling contact with slip after Kragelsky, s = |V|/u.
+    """Boundary friction of a rolling contact with slip after Kragelsky.
 
-    mu = (-A + B s) exp(-C s) + A. With the published A = 0.1, B = 22.28, C = 181.46 the slope at zero is
-    B + A C = 40.426, the maximum 0.1200045 at s = 0.0099992, and mu tends to A.
+    mu = (-A + B s) exp(-C s) + A, s = |V|/u, odd in V. With the published A = 0.1, B = 22.28, C = 181.46 the slope at
+    zero is B + A C = 40.426, the maximum 0.1200045 at s = 0.0099992, and mu tends to A.
+
+    Symbols:
+
+    - mu: friction coefficient, with the sign of V [1]
+    - s: slide-roll ratio [1]
+    - V: sliding speed [m/s]
+    - u: mean of the two surface speeds [m/s]
+    - A: friction far beyond the maximum (``limit``) [1]
+    - B: coefficient of the rise (``rise``) [1]
+    - C: decay of the rise (``decay``) [1]
+
+    Range: boundary lubrication of the steel and oil that the constants were found for, which the source does not name.
+
+    Examples
+    --------
+    The maximum: (-0.1 + 22.28 s) exp(-181.46 s) + 0.1 at s = 0.0099992, in thirty digits 0.12000450.
+
+    >>> f"{Kragelsky().friction(0.0099992):.8f}"
+    '0.12000450'
     """
 
     name: ClassVar[str] = "kragelsky"
     equation: ClassVar[str] = "mu = sign(V) [(-A + B s) exp(-C s) + A], s = |V|/u"
     references: ClassVar[tuple[str, ...]] = (
-        "Kragelskii I.V., Dobychin M.N., Kombalov V.S. Friction and Wear: Calculation Methods. Pergamon, 1982.",
+        "Kragelskii I.V. Friction and Wear. Butterworths, 1965; as cited by Klebanov et al. (2022).",
         KLEBANOV,
     )
     reads = frozenset({"rolling_speed", "sliding_speed"})
@@ -61,7 +80,23 @@ class Kragelsky(TractionModel):
 class Constant(TractionModel):
     """Constant friction behind a linear ramp, which makes it a function of the slip at zero.
 
-    mu = f clip(s/s0, -1, 1), s = V/u.
+    Symbols:
+
+    - mu: friction coefficient, with the sign of V [1]
+    - s: slide-roll ratio V/u [1]
+    - V: sliding speed [m/s]
+    - u: mean of the two surface speeds [m/s]
+    - f: friction coefficient beyond the ramp (``coefficient``) [1]
+    - s0: slide-roll ratio at which it is reached (``transition``) [1]
+
+    Range: none is claimed; it is a number that is given.
+
+    Examples
+    --------
+    Half way up the ramp, and beyond it, backwards.
+
+    >>> float(Constant().friction(5e-4)), float(Constant().friction(-0.2))
+    (0.025, -0.05)
     """
 
     name: ClassVar[str] = "constant"

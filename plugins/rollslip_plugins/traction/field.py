@@ -454,28 +454,61 @@ class MaxwellEyringField(TractionModel):
     """Maxwell-Eyring oil, integrated over Hertz's pressure, the film's and the surfaces' temperatures.
 
     V/h = (u/Gamma) dtau/dx + mean over z of (tau0/eta) sinh(tau/tau0), tau(-b) = 0, eta = eta_Ni exp(-beta theta) with
-    eta_Ni and beta = -dln(eta)/dT after the oil's law at p = (4/pi) p_mean sqrt(1 - x^2/b^2);
+    eta_Ni and beta = -dln(eta)/dT after the oil's law (``law``) at p = (4/pi) p_mean sqrt(1 - x^2/b^2);
     rho_f c_f u dtheta/dx = K_f d2theta/dz2 + tau (tau0/eta) sinh(tau/tau0) across the film, and at both walls
     theta = 1/(E sqrt(pi u)) integral of K_f (dtheta/dz)(x') / sqrt(x - x') dx', E = sqrt(K rho c) of the solids.
     mu = mean(tau)/p_mean, with the sign of V.
 
     It is the reference of the closed forms ``muraki``, ``maxwell-eyring`` and ``eyring``, which take the mean pressure,
-    the mean stress, and a temperature that is uniform and without the film's own heat capacity. Accuracy is by
-    refinement: the grid is doubled until the extrapolated friction stands still.
+    the mean stress, and a temperature that is uniform and without the film's own heat capacity. The grid is doubled
+    until the extrapolated friction stands still to the relative error allowed (``accuracy``).
+
+    Symbols:
+
+    - mu: traction coefficient, with the sign of V [1]
+    - tau: local shear stress, uniform across the film [Pa]
+    - tau0: Eyring stress [Pa]
+    - Gamma: shear modulus of the oil [Pa]
+    - gamma: shear; its rate of flow releases heat [1]
+    - t: time along with the oil, dx = u dt [s]
+    - x, z: places along the contact and across the film [m]
+    - p: Hertz's pressure at x, in mu its mean [Pa]
+    - eta: viscosity at the local pressure and temperature [Pa s]
+    - beta: its fall with temperature -dln(eta)/dT [1/K]
+    - theta: temperature above the inlet [K]
+    - rho_f, c_f: density and heat capacity of the oil, by volume (``heat_capacity``) [J/(m3 K)]
+    - K_f: conductivity of the oil [W/(m K)]
+    - V: sliding speed [m/s]
+    - u: mean of the two surface speeds [m/s]
+    - h: film thickness [m]
+    - b: half width of the contact [m]
 
     Range: sliding slow against rolling. Film and both surfaces move with u here; surfaces at u + V/2 and u - V/2 would
     have a mean flash temperature larger by the factor 1 + (3/32) (V/u)^2. Conduction along the film, heat of
     compression, and the change of h, K_f and rho_f c_f over the contact are left out. Where
     beta tau tau0/(Gamma rho_f c_f) is of order 1 or more (1e-3 to 1e-2 for oils) an elastic film releases its energy
     faster than it is conducted, in an ever thinner band; such a slice is refused, and one for which the finest grid
-    does not suffice.
-
-    The heat capacity of oils is 1.7e6 to 1.9e6 J/(m3 K), 850 to 950 kg/m3 times 1.9 to 2.1 kJ/(kg K) (grade C).
+    does not suffice. The heat capacity of oils is 1.7e6 to 1.9e6 J/(m3 K), 850 to 950 kg/m3 times 1.9 to 2.1 kJ/(kg K)
+    (grade C).
 
     Raises
     ------
     DomainError
         From ``evaluate``: if a slice does not reach the accuracy, or has no solution.
+
+    Examples
+    --------
+    An oil that neither pressure nor heat changes at sigma = D = 1: mu = 0.1 S with the S = 0.551296 of
+    ``maxwell-eyring`` in fifty digits (tests/references/maxwell_eyring.py).
+
+    >>> from rollslip import Conditions, Slices
+    >>> oil = Conditions(viscosity=1.0, pressure_viscosity=0.0, thermoviscosity=0.0, pressure_thermoviscosity=0.0,
+    ...                  conductivity=0.14, effusivity=13e3, eyring_stress=1e6, shear_modulus=1e4)
+    >>> slices = Slices(1, oil, pressure=1e7, half_width=1e-4, film_thickness=1e-6, rolling_speed=1.0,
+    ...                 sliding_speed=1.0)
+    >>> MaxwellEyringField(accuracy=1e-6).evaluate(slices)
+    >>> f"{slices.friction[0]:.5f}"
+    '0.05513'
     """
 
     name: ClassVar[str] = "maxwell-eyring-field"
@@ -485,7 +518,7 @@ class MaxwellEyringField(TractionModel):
     )
     references: ClassVar[tuple[str, ...]] = (
         "Johnson K.L., Tevaarwerk J.L. Shear behaviour of elastohydrodynamic oil films. "
-        "Proc. R. Soc. Lond. A 356, 1977, 215-236.",
+        "Proc. R. Soc. Lond. A 356, 1977, 215-236. doi:10.1098/rspa.1977.0129",
         "Carslaw H.S., Jaeger J.C. Conduction of Heat in Solids. 2nd ed., Oxford, 1959, section 2.9.",
         KLEBANOV,
     )

@@ -31,27 +31,46 @@ Array = NDArray[np.float64]
 
 @attrs.frozen(kw_only=True)
 class Gupta(TractionModel):
-    """Traction curve of four constants after Gupta, s = |V|/u.
+    """Traction curve of four constants after Gupta.
 
-    mu = (A + B s) exp(-C s) + D: A + D at zero slip, a maximum or minimum at s = 1/C - A/B, D far beyond. It serves as
-    a fit of a film's traction or as boundary friction. Where A + D is not zero, a ramp (A + D) s/s0 takes its place
-    below s0, so that pure rolling needs no force.
+    mu = (A + B s) exp(-C s) + D, s = |V|/u, odd in V: A + D at zero slip, a maximum or minimum at s = 1/C - A/B, D far
+    beyond. It serves as a fit of a film's traction or as boundary friction. Where A + D is not zero, a ramp
+    (A + D) s/s0 takes its place below s0, so that pure rolling needs no force. Gupta writes the law in the sliding
+    speed; here it is in the slide-roll ratio, so that C and B are his times the rolling speed of the measurement.
 
-    Gupta writes the law in the sliding speed; here it is in the slide-roll ratio, so that C and B are his times the
-    rolling speed of the measurement. Constants belong to an oil, a load and a temperature. The default ones are those
-    of the boundary friction of Klebanov et al., which is the same form and no film's traction (grade C); no constants
-    of Gupta's own were at hand.
+    Symbols:
+
+    - mu: friction coefficient, with the sign of V [1]
+    - s: slide-roll ratio [1]
+    - V: sliding speed [m/s]
+    - u: mean of the two surface speeds [m/s]
+    - A: part that decays (``a``) [1]
+    - B: coefficient of the rise (``b``) [1]
+    - C: decay (``c``) [1]
+    - D: friction far beyond the maximum (``d``) [1]
+    - s0: slide-roll ratio at which the ramp from zero ends (``transition``) [1]
+
+    Range: that of the measurement; constants belong to an oil, a load and a temperature. The default ones are those of
+    the boundary friction of Klebanov et al., which is the same form and no film's traction (grade C); no constants of
+    Gupta's own were at hand.
 
     Raises
     ------
     FieldError
         If the curve, or the ramp, would drive the sliding somewhere.
+
+    Examples
+    --------
+    Beyond the ramp, (0.01 + 0.01) exp(-1) + 0.04 = 0.0473576.
+
+    >>> f"{Gupta(a=0.01, b=1.0, c=100.0, d=0.04).friction(0.01):.7f}"
+    '0.0473576'
     """
 
     name: ClassVar[str] = "gupta"
     equation: ClassVar[str] = "mu = sign(V) [(A + B s) exp(-C s) + D - (A + D) max(0, 1 - s/s0)], s = |V|/u"
     references: ClassVar[tuple[str, ...]] = (
-        "Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984.",
+        "Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984. doi:10.1007/978-1-4612-5276-4",
     )
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
@@ -117,12 +136,20 @@ class Tabulated(TractionModel):
     ``rolling_speed`` and ``temperature`` (of the oil at the inlet) as were varied, in any order; lines that start with
     ``#`` are comments. Its rows, in any order, are a full grid. Slip is 0 or above, and friction odd in it; at zero
     slip it is zero, whether the table says so or not. Interpolation is linear in all columns, or monotone (pchip),
-    which needs four values of each.
+    which needs four values of each (``interpolation``).
+
+    Symbols:
+
+    - mu: friction coefficient, with the sign of V [1]
+    - table: friction of the file (``file``) between its rows [1]
+    - V: sliding speed [m/s]
+    - u: mean of the two surface speeds [m/s]
+    - p: mean pressure of the contact [Pa]
+    - T: temperature of the oil at the inlet [K]
 
     Range: the table. What lies outside is refused and never extrapolated, and what the table does not vary is
-    taken not to matter.
-
-    The default table is not a measurement but points of the published boundary friction, to show the form of a file.
+    taken not to matter. The default table is not a measurement but points of the published boundary friction, to show
+    the form of a file.
 
     Raises
     ------
@@ -130,6 +157,16 @@ class Tabulated(TractionModel):
         If the file cannot be read, with the line, or is no full grid.
     DomainError
         When evaluated outside the table.
+
+    Examples
+    --------
+    Half way between two rows of the table in the box, (0.120004 + 0.119712)/2.
+
+    >>> from rollslip import Conditions, Slices
+    >>> slices = Slices(1, Conditions(), rolling_speed=1.0, sliding_speed=0.0105)
+    >>> Tabulated().evaluate(slices)
+    >>> f"{slices.friction[0]:.6f}"
+    '0.119858'
     """
 
     name: ClassVar[str] = "tabulated"

@@ -30,17 +30,45 @@ EULER = np.euler_gamma
 class Carreau(HeatedFilm):
     """Shear thinning after Carreau in Bair's form, heated by the mean stress.
 
-    tau = eta_N g [1 + (eta_N g/G)^2]^((n - 1)/2), g = V/h, eta_N = eta exp(-beta zeta tau V), mu = tau/p, with
-    zeta = flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f). G [Pa] is the stress at which thinning begins, n its
-    exponent; eta [Pa s] and beta [1/K] the oil's viscosity and its fall with temperature at the mean pressure p [Pa];
-    V sliding speed [m/s], u rolling speed [m/s], h film [m], b half width [m], K_f conductivity of the oil [W/(m K)],
-    sqrt(K rho c) effusivity of the steel.
-
+    tau = eta_N g [1 + (eta_N g/G)^2]^((n - 1)/2), g = V/h, eta_N = eta exp(-beta zeta tau V), mu = tau/p.
     Limits: Newtonian for eta_N g << G, a power law tau = G (eta_N g/G)^n beyond. For n > 0 nothing but heat limits the
     stress; n = 1 is Newtonian, n = 0 tends to tau = G.
 
-    G and n are an oil's own. The defaults are those given for squalane at 40 degC, G = 6.9 MPa and n = 0.463 (grade C:
-    recalled, the tables of the source were not at hand); no measured flow curve has been compared here.
+    Symbols:
+
+    - mu: traction coefficient, with the sign of V [1]
+    - tau: shear stress [Pa]
+    - g: shear rate V/h [1/s]
+    - eta_N: viscosity of the heated film without thinning [Pa s]
+    - G: stress at which thinning begins (``critical_stress``) [Pa]
+    - n: exponent of the thinning (``exponent``) [1]
+    - zeta: temperature of the film over tau V, flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f) [K m2/W]
+    - eta: viscosity at the mean pressure and inlet temperature [Pa s]
+    - beta: its fall with temperature -dln(eta)/dT [1/K]
+    - p: mean pressure of the contact [Pa]
+    - V: sliding speed [m/s]
+    - u: mean of the two surface speeds [m/s]
+    - h: film thickness [m]
+    - b: half width of the contact [m]
+    - flash: factor of the mean flash temperature (``flash``) [1]
+    - K_f: conductivity of the oil [W/(m K)]
+    - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
+
+    Range: that of the oil's flow curve; G and n are an oil's own. The defaults are those given for squalane at 40 degC,
+    G = 6.9 MPa and n = 0.463 (grade C: recalled, the tables of the source were not at hand); no measured flow curve has
+    been compared here.
+
+    Examples
+    --------
+    A cold film with eta V/h = G = 1 MPa at 10 MPa and n = 1/2: mu = 0.1 2^(-1/4) = 0.0840896.
+
+    >>> from rollslip import Conditions, Slices
+    >>> slices = Slices(1, Conditions(effusivity=13e3, conductivity=0.14), pressure=1e7, half_width=1e-4,
+    ...                 film_thickness=1e-6, rolling_speed=1.0, sliding_speed=1.0, film_viscosity=1.0,
+    ...                 film_thermoviscosity=0.0)
+    >>> Carreau(critical_stress=1e6, exponent=0.5).evaluate(slices)
+    >>> f"{slices.friction[0]:.7f}"
+    '0.0840896'
     """
 
     name: ClassVar[str] = "carreau"
@@ -48,10 +76,12 @@ class Carreau(HeatedFilm):
         "mu = eta_N g/p [1 + (eta_N g/G)^2]^((n - 1)/2), g = V/h, eta_N = eta exp(-beta zeta mu p V)"
     )
     references: ClassVar[tuple[str, ...]] = (
-        "Carreau P.J. Rheological equations from molecular network theories. Trans. Soc. Rheol. 16, 1972, 99-127.",
+        "Carreau P.J. Rheological equations from molecular network theories. Trans. Soc. Rheol. 16, 1972, 99-127. "
+        "doi:10.1122/1.549276",
         "Bair S. High-Pressure Rheology for Quantitative Elastohydrodynamics, 2nd ed. Elsevier, 2019.",
         "Bair S., McCabe C., Cummings P.T. Comparison of nonequilibrium molecular dynamics with experimental "
-        "measurements in the nonlinear shear-thinning regime. Phys. Rev. Lett. 88, 2002, 058302.",
+        "measurements in the nonlinear shear-thinning regime. Phys. Rev. Lett. 88, 2002, 058302. "
+        "doi:10.1103/PhysRevLett.88.058302",
     )
     expected_failures = MappingProxyType(
         {
@@ -87,18 +117,46 @@ class LimitingShear(HeatedFilm):
     """Maxwell fluid with a limiting stress in proportion to the pressure after Bair and Winer, heated by the mean.
 
     V/h = (1/Gamma) dtau/dt - (tau_L/eta_N) ln(1 - tau/tau_L), tau_L = lambda p, from tau = 0 at the entry over the
-    transit 2 b/u at the mean pressure p [Pa]; mu = tau_m/p with the mean stress tau_m, whose heat softens the film to
-    eta_N = eta exp(-beta zeta tau_m V), zeta = flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f). The equation has an
-    exact solution in exponential integrals. lambda [1] is the oil's limiting stress over the pressure, Gamma [Pa] its
-    shear modulus, eta [Pa s] and beta [1/K] its viscosity and the fall of that with temperature at p; V sliding speed
-    [m/s], u rolling speed [m/s], h film [m], b half width [m], K_f conductivity of the oil [W/(m K)], sqrt(K rho c)
-    effusivity of the steel.
+    transit 2 b/u at the mean pressure; mu = tau_m/p with the mean stress tau_m, whose heat softens the film to
+    eta_N = eta exp(-beta zeta tau_m V). The equation has an exact solution in exponential integrals. Limits:
+    tau_m = eta V/h for slow sliding and Gamma b >> eta u; elastic, tau_m = Gamma b V/(h u), for slow sliding and
+    eta u >> Gamma b; tau_m = tau_L [1 - exp(-eta_N V/(h tau_L))] for Gamma b >> eta u; never above tau_L.
 
-    Limits: tau_m = eta V/h for slow sliding and Gamma b >> eta u; elastic, tau_m = Gamma b V/(h u), for slow sliding
-    and eta u >> Gamma b; tau_m = tau_L [1 - exp(-eta_N V/(h tau_L))] for Gamma b >> eta u; never above tau_L.
+    Symbols:
+
+    - mu: traction coefficient, with the sign of V [1]
+    - tau: local shear stress [Pa]
+    - tau_L: limiting stress [Pa]
+    - lambda: limiting stress over pressure (``limit``) [1]
+    - Gamma: shear modulus of the oil [Pa]
+    - t: time since the entry into the contact [s]
+    - eta_N: viscosity of the heated film [Pa s]
+    - zeta: temperature of the film over tau V, flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f) [K m2/W]
+    - eta: viscosity at the mean pressure and inlet temperature [Pa s]
+    - beta: its fall with temperature -dln(eta)/dT [1/K]
+    - p: mean pressure of the contact [Pa]
+    - V: sliding speed [m/s]
+    - u: mean of the two surface speeds [m/s]
+    - h: film thickness [m]
+    - b: half width of the contact [m]
+    - flash: factor of the mean flash temperature (``flash``) [1]
+    - K_f: conductivity of the oil [W/(m K)]
+    - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
 
     Range: lambda is some 0.05 to 0.1 for bearing oils and falls with temperature (grade C); the default 0.08 is not
     that of a named oil (grade D). The source's own tables were not at hand, and no measured curve has been compared.
+
+    Examples
+    --------
+    A cold, stiff film with eta V/h = tau_L = 1 MPa at 10 MPa: mu = 0.1 (1 - 1/e) = 0.0632121.
+
+    >>> from rollslip import Conditions, Slices
+    >>> slices = Slices(1, Conditions(effusivity=13e3, conductivity=0.14, shear_modulus=1e18), pressure=1e7,
+    ...                 half_width=1e-4, film_thickness=1e-6, rolling_speed=1.0, sliding_speed=1.0,
+    ...                 film_viscosity=1.0, film_thermoviscosity=0.0)
+    >>> LimitingShear(limit=0.1).evaluate(slices)
+    >>> f"{slices.friction[0]:.7f}"
+    '0.0632121'
     """
 
     name: ClassVar[str] = "limiting-shear"
@@ -108,7 +166,7 @@ class LimitingShear(HeatedFilm):
     )
     references: ClassVar[tuple[str, ...]] = (
         "Bair S., Winer W.O. A rheological model for elastohydrodynamic contacts based on primary laboratory data. "
-        "J. Lubr. Technol. 101, 1979, 258-265.",
+        "J. Lubr. Technol. 101, 1979, 258-265. doi:10.1115/1.3453342",
     )
     reads = HeatedFilm.reads | {"shear_modulus"}
     domain = MappingProxyType({**HEATED, "shear_modulus": POSITIVE})

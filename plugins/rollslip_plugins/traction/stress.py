@@ -53,9 +53,9 @@ def muraki_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
 
     References
     ----------
-    .. [1] M. Muraki (1987), as cited in [3]_.
-    .. [2] M. Muraki (1992), as cited in [3]_.
-    .. [3] Ya. M. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
+    .. [1] M. Muraki, Tribol. Int. 20 (6), 1987, 347-354, as cited in [3]_.
+    .. [2] M. Muraki, J. Synth. Lubr. 9 (1), 1992, 29-43, as cited in [3]_.
+    .. [3] I. M. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
        (2022), doi:10.3103/S1068366622010068.
 
     Examples
@@ -105,7 +105,7 @@ def eyring_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
 
     References
     ----------
-    .. [1] Ya. M. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
+    .. [1] I. M. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
        (2022), doi:10.3103/S1068366622010068.
 
     Examples
@@ -156,8 +156,8 @@ def maxwell_eyring_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: A
 
     References
     ----------
-    .. [1] M. Muraki (1987), as cited in [2]_.
-    .. [2] Ya. M. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
+    .. [1] M. Muraki, Tribol. Int. 20 (6), 1987, 347-354, as cited in [2]_.
+    .. [2] I. M. Klebanov et al., "Slip in roller bearings under hydrodynamic contact friction", J. Frict. Wear 43
        (2022), doi:10.3103/S1068366622010068.
 
     Examples

@@ -36,16 +36,40 @@ class NewtonianThermal(HeatedFilm):
     """Newtonian film with exact conduction across it after Crook, between surfaces at their flash temperature.
 
     tau = (eta_s V/h) asinh(x)/(x sqrt(1 + x^2)), x^2 = Na/8, Na = beta eta_s V^2/K_f, eta_s = eta exp(-beta T_s),
-    T_s = flash sqrt(b/(pi u))/sqrt(K rho c) tau V, mu = tau/p. eta [Pa s] and beta [1/K] are the oil's viscosity and
-    its fall with temperature at the mean pressure p [Pa]; V sliding speed [m/s], u rolling speed [m/s], h film [m], b
-    half width [m], K_f conductivity of the oil [W/(m K)], sqrt(K rho c) effusivity of the steel, T_s [K] above the
-    inlet.
+    T_s = flash sqrt(b/(pi u))/sqrt(K rho c) tau V, mu = tau/p. Between cold surfaces the stress has its maximum where
+    beta tau^2 h^2/(4 eta K_f) = 0.8785, the critical value of Frank-Kamenetskii's problem of a slab.
 
-    Between cold surfaces the stress has its maximum where beta tau^2 h^2/(4 eta K_f) = 0.8785, the critical value of
-    Frank-Kamenetskii's problem of a slab.
+    Symbols:
+
+    - mu: traction coefficient, with the sign of V [1]
+    - x: root of an eighth of the Nahme number [1]
+    - eta_s: viscosity at the temperature of the surfaces [Pa s]
+    - T_s: temperature of both surfaces above the inlet [K]
+    - eta: viscosity at the mean pressure and inlet temperature [Pa s]
+    - beta: its fall with temperature -dln(eta)/dT [1/K]
+    - p: mean pressure of the contact [Pa]
+    - V: sliding speed [m/s]
+    - u: mean of the two surface speeds [m/s]
+    - h: film thickness [m]
+    - b: half width of the contact [m]
+    - flash: factor of the mean flash temperature (``flash``) [1]
+    - K_f: conductivity of the oil [W/(m K)]
+    - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
 
     Range: steady conduction across the film only, a viscosity exponential in temperature. Without shear thinning the
     stress at high pressure is one that no oil bears.
+
+    Examples
+    --------
+    Between cold surfaces, eta V/h = 1 MPa at 10 MPa and Na = 8: mu = 0.1 asinh(1)/sqrt(2) = 0.0623225.
+
+    >>> from rollslip import Conditions, Slices
+    >>> slices = Slices(1, Conditions(effusivity=1e30, conductivity=0.005), pressure=1e7, half_width=1e-4,
+    ...                 film_thickness=1e-6, rolling_speed=1.0, sliding_speed=1.0, film_viscosity=1.0,
+    ...                 film_thermoviscosity=0.04)
+    >>> NewtonianThermal().evaluate(slices)
+    >>> f"{slices.friction[0]:.7f}"
+    '0.0623225'
     """
 
     name: ClassVar[str] = "newtonian-thermal"
@@ -80,13 +104,43 @@ class NewtonianThermal(HeatedFilm):
 class EyringThermal(HeatedFilm):
     """Eyring film with exact conduction across it after Johnson and Greenwood, between surfaces at flash temperature.
 
-    As `newtonian-thermal` with eta_s = eta exp(-beta T_s) (tau/tau0)/sinh(tau/tau0), tau0 [Pa] the Eyring stress: the
-    stress is uniform across the film, so that the fluid flows as a Newtonian one of that effective viscosity.
+    As ``newtonian-thermal`` with eta_e = eta exp(-beta T_s) (tau/tau0)/sinh(tau/tau0) in place of eta_s: the stress is
+    uniform across the film, so that the fluid flows as a Newtonian one of that effective viscosity. Limits:
+    ``newtonian-thermal`` for tau0 -> infinity; without heat tau = tau0 asinh(eta V/(tau0 h)).
 
-    Limits: `newtonian-thermal` for tau0 -> infinity; without heat tau = tau0 asinh(eta V/(tau0 h)).
+    Symbols:
+
+    - mu: traction coefficient, with the sign of V [1]
+    - tau: shear stress mu p [Pa]
+    - tau0: Eyring stress [Pa]
+    - x: root of an eighth of the Nahme number of eta_e [1]
+    - eta_e: effective viscosity at the temperature of the surfaces [Pa s]
+    - T_s: temperature of both surfaces above the inlet [K]
+    - eta: viscosity at the mean pressure and inlet temperature [Pa s]
+    - beta: its fall with temperature -dln(eta)/dT [1/K]
+    - p: mean pressure of the contact [Pa]
+    - V: sliding speed [m/s]
+    - u: mean of the two surface speeds [m/s]
+    - h: film thickness [m]
+    - b: half width of the contact [m]
+    - flash: factor of the mean flash temperature (``flash``) [1]
+    - K_f: conductivity of the oil [W/(m K)]
+    - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
 
     Range: no elasticity; steady conduction across the film only, a viscosity exponential in temperature. The numbers of
     the source were not at hand; it is checked against the energy equation.
+
+    Examples
+    --------
+    Cold, with eta V/h = tau0 = 1 MPa at 10 MPa: mu = 0.1 asinh(1) = 0.0881374.
+
+    >>> from rollslip import Conditions, Slices
+    >>> slices = Slices(1, Conditions(effusivity=13e3, conductivity=0.14, eyring_stress=1e6), pressure=1e7,
+    ...                 half_width=1e-4, film_thickness=1e-6, rolling_speed=1.0, sliding_speed=1.0,
+    ...                 film_viscosity=1.0, film_thermoviscosity=0.0)
+    >>> EyringThermal().evaluate(slices)
+    >>> f"{slices.friction[0]:.7f}"
+    '0.0881374'
     """
 
     name: ClassVar[str] = "eyring-thermal"
