@@ -18,6 +18,7 @@ import pytest
 from rollslip import evolve, hookspecs, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue import discovery
+from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.catalogue.registry import available
 from rollslip.cli.main import cli, main
@@ -267,3 +268,52 @@ def test_the_misprint_table_shows_the_limit_and_the_divergence():
         limit = float(cell("misprint_limit", "ln(2 sigma)/(1 + Phi sigma)", **row))
         assert float(cell("misprint_limit", "corrected, ln(2 sigma)", **row)) == pytest.approx(limit, rel=1e-3)
         assert float(cell("misprint_limit", "as printed", **row)) * float(deborah) == pytest.approx(limit, rel=1e-3)
+
+
+# The code behind the theory --------------------------------------------------------------------------------------------
+
+#: ``Name``, ``Other`` in ``package/path.py``: of the box or the framework, without their folders.
+CODE = re.compile(r"((?:``\w+``,?\s+)+)in\s+``(rollslip\w*/[\w/]+\.py)``")
+ROOTS = (DOCS.parent / "plugins", DOCS.parent / "framework")
+THEORY = {page: text for page, text in PAGES.items() if page.startswith("theory/")}
+
+
+def linked(text):
+    """What pages say of the code: (name, path), and the kernels' files."""
+    code = "".join(re.findall(r"^\*Code:\*(.*?)(?:\n\n|\Z)", text, re.MULTILINE | re.DOTALL))
+    names = {(name, path) for listed, path in CODE.findall(code) for name in re.findall(r"``(\w+)``", listed)}
+    return names, set(re.findall(r"``(\w+\.(?:h|pyx))``", code))
+
+
+def stale(names, kernels):
+    """Links that lead nowhere."""
+    there = {path.name for path in (DOCS.parent / "kernels").rglob("*")}
+    return sorted(kernels - there) + sorted(
+        name
+        for name, path in names
+        if not any(
+            re.search(rf"^(?:class|def) {name}\b", (root / path).read_text(encoding="utf-8"), re.MULTILINE)
+            for root in ROOTS
+            if (root / path).is_file()
+        )
+    )
+
+
+@pytest.mark.parametrize(
+    "page", ["theory/film.rst", "theory/traction.rst", "theory/mixed_film.rst", "theory/bearing.rst"]
+)
+def test_theory_leads_to_the_code(page):
+    names, kernels = linked(THEORY[page])
+    assert names
+    assert kernels
+    assert stale(names, kernels) == []
+    path = "rollslip_plugins/film/formulas.py"
+    assert stale({("Moes", path), ("Moose", path)}, {"film.h", "foam.h"}) == ["foam.h", "Moose"]
+
+
+@pytest.mark.parametrize("kind", ["contact", "film", "traction", "drag"])
+def test_every_law_is_reached_from_the_theory(kind):
+    names = {name for name, _ in linked("\n\n".join(THEORY.values()))[0]}
+    laws = {get_class(kind, name).__name__ for name, by in available(kind).items() if by.package == "rollslip"}
+    assert laws
+    assert laws <= names
