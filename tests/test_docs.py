@@ -270,7 +270,7 @@ def test_the_misprint_table_shows_the_limit_and_the_divergence():
         assert float(cell("misprint_limit", "as printed", **row)) * float(deborah) == pytest.approx(limit, rel=1e-3)
 
 
-# The code behind the theory --------------------------------------------------------------------------------------------
+# The code behind the theory ------------------------------------------------------------------------------------------
 
 #: ``Name``, ``Other`` in ``package/path.py``: of the box or the framework, without their folders.
 CODE = re.compile(r"((?:``\w+``,?\s+)+)in\s+``(rollslip\w*/[\w/]+\.py)``")
