@@ -18,6 +18,7 @@ from rollslip.motion.carried import carried_motion
 from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.motion.carried import LEDGER
+from rollslip_kernels.motion.system import RefusedError
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag
 from strategies import NumpyForm

@@ -25,6 +25,7 @@ from rollslip.models import DragModel
 from rollslip.motion.moving_bearing import MovingBearing, pocket_contact
 from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
 from rollslip_kernels.motion.planar import LEDGER_UNITS, Planar
+from rollslip_kernels.motion.system import System
 from rollslip_kernels.slices import Slices
 
 _STEP: Final = 1e-6  # s, in which a step of the load is made: a fiftieth of the period of a roller on its contacts

@@ -133,7 +133,7 @@ def check_its_curves_can_be_compared(study: Study) -> None:
     result = _result(study)
     refuse_unless(Curves.of(result) == curves, "attribute curves is not that of the study; pass attrs=self.attributes")
     both, one = (curves.over, curves.slip), (curves.over,)
-    wanted = {curves.variable: both, "film_parameter": both}
+    wanted: dict[str, tuple[str, ...]] = {curves.variable: both, "film_parameter": both}
     wanted |= {curves.critical: one, "critical_friction": one, "critical_status": one}
     for name, dims in wanted.items():
         refuse_unless(name in result and result[name].dims == dims, f"there is no {name!r} over {' and '.join(dims)}")
