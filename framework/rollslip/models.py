@@ -204,6 +204,8 @@ class FilmModel(SliceModel):
     location: ClassVar[str]
     #: Film regime it holds in: "IR", "VR", "IE", "VE", or "all".
     regime: ClassVar[str] = "all"
+    #: Whether fronts of error against cost hold it against others where nobody names films.
+    on_fronts: ClassVar[bool] = False
 
     @property
     def inlet_heating(self) -> str:

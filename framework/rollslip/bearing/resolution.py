@@ -57,7 +57,7 @@ class Resolution:
     integrator, integrator_tolerance
         Name of the integrator and relative tolerance of its steps; None for what the study says.
     friction, level
-        Friction and level of detail of study dynamics; None for what the study says.
+        Friction and level of detail of a bearing in motion; None for what the study says.
     compiled : bool
         Whether stages run compiled where they can, else in NumPy.
 
@@ -85,8 +85,8 @@ class Resolution:
         doc="relative tolerance of a step",
         validator=attrs.validators.optional(in_range(0, 0.1, open=True)),
     )
-    friction: str | None = parameter(default=None, doc="friction of study dynamics")
-    level: str | None = parameter(default=None, doc="level of detail of study dynamics")
+    friction: str | None = parameter(default=None, doc="friction of the raceways in motion")
+    level: str | None = parameter(default=None, doc="level of detail of motion")
     compiled: bool = parameter(default=True, doc="whether stages run compiled")
 
     def slicing(self, length: float) -> tuple[Array, Array]:

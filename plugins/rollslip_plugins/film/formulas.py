@@ -216,6 +216,7 @@ class Dowson1968(_PowerLaw):
     """
 
     name: ClassVar[str] = "dowson-1968"
+    on_fronts: ClassVar[bool] = True
     equation: ClassVar[str] = "h/R = 2.65 U^0.7 G^0.54 W^-0.13"
     references: ClassVar[tuple[str, ...]] = (
         "Dowson D. Elastohydrodynamics. Proc. Inst. Mech. Eng. 182 (3A), 1968, 151-167.",
@@ -300,6 +301,7 @@ class PanHamrock(FilmModel):
     """
 
     name: ClassVar[str] = "pan-hamrock"
+    on_fronts: ClassVar[bool] = True
     equation: ClassVar[str] = "h/R = 1.714 W^-0.128 U^0.694 G^0.568 (minimum); 2.922 W^-0.166 U^0.692 G^0.470 (central)"
     references: ClassVar[tuple[str, ...]] = (
         "Pan P., Hamrock B.J. Simple formulas for performance parameters used in elastohydrodynamically "
@@ -366,6 +368,7 @@ class Moes(FilmModel):
     """
 
     name: ClassVar[str] = "moes"
+    on_fronts: ClassVar[bool] = True
     equation: ClassVar[str] = "H = [(H_RI^(7/3) + H_EI^(7/3))^(3s/7) + (H_RP^(-7/2) + H_EP^(-7/2))^(-2s/7)]^(1/s)"
     references: ClassVar[tuple[str, ...]] = (
         "Moes H. Optimum similarity analysis with applications to elastohydrodynamic lubrication. "
@@ -427,6 +430,7 @@ class Regime(FilmModel):
     """
 
     name: ClassVar[str] = "regime"
+    on_fronts: ClassVar[bool] = True
     equation: ClassVar[str] = "h = max(max(h_IR, h_IE), min(h_VR, h_VE))"
     references: ClassVar[tuple[str, ...]] = (
         "Johnson K.L. Regimes of elastohydrodynamic lubrication. J. Mech. Eng. Sci. 12, 1970, 9-16. "

@@ -52,12 +52,10 @@ _GAUSS: Final = (5, 11, 21, 41, 101)
 _INSTANTS: Final = (1, 2, 4, 8, 16, 32, 64)
 _TABLES: Final = (10.0, 3.0, 0.3)  # times the plan's
 _STEPS: Final = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-_INTEGRATORS: Final = ("rodas5p", "lsoda", "bdf", "radau", "cvode")
 #: Crossed.
 _CORE: Final = ((5, 11, 21, 41), (1, 2, 4))
 _CORE_STEPS: Final = (1e-3, 1e-5, 1e-7)
 _LAW_ERRORS: Final = (1e-2, 1e-3, 1e-4, 1e-6)
-_FILMS: Final = ("moes", "regime", "dowson-1968", "pan-hamrock")
 #: Tables of the finest, over the plan's: loads over the orbit take time with the inverse of their error, and end.
 _FINEST_TABLES: Final = 0.1
 #: By how much coarser the tolerances are of what tells how exact the finest is; slices and instants are halved.
@@ -321,13 +319,14 @@ def _forms(law: str) -> list[str]:
 
 
 def _integrators(made: Plan, study: str) -> list[str | None]:
-    """Integrators that are there, with the packages that they need themselves; None for the scene's own."""
+    """Implicit integrators that are there, with the packages that they need; None for the scene's own."""
     own, found = made.studies[study].chosen(made.assembly).get("integrator"), list[str | None]()
-    for name in _INTEGRATORS:
+    for name in available("integrator"):
         if own == name:
             found.append(None)
-        elif name in available("integrator"):
-            with contextlib.suppress(PluginError):
+            continue
+        with contextlib.suppress(PluginError):  # one that lacks its package is no choice
+            if not get_class("integrator", name).explicit:
                 get_model("integrator", name).solver()
                 found.append(name)
     return found
@@ -337,9 +336,13 @@ def _integrators(made: Plan, study: str) -> list[str | None]:
 
 
 def _others(scene: Scene) -> list[str]:
-    """Films of the box that hold in many regimes, without the scene's."""
-    own = _film_label(scene, None)
-    return [name for name in _FILMS if name in available("film") and name != own]
+    """Films that say that fronts are to take them, without the scene's."""
+    own, found = _film_label(scene, None), list[str]()
+    for name in available("film"):
+        with contextlib.suppress(PluginError):
+            if name != own and get_class("film", name).on_fronts:
+                found.append(name)
+    return found
 
 
 def _film_label(scene: Scene, name: str | None) -> str:
