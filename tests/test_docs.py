@@ -22,6 +22,7 @@ from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.catalogue.registry import available
 from rollslip.cli.main import cli, main
+from rollslip.cli.models import listed
 from rollslip.lubricant import OilTable
 from rollslip.scene.reading import schema
 from rollslip.studies.study import study_class
@@ -112,6 +113,8 @@ def test_every_hookspec_belongs_to_a_kind():
 @pytest.mark.parametrize("kind", kinds())
 def test_every_kind_and_its_models_are_in_the_docs(kind):
     assert f"``rollslip.{kind}``" in made("kinds")
+    if kind not in listed():  # nothing that a scene names
+        return
     catalogue = made("models").partition(f"{kind.capitalize()}\n---")[2]
     assert all(f".. rubric:: {name}\n" in catalogue for name in available(kind))
 

@@ -13,8 +13,8 @@ from rollslip.campaigns.sweep.sweep import SweepTable
 from rollslip.catalogue.kinds import get_kind
 from rollslip.catalogue.kinds import kinds as all_kinds
 from rollslip.catalogue.registry import available, get_class
-from rollslip.cli.console import models_as_dict
 from rollslip.cli.main import cli
+from rollslip.cli.models import listed, models_as_dict
 from rollslip.lubricant import OilPoint, OilTable
 from rollslip.scene.reading import schema, shown_default
 from rollslip.studies.study import study_class
@@ -74,9 +74,9 @@ def study_keys():
 
 
 def models():
-    """Everything about everything that the registry offers, a section for each kind."""
+    """Everything about everything that a scene can name, a section for each kind."""
     lines = []
-    for kind in all_kinds():
+    for kind in listed():
         lines += [kind.capitalize(), "-" * len(kind), ""]
         for name in available(kind):
             thing = get_class(kind, name)

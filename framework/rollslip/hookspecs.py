@@ -48,6 +48,11 @@ def studies() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 
 @hookspec
+def accounts() -> Iterable[Any]:  # type: ignore[empty-body]
+    """Accounts this plugin offers, one for each study that it offers: values of `rollslip.results.account.Account`."""
+
+
+@hookspec
 def lubricants() -> Iterable[Any]:  # type: ignore[empty-body]
     """Lubricants this plugin offers: values of `rollslip.lubricant.Lubricant`."""
 

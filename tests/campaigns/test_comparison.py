@@ -11,13 +11,15 @@ import pytest
 import rollslip
 from rollslip import evolve, get_model, load_scene, open_result, run
 from rollslip.campaigns.comparison.comparison import compare, plan_comparison
-from rollslip.campaigns.comparison.findings import bin_tables, curve_names, findings, members, records, tables
+from rollslip.campaigns.comparison.findings import bin_tables, findings, members, records, tables
 from rollslip.catalogue import discovery
 from rollslip.cli import main
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError
 from rollslip.models import FilmModel, TractionModel
+from rollslip.results.account import account_of
+from rollslip.results.curves import curve_names
 from rollslip.results.dataset import save
-from rollslip.results.figures import curves, plot
+from rollslip.results.figures import plot
 from rollslip.results.report import write_report
 from rollslip_plugins.traction.eyring import Muraki
 
@@ -607,4 +609,4 @@ def test_a_figure_is_the_same_bytes_each_time(tmp_path):
     first, again = plot(found, tmp_path / "a"), plot(found, tmp_path / "b")
     assert [path.name for path in first] == ["comparison.svg"]
     assert first[0].read_bytes() == again[0].read_bytes()
-    assert [curve.name for curve in curves(found)] == ["muraki, 300 N", "eyring, 300 N"]
+    assert list(account_of(found).topics(found)) == ["muraki, 300 N", "eyring, 300 N"]

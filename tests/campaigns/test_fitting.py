@@ -24,7 +24,7 @@ from scipy.optimize import curve_fit
 import rollslip
 from rollslip import Chain, Conditions, Slices, get_model
 from rollslip.campaigns.fit import least_squares
-from rollslip.campaigns.fit.findings import as_dict, parameter_rows
+from rollslip.campaigns.fit.findings import parameter_rows, record
 from rollslip.campaigns.fit.fit import fit_parameters
 from rollslip.campaigns.fit.least_squares import LEVELS, estimate
 from rollslip.campaigns.fit.oil import write_oil
@@ -404,7 +404,7 @@ def test_the_origin_and_every_number_are_in_the_dataset(tmp_path):
     assert rollslip.open_result(tmp_path / "fit.nc").identical(found)
     np.testing.assert_allclose(found["friction"] - found["fitted_friction"], found["residual"])
     assert found["operating_point"].to_numpy().tolist() == [k // 12 for k in range(48)]
-    json.dumps(as_dict(found), allow_nan=False)
+    json.dumps(record(found), allow_nan=False)
 
 
 def test_curves_pass_through_the_fitted_friction():
@@ -479,7 +479,7 @@ def test_a_parameter_that_the_data_do_not_see_is_kept_and_named():
     assert np.isnan(one["standard_error"])
     alone = rollslip.fit(noisy(WARM), parameters="pressure_viscosity,eyring_stress", rig=RIG)
     np.testing.assert_allclose(found["value"][[0, 2]], alone["value"], rtol=1e-9)
-    said = as_dict(found)["parameters"]["shear_modulus"]
+    said = record(found)["parameters"]["shear_modulus"]
     assert said["interval 95 %"] == [None, None]
     assert said["standard_error"] is None
 
@@ -500,7 +500,7 @@ def test_a_limit_on_one_side_only_is_said_in_words():
     assert 0 < low < 0.3e9
     assert np.isnan(high)
     assert parameter_rows(found)[0][4].startswith("above ")
-    assert as_dict(found)["parameters"]["shear_modulus"]["interval 95 %"] == [low, None]
+    assert record(found)["parameters"]["shear_modulus"]["interval 95 %"] == [low, None]
 
 
 def test_parameters_that_stand_for_each_other_are_named_together():

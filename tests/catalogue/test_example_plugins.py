@@ -31,13 +31,13 @@ import numpy as np
 import pytest
 
 from rollslip import open_result
-from rollslip.catalogue.kinds import kinds
+from rollslip.catalogue.kinds import get_kind, kinds
 
 pytestmark = pytest.mark.plugins
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted(path.parent.name for path in (ROOT / "docs" / "example-plugins").glob("*/pyproject.toml"))
-SCAFFOLDED = [(f"own-{kind}", kind, False) for kind in kinds()]
+SCAFFOLDED = [(f"own-{kind}", kind, False) for kind in kinds() if get_kind(kind).template is not None]
 SCAFFOLDED += [(f"rollslip-fast-{kind}", kind, True) for kind in ("contact", "film", "traction")]
 
 

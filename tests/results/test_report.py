@@ -10,7 +10,8 @@ from urllib.parse import urlsplit
 import pytest
 
 from rollslip.bearing.assembly import assemble
-from rollslip.results.figures import percent, plot
+from rollslip.results.curves import percent
+from rollslip.results.figures import plot
 from rollslip.results.report import write_report
 from rollslip.scene import resolved
 from rollslip.scene.reading import load_scene

@@ -12,6 +12,7 @@ import pytest
 
 from motion_samples import CAGE_SPEED, ROLLER_SPEED, motion, relaxing, running_away
 from rollslip.cli import console
+from rollslip.results.account import account_of
 from rollslip.results.figures import plot
 from rollslip.results.report import write_report
 from rollslip.studies.dynamics.figures import _Cells, _other_events, motion_figures, plot_together
@@ -23,7 +24,6 @@ from rollslip.studies.dynamics.findings import (
     ledger_table,
     momentum_closure,
     record,
-    sentences,
     topics,
     turnover,
     unslipped_cage_speed,
@@ -134,7 +134,7 @@ def test_axes_say_what_they_show_in_which_unit(drawn):
 def test_a_figure_says_what_was_found(planar, drawn):
     for path in drawn:
         said = metadata(path, "description").casefold()
-        for sentence in sentences(planar):
+        for sentence in account_of(planar).sentences(planar):
             assert sentence.casefold() in said
         assert "level planar, conventional friction" in metadata(path, "title")
 
@@ -142,7 +142,7 @@ def test_a_figure_says_what_was_found(planar, drawn):
 @pytest.mark.parametrize("name", hard_cases())
 def test_hard_cases_are_told(name):
     dataset = hard_cases()[name]
-    said = " ".join(sentences(dataset))
+    said = " ".join(account_of(dataset).sentences(dataset))
     assert "nan" not in said
     assert "inf" not in said
     json.dumps(record(dataset), allow_nan=False)
@@ -403,7 +403,7 @@ def test_the_console_says_it_and_a_stored_result_too(tmp_path):
     dataset = motion(points=61)
     lines = console.findings(dataset).splitlines()
     assert lines[0] == "dynamics:"
-    assert lines[1:] == [f"  {text}" for text in sentences(dataset)]
+    assert lines[1:] == [f"  {text}" for text in account_of(dataset).sentences(dataset)]
     stored = dataset.assign_attrs(
         scene_hash="01" * 32, source="s.toml", created="", evaluations=1, wall_time=1.0, packages="{}"
     )
@@ -436,7 +436,7 @@ def page(datasets, figures, folder):
 
 def test_the_report_says_it(tmp_path, planar, drawn):
     _, text = page({"dynamics": planar}, {"dynamics": drawn}, tmp_path)
-    for sentence in sentences(planar):
+    for sentence in account_of(planar).sentences(planar):
         assert sentence[1:] in text
     assert "Energy ledger" in text
     assert "cage slip passes the critical value1" in text

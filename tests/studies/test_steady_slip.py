@@ -21,13 +21,14 @@ from rollslip.fields import FieldError
 from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
 from rollslip.motion.continuation import follow, steady_slips, torque_curve
 from rollslip.motion.torque_balance import TorqueBalance
+from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.scene.reading import evolve, load_scene
 from rollslip.studies.dynamics.study import Dynamics
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.steady_slip.figures import steady_figures
-from rollslip.studies.steady_slip.findings import paragraph, record, topics
+from rollslip.studies.steady_slip.findings import record, topics
 from rollslip.studies.steady_slip.study import SteadySlip
 
 SHIPPED = load_scene("1032930-50C")
@@ -587,9 +588,11 @@ def test_findings_and_figures_tell_the_same(tmp_path, followed):
     assert [state["stable"] for state in values["steady"]] == [True, False]
     assert values["largest_drag"] == float(found.largest_drag)
     json.dumps(values, allow_nan=False)
-    first = [file.read_bytes() for file in save_figures(steady_figures(found), paragraph(found), tmp_path / "first")]
+    text = account_of(found).paragraph(found)
+    assert all(sentence in text for about in said.values() for sentence in (s[1:] for s in about))
+    first = [file.read_bytes() for file in save_figures(steady_figures(found), text, tmp_path / "first")]
     one = itertools.islice(steady_figures(found), 1)
-    assert save_figures(one, paragraph(found), tmp_path / "again")[0].read_bytes() == first[0]
+    assert save_figures(one, text, tmp_path / "again")[0].read_bytes() == first[0]
     assert sorted(file.stem for file in (tmp_path / "first").iterdir()) == [
         "steady-slip",
         "steady-slip-orbit",

@@ -1,9 +1,7 @@
-"""How plans, results, scenes and models read on a terminal and in JSON."""
+"""How plans, sweeps, results and scenes read on a terminal and in JSON."""
 
-import importlib
 import importlib.metadata
 import json
-import math
 import platform
 import shutil
 import sys
@@ -11,15 +9,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import attrs
 import click
 
 from rollslip.bearing.resolution import error_text
-from rollslip.catalogue.discovery import Offer, available, catalogue, find, get_class
-from rollslip.catalogue.kinds import get_kind, kinds
-from rollslip.errors import PluginError
-from rollslip.models import SliceModel, interval
-from rollslip.scene.values import Scene, resolved, scene_hash
+from rollslip.catalogue.discovery import available, find
+from rollslip.results.account import account_of
+from rollslip.scene.values import Scene, scene_hash
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -27,15 +22,28 @@ if TYPE_CHECKING:
 
     from rollslip.campaigns.comparison.comparison import Comparison
     from rollslip.campaigns.pareto.candidates import Family
+    from rollslip.campaigns.sweep.folder import Status
+    from rollslip.campaigns.sweep.run import Progress
+    from rollslip.campaigns.sweep.sweep import Sweep
     from rollslip.planning.plan import Plan
     from rollslip.studies.answers import Part
 
 Sections = dict[str, list[tuple[str, str]]]
 
 
+# Before a run ---------------------------------------------------------------------------------------------------------
+
+
 def headline(plan: "Plan") -> str:
     """Return the first line of every run: version, scene and hash, models with their packages."""
     return _headline(plan.scene, ((kind, model.name, model.name) for kind, model in plan.models))
+
+
+def comparison_headline(comparison: "Comparison") -> str:
+    """Return the first line of a comparison, with the models of all combinations."""
+    chosen = [one.choices for one in comparison.combinations.values()]
+    models = dict.fromkeys((kind, c[kind].name, c[kind].full) for kind in chosen[0] for c in chosen)
+    return _headline(comparison.scene, models)
 
 
 def _headline(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
@@ -44,108 +52,6 @@ def _headline(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
     used = ", ".join(f"{kind} {called} ({offer.package} {offer.version})" for kind, called, offer in offers)
     version = importlib.metadata.version("rollslip")
     return f"rollslip {version} | {scene.source} {scene_hash(scene)[:12]} | {used}"
-
-
-def findings(dataset: "xr.Dataset") -> str:
-    """Return what a study found, in a few lines."""
-    study = dataset.attrs["study"]
-    if said := _spoken(study):
-        return "\n  ".join((f"{study}:", *said.sentences(dataset)))
-    lines = [f"{study}:"]
-    for name, row in _critical_rows(dataset):
-        found = (
-            f"critical slip {row['critical_slip']:.2%}, largest friction {row['critical_friction']:.4g}"
-            if row["critical_slip"] is not None
-            else row["status"]
-        )
-        lines.append(f"  {name}: {found}")
-    if "instants_error" in dataset.attrs:
-        slices = dataset.attrs.get("slices_error", 0.0)  # one slice under an even load leaves none
-        lines.append(
-            f"  {dataset.attrs['instants']} instants of a pitch and {dataset.attrs['slices']} slices of a roller leave "
-            f"relative errors of about {dataset.attrs['instants_error']:.1e} and {slices:.1e}; "
-            f"residual of the forces {dataset.attrs['force_residual']:.1e}"
-        )
-    return "\n".join(lines)
-
-
-def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]", target: Path, files: list[str]) -> dict[str, Any]:
-    """Return what a run did, as plain values; a value without meaning is null, with its status beside it."""
-    return {
-        "rollslip": importlib.metadata.version("rollslip"),
-        "scene": plan.scene.source,
-        "scene_hash": scene_hash(plan.scene),
-        "models": _by_kind(plan.models),
-        "studies": {
-            name: {
-                "results": _results(dataset),
-                "warnings": json.loads(dataset.attrs["warnings"]),
-                "evaluations": int(dataset.attrs["evaluations"]),
-                "wall_time": float(dataset.attrs["wall_time"]),
-                "accuracy": json.loads(dataset.attrs["accuracy"]),
-                "cost": json.loads(dataset.attrs["cost"]),
-            }
-            for name, dataset in datasets.items()
-        },
-        "folder": str(target),
-        "files": files,
-    }
-
-
-def _results(dataset: "xr.Dataset") -> dict[str, Any]:
-    """What a study found, as plain values."""
-    if said := _spoken(dataset.attrs["study"]):
-        found: dict[str, Any] = said.record(dataset)
-        return found
-    return dict(_critical_rows(dataset))
-
-
-def _spoken(study: str) -> Any:
-    """Return the module that has the words of a study in which there is more than friction curves, or None."""
-    names = {
-        "dynamics": "motion_findings",
-        "steady-slip": "steady_findings",
-        "pareto": "front_findings",
-        "sweep": "sweep_findings",
-        "uncertainty": "uncertainty_findings",
-    }
-    return importlib.import_module(f"rollslip.{names[study]}") if study in names else None
-
-
-def _by_kind(models: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """Names of models by kind; a list where a kind has several."""
-    names: dict[str, list[str]] = {}
-    for kind, model in models:
-        names.setdefault(kind, []).append(model.name)
-    return {kind: of[0] if len(of) == 1 and kind != "drag" else of for kind, of in names.items()}
-
-
-def _critical_rows(dataset: "xr.Dataset") -> Iterable[tuple[str, dict[str, Any]]]:
-    """Critical slip, its friction and its status of each ring or normal force."""
-    if dataset.attrs["study"] == "comparison":
-        from rollslip.campaigns.comparison.findings import members
-
-        for label, one in members(dataset):
-            yield from ((f"{label}, {name}", row) for name, row in _critical_rows(one))
-        return
-    if dataset.attrs["study"] == "effective-friction":
-        names, slip = [f"{ring} ring" for ring in dataset["ring"].to_numpy()], dataset["critical_cage_slip"]
-    else:
-        names, slip = [format_quantity(float(q), "N") for q in dataset["normal_force"]], dataset["critical_slip"]
-    for k, name in enumerate(names):
-        yield (
-            name,
-            {
-                "critical_slip": _or_none(slip[k]),
-                "critical_friction": _or_none(dataset["critical_friction"][k]),
-                "status": str(dataset["critical_status"].to_numpy()[k]),
-            },
-        )
-
-
-def _or_none(value: Any) -> float | None:
-    number = float(value)
-    return None if math.isnan(number) else number
 
 
 def print_plan(plan: "Plan") -> None:
@@ -192,29 +98,6 @@ def print_changed(pairs: "Sequence[tuple[Part | None, Part | None]]", this: str,
     print_table(("part", this, other, "reason"), rows)
 
 
-def kept(dataset: "xr.Dataset") -> str:
-    """Return what errors and time were estimated and found, in one line."""
-    texts = []
-    for row in json.loads(dataset.attrs["accuracy"]):
-        name = row["result"].replace("_", " ")
-        errors = [
-            f"{row[which]:.0e} {word}"
-            for which, word in (("estimated", "estimated"), ("found", row["how"]))
-            if row[which] is not None
-        ]
-        texts.append(f"{name} {' and '.join(errors) or 'unknown'} of {row['tolerance']:g}")
-    cost = json.loads(dataset.attrs["cost"])
-    times = f"{format_quantity(cost['actual'], 's', 2)}, estimated {format_quantity(cost['estimated'], 's', 2)}"
-    return f"  relative errors: {'; '.join(texts) or 'not estimated'}; time of the processor {times}"
-
-
-def comparison_headline(comparison: "Comparison") -> str:
-    """Return the first line of a comparison, with the models of all combinations."""
-    chosen = [one.choices for one in comparison.combinations.values()]
-    models = dict.fromkeys((kind, c[kind].name, c[kind].full) for kind in chosen[0] for c in chosen)
-    return _headline(comparison.scene, models)
-
-
 def print_comparison_plan(comparison: "Comparison") -> None:
     """Print what a comparison will run, with its size and cost as far as they can be told."""
     plans = comparison.plans.values()
@@ -225,40 +108,6 @@ def print_comparison_plan(comparison: "Comparison") -> None:
         click.echo(comparison.exchanged)
     slices, seconds = sum(plan.evaluations for plan in plans), sum(plan.seconds for plan in plans)
     click.echo(f"about {slices} slices to evaluate, {seconds:.2g} s")
-
-
-def print_found(dataset: "xr.Dataset") -> None:
-    """Print what a comparison or a family of choices found: a table for each curve or study, and what they say."""
-    said = importlib.import_module(
-        f"rollslip.{'comparison' if dataset.attrs['study'] == 'comparison' else 'front'}_findings"
-    )
-    for name, head, rows in said.tables(dataset):
-        click.echo(f"{name}:")
-        print_table(head, rows)
-    click.echo("\n".join(said.findings(dataset)))
-
-
-def comparison_as_dict(dataset: "xr.Dataset", target: Path, files: list[str]) -> dict[str, Any]:
-    """Return what a comparison found, as plain values; a value without meaning is null, with its status beside it."""
-    from rollslip.campaigns.comparison.findings import findings, records
-
-    a = dataset.attrs
-    return {
-        "rollslip": importlib.metadata.version("rollslip"),
-        "scene": a["source"],
-        "scene_hash": a["scene_hash"],
-        "study": a["compared"],
-        "reference": a["reference"],
-        "reference_named": bool(a["reference_named"]),
-        "exchanged": a["exchanged"],
-        "results": records(dataset),
-        "findings": findings(dataset),
-        "warnings": json.loads(a["warnings"]),
-        "evaluations": int(a["evaluations"]),
-        "wall_time": float(a["wall_time"]),
-        "folder": str(target),
-        "files": files,
-    }
 
 
 def print_family(family: "Family") -> None:
@@ -276,220 +125,183 @@ def print_family(family: "Family") -> None:
         click.echo(note)
 
 
-def fronts_as_dict(dataset: "xr.Dataset", target: Path, files: list[str]) -> dict[str, Any]:
-    """Return what a family of choices found, as plain values; an error that there is not is null, with its status."""
-    from rollslip.campaigns.pareto.findings import findings, floors, records
+# Sweeps ---------------------------------------------------------------------------------------------------------------
 
+
+def sweep_headline(sweep: "Sweep") -> str:
+    """Return the first line of a run: version, scene and hash, study and packages."""
+    packages = ", ".join(f"{name} {version}" for name, version in sweep.facts["packages"].items())
+    version = importlib.metadata.version("rollslip")
+    scene = f"{sweep.given.source} {scene_hash(sweep.scene)[:12]}"
+    return f"rollslip {version} | {scene} | sweep of {sweep.study} | {packages}"
+
+
+def sweep_planned(sweep: "Sweep") -> list[str]:
+    """Say what is swept, before anything runs."""
+    from rollslip.campaigns.sweep.distributions import shown
+
+    lines = []
+    for axis in sweep.design.axes:
+        count, ends = len(axis.values), [axis.shown(value) for value in axis.values]
+        values = ", ".join(ends) if count <= 5 else f"{ends[0]}, {ends[1]} ... {ends[-1]}"
+        lines.append(f"{axis.key}: {count} value{'s' * (count != 1)}, {values}")
+        if axis.key == "models.traction" and "hydrodynamic" in dict(sweep.scene.models.traction.parameters):
+            whole = sweep.scene.models.traction.name
+            lines.append(
+                f"  in place of the whole {whole}; to change the law in it, sweep models.traction.hydrodynamic"
+            )
+    for of in sweep.design.sampled:
+        lines.append(f"{of.key}: {shown(sweep.uncertainty.distributions[of.key], of.unit or '1')}")
+    if sweep.design.has_samples:
+        n = len(sweep.design.samples)
+        balance = (
+            "; a Sobol sequence is balanced at powers of two"
+            if sweep.table.sampling.endswith("sobol") and n & (n - 1)
+            else ""
+        )
+        lines.append(f"{n} samples, {sweep.table.sampling}, seed {sweep.table.seed}{balance}")
+    elif sweep.given.uncertainty:
+        lines.append("the table [uncertainty] of the scene is not used: no samples are asked for")
+    for name, resolution in sweep.resolutions.chosen.items():
+        laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""
+        lines.append(
+            f"{laws}computed at {resolution.slices} slices ({resolution.quadrature}) and {resolution.instants} "
+            "instants of a pitch, what scene and points far apart need for the error of "
+            f"{sweep.scene.accuracy.tolerance:g} it states"
+        )
+    own = len(sweep.numbers)
+    piece = f" of {sweep.design.size}, piece {sweep.shard[0]} of {sweep.shard[1]}" if sweep.shard[1] > 1 else ""
+    lines.append(f"{own} points{piece}; of each {', '.join(sweep.outputs)}")
+    return lines
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words: "12 s", "3 min 20 s", "2 h 5 min"."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def sweep_progress(of: "Progress") -> str:
+    """Return how far a sweep is, in one line."""
+    failed = f", {of.failed} failed" if of.failed else ""
+    left = f", {duration(of.left)} left" if of.left is not None else ""
+    return f"{of.done} of {of.total} points{failed}{left}"
+
+
+def sweep_pieces(folder: Path, pieces: "Sequence[Status]") -> str:
+    """Return how the pieces of a sweep that are not put together yet stand."""
+    done, total, all_ = sum(piece.done for piece in pieces), sum(piece.total for piece in pieces), pieces[0].shard[1]
+    return (
+        f"{len(pieces)} of {all_} pieces in {folder}: {done} of {total} of their points done, "
+        f"{sum(piece.running for piece in pieces)} running; put together by: rollslip sweep merge {folder}"
+    )
+
+
+def sweep_status(of: "Status") -> list[str]:
+    """Return how a sweep stands, line by line."""
+    piece = f", piece {of.shard[0]} of {of.shard[1]}" if of.shard[1] > 1 else ""
+    lines = [f"sweep of {of.study}{piece} in {of.folder}: {of.done} of {of.total} points done"]
+    lines += [f"  {name}: {count}" for name, count in of.counts.items()]
+    if of.done < of.total:
+        lines.append(f"  not yet: {of.total - of.done}")
+        if of.left is not None and of.quiet is not None:
+            lines.append(f"  at the last pace {duration(of.left)} left; the last point came {duration(of.quiet)} ago")
+    for writer in of.writers:
+        ended = writer["ended"] or ("runs" if of.running and writer is of.writers[-1] else "was killed")
+        who = f"{writer['host']} process {writer['process']}, {writer['engine']}"
+        lines.append(f"  {who}: {writer['points']} points, {ended}")
+    lines += [f"  point {number} {status}: {message}" for number, status, message in of.errors]
+    return lines
+
+
+# Results --------------------------------------------------------------------------------------------------------------
+
+
+def findings(dataset: "xr.Dataset") -> str:
+    """Return what a study found, in a few lines."""
+    return "\n  ".join((f"{dataset.attrs['study']}:", *account_of(dataset).lines(dataset)))
+
+
+def kept(dataset: "xr.Dataset") -> str:
+    """Return what errors and time were estimated and found, in one line."""
+    texts = []
+    for row in json.loads(dataset.attrs["accuracy"]):
+        name = row["result"].replace("_", " ")
+        errors = [
+            f"{row[which]:.0e} {word}"
+            for which, word in (("estimated", "estimated"), ("found", row["how"]))
+            if row[which] is not None
+        ]
+        texts.append(f"{name} {' and '.join(errors) or 'unknown'} of {row['tolerance']:g}")
+    cost = json.loads(dataset.attrs["cost"])
+    times = f"{format_quantity(cost['actual'], 's', 2)}, estimated {format_quantity(cost['estimated'], 's', 2)}"
+    return f"  relative errors: {'; '.join(texts) or 'not estimated'}; time of the processor {times}"
+
+
+def print_found(dataset: "xr.Dataset") -> None:
+    """Print what a campaign found: its tables, and what is said beside them."""
+    account = account_of(dataset)
+    for table in account.tables(dataset):
+        if table.caption:
+            click.echo(f"{table.caption}:")
+        print_table(table.head, table.rows)
+    click.echo("\n".join(account.lines(dataset)))
+
+
+def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]") -> dict[str, Any]:
+    """Return what a run did, as plain values; a value without meaning is null, with its status beside it."""
+    return {
+        "rollslip": importlib.metadata.version("rollslip"),
+        "scene": plan.scene.source,
+        "scene_hash": scene_hash(plan.scene),
+        "models": _by_kind(plan.models),
+        "studies": {
+            name: {
+                "results": account_of(dataset).record(dataset),
+                "warnings": json.loads(dataset.attrs["warnings"]),
+                "evaluations": int(dataset.attrs["evaluations"]),
+                "wall_time": float(dataset.attrs["wall_time"]),
+                "accuracy": json.loads(dataset.attrs["accuracy"]),
+                "cost": json.loads(dataset.attrs["cost"]),
+            }
+            for name, dataset in datasets.items()
+        },
+    }
+
+
+def _by_kind(models: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+    """Names of models by kind; a list where a kind has several."""
+    names: dict[str, list[str]] = {}
+    for kind, model in models:
+        names.setdefault(kind, []).append(model.name)
+    return {kind: of[0] if len(of) == 1 and kind != "drag" else of for kind, of in names.items()}
+
+
+def result_as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return what a campaign found, as plain values; a value without meaning is null, with its status beside it."""
     a = dataset.attrs
     return {
         "rollslip": importlib.metadata.version("rollslip"),
         "scene": a["source"],
         "scene_hash": a["scene_hash"],
-        "studies": json.loads(a["studies"]),
-        "rounds": int(a["rounds"]),
-        "floors": floors(dataset),
-        "choices": records(dataset),
-        "findings": findings(dataset),
+        **account_of(dataset).record(dataset),
         "warnings": json.loads(a["warnings"]),
         "evaluations": int(a["evaluations"]),
         "wall_time": float(a["wall_time"]),
-        "folder": str(target),
-        "files": files,
     }
 
 
-def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table as wide as the terminal, or 120 columns where there is none; cells wrap, but no word is cut."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    rows = list(rows)
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for head, *cells in zip(header, *rows, strict=True):
-        words = [word for cell in (head, *cells) for word in cell.split()]
-        table.add_column(head, min_width=max(map(len, words), default=0))
-    for row in rows:
-        table.add_row(*(cell.replace("[", "\\[") for cell in row))
-    Console(width=shutil.get_terminal_size((120, 24)).columns, highlight=False).print(table)
-
-
-def print_sections(sections: Sections) -> None:
-    """Print named groups of name and value."""
-    for title, rows in sections.items():
-        click.echo(title)
-        width = max((len(name) for name, _ in rows), default=0)
-        for name, value in rows:
-            click.echo(f"  {name:<{width}}  {value}")
-
-
-# Models -------------------------------------------------------------------------------------------------------------
-
-
-def print_models(what: str | None) -> None:
-    """Print all names, the models of a kind, or all about one name.
-
-    Raises
-    ------
-    PluginError
-        If nothing is called so.
-    """
-    if what is None:
-        for kind in kinds():
-            names = ", ".join(available(kind)) or "none installed"
-            click.echo(f"{kind:<11} {names}")
-        unusable = [offer for offer in catalogue() if offer.state != "ok"]
-        for offer in unusable:
-            click.echo(
-                f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}", err=True
-            )
-        click.echo("'rollslip models NAME' shows equation, parameters, domain and references of one")
-    elif what in kinds():
-        print_table(("name", "package", "what it is"), [_summary(offer) for offer in available(what).values()])
-    else:
-        for kind in kinds_of(what):
-            _print_model(kind, what)
-
-
-def models_as_dict(what: str | None) -> Any:
-    """Return what ``print_models`` prints, as plain values."""
-    if what is None:
-        return [attrs.asdict(offer) for offer in catalogue()]
-    if what in kinds():
-        return {name: _model_as_dict(what, name) for name in available(what)}
-    return {kind: _model_as_dict(kind, what) for kind in kinds_of(what)}
-
-
-def kinds_of(name: str) -> list[str]:
-    """Return the kinds in which something of this name is offered.
-
-    Raises
-    ------
-    PluginError
-        If there is none; the message gives the nearest names.
-    """
-    offering = [kind for kind in kinds() if name in available(kind)]
-    if not offering:
-        from rollslip.scene.reading import nearest
-
-        near = nearest(name, [*kinds(), *(offer.name for offer in catalogue())], cutoff=0.4)
-        hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip models' lists them"
-        raise PluginError(f"no model and no kind is called {name!r}; {hint}")
-    return offering
-
-
-def _summary(offer: Offer) -> tuple[str, str, str]:
-    try:
-        thing = get_class(offer.kind, offer.name)
-    except PluginError as error:
-        return offer.name, offer.package, f"broken: {error}"
-    text = thing.description if get_kind(offer.kind).data else _doc(thing)[0]
-    return offer.name, f"{offer.package} {offer.version}", text
-
-
-def _doc(cls: type) -> list[str]:
-    import inspect
-
-    return (inspect.getdoc(cls) or "").splitlines() or [""]
-
-
-def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
-    from rollslip_kernels.slices import COLUMNS, CONDITIONS
-
-    offer, thing = find(kind, name), get_class(kind, name)
-    about: dict[str, Any] = {"kind": kind, "name": name, "package": offer.package, "version": offer.version}
-    if get_kind(kind).data:
-        about |= {
-            "description": thing.description,
-            "source": thing.source,
-            "references": list(thing.references),
-        }
-        if kind == "lubricant":
-            limits = (thing.minimum_temperature, thing.maximum_temperature)
-            return about | {"range": [format_quantity(T, "K") for T in limits]}
-        return about | {"validity": thing.validity, "values": resolved(thing.data)}
-    members = {**CONDITIONS, **COLUMNS}
-    parameters = [
-        {
-            "name": a.name,
-            "unit": a.metadata.get("unit") or "",
-            "default": _default(a),
-            "meaning": a.metadata.get("doc", ""),
-        }
-        for a in attrs.fields(thing)
-        if a.metadata.get("key", a.name) is not None  # else nobody can set it
-    ]
-    about |= {
-        "description": "\n".join(_doc(thing)),
-        "equation": getattr(thing, "equation", ""),  # an engine has none
-        "parameters": parameters,
-        "references": list(thing.references),
-    }
-    if not issubclass(thing, SliceModel):
-        return about
-    model = thing() if all(a.default is not attrs.NOTHING for a in attrs.fields(thing)) else thing
-    if kind == "film":
-        about |= {"returns": f"{model.location} film thickness", "regime": model.regime}
-    return about | {
-        "reads": [
-            {"name": m, "unit": members[m][0], "meaning": members[m][1], "domain": interval(model.domain.get(m))}
-            for m in sorted(model.reads)
-        ],
-        "writes": sorted(model.writes),
-        "compiled": model.kernel() is not None,
-    }
-
-
-def _default(attribute: "attrs.Attribute[Any]") -> str:
-    default: Any = attribute.default
-    if default is attrs.NOTHING:
-        return "required"
-    if "from_scene" in attribute.metadata:
-        return "the scene's"
-    if "kind" in attribute.metadata:
-        return str(default.factory().name)
-    unit = attribute.metadata.get("unit")
-    if isinstance(default, tuple):
-        return ", ".join(format_quantity(value, unit or "1") for value in default) or "none"
-    return format_quantity(default, unit) if isinstance(default, float) and unit not in (None, "1") else str(default)
-
-
-def _print_model(kind: str, name: str) -> None:
-    about = _model_as_dict(kind, name)
-    click.echo(f"{name} ({kind}, {about['package']} {about['version']})\n")
-    click.echo(about["description"] + "\n")
-    if about.get("equation"):
-        click.echo(f"equation    {about['equation']}\n")
-    for key in ("returns", "regime", "range", "validity", "source"):
-        if key in about:
-            value = about[key] if isinstance(about[key], str) else " to ".join(about[key])
-            click.echo(f"{key:<11} {value}")
-    if about.get("parameters"):
-        click.echo("parameters")
-        print_table(
-            ("name", "unit", "default", "meaning"),
-            [(p["name"], p["unit"], p["default"], p["meaning"]) for p in about["parameters"]],
-        )
-    elif "parameters" in about:
-        click.echo("parameters  none of its own")
-    if "reads" in about:
-        click.echo("reads from scene, lubricant and the stages before it; its domain")
-        print_table(
-            ("name", "unit", "domain", "meaning"),
-            [(r["name"], r["unit"], r["domain"], r["meaning"]) for r in about["reads"]],
-        )
-    if about["references"]:
-        click.echo("references")
-    for text in about["references"]:
-        click.echo(f"  {text}")
-
-
-# Info ---------------------------------------------------------------------------------------------------------------
+# Info -----------------------------------------------------------------------------------------------------------------
 
 
 def installation() -> Sections:
     """Return versions, and which instruction set of the machine the kernels use."""
     from rollslip.cli import doctor
+    from rollslip.cli.models import listed
 
     return {
         "installation": [
@@ -497,7 +309,7 @@ def installation() -> Sections:
             ("python", sys.version.split()[0]),
             ("machine", f"{platform.system()} {platform.machine()}"),
             ("instructions", doctor.instructions()),
-            ("models", ", ".join(f"{len(available(kind))} {kind}" for kind in kinds())),
+            ("models", ", ".join(f"{len(available(kind))} {kind}" for kind in listed())),
         ]
     }
 
@@ -522,28 +334,11 @@ def result_info(path: Path) -> Sections:
             ("dimensions", ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())),
             ("variables", ", ".join(map(str, dataset.data_vars))),
             *([("evaluations", f"{a['evaluations']} slices in {a['wall_time']:.2g} s")] if "evaluations" in a else []),
-            *_found(dataset),
+            *((about, "; ".join(texts)) for about, texts in account_of(dataset).topics(dataset).items()),
         ],
         "packages": list(json.loads(a["packages"]).items()),
         "warnings": [("", text) for text in json.loads(a["warnings"])],
     }
-
-
-def _found(dataset: "xr.Dataset") -> Iterable[tuple[str, str]]:
-    """Name and what was found, of each parameter of a fit, of a motion, or of the critical slip of each curve."""
-    if said := _spoken(dataset.attrs["study"]):
-        return [(about, "; ".join(texts)) for about, texts in said.topics(dataset).items()]
-    if dataset.attrs["study"] == "fit":
-        from rollslip.campaigns.fit.findings import parameter_rows
-
-        return [
-            (name, f"{value}, 95 %: {widest}; {status}")
-            for name, value, _, _, widest, status in parameter_rows(dataset)
-        ]
-    return [
-        (name, f"critical slip {row['critical_slip']:.2%}" if row["critical_slip"] else row["status"])
-        for name, row in _critical_rows(dataset)
-    ]
 
 
 def scene_info(scene: Scene) -> Sections:
@@ -606,3 +401,31 @@ def scene_info(scene: Scene) -> Sections:
             ]
         sections[f"{raceway.ring} raceway"] = rows
     return sections
+
+
+# Tables ---------------------------------------------------------------------------------------------------------------
+
+
+def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table as wide as the terminal, or 120 columns where there is none; cells wrap, but no word is cut."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    rows = list(rows)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for head, *cells in zip(header, *rows, strict=True):
+        words = [word for cell in (head, *cells) for word in cell.split()]
+        table.add_column(head, min_width=max(map(len, words), default=0))
+    for row in rows:
+        table.add_row(*(cell.replace("[", "\\[") for cell in row))
+    Console(width=shutil.get_terminal_size((120, 24)).columns, highlight=False).print(table)
+
+
+def print_sections(sections: Sections) -> None:
+    """Print named groups of name and value."""
+    for title, rows in sections.items():
+        click.echo(title)
+        width = max((len(name) for name, _ in rows), default=0)
+        for name, value in rows:
+            click.echo(f"  {name:<{width}}  {value}")

@@ -13,8 +13,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.regimes import LIGHT, LONG_NAMES, NAMES
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.planning.plan import Plan, plan
+from rollslip.planning.provenance import run_origin
 from rollslip.planning.verification import accuracy_rows, judge
-from rollslip.results.dataset import about, provenance
+from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies.answers import Keep, total
@@ -97,7 +98,7 @@ def execute(
         "taken_back": json.dumps(taken_back),
     }
     told = [*taken_back, *warnings(plan, study, dataset)]
-    dataset.attrs |= provenance(plan, study, told, evaluated, time.perf_counter() - begin)
+    dataset.attrs |= run_origin(plan, study, told, evaluated, time.perf_counter() - begin)
     return dataset
 
 

@@ -23,16 +23,11 @@ import attrs
 
 from rollslip.bearing.regimes import LIGHT, LONG_NAMES
 from rollslip.bearing.resolution import error_text
-from rollslip.campaigns.comparison.findings import bin_tables, findings, tables
-from rollslip.campaigns.pareto import findings as front_findings
-from rollslip.campaigns.sweep import findings as sweep_findings
-from rollslip.campaigns.uncertainty import findings as uncertainty_findings
 from rollslip.catalogue.registry import available, get_class
 from rollslip.lubricant.oil import OilTable
-from rollslip.results.figures import curves, percent
+from rollslip.results.account import Table, account_of, capital
+from rollslip.results.curves import percent
 from rollslip.scene.reading import schema
-from rollslip.studies.dynamics.findings import events_table, ledger_table, sentences, smallest_film
-from rollslip.studies.steady_slip import findings as steady_findings
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS
 
@@ -43,29 +38,14 @@ if TYPE_CHECKING:
 
 __all__ = ["write_report"]
 
-#: Attribute -> what it is called in the table of numbers, and its unit.
+#: Attributes of any study: what they are called in the table of numbers, and their units.
 _NUMBERS: Final = {
-    "closure": ("closure: what the rollers spin at", ""),
-    "ring": ("ring", ""),
-    "rolling_speed": ("entrainment speed", "m/s"),
     "instants": ("instants within a roller pitch", ""),
     "instants_error": ("relative error left by the instants, estimated", "1"),
     "slices": ("slices of a roller", ""),
-    "inertia_effect": ("relative effect of the inertia of the rollers' spin", "1"),
-    "curve_error": ("relative error left by the points of the slip-drag curve, estimated", "1"),
     "slices_error": ("relative error left by the slices, estimated", "1"),
     "force_residual": ("relative residual of the forces", "1"),
     "moment_residual": ("relative residual of the moments", "1"),
-    "level": ("level of the motion", ""),
-    "friction": ("friction of the motion", ""),
-    "integrator": ("integrator", ""),
-    "rounds": ("rounds in which choices were timed", ""),
-    "steps": ("steps", ""),
-    "rejected": ("steps rejected", ""),
-    "rate_evaluations": ("evaluations of the rates", ""),
-    "jacobians": ("Jacobians", ""),
-    "contacts_evaluated": ("contacts evaluated in the motion", ""),
-    "real_time_factor": ("time of the motion over that of its integration", "1"),
     "evaluations": ("slices evaluated", ""),
     "wall_time": ("wall time", "s"),
 }
@@ -80,7 +60,7 @@ def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Seq
     Parameters
     ----------
     datasets : mapping of str to xarray.Dataset
-        The results by name, with the attributes of `rollslip.results.dataset.provenance` as far as they are there.
+        The results by name, with the attributes of `rollslip.planning.provenance` as far as they are there.
     figures : mapping of str to sequence of Path
         SVG files of `rollslip.results.figures.plot`, under the names of their datasets.
     path : Path
@@ -129,44 +109,15 @@ def _warnings(datasets: "Datasets") -> str:
 def _findings(datasets: "Datasets") -> str:
     body = ""
     for name, dataset in datasets.items():
-        if dataset.attrs.get("study") == "comparison":
-            body += _tag("h3", name) + _comparison(dataset)
-        elif dataset.attrs.get("study") == "pareto":
-            body += _tag("h3", name) + _fronts(dataset)
-        elif dataset.attrs.get("study") == "dynamics":
-            body += _tag("h3", name) + _motion(dataset)
-        elif dataset.attrs.get("study") == "sweep":
-            body += _tag("h3", name) + _list(_capital(text) + "." for text in sweep_findings.sentences(dataset))
-        elif dataset.attrs.get("study") == "uncertainty":
-            body += _tag("h3", name) + _list(_capital(text) + "." for text in uncertainty_findings.sentences(dataset))
-        elif dataset.attrs.get("study") == "steady-slip":
-            body += _tag("h3", name) + _list(_capital(text) + "." for text in steady_findings.sentences(dataset))
-        elif found := curves(dataset):
-            body += _tag("h3", name) + _list(_capital(curve.finding()) for curve in found)
+        if told := "".join(map(_told, account_of(dataset).story(dataset))):
+            body += _tag("h3", name) + told
     return body
 
 
-def _motion(dataset: "xr.Dataset") -> str:
-    """What is said of a motion in time, its energy ledger and its events."""
-    body = _list(_capital(text) + "." for text in sentences(dataset))
-    return body + _table(*ledger_table(dataset), "Energy ledger") + _table(*events_table(dataset), "Events")
-
-
-def _fronts(dataset: "xr.Dataset") -> str:
-    """What is said of error against cost, and its tables; what nothing dominates has a star."""
-    body = _list(_capital(text) + "." for text in front_findings.findings(dataset))
-    return body + "".join(_table(head, rows, _capital(name)) for name, head, rows in front_findings.tables(dataset))
-
-
-def _comparison(dataset: "xr.Dataset") -> str:
-    """Tables of a comparison, one for each curve, what is said of it, and its differences bin by bin."""
-    body = _tag("p", _capital(dataset.attrs["exchanged"]) + ".") if dataset.attrs["exchanged"] else ""
-    for name, head, rows in tables(dataset):
-        body += _table(head, rows, _capital(name))
-    body += _list(_capital(text) + "." for text in findings(dataset))
-    for name, head, rows in bin_tables(dataset):
-        body += _table(head, rows, f"{_capital(name)}: relative differences by regime")
-    return body
+def _told(part: str | list[str] | Table) -> str:
+    if isinstance(part, Table):
+        return _table(part.head, part.rows, capital(part.caption))
+    return _tag("p", capital(part)) if isinstance(part, str) else _list(f"{capital(text)}." for text in part)
 
 
 def _figures(figures: Mapping[str, Sequence[Path]]) -> str:
@@ -302,21 +253,22 @@ def _oil(datasets: "Datasets") -> str:
 def _regimes(datasets: "Datasets") -> str:
     rows = []
     for name, dataset in datasets.items():
-        if "load_parameter" not in dataset or "combination" in dataset.dims:
+        if "load_parameter" not in dataset:
             continue
-        for position, (contact, regime, film) in enumerate(_contacts(dataset)):
+        for position, contact in enumerate(account_of(dataset).contacts(dataset)):
             largest, light = float(dataset["load_parameter"][position]), ""
             if "light_share" in dataset:
                 share = float(dataset["light_share"][position])
                 light = f"{percent(share)} of the force" if share > 0.0 else "none"
             else:
                 light = "the contact" if largest < LIGHT else "no"
-            regime = regime or ", ".join(
+            regime = contact.regime or ", ".join(
                 f"{LONG_NAMES[str(kind)]} {percent(share)}"
                 for kind, share in zip(dataset["regime"].values, dataset["regime_share"].values[position], strict=True)
                 if share > 0.0
             )
-            rows.append([f"{name}, {contact}", regime, _value(film, "1", digits=3), f"{largest:.3g}", light])
+            film = _value(contact.film_parameter, "1", digits=3)
+            rows.append([f"{name}, {contact.name}", regime, film, f"{largest:.3g}", light])
     if not rows:
         return ""
     head = ("contact", "film regime", "smallest film parameter Λ", "largest M", f"at M < {LIGHT:g}")
@@ -327,20 +279,19 @@ def _regimes(datasets: "Datasets") -> str:
     return _table(head, rows) + _tag("p", note)
 
 
-def _contacts(dataset: "xr.Dataset") -> list[tuple[str, str, float]]:
-    """Name of each contact that a study speaks of, its regime if it is one, and its smallest film parameter."""
-    if dataset.attrs.get("study") == "dynamics":
-        return [(f"{ring} ring", "", film) for ring, film in smallest_film(dataset).items()]
-    return [
-        (curve.name, curve.regime, float(curve.film_parameter[curve.film_parameter > 0.0].min(initial=math.inf)))
-        for curve in curves(dataset)
-    ]
-
-
 def _numbers(datasets: "Datasets") -> str:
+    """Numbers of single studies, then those of any."""
+    numbers = {name: account_of(dataset).numbers for name, dataset in datasets.items()}
+    own = dict.fromkeys(item for each in numbers.values() for item in each.items())
     rows = [
-        [label, *(_value(dataset.attrs.get(key), unit, digits=3) for dataset in datasets.values())]
-        for key, (label, unit) in _NUMBERS.items()
+        [
+            label,
+            *(
+                _value(dataset.attrs.get(key) if key in _NUMBERS or key in numbers[name] else None, unit, digits=3)
+                for name, dataset in datasets.items()
+            ),
+        ]
+        for key, (label, unit) in (*own, *_NUMBERS.items())
         if any(key in dataset.attrs for dataset in datasets.values())
     ]
     return _table(("", *datasets), rows)
@@ -408,10 +359,6 @@ def _value(value: object, unit: str, digits: int = 6) -> str:
         return format_quantity(float(value), unit or "1", digits)
     except UnitError:  # a unit for which there is no other way to write it
         return f"{float(value):.{digits}g} {unit}"
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def _tag(name: str, text: object) -> str:

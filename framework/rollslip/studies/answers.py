@@ -1,6 +1,5 @@
 """What a study answers with, where plan and campaigns ask it: outputs, resolution with errors, lines of a plan."""
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -13,7 +12,7 @@ from rollslip.results.dataset import about
 from rollslip.studies.bounds import LeftOut
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 #: Key of [accuracy] -> relative error.
 Errors: TypeAlias = Mapping[str, float]
@@ -53,35 +52,6 @@ class Output:
     def variable(self, values: Any) -> tuple[tuple[str, ...], Any, dict[str, Any]]:
         """Return values as a variable of a dataset."""
         return tuple(self.dims.split()), values, about(self.unit, self.meaning)
-
-
-@attrs.frozen(kw_only=True)
-class Curves:
-    """The friction curves of a study, by the names of its variables: what is compared and drawn.
-
-    Attributes
-    ----------
-    variable, over, slip : str
-        Friction, the dimension with one curve for each value, and the slip that it is plotted against.
-    critical : str
-        Slip of the largest friction of each curve; ``critical_friction`` and ``critical_status`` belong to it.
-    """
-
-    variable: str
-    over: str
-    slip: str
-    critical: str
-
-    @property
-    def attribute(self) -> str:
-        """The attribute ``curves`` of a result."""
-        return json.dumps(attrs.asdict(self))
-
-    @classmethod
-    def of(cls, dataset: "xr.Dataset") -> "Curves | None":
-        """Return the curves of a result, None if it has none."""
-        said = dataset.attrs.get("curves")
-        return None if said is None else cls(**json.loads(said))
 
 
 @attrs.frozen(kw_only=True)

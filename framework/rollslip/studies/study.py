@@ -20,10 +20,11 @@ from rollslip.bearing.resolution import Resolution, finest
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.errors import SceneError
+from rollslip.results.curves import Curves
 from rollslip.scene.reading import Where, nearest, structure
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.studies import estimates, parts
-from rollslip.studies.answers import Compared, Curves, Estimated, Evaluated, Keep, Output, Part, Some
+from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Part, Some
 from rollslip.studies.timing import timed
 from rollslip.units import format_quantity
 

@@ -34,10 +34,11 @@ from rollslip.errors import PluginError, RollslipError, SceneError
 from rollslip.models import SliceModel
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan
+from rollslip.planning.provenance import origin, together
+from rollslip.results.curves import Curves
 from rollslip.results.dataset import about
 from rollslip.scene.reading import Where, evolve, load_scene, nearest
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash
-from rollslip.studies.answers import Curves
 from rollslip.studies.study import study_class
 
 if TYPE_CHECKING:
@@ -503,10 +504,6 @@ def _origin(
     runs, scene = {label: result.attrs for label, result in done.items()}, comparison.scene
     first = next(iter(runs.values()))
 
-    def together(key: str) -> str:
-        texts = dict.fromkeys(json.dumps(item) for attributes in runs.values() for item in json.loads(attributes[key]))
-        return f"[{', '.join(texts)}]"
-
     warned: dict[str, list[str]] = {}
     packages: dict[str, str] = {}
     for label, attributes in runs.items():
@@ -514,28 +511,23 @@ def _origin(
         for warning in json.loads(attributes["warnings"]):
             warned.setdefault(warning, []).append(label)
     largest = [key for key in ("instants_error", "slices_error", "force_residual", "moment_residual") if key in first]
-    return {key: max(attributes[key] for attributes in runs.values()) for key in largest} | {
-        "study": "comparison",
-        "compared": comparison.study,
-        "curves": comparison.curves.attribute,
-        "reference": comparison.reference,
-        "reference_named": int(comparison.named),
-        "exchanged": comparison.exchanged,
-        "combinations": json.dumps(
-            {
-                label: {kind: choice.table for kind, choice in one.choices.items()}
-                for label, one in comparison.combinations.items()
-            },
-            default=dict,  # of frozen tables
-        ),
-        "scene_resolved": json.dumps(resolved(scene)),
-        "scene_hash": scene_hash(scene),
-        "packages": json.dumps(packages),
-        **{key: together(key) for key in ("models", "plan", "citations")},
-        "warnings": json.dumps(
-            [f"{label} {text}" for label, text in failed.items()]
-            + [text if len(who) == len(done) else f"{', '.join(who)}: {text}" for text, who in warned.items()]
-        ),
-        "evaluations": sum(int(attributes["evaluations"]) for attributes in runs.values()),
-        "wall_time": wall_time,
-    }
+    return {key: max(attributes[key] for attributes in runs.values()) for key in largest} | origin(
+        study="comparison",
+        compared=comparison.study,
+        curves=comparison.curves.attribute,
+        reference=comparison.reference,
+        reference_named=int(comparison.named),
+        exchanged=comparison.exchanged,
+        combinations={
+            label: {kind: choice.table for kind, choice in one.choices.items()}
+            for label, one in comparison.combinations.items()
+        },
+        scene_resolved=resolved(scene),
+        scene_hash=scene_hash(scene),
+        packages=packages,
+        **{key: together(runs.values(), key) for key in ("models", "plan", "citations")},
+        warnings=[f"{label} {text}" for label, text in failed.items()]
+        + [text if len(who) == len(done) else f"{', '.join(who)}: {text}" for text, who in warned.items()],
+        evaluations=sum(int(attributes["evaluations"]) for attributes in runs.values()),
+        wall_time=wall_time,
+    )

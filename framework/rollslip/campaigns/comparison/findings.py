@@ -5,16 +5,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rollslip.results.curves import Curves, curve_names
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Study -> its friction, what there is one curve for, its slip, its critical slip.
-CURVES: Final = {
-    "effective-friction": ("effective_friction", "ring", "cage_slip", "critical_cage_slip"),
-    "friction-curve": ("friction", "normal_force", "slip", "critical_slip"),
-}
 #: Share of a difference's variance below which a grouping does not explain it.
 EXPLAINS: Final = 0.1
 
@@ -25,18 +21,31 @@ def members(dataset: "xr.Dataset") -> "Iterator[tuple[str, xr.Dataset]]":
         yield str(label), dataset.isel(combination=k).assign_attrs(study=dataset.attrs["compared"])
 
 
-def curve_names(dataset: "xr.Dataset") -> list[str]:
-    """Return what the curves of a comparison are called: "inner ring" or "300 N"."""
-    curve = CURVES[dataset.attrs["compared"]][1]
-    values = dataset[curve].to_numpy()
-    return [f"{value} ring" if curve == "ring" else format_quantity(float(value), "N") for value in values]
+def curves_of(dataset: "xr.Dataset") -> Curves:
+    """Return what makes the curves that are compared."""
+    found = Curves.of(dataset)
+    assert found is not None, "a comparison is of a study that gives curves"
+    return found
+
+
+def record(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return what was compared and what was found, as plain values."""
+    a = dataset.attrs
+    return {
+        "study": a["compared"],
+        "reference": a["reference"],
+        "reference_named": bool(a["reference_named"]),
+        "exchanged": a["exchanged"],
+        "results": records(dataset),
+        "findings": findings(dataset),
+    }
 
 
 def records(dataset: "xr.Dataset") -> list[dict[str, Any]]:
     """Return all single values of a comparison, a record for each curve and combination; what has no value is None."""
     found = []
     for j, name in enumerate(curve_names(dataset)):
-        for label, one in members(dataset.isel({CURVES[dataset.attrs["compared"]][1]: j})):
+        for label, one in members(dataset.isel({curves_of(dataset).over: j})):
             values = {str(key): one[key].item() for key in one.variables if one[key].ndim == 0}
             found.append(
                 {"combination": label, "curve": name}
@@ -74,7 +83,7 @@ def tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[
     )  # fmt: skip
     found: dict[str, list[list[str]]] = {name: [] for name in curve_names(dataset)}
     for one in records(dataset):
-        critical = one[CURVES[dataset.attrs["compared"]][3]]
+        critical = one[curves_of(dataset).critical]
         differences = [one[name] for name in ("rms_error", "max_error", "critical_slip_error")]
         found[one["curve"]].append(
             [

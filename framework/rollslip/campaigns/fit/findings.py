@@ -5,7 +5,7 @@ There is no number without a meaning: what the data do not determine is null, wi
 
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,10 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["as_dict", "headline", "notes", "parameter_rows"]
+__all__ = ["HEAD", "headline", "notes", "parameter_rows", "record", "topics"]
+
+#: What the columns of the parameters are.
+HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data tell")
 
 
 def headline(dataset: "xr.Dataset") -> str:
@@ -55,6 +58,13 @@ def _interval(limits: NDArray[np.float64], unit: str) -> str:
     return f"above {low}" if low else f"below {high}" if high else "none"
 
 
+def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+    """Say of every parameter what the data tell."""
+    return {
+        name: [f"{value}, 95 %: {limits}; {status}"] for name, value, _, _, limits, status in parameter_rows(dataset)
+    }
+
+
 def notes(dataset: "xr.Dataset") -> list[str]:
     """Return what the table does not say: the scatter and the strongest correlations."""
     a = dataset.attrs
@@ -76,7 +86,7 @@ def notes(dataset: "xr.Dataset") -> list[str]:
     return said
 
 
-def as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
+def record(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return a fit as plain values; a value without meaning is null, with its status beside it."""
     a = dataset.attrs
     parameters = {}

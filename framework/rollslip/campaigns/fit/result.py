@@ -5,11 +5,9 @@
 - The oil is the ``[lubricant]`` table of the rig file with the fitted values in it, so that it is read as that one was.
 """
 
-import datetime
 import hashlib
 import importlib.metadata
 import json
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -25,8 +23,8 @@ from rollslip.campaigns.fit.problem import Array, Indices, Parameter, RigProblem
 from rollslip.catalogue.registry import find
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel, TractionModel
-from rollslip.references import KLEBANOV
-from rollslip.results.dataset import about, references_of
+from rollslip.planning.provenance import cited, lubricant_told, models_told, origin, packages_of
+from rollslip.results.dataset import about
 from rollslip.scene.values import resolved
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
@@ -368,44 +366,29 @@ def _chance_of_order(residuals: Array, sets: Sequence[Indices]) -> float:
 def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
     problem = fitted.problem
     models, oil, rig = problem.models, problem.lubricant, problem.rig
-    offers = {kind: find(kind, model.name) for kind, model in models.items()}
-    used = list(offers.values()) + ([] if rig.lubricant.name is None else [find("lubricant", rig.lubricant.name)])
-    packages = {offer.package: offer.version for offer in used}
-    packages |= {name: importlib.metadata.version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
-    described = [
-        {
-            "kind": kind,
-            "name": model.name,
-            "package": offers[kind].package,
-            "version": offers[kind].version,
-            "equation": model.equation,
-            "references": references_of(model),
-            "parameters": repr(model),
-        }
-        for kind, model in models.items()
-    ]
-    law = oil.pressure_viscosity_law
-    cited = [text for model in (*models.values(), law) for text in references_of(model)]
+    offers = [find(kind, model.name) for kind, model in models.items()]
+    if rig.lubricant.name is not None:
+        offers.append(find("lubricant", rig.lubricant.name))
+    described = models_told(models.items())
     asked = json.dumps(
         [resolved(rig), described, problem.data.sha256, list(dataset["parameter"].values)], sort_keys=True
     )
-    return {
-        "study": "fit",
-        "title": rig.title,
-        "source": problem.data.source,
-        "data": problem.data.text,
-        "data_sha256": problem.data.sha256,
-        "rig": rig.text,
-        "rig_resolved": json.dumps(resolved(rig)),
-        "scene_hash": hashlib.sha256(asked.encode()).hexdigest(),
-        "packages": json.dumps(dict(sorted(packages.items())) | {"python": sys.version.split()[0]}),
-        "models": json.dumps(described),
-        "lubricant": json.dumps({"name": oil.name, "source": oil.source, "pressure_viscosity_law": repr(law)}),
-        "citations": json.dumps(list(dict.fromkeys([KLEBANOV, *cited, *oil.references]))),
-        "evaluations": problem.evaluated,
-        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+    return origin(
+        study="fit",
+        title=rig.title,
+        source=problem.data.source,
+        data=problem.data.text,
+        data_sha256=problem.data.sha256,
+        rig=rig.text,
+        rig_resolved=resolved(rig),
+        scene_hash=hashlib.sha256(asked.encode()).hexdigest(),
+        packages=packages_of(offers),
+        models=described,
+        lubricant=lubricant_told(oil),
+        citations=cited([*models.values(), oil.pressure_viscosity_law], oil.references),
+        evaluations=problem.evaluated,
         **_tables(fitted, dataset),
-    }
+    )
 
 
 def _tables(fitted: Fit, dataset: "xr.Dataset") -> dict[str, str]:

@@ -73,8 +73,14 @@ def floors(dataset: "xr.Dataset") -> dict[str, float]:
 
 
 def record(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return choices and floors, as plain values."""
-    return {"floors": floors(dataset), "choices": records(dataset)}
+    """Return studies, floors and choices, and what is said of them, as plain values."""
+    return {
+        "studies": json.loads(dataset.attrs["studies"]),
+        "rounds": int(dataset.attrs["rounds"]),
+        "floors": floors(dataset),
+        "choices": records(dataset),
+        "findings": findings(dataset),
+    }
 
 
 def _plain(value: Any) -> Any:
@@ -217,16 +223,3 @@ def _percent(share: float, floor: float = 0.0) -> str:
     if share > floor:
         return f"{100 * share:.2g} %"
     return "as the finest" if floor <= _ROUNDING else f"below {100 * floor:.2g} %"
-
-
-# As the other studies are spoken of -----------------------------------------------------------------------------------
-
-
-def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-    """Return the sentences under what they are about."""
-    return {"found": findings(dataset)}
-
-
-def paragraph(dataset: "xr.Dataset") -> str:
-    """Return all sentences in one text."""
-    return " ".join(f"{text[:1].upper()}{text[1:]}." for text in findings(dataset))

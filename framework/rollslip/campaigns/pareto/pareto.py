@@ -25,7 +25,8 @@ from rollslip.catalogue.discovery import in_words
 from rollslip.errors import OutputError, RollslipError
 from rollslip.files import whole_file
 from rollslip.planning.plan import Plan
-from rollslip.results.dataset import about, provenance
+from rollslip.planning.provenance import run_origin, together
+from rollslip.results.dataset import about
 from rollslip.scene.values import Scene, scene_hash
 
 if TYPE_CHECKING:
@@ -400,12 +401,9 @@ def _origin(
     others = (_plan_of(family.plan, one) for one in family.choices if one.kind in ("modelling", "film"))
     plans = [family.plan, *filter(None, others)]
     origins = [
-        provenance(made, next(iter(family.studies)), warned, sum(r.evaluations for r in records), wall_time)
+        run_origin(made, next(iter(family.studies)), warned, sum(r.evaluations for r in records), wall_time)
         for made in plans
     ]
-
-    def together(key: str) -> str:
-        return json.dumps(list({json.dumps(x): x for one in origins for x in json.loads(one[key])}.values()))
 
     packages = {name: version for one in reversed(origins) for name, version in json.loads(one["packages"]).items()}
     return origins[0] | {
@@ -413,8 +411,7 @@ def _origin(
         "studies": json.dumps(list(family.studies)),
         "rounds": family.rounds,
         "notes": json.dumps(family.notes),
-        "models": together("models"),
-        "citations": together("citations"),
+        **{key: json.dumps(together(origins, key)) for key in ("models", "citations")},
         "packages": json.dumps(packages),
     }
 

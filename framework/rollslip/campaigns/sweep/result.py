@@ -8,7 +8,6 @@
   differs between points it becomes a variable of its own over them, and points with fewer values are filled with NaN.
 """
 
-import datetime
 import json
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
@@ -20,8 +19,8 @@ import numpy as np
 from rollslip.campaigns.sweep.journal import check_owner, layouts, records
 from rollslip.campaigns.sweep.point import STATUSES, unpacked
 from rollslip.campaigns.sweep.sweep import Sweep
+from rollslip.planning.provenance import origin, scene_told
 from rollslip.results.dataset import about
-from rollslip.scene.values import resolved, scene_hash
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -86,28 +85,23 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
     lost = [f"{count} {name}" for name, count in counts.items() if count and name != "ok"]
     warnings = [f"{own.size - counts['ok']} of {own.size} points have no result: {', '.join(lost)}"] if lost else []
     facts = sweep.facts
-    return {
-        "study": "sweep",
-        "swept": sweep.study,
-        "sweep_hash": sweep.hash,
-        "title": sweep.scene.title,
-        "source": sweep.given.source,
-        "scene": sweep.given.text,
-        "scene_resolved": json.dumps(resolved(sweep.scene)),
-        "scene_hash": scene_hash(sweep.scene),
-        "axes": json.dumps(facts["axes"]),
-        "resolutions": json.dumps(facts["resolutions"]),
-        "distributions": json.dumps({k: repr(d) for k, d in sweep.uncertainty.distributions.items()}),
-        "correlation": json.dumps(sweep.uncertainty.correlation.tolist()),
-        "sampling": sweep.table.sampling if sweep.design.has_samples else "",
-        "seed": sweep.table.seed,
-        "shard": f"{sweep.shard[0]}/{sweep.shard[1]}",
-        "counts": json.dumps(counts),
-        "packages": json.dumps(facts["packages"]),
-        "citations": json.dumps(list(sweep.citations)),
-        "warnings": json.dumps(warnings),
-        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-    }
+    return origin(
+        study="sweep",
+        swept=sweep.study,
+        sweep_hash=sweep.hash,
+        **scene_told(sweep.scene, sweep.given),
+        axes=facts["axes"],
+        resolutions=facts["resolutions"],
+        distributions={k: repr(d) for k, d in sweep.uncertainty.distributions.items()},
+        correlation=sweep.uncertainty.correlation.tolist(),
+        sampling=sweep.table.sampling if sweep.design.has_samples else "",
+        seed=sweep.table.seed,
+        shard=f"{sweep.shard[0]}/{sweep.shard[1]}",
+        counts=counts,
+        packages=facts["packages"],
+        citations=list(sweep.citations),
+        warnings=warnings,
+    )
 
 
 class _Fields:

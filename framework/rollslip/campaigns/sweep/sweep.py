@@ -30,9 +30,9 @@ from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError, RollslipError, SceneError
 from rollslip.fields import FieldError, at_least, non_negative, one_of, parameter, positive
 from rollslip.files import whole_file
+from rollslip.planning.provenance import references_of
 from rollslip.planning.quantities import Quantity, quantities, unknown
 from rollslip.references import KLEBANOV
-from rollslip.results.dataset import references_of
 from rollslip.scene.reading import Where, evolve, from_raw, load_scene, parse_scene, shipped_scenes, structure
 from rollslip.scene.values import DEFAULT_STUDY, FrozenTable, Scene, resolved
 from rollslip.studies.outputs import named_outputs

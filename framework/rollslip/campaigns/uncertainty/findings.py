@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["failed", "margin", "paragraph", "record", "sentences", "topics"]
+__all__ = ["failed", "margin", "record", "sentences", "topics"]
 
 
 def failed(dataset: "xr.Dataset") -> int:
@@ -32,11 +32,6 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     if "indexed" in dataset.coords:
         found["indices"] = [_shares(dataset.sel(indexed=name)) for name in dataset["indexed"].to_numpy()]
     return found
-
-
-def paragraph(dataset: "xr.Dataset") -> str:
-    """Return what was found as a paragraph."""
-    return " ".join(f"{line[0].upper()}{line[1:]}." for line in sentences(dataset))
 
 
 def record(dataset: "xr.Dataset") -> dict[str, Any]:

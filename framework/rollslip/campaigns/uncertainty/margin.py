@@ -16,7 +16,6 @@
 - Sobol indices share a variance among independent inputs. With correlated ones their sums mean nothing: refused.
 """
 
-import datetime
 import json
 import math
 import os
@@ -38,9 +37,10 @@ from rollslip.campaigns.sweep.sampling import REPLICATES
 from rollslip.campaigns.sweep.sweep import FILE, Sweep, plan_sweep
 from rollslip.campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
 from rollslip.errors import OutputError, SceneError
+from rollslip.planning.provenance import origin, scene_told
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
-from rollslip.scene.values import FrozenTable, Scene, resolved, scene_hash
+from rollslip.scene.values import FrozenTable, Scene, resolved
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.steady_slip.study import SteadySlip
 
@@ -511,24 +511,19 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], values: M
             f"the scene has no table [uncertainty]; the scatter is the one that the oil comes with: "
             f"{'; '.join(made.scatter)}"
         )
-    return {
-        "study": "uncertainty",
-        "title": sweep.scene.title,
-        "source": sweep.given.source,
-        "scene": sweep.given.text,
-        "scene_resolved": json.dumps(resolved(sweep.scene)),
-        "scene_hash": scene_hash(sweep.scene),
-        "probability": made.probability,
-        "confidence": CONFIDENCE,
-        "fewest_samples": fewest(made.probability, REPLICATES, made.confidence),
-        "until": made.until if made.until is not None else "",
-        "seed": sweep.table.seed,
-        "distributions": json.dumps({k: repr(d) for k, d in sweep.uncertainty.distributions.items()}),
-        "correlation": json.dumps(sweep.uncertainty.correlation.tolist()),
-        "resolutions": json.dumps(sweep.resolutions.facts),
-        "points": json.dumps(failed),
-        "packages": json.dumps(sweep.facts["packages"]),
-        "citations": json.dumps(list(sweep.citations)),
-        "warnings": json.dumps(warnings),
-        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-    }
+    return origin(
+        study="uncertainty",
+        **scene_told(sweep.scene, sweep.given),
+        probability=made.probability,
+        confidence=CONFIDENCE,
+        fewest_samples=fewest(made.probability, REPLICATES, made.confidence),
+        until=made.until if made.until is not None else "",
+        seed=sweep.table.seed,
+        distributions={k: repr(d) for k, d in sweep.uncertainty.distributions.items()},
+        correlation=sweep.uncertainty.correlation.tolist(),
+        resolutions=sweep.resolutions.facts,
+        points=failed,
+        packages=sweep.facts["packages"],
+        citations=list(sweep.citations),
+        warnings=warnings,
+    )

@@ -149,16 +149,6 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     return {about: texts for about, texts in said.items() if texts}
 
 
-def sentences(dataset: "xr.Dataset") -> list[str]:
-    """Return all that is said of a motion."""
-    return [text for texts in topics(dataset).values() for text in texts]
-
-
-def paragraph(dataset: "xr.Dataset") -> str:
-    """Return the sentences as one text."""
-    return " ".join(f"{text[:1].upper()}{text[1:]}." for text in sentences(dataset))
-
-
 def ledger_table(dataset: "xr.Dataset") -> tuple[tuple[str, ...], list[list[str]]]:
     """Return head and rows of the energy ledger at the end."""
     size, energy = turnover(dataset), dataset["energy"].to_numpy()

@@ -26,8 +26,9 @@ from rollslip.bearing.raceway import PROBES, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
+from rollslip.results.curves import Curves
 from rollslip.results.dataset import about
-from rollslip.studies.answers import Curves, Evaluated, Keep, Output, Some
+from rollslip.studies.answers import Evaluated, Keep, Output, Some
 from rollslip.studies.raceways import REGIMES, LoadedRaceways, evaluated_together, largest_change, regime_variables
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import INSTANTS, POINTS, onwards, timed

@@ -16,8 +16,9 @@ from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError
 from rollslip.fields import at_least, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
+from rollslip.results.curves import Curves
 from rollslip.results.dataset import about
-from rollslip.studies.answers import Curves, Evaluated, Keep, Output, Some
+from rollslip.studies.answers import Evaluated, Keep, Output, Some
 from rollslip.studies.study import Study
 from rollslip.studies.timing import POINTS, onwards, timed
 

@@ -56,16 +56,6 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     }
 
 
-def sentences(dataset: "xr.Dataset") -> list[str]:
-    """Return all that is said."""
-    return [text for texts in topics(dataset).values() for text in texts]
-
-
-def paragraph(dataset: "xr.Dataset") -> str:
-    """Return the sentences as one text."""
-    return " ".join(f"{text[:1].upper()}{text[1:]}." for text in sentences(dataset))
-
-
 def _percent(share: float) -> str:
     return f"{100.0 * share:.3g} %"
 

@@ -1,0 +1,148 @@
+"""Figures of a fit: friction measured and fitted, the residuals, and the profile likelihood of each parameter."""
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rollslip.results.curve_figures import new_figure
+from rollslip.results.style import (
+    MARKER,
+    MM,
+    ONE_COLUMN,
+    RING_COLOURS,
+    ROW,
+    TWO_COLUMNS,
+    axis_label,
+    light_to_dark,
+)
+from rollslip.units import format_quantity, quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.artist import Artist
+    from matplotlib.figure import Figure
+
+__all__ = ["figures"]
+
+_OPEN: Final[Mapping[str, Any]] = {"marker": "o", "markersize": 3, "markerfacecolor": "white", "markeredgewidth": 0.8}
+
+
+def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Draw the figures; give name, caption and figure of each."""
+    name, held = Path(dataset.attrs["source"]).name, _held(dataset)[0]
+    yield "fit", f"Friction measured ({name}) and fitted{held and ', ' + held}.", _fit(dataset)
+    caption = "Residuals over their standard deviation; the band is two of it."
+    yield "fit-residuals", caption, _residuals(dataset)
+    if dataset.sizes["fitted_parameter"]:
+        caption = "Rise of chi2 over the variance with one parameter held, the others fitted anew."
+        yield "fit-profiles", caption, _profiles(dataset)
+
+
+def _held(dataset: "xr.Dataset") -> tuple[str, list[str]]:
+    """What a rig held at all operating points, and what was different at each."""
+    columns = {"point_temperature": "K", "point_pressure": "Pa", "point_speed": "m/s"}
+    texts = {name: [format_quantity(float(v), unit, 3) for v in dataset[name]] for name, unit in columns.items()}
+    common = [said[0] for said in texts.values() if len(set(said)) == 1]
+    different = [said for said in texts.values() if len(set(said)) > 1]
+    return ", ".join(common), [", ".join(row) for row in zip(*different, strict=True)]
+
+
+def _fit(dataset: "xr.Dataset") -> "Figure":
+    from matplotlib.lines import Line2D
+
+    figure, axes = new_figure()
+    handles: list[Artist] = []
+    slip, friction = dataset["slide_roll_ratio"].to_numpy(), dataset["friction"].to_numpy()
+    known = dataset.attrs["uncertainties"] == "given"
+    for point, colour, label in _points(dataset):
+        rows = dataset["operating_point"].to_numpy() == point
+        error = dataset["uncertainty"].to_numpy()[rows] if known else None
+        axes.errorbar(
+            100 * slip[rows], friction[rows], error, color=colour, linestyle="none", elinewidth=0.6, **_OPEN
+        )  # fmt: skip
+        one = dataset.isel(point=point)
+        (line,) = axes.plot(100 * one["curve_slip"], one["curve_friction"], color=colour, linewidth=1.0, label=label)
+        if label:
+            handles.append(line)
+    many = "" if handles or dataset.sizes["point"] == 1 else f"{dataset.sizes['point']} operating points"
+    words = ", ".join(filter(None, ("measured", many, _held(dataset)[0])))
+    handles.append(Line2D([], [], color="0.3", linestyle="none", label=words, **_OPEN))
+    axes.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
+    axes.set_xlabel(axis_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio"))
+    axes.set_ylabel(axis_label(dataset["friction"], r"$\mu$", "–"))
+    figure.legend(handles=handles, loc="outside upper left")
+    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
+    return figure
+
+
+def _residuals(dataset: "xr.Dataset") -> "Figure":
+    figure, axes = new_figure()
+    slip = dataset["slide_roll_ratio"].to_numpy()
+    residual = (dataset["residual"] / dataset["uncertainty"]).to_numpy()
+    axes.axhspan(-2.0, 2.0, color="0.93", linewidth=0.0, zorder=0)
+    axes.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
+    handles = []
+    for point, colour, label in _points(dataset):
+        rows = dataset["operating_point"].to_numpy() == point
+        (line,) = axes.plot(100 * slip[rows], residual[rows], color=colour, linestyle="none", label=label, **_OPEN)
+        if label:
+            handles.append(line)
+    axes.set_ylim(*(np.array([-1.1, 1.1]) * max(3.0, np.abs(residual).max())))
+    axes.set_xlabel(axis_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio"))
+    axes.set_ylabel("Residual / standard deviation [–]")
+    if handles:
+        figure.legend(handles=handles, loc="outside upper left")
+    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
+    return figure
+
+
+def _points(dataset: "xr.Dataset") -> Iterator[tuple[int, Any, str]]:
+    """Number, colour and label of each operating point; no labels where they would fill the page."""
+    count, labels = dataset.sizes["point"], _held(dataset)[1]
+    for point, colour in enumerate(light_to_dark()(np.linspace(1.0, 0.0, count)[::-1])):
+        yield point, colour, labels[point] if 1 < count <= 12 else ""
+
+
+def _profiles(dataset: "xr.Dataset") -> "Figure":
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    names = dataset["fitted_parameter"].values
+    columns = min(names.size, 3)
+    rows = -(-names.size // columns)
+    size = ONE_COLUMN if columns == 1 else TWO_COLUMNS
+    figure = Figure(figsize=(size[0], 58 * MM * rows + 2 * ROW), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
+    limits = dataset["rise_limit"].to_numpy()
+    for axes, name in zip(panels, names, strict=False):
+        one = dataset.sel(parameter=name)
+        # people's unit, taken from how the value is shown to them
+        SI, best = one["unit"].item(), float(one["value"])
+        unit = format_quantity(best, SI).partition(" ")[2]
+        held = one["profile_value"].to_numpy() / (quantity(f"1 {unit}", SI) if unit else 1.0)
+        best *= held[held.size // 2] / best if best else 1.0
+        for limit, level in zip(limits, dataset["level"].values, strict=True):
+            axes.axhline(limit, color="0.6", linewidth=0.6, zorder=0)
+            axes.text(0.5, limit, f"{level:.0%}", transform=axes.get_yaxis_transform(), va="bottom", ha="center")
+        error = math.sqrt(float(one["covariance"].sel(with_parameter=name)))
+        if math.isfinite(error):
+            change = np.log(held / best) if held.min() > 0.0 < best else held - best
+            axes.plot(held, (change / error) ** 2, color=RING_COLOURS["outer"], linewidth=1.0)
+        axes.plot(held, one["profile_rise"], color=RING_COLOURS["inner"])
+        axes.plot(best, 0.0, color=RING_COLOURS["inner"], clip_on=False, **MARKER)
+        if held.min() > 0.0 and held.max() > 5.0 * held.min():
+            axes.set_xscale("log")
+        axes.set_ylim(0.0, 1.6 * limits[-1])
+        axes.set_xlabel(f"{name} [{unit or '–'}]")
+    for axes in panels[names.size :]:
+        axes.set_visible(False)
+    panels[0].set_ylabel(r"Rise of $\chi^2$ over the variance [–]")
+    handles = [
+        Line2D([], [], color=RING_COLOURS["inner"], label="profile likelihood, the others fitted anew"),
+        Line2D([], [], color=RING_COLOURS["outer"], linewidth=1.0, label="covariance: the law taken for linear"),
+    ]
+    figure.legend(handles=handles, loc="outside upper left", ncols=columns)
+    return figure

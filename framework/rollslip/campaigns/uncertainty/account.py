@@ -1,0 +1,36 @@
+"""The account of an allowable slip and its margin."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from rollslip.campaigns.uncertainty import findings
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
+class UncertaintyAccount(Account):
+    """How slips of scattering data are told."""
+
+    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say what was found, by what it is about."""
+        return findings.topics(dataset)
+
+    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return the single values."""
+        return findings.record(dataset)
+
+    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+        """Draw margin, indices and convergence."""
+        from rollslip.campaigns.uncertainty.figures import uncertainty_figures
+
+        yield from uncertainty_figures(dataset)
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [UncertaintyAccount("uncertainty")]

@@ -1,0 +1,157 @@
+"""Commands about what there is: models, packages, keys of a scene, results, citations, this installation."""
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from rollslip.cli.app import BAD_PLUGIN, json_option, print_json, scene_of, set_option
+
+
+@click.command()
+@click.argument("what", required=False, metavar="[KIND|NAME]")
+@json_option
+def models(what: str | None, as_json: bool) -> None:
+    """List all models, those of one KIND, or show everything about the model called NAME."""
+    from rollslip.cli.models import models_as_dict, print_models
+
+    if as_json:
+        print_json(models_as_dict(what))
+    else:
+        print_models(what)
+
+
+@click.command()
+@click.argument("target", required=False, metavar="[SCENE|RESULT.nc]")
+@set_option
+@json_option
+def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
+    """Show what follows from a SCENE without running it, what a RESULT holds, or this installation."""
+    from rollslip.cli import console
+
+    if target is None:
+        rows = console.installation()
+    elif target.endswith(".nc"):
+        if changes:
+            raise click.UsageError("--set changes a scene; a result cannot be changed")
+        rows = console.result_info(Path(target))
+    else:
+        rows = console.scene_info(scene_of(target, changes))
+    if as_json:
+        print_json({section: dict(values) for section, values in rows.items()})
+    else:
+        console.print_sections(rows)
+
+
+@click.command()
+@click.argument("target", metavar="SCENE|RESULT.nc")
+@set_option
+@json_option
+def cite(target: str, changes: Sequence[str], as_json: bool) -> None:
+    """Print what to cite for the models and the oil of a SCENE or a RESULT."""
+    from rollslip.planning.plan import plan
+    from rollslip.planning.provenance import citations
+    from rollslip.results.dataset import open_result
+
+    if target.endswith(".nc"):
+        if changes:
+            raise click.UsageError("--set changes a scene; a result cannot be changed")
+        texts = json.loads(open_result(target).attrs["citations"])
+    else:
+        texts = citations(plan(scene_of(target, changes)))
+    if as_json:
+        print_json(texts)
+    else:
+        click.echo("\n".join(texts))
+
+
+@click.command()
+@json_option
+def schema(as_json: bool) -> None:
+    """List every key of a scene with unit, default and meaning."""
+    from rollslip.cli import console
+    from rollslip.scene.reading import schema
+
+    rows = schema()
+    if as_json:
+        print_json([row._asdict() for row in rows])
+    else:
+        console.print_table(("key", "unit", "default", "meaning"), [tuple(map(str, row)) for row in rows])
+
+
+@click.command()
+@json_option
+def doctor(as_json: bool) -> None:
+    """Say whether this installation is healthy, and what to do where it is not; exit code 5 if there is a fault."""
+    from rollslip.cli.doctor import as_text, examine, healthy
+
+    found = examine()
+    if as_json:
+        import attrs
+
+        print_json([attrs.asdict(finding) for finding in found])
+    else:
+        click.echo(as_text(found))
+    if not healthy(found):
+        sys.exit(BAD_PLUGIN)
+
+
+@click.group()
+def plugins() -> None:
+    """List, check and start packages that offer models."""
+
+
+@plugins.command("list")
+@click.option("--requirements", is_flag=True, help="Print lines for pip install -r instead.")
+@json_option
+def plugins_list(requirements: bool, as_json: bool) -> None:
+    """List the installed packages that offer models, with their state."""
+    from rollslip.catalogue import packages as inventory
+
+    if requirements:
+        lines = inventory.requirements()
+        if as_json:
+            print_json(lines)
+        else:
+            click.echo("\n".join(lines))
+    elif as_json:
+        print_json(inventory.as_dicts(inventory.packages()))
+    else:
+        click.echo(inventory.as_text(inventory.packages()))
+
+
+@plugins.command("check")
+@click.argument("name")
+@click.option("--kind", metavar="KIND", help="Only the model of this kind, where several have the name.")
+@click.option("--time-limit", default=120.0, show_default=True, help="Seconds that a check may take.")
+@json_option
+def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool) -> None:
+    """Check the model called NAME by the rules of its kind, in a process of its own."""
+    from rollslip import testing
+    from rollslip.cli.models import kinds_of
+    from rollslip.testing.findings import passed
+
+    findings = [
+        finding
+        for one in ([kind] if kind is not None else kinds_of(name))
+        for finding in testing.check_in_subprocess(one, name, time_limit)
+    ]
+    if as_json:
+        print_json(testing.as_dict(findings))
+    else:
+        click.echo(testing.format_findings(findings))
+    if not passed(findings):
+        sys.exit(BAD_PLUGIN)
+
+
+@plugins.command("new")
+@click.argument("name")
+@click.option("--kind", required=True, metavar="KIND", help="What it offers: traction, film, contact ...")
+@click.option("--compiled", is_flag=True, help="With a compiled form in Cython.")
+def plugins_new(name: str, kind: str, compiled: bool) -> None:
+    """Write a complete, tested package called NAME into a new folder."""
+    from rollslip.catalogue.scaffold import new
+
+    click.echo(f"written to {new(name, kind, compiled, Path.cwd())}; its README says what comes next")

@@ -1,0 +1,181 @@
+"""How models, data and kinds read on a terminal and in JSON."""
+
+import inspect
+from typing import Any
+
+import attrs
+import click
+
+from rollslip.catalogue.discovery import Offer, available, catalogue, find, get_class
+from rollslip.catalogue.kinds import get_kind, kinds
+from rollslip.cli.console import print_table
+from rollslip.errors import PluginError
+from rollslip.models import SliceModel, interval
+from rollslip.scene.reading import nearest
+from rollslip.scene.values import resolved
+from rollslip.units import format_quantity
+
+__all__ = ["kinds_of", "listed", "models_as_dict", "print_models"]
+
+
+def listed() -> list[str]:
+    """Return the kinds that a scene or a command can name something of: those that packages are written for."""
+    return [kind for kind in kinds() if get_kind(kind).template is not None]
+
+
+def print_models(what: str | None) -> None:
+    """Print all names, the models of a kind, or all about one name.
+
+    Raises
+    ------
+    PluginError
+        If nothing is called so.
+    """
+    if what is None:
+        for kind in listed():
+            names = ", ".join(available(kind)) or "none installed"
+            click.echo(f"{kind:<11} {names}")
+        unusable = [offer for offer in _offers() if offer.state != "ok"]
+        for offer in unusable:
+            click.echo(
+                f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}", err=True
+            )
+        click.echo("'rollslip models NAME' shows equation, parameters, domain and references of one")
+    elif what in listed():
+        print_table(("name", "package", "what it is"), [_summary(offer) for offer in available(what).values()])
+    else:
+        for kind in kinds_of(what):
+            _print_model(kind, what)
+
+
+def models_as_dict(what: str | None) -> Any:
+    """Return what ``print_models`` prints, as plain values."""
+    if what is None:
+        return [attrs.asdict(offer) for offer in _offers()]
+    if what in listed():
+        return {name: _model_as_dict(what, name) for name in available(what)}
+    return {kind: _model_as_dict(kind, what) for kind in kinds_of(what)}
+
+
+def kinds_of(name: str) -> list[str]:
+    """Return the kinds in which something of this name is offered.
+
+    Raises
+    ------
+    PluginError
+        If there is none; the message gives the nearest names.
+    """
+    offering = [kind for kind in listed() if name in available(kind)]
+    if not offering:
+        near = nearest(name, [*listed(), *(offer.name for offer in _offers())], cutoff=0.4)
+        hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip models' lists them"
+        raise PluginError(f"no model and no kind is called {name!r}; {hint}")
+    return offering
+
+
+def _offers() -> list[Offer]:
+    return [offer for offer in catalogue() if offer.kind in listed()]
+
+
+def _summary(offer: Offer) -> tuple[str, str, str]:
+    try:
+        thing = get_class(offer.kind, offer.name)
+    except PluginError as error:
+        return offer.name, offer.package, f"broken: {error}"
+    text = thing.description if get_kind(offer.kind).data else _doc(thing)[0]
+    return offer.name, f"{offer.package} {offer.version}", text
+
+
+def _doc(cls: type) -> list[str]:
+    return (inspect.getdoc(cls) or "").splitlines() or [""]
+
+
+def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
+    from rollslip_kernels.slices import COLUMNS, CONDITIONS
+
+    offer, thing = find(kind, name), get_class(kind, name)
+    about: dict[str, Any] = {"kind": kind, "name": name, "package": offer.package, "version": offer.version}
+    if get_kind(kind).data:
+        about |= {
+            "description": thing.description,
+            "source": thing.source,
+            "references": list(thing.references),
+        }
+        if kind == "lubricant":
+            limits = (thing.minimum_temperature, thing.maximum_temperature)
+            return about | {"range": [format_quantity(T, "K") for T in limits]}
+        return about | {"validity": thing.validity, "values": resolved(thing.data)}
+    members = {**CONDITIONS, **COLUMNS}
+    parameters = [
+        {
+            "name": a.name,
+            "unit": a.metadata.get("unit") or "",
+            "default": _default(a),
+            "meaning": a.metadata.get("doc", ""),
+        }
+        for a in attrs.fields(thing)
+        if a.metadata.get("key", a.name) is not None  # else nobody can set it
+    ]
+    about |= {
+        "description": "\n".join(_doc(thing)),
+        "equation": getattr(thing, "equation", ""),  # an engine has none
+        "parameters": parameters,
+        "references": list(thing.references),
+    }
+    if not issubclass(thing, SliceModel):
+        return about
+    model = thing() if all(a.default is not attrs.NOTHING for a in attrs.fields(thing)) else thing
+    if kind == "film":
+        about |= {"returns": f"{model.location} film thickness", "regime": model.regime}
+    return about | {
+        "reads": [
+            {"name": m, "unit": members[m][0], "meaning": members[m][1], "domain": interval(model.domain.get(m))}
+            for m in sorted(model.reads)
+        ],
+        "writes": sorted(model.writes),
+        "compiled": model.kernel() is not None,
+    }
+
+
+def _default(attribute: "attrs.Attribute[Any]") -> str:
+    default: Any = attribute.default
+    if default is attrs.NOTHING:
+        return "required"
+    if "from_scene" in attribute.metadata:
+        return "the scene's"
+    if "kind" in attribute.metadata:
+        return str(default.factory().name)
+    unit = attribute.metadata.get("unit")
+    if isinstance(default, tuple):
+        return ", ".join(format_quantity(value, unit or "1") for value in default) or "none"
+    return format_quantity(default, unit) if isinstance(default, float) and unit not in (None, "1") else str(default)
+
+
+def _print_model(kind: str, name: str) -> None:
+    about = _model_as_dict(kind, name)
+    click.echo(f"{name} ({kind}, {about['package']} {about['version']})\n")
+    click.echo(about["description"] + "\n")
+    if about.get("equation"):
+        click.echo(f"equation    {about['equation']}\n")
+    for key in ("returns", "regime", "range", "validity", "source"):
+        if key in about:
+            value = about[key] if isinstance(about[key], str) else " to ".join(about[key])
+            click.echo(f"{key:<11} {value}")
+    if about.get("parameters"):
+        click.echo("parameters")
+        print_table(
+            ("name", "unit", "default", "meaning"),
+            [(p["name"], p["unit"], p["default"], p["meaning"]) for p in about["parameters"]],
+        )
+    elif "parameters" in about:
+        click.echo("parameters  none of its own")
+    if "reads" in about:
+        click.echo("reads from scene, lubricant and the stages before it; its domain")
+        print_table(
+            ("name", "unit", "domain", "meaning"),
+            [(r["name"], r["unit"], r["domain"], r["meaning"]) for r in about["reads"]],
+        )
+    if about["references"]:
+        click.echo("references")
+    for text in about["references"]:
+        click.echo(f"  {text}")

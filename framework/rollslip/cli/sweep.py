@@ -1,0 +1,228 @@
+"""Commands about sweeps: run, resume and retry them, see how they stand, put their pieces together."""
+
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rollslip.cli.app import (
+    INTERRUPTED,
+    SOME_FAILED,
+    engine_options,
+    free_folder,
+    json_option,
+    print_json,
+    progress,
+    scene_of,
+    set_option,
+    study_option,
+)
+
+if TYPE_CHECKING:
+    from rollslip.campaigns.sweep.sweep import Sweep
+
+
+@click.group()
+def sweep() -> None:
+    """Compute many points of a study: a grid, samples, several models; go on after whatever happens."""
+
+
+@sweep.command("run")
+@click.argument("scene")
+@click.option(
+    "--over",
+    "overs",
+    metavar="KEY=VALUES",
+    multiple=True,
+    help="What is varied: A,B,C or LOW:HIGH:COUNT, with units, or LOW:HIGH:COUNT:log; LOW:HIGH for samples.",
+)
+@click.option("--samples", metavar="N", type=click.IntRange(1), help="Samples of ranges and of what is uncertain.")
+@click.option("--sampling", metavar="NAME", help="sobol, replicated-sobol, latin-hypercube, saltelli.")
+@click.option("--seed", metavar="N", type=click.IntRange(0), help="Seed of the samples.")
+@study_option
+@click.option("--output", "outputs", metavar="NAME", multiple=True, help="Variable to keep; may be repeated.")
+@set_option
+@engine_options
+@click.option("--shard", metavar="I/N", help="Only piece I of N, for job arrays; see merge.")
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for the sweep, new or empty.")
+@json_option
+def sweep_run(
+    scene: str,
+    overs: Sequence[str],
+    samples: int | None,
+    sampling: str | None,
+    seed: int | None,
+    study: str | None,
+    outputs: Sequence[str],
+    changes: Sequence[str],
+    engine: Mapping[str, object] | None,
+    time_limit: str | None,
+    shard: str | None,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Compute a study of SCENE at many points, and keep everything in a folder."""
+    from rollslip.campaigns.sweep.folder import begin
+    from rollslip.campaigns.sweep.run import asked_engine
+    from rollslip.campaigns.sweep.sampling import parse_overs, parse_shard
+    from rollslip.campaigns.sweep.sweep import plan_sweep
+    from rollslip.cli import console
+
+    made = plan_sweep(
+        scene_of(scene, changes),
+        parse_overs(overs),
+        samples=samples,
+        sampling=sampling,
+        seed=seed,
+        study=study,
+        output=[name.strip() for text in outputs for name in text.split(",")],
+        time_limit=time_limit,
+        engine=engine,
+        shard=parse_shard(shard) if shard is not None else (1, 1),
+    )
+    asked_engine(made)  # refused before a folder is made
+    if not as_json:
+        click.echo(console.sweep_headline(made))
+        click.echo("\n".join(f"  {line}" for line in console.sweep_planned(made)))
+    _run_sweep(made, begin(made, out if out is not None else free_folder(f"{Path(scene).stem}-sweep")), (), as_json)
+
+
+@sweep.command("resume")
+@click.argument("folder", type=click.Path(path_type=Path))
+@engine_options
+@json_option
+def sweep_resume(folder: Path, engine: Mapping[str, object] | None, time_limit: str | None, as_json: bool) -> None:
+    """Compute the points of the sweep in FOLDER that are not done yet."""
+    from rollslip.campaigns.sweep.sweep import open_sweep, with_engine
+
+    made = with_engine(open_sweep(folder), engine, time_limit)
+    _run_sweep(made, folder, (), as_json)
+
+
+@sweep.command("retry")
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--failed", is_flag=True, help="All points without a result.")
+@click.option("--status", "statuses", metavar="STATUS", multiple=True, help="Those of one status, such as timed-out.")
+@engine_options
+@json_option
+def sweep_retry(
+    folder: Path,
+    failed: bool,
+    statuses: Sequence[str],
+    engine: Mapping[str, object] | None,
+    time_limit: str | None,
+    as_json: bool,
+) -> None:
+    """Compute points of the sweep in FOLDER again that have failed."""
+    from rollslip.campaigns.sweep.point import FAILED
+    from rollslip.campaigns.sweep.sweep import open_sweep, with_engine
+
+    if failed == bool(statuses):
+        raise click.UsageError("name the points to compute again: --failed, or --status of one kind")
+    if unknown := sorted(set(statuses) - set(FAILED)):
+        raise click.UsageError(f"no point fails as {', '.join(unknown)}; there are: {', '.join(FAILED)}")
+    made = with_engine(open_sweep(folder), engine, time_limit)
+    _run_sweep(made, folder, FAILED if failed else tuple(statuses), as_json)
+
+
+@sweep.command("status")
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--errors", metavar="N", default=5, show_default=True, type=click.IntRange(0), help="Last errors shown.")
+@json_option
+def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
+    """Show how the sweep in FOLDER stands, also while it runs: points by status, time left, last errors."""
+    from rollslip.campaigns.sweep.folder import pieces, status
+    from rollslip.campaigns.sweep.sweep import FILE
+    from rollslip.cli import console
+
+    parts = [] if (folder / FILE).exists() else [status(piece, errors) for piece in pieces(folder)]
+    found = parts or [status(folder, errors)]
+    if as_json:
+        print_json({"folder": str(folder), "pieces": [one.as_dict() for one in parts]} if parts else found[0].as_dict())
+        return
+    if parts:
+        click.echo(console.sweep_pieces(folder, parts))
+    for one in found:
+        click.echo("\n".join(console.sweep_status(one)))
+
+
+@sweep.command("merge")
+@click.argument("folders", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for all of it; by default FOLDER.")
+@json_option
+def sweep_merge(folders: Sequence[Path], out: Path | None, as_json: bool) -> None:
+    """Put the pieces of a job array together: those in FOLDERS, or the folders shard-I-of-N in one FOLDER."""
+    from rollslip.campaigns.sweep.folder import merge, pieces
+
+    if len(folders) == 1 and (parts := pieces(folders[0])):
+        folders, out = parts, out if out is not None else folders[0]
+    if out is None:
+        raise click.UsageError(
+            f"{folders[0]} holds no folders shard-I-of-N; of other folders --out says where the pieces are put together"
+        )
+    _tell_sweep(merge(list(folders), out), out, {}, as_json)
+
+
+def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool) -> None:
+    """Run a sweep in its folder and tell what came of it."""
+    import os
+
+    from rollslip.campaigns.sweep.run import described, run_sweep
+    from rollslip.cli import console
+    from rollslip.errors import BusyError, EngineError, OutputError
+
+    go_on = f"go on with: {shlex.join(['rollslip', 'sweep', 'resume', str(folder)])}"
+    try:
+        with progress("sweep") as show:
+            settled = run_sweep(
+                made,
+                folder,
+                again=tuple(again),
+                said=lambda text: click.echo(f"  {text}", err=as_json),
+                report=lambda now: show(console.sweep_progress(now)),
+            )
+    except KeyboardInterrupt:
+        click.echo(f"interrupted at once; what was done is kept; {go_on}", err=True)
+        sys.stdout.flush()
+        os._exit(INTERRUPTED)  # a thread that still computes would be waited for
+    except BusyError:
+        raise
+    except (EngineError, OutputError) as error:
+        raise type(error)(f"{error}\nwhat was done is kept; {go_on}") from error
+    if settled.interrupted:
+        click.echo(f"interrupted: {console.sweep_progress(settled.progress)}; {go_on}", err=True)
+        sys.exit(INTERRUPTED)
+    try:
+        _tell_sweep(made, folder, described(settled), as_json)
+    except KeyboardInterrupt:
+        click.echo(f"interrupted; all points are kept; {go_on}", err=True)
+        sys.exit(INTERRUPTED)
+
+
+def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], as_json: bool) -> None:
+    """Write the dataset of a sweep and say what is in it."""
+    from rollslip.campaigns.sweep.folder import RESULT, finish
+    from rollslip.results.account import account_of
+
+    dataset = finish(made, folder)
+    account = account_of(dataset)
+    found = account.record(dataset)
+    if as_json:
+        print_json(
+            {"scene": made.given.source, "sweep_hash": made.hash, "study": made.study, "run": run}
+            | found
+            | {"folder": str(folder), "files": [RESULT]}
+        )
+    else:
+        click.echo("\n".join(f"  {line}" for line in account.lines(dataset)))
+        click.echo(f"written to {folder}: {RESULT}")
+    if found["counts"]["ok"] < sum(found["counts"].values()):
+        told = shlex.join(["rollslip", "sweep", "status", str(folder)])
+        click.echo(f"some points have no result; see: {told}", err=True)
+        if found["counts"]["pending"]:
+            told = shlex.join(["rollslip", "sweep", "resume", str(folder)])
+            click.echo(f"{found['counts']['pending']} of them are not computed yet; go on with: {told}", err=True)
+        sys.exit(SOME_FAILED)

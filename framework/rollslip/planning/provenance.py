@@ -1,0 +1,145 @@
+"""Where a result comes from: the attributes of origin of every dataset, of studies and of campaigns alike.
+
+They make a result reproducible: the scene verbatim and resolved, its hash, the packages and models used, numbers of
+evaluations, wall time, warnings and citations. What is a structure is JSON text, because netCDF has no other form that
+every reader keeps.
+"""
+
+import datetime
+import importlib.metadata
+import json
+import sys
+from collections.abc import Iterable, Mapping
+from numbers import Number
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from rollslip.catalogue.discovery import named_data
+from rollslip.catalogue.registry import Offer, find
+from rollslip.models import SliceModel
+from rollslip.planning.plan import Plan, part_as_dict
+from rollslip.references import KLEBANOV
+from rollslip.scene.values import Scene, resolved, scene_hash
+
+if TYPE_CHECKING:
+    from rollslip.lubricant.oil import Lubricant
+
+__all__ = [
+    "citations",
+    "cited",
+    "lubricant_told",
+    "models_told",
+    "origin",
+    "packages_of",
+    "references_of",
+    "run_origin",
+    "scene_told",
+    "together",
+]
+
+
+def origin(**facts: Any) -> dict[str, Any]:
+    """Return facts as attributes of a dataset, and when it was made; structures become JSON text."""
+    told = {
+        name: fact if isinstance(fact, str | Number) else json.dumps(fact, default=dict) for name, fact in facts.items()
+    }
+    return told | {"created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")}
+
+
+def run_origin(plan: Plan, study: str, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:
+    """Return the attributes that say where the result of a study comes from.
+
+    Parameters
+    ----------
+    plan : Plan
+        What was run.
+    study : str
+        The study whose result it is.
+    warnings : list of str
+        What a reader of the result has to know.
+    evaluations : int
+        Slices evaluated.
+    wall_time : float
+        [s].
+    """
+    scene, assembly = plan.scene, plan.assemblies[study]
+    offers = [*(find(kind, model.name) for kind, model in plan.models), *named_data(scene.raw or {})]
+    return origin(
+        **scene_told(scene),
+        description=scene.description,
+        packages=packages_of(offers),
+        models=models_told(plan.models),
+        lubricant=lubricant_told(assembly.lubricant),
+        conditions={raceway.ring: attrs.asdict(raceway.conditions) for raceway in assembly.raceways},
+        plan=[part_as_dict(part) for part in plan.parts if part.study in ("", study)],
+        warnings=warnings,
+        citations=citations(plan),
+        evaluations=evaluations,
+        wall_time=wall_time,
+    )
+
+
+def together(origins: Iterable[Mapping[str, Any]], key: str) -> list[Any]:
+    """Return the items of a list that several origins have under a key, each once."""
+    return list({json.dumps(item): item for one in origins for item in json.loads(one[key])}.values())
+
+
+# What it is made of -------------------------------------------------------------------------------------------------
+
+
+def scene_told(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
+    """Return title, text and hash of a scene; `given` is the scene as it was written, where a campaign changes it."""
+    given = given or scene
+    return {
+        "title": scene.title,
+        "source": given.source,
+        "scene": given.text,
+        "scene_resolved": resolved(scene),
+        "scene_hash": scene_hash(scene),
+    }
+
+
+def packages_of(offers: Iterable[Offer]) -> dict[str, str]:
+    """Return the packages behind offers and those that every result needs, each with its version."""
+    used = {offer.package: offer.version for offer in offers}
+    used |= {name: importlib.metadata.version(name) for name in ("rollslip", "numpy", "scipy", "xarray")}
+    return dict(sorted(used.items())) | {"python": sys.version.split()[0]}
+
+
+def models_told(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:
+    """Return what is kept of models, given with their kinds."""
+    return [
+        {
+            "kind": kind,
+            "name": model.name,
+            "package": offer.package,
+            "version": offer.version,
+            "equation": model.equation,
+            "references": references_of(model),
+            "parameters": repr(model),
+        }
+        for kind, model, offer in ((kind, model, find(kind, model.name)) for kind, model in models)
+    ]
+
+
+def lubricant_told(oil: "Lubricant") -> dict[str, Any]:
+    """Return what is kept of an oil."""
+    return {"name": oil.name, "source": oil.source, "pressure_viscosity_law": repr(oil.pressure_viscosity_law)}
+
+
+def citations(plan: Plan) -> list[str]:
+    """Return what to cite for the models and the oil of a plan, the paper that rollslip follows first."""
+    oil = plan.assembly.lubricant
+    return cited([model for _, model in plan.models], [*oil.references, *oil.pressure_viscosity_law.references])
+
+
+def cited(models: Iterable[SliceModel], others: Iterable[str]) -> list[str]:
+    """Return what to cite for models, and other texts, each once, the paper that rollslip follows first."""
+    return list(dict.fromkeys([KLEBANOV, *(text for model in models for text in references_of(model)), *others]))
+
+
+def references_of(model: SliceModel) -> list[str]:
+    """Citations of a model and of the models it is composed of."""
+    children = [getattr(model, a.name) for a in getattr(model, "__attrs_attrs__", ()) if "kind" in a.metadata]
+    return list(dict.fromkeys([*model.references, *(text for child in children for text in references_of(child))]))

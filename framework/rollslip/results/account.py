@@ -1,0 +1,210 @@
+"""What an account is: how the results of one study or campaign are told, in words, as plain values, tables and figures.
+
+- Console, report, figures and JSON ask `account_of` for it and know no study by name. It is found by the dataset's
+  attribute ``study`` among the entry points ``rollslip.account``, our own like a stranger's.
+- Everything is told from the dataset alone, so that a stored result is told alike years later.
+- A study without an account is told by what its dataset says of itself: friction curves where attribute ``curves`` says
+  what they are, and single values by name, unit and status.
+- An account is imported for words alone too: what loads Matplotlib is imported where figures are drawn.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
+
+import attrs
+
+from rollslip.catalogue.kinds import Kind
+from rollslip.catalogue.registry import available, get_class
+from rollslip.results.curves import critical_rows, curves
+from rollslip.units import UnitError, format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+__all__ = ["ACCOUNT", "Account", "Contact", "PlainAccount", "Story", "Table", "account_of", "capital"]
+
+
+@attrs.frozen
+class Table:
+    """A table of a result: what it is called, its head, and its rows of texts."""
+
+    caption: str
+    head: tuple[str, ...]
+    rows: list[list[str]]
+
+
+@attrs.frozen
+class Contact:
+    """A contact that a result speaks of: its film regime if it is one all along, and its smallest film parameter."""
+
+    name: str
+    regime: str
+    film_parameter: float
+
+
+#: What was found, in the order of a report: texts, lists of sentences without their full stops, tables.
+Story: TypeAlias = list[str | list[str] | Table]
+
+
+@attrs.frozen
+class Account:
+    """How the results of one study are told; a study or campaign derives a class of its own from this one.
+
+    What is left out is told by nothing: `topics` or `sentences`, `record` and `figures` are what there should be.
+
+    Attributes
+    ----------
+    name : str
+        The study, as the attribute ``study`` of its datasets has it.
+    numbers : mapping of str to tuple of str
+        Attributes of its datasets that are numbers of interest: what each is called, and its unit.
+    names_first : bool
+        Whether sentences begin with names, which keep their small letters.
+    """
+
+    name: str
+    numbers: ClassVar[Mapping[str, tuple[str, str]]] = {}
+    names_first: ClassVar[bool] = False
+
+    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
+        return {}
+
+    def sentences(self, dataset: "xr.Dataset") -> list[str]:
+        """Return all that is said; no sentence has its full stop."""
+        return [text for texts in self.topics(dataset).values() for text in texts]
+
+    def lines(self, dataset: "xr.Dataset") -> list[str]:
+        """Return what is said on a terminal."""
+        return self.sentences(dataset)
+
+    def paragraph(self, dataset: "xr.Dataset") -> str:
+        """Return all that is said as one text, for those who cannot see the figures."""
+        return " ".join(f"{text if self.names_first else capital(text)}." for text in self.sentences(dataset))
+
+    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return the single values as JSON has them; what has no value is None, with its status beside it."""
+        return {}
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return what is told in tables."""
+        return []
+
+    def story(self, dataset: "xr.Dataset") -> Story:
+        """Return what a report says was found."""
+        return [self.sentences(dataset), *self.tables(dataset)]
+
+    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+        """Draw the figures; give name of the file, caption and figure of each.
+
+        Artists take their style when they are made: figures are drawn while they are iterated.
+        """
+        yield from ()
+
+    def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
+        """Return the contacts that the load parameters of the dataset are of, in their order."""
+        return []
+
+
+class PlainAccount(Account):
+    """How a dataset is told by what it says of itself: its friction curves, and its single values."""
+
+    names_first: ClassVar[bool] = True
+
+    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say what was found of each curve, and every single value."""
+        slips = {
+            name: [f"critical slip {row['critical_slip']:.2%}" if row["critical_slip"] else row["status"]]
+            for name, row in critical_rows(dataset).items()
+        }
+        return slips | {name: [text] for name, text in _single_values(dataset).items()}
+
+    def sentences(self, dataset: "xr.Dataset") -> list[str]:
+        """Return what was found of each curve, and every single value."""
+        return [curve.finding() for curve in curves(dataset)] + _named(_single_values(dataset))
+
+    def lines(self, dataset: "xr.Dataset") -> list[str]:
+        """Return critical slip and largest friction of each curve, and every single value."""
+        slips = {
+            name: row["status"]
+            if row["critical_slip"] is None
+            else f"critical slip {row['critical_slip']:.2%}, largest friction {row['critical_friction']:.4g}"
+            for name, row in critical_rows(dataset).items()
+        }
+        return _named(slips | _single_values(dataset))
+
+    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return critical slip, largest friction and status of each curve, and every single value."""
+        singles = {str(name): one.item() for name, one in dataset.data_vars.items() if one.ndim == 0}
+        return critical_rows(dataset) | {
+            name: None if isinstance(value, float) and not math.isfinite(value) else value
+            for name, value in singles.items()
+        }
+
+    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+        """Draw the curves, if there are any."""
+        if curves(dataset):
+            from rollslip.results.curve_figures import plain_curves
+
+            yield self.name, f"Friction over slip, {self.name}.", plain_curves(dataset)
+
+    def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
+        """Return the contacts that the curves are of."""
+        return [
+            Contact(one.name, one.regime, float(one.film_parameter[one.film_parameter > 0.0].min(initial=math.inf)))
+            for one in curves(dataset)
+        ]
+
+
+def account_of(dataset: "xr.Dataset") -> Account:
+    """Return how a dataset is told: the account of its study, or one that knows no more than the dataset says.
+
+    Raises
+    ------
+    PluginError
+        If the account of a package cannot be loaded.
+    """
+    name = str(dataset.attrs.get("study", ""))
+    if name not in available("account"):
+        return PlainAccount(name)
+    account: Account = get_class("account", name)
+    return account
+
+
+def capital(text: str) -> str:
+    """Return a text with a capital as its first letter."""
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def _named(texts: Mapping[str, str]) -> list[str]:
+    return [f"{name}: {text}" for name, text in texts.items()]
+
+
+def _single_values(dataset: "xr.Dataset") -> dict[str, str]:
+    """Every single number and text by its long name; in place of a number that is not there, its status."""
+    singles = {str(name): one for name, one in dataset.data_vars.items() if one.ndim == 0}
+    found = {}
+    for name, one in singles.items():
+        value, status = one.item(), singles.get(f"{name}_status", singles.get("status"))
+        if isinstance(value, float):
+            missing = "no value" if status is None else str(status.item())
+            said = missing if math.isnan(value) else _with_unit(value, one.attrs.get("units", "1"))
+        elif name.endswith("_status") and name.removesuffix("_status") in singles:
+            continue  # said where the value is missing
+        else:
+            said = str(value)
+        found[str(one.attrs.get("long_name", name))] = said
+    return found
+
+
+def _with_unit(value: float, unit: str) -> str:
+    try:
+        return format_quantity(value, unit, 4)
+    except UnitError:  # a unit for which there is no other way to write it
+        return f"{value:.4g} {unit}"
+
+
+#: The kind of an account; packages that offer studies offer theirs.
+ACCOUNT: Final = Kind(name="account", hook="accounts", base=Account, data=True)

@@ -1,0 +1,221 @@
+"""Figures of friction curves: what those of several studies draw alike, and one for a study that has none of its own.
+
+- Everything reads in grey: curves differ in lightness, and dashed is only ever the thermal branch.
+- What is said in words stands above the curves, in room that is kept free for it, never on them.
+"""
+
+import json
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.results.curves import Curve, Curves, curves, digits, percent
+from rollslip.results.style import MARKER, ONE_COLUMN, ROW, axis_label, light_to_dark, plain_ticks
+from rollslip.units import quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.text import Annotation, Text
+
+__all__ = [
+    "draw_curve",
+    "film_limits",
+    "film_text",
+    "finish",
+    "new_figure",
+    "plain_curves",
+    "shade_film",
+    "write_beside",
+]
+
+Array = NDArray[np.float64]
+
+#: Background where the thinnest film is no longer full.
+FILM_TINTS: Final = {"mixed": "0.93", "boundary": "0.84"}
+
+#: Where a label may stand, the best first: offset in points from what it belongs to, alignment.
+_PLACES: Final = tuple(
+    (x, y, aligned)
+    for y in (5, -5, 13, -13)
+    for x, aligned in ((0, "center"), (4, "left"), (-4, "right"), (13, "left"), (-13, "right"))
+)
+
+
+def plain_curves(dataset: "xr.Dataset") -> "Figure":
+    """Draw the curves of a dataset over slip, those of small numbers lighter, as its attribute ``curves`` has them."""
+    of = Curves.of(dataset)
+    assert of is not None
+    figure, axes = new_figure()
+    shown = curves(dataset)
+    lines = [
+        draw_curve(axes, curve, colour, curve.name)
+        for curve, colour in zip(shown, light_to_dark()(np.linspace(1.0, 0.0, len(shown))[::-1]), strict=True)
+    ]
+    axes.set_xlabel(axis_label(dataset[of.slip], "", "%"))
+    axes.set_ylabel(axis_label(dataset[of.variable], "", "–"))
+    finish(figure, axes, shown, lines)
+    return figure
+
+
+# What they share ----------------------------------------------------------------------------------------------------
+
+
+def new_figure() -> "tuple[Figure, Axes]":
+    """Return a figure of one column with one panel."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
+    axes = figure.subplots()
+    plain_ticks(axes)
+    return figure, axes
+
+
+def film_limits(dataset: "xr.Dataset") -> dict[str, float]:
+    """Film parameters up to which a film is mixed or boundary, as far as the scene gives them."""
+    traction = json.loads(dataset.attrs.get("scene_resolved", "{}")).get("models", {}).get("traction", {})
+    keys = {"mixed": "hydrodynamic_limit", "boundary": "boundary_limit"}
+    return {film: quantity(traction[key], "1") for film, key in keys.items() if key in traction}
+
+
+def film_text(curve: Curve, limits: Mapping[str, float]) -> str:
+    """Film parameter of a curve and, if it is one all along, the kind of film."""
+    finite = curve.film_parameter[np.isfinite(curve.film_parameter)]
+    if not finite.size:
+        return r"$\Lambda$ unknown"
+    ends = (finite.min(), finite.max())
+    low, high = (digits(end, 2) for end in ends)
+    kinds = {_kind(end, limits) for end in ends}
+    kind = f" ({kinds.pop()})" if limits and len(kinds) == 1 else ""
+    return rf"$\Lambda$ = {low if low == high else f'{low} to {high}'}{kind}"
+
+
+def _kind(film_parameter: float, limits: Mapping[str, float]) -> str:
+    below = [film for film, limit in limits.items() if film_parameter < limit]
+    return f"{min(below, key=limits.__getitem__)} film" if below else "full film"
+
+
+def shade_film(axes: "Axes", shown: Sequence[Curve], limits: Mapping[str, float]) -> "list[Artist]":
+    """Shade the slips at which the thinnest film is not full; return what goes into the legend."""
+    from matplotlib.patches import Patch
+
+    thinnest = np.min([curve.film_parameter for curve in shown], axis=0)
+    handles: list[Artist] = []
+    for film, limit in sorted(limits.items(), key=lambda item: -item[1]):
+        below = thinnest < limit
+        if np.any(below):
+            axes.fill_between(
+                100 * shown[0].slip,
+                0.0,
+                1.0,
+                where=below.tolist(),
+                transform=axes.get_xaxis_transform(),
+                color=FILM_TINTS[film],
+                linewidth=0.0,
+                zorder=0,
+            )
+            label = rf"{film} film: smallest $\Lambda$ < {limit:g}"
+            handles.append(Patch(facecolor=FILM_TINTS[film], label=label))
+    return handles
+
+
+def draw_curve(
+    axes: "Axes", curve: Curve, colour: Any, label: str, *, width: float = 1.4, tinted: bool = False
+) -> "Line2D":
+    """Draw a curve, its thermal branch dashed and on request tinted down to zero; return what the legend shows."""
+    x, y, begin, end = curve.branches()
+    x = 100 * x
+    (line,) = axes.plot(x[: begin + 1], y[: begin + 1], color=colour, linewidth=width, label=label)
+    if curve.has_critical:
+        thermal = slice(begin, end + 1)
+        if tinted:
+            axes.fill_between(x[thermal], 0.0, y[thermal], color=colour, alpha=0.15, linewidth=0.0)
+        axes.plot(x[thermal], y[thermal], color=colour, linewidth=width, linestyle="dashed")
+        axes.plot(x[end:], y[end:], color=colour, linewidth=width)
+        axes.vlines(x[begin], 0.0, y[begin], color=colour, linewidth=0.7, linestyle="dotted")
+        axes.plot(x[begin], y[begin], color=colour, **MARKER)
+    return line
+
+
+def write_beside(axes: "Axes", text: str, place: tuple[float, float]) -> "Annotation":
+    """Write a text above a point, in data coordinates."""
+    return axes.annotate(
+        text,
+        place,
+        (0, 5),
+        textcoords="offset points",
+        horizontalalignment="center",
+        bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.7, "linewidth": 0.0},
+    )
+
+
+def finish(
+    figure: "Figure",
+    axes: "Axes",
+    shown: Sequence[Curve],
+    handles: "Sequence[Artist]",
+    others: Array | None = None,
+) -> None:
+    """Set the ranges, with room above the curves for what has to be said in words, and say it."""
+    from matplotlib.lines import Line2D
+
+    rows = np.vstack([curve.friction for curve in shown] + ([] if others is None else [others]))
+    finite = rows[np.isfinite(rows)]
+    low, high = finite.min(initial=0.0), finite.max(initial=0.0)
+    # a curve of rounding noise is a zero line, not a range below zero
+    low = low if low < -1e-6 * high else 0.0
+    high = high if high > low else low + 1.0
+    critical = [curve for curve in shown if curve.has_critical]
+    notes = _notes(shown, 66 if others is None else 58)
+    room = 0.05 + 0.07 * len(notes.splitlines()) + 0.08 * bool(critical)
+    axes.set_ylim(low, low + (high - low) / (1.0 - room))
+    axes.set_xlim(100 * shown[0].slip[0], 100 * shown[0].slip[-1])
+    written = axes.text(0.015, 0.985, notes, transform=axes.transAxes, va="top", fontsize=6.5, color="0.25")
+    written.set_in_layout(False)
+    if critical:
+        words = "critical slip; beyond it the thermal branch"
+        handles = [*handles, Line2D([], [], color="0.35", linestyle="dashed", label=words, **MARKER)]
+    figure.legend(handles=handles, loc="outside upper left")
+    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
+    figure.draw_without_rendering()  # places the axes, on which it depends what a label covers
+    _write_critical(axes, critical, rows, written)
+
+
+def _write_critical(axes: "Axes", critical: Sequence[Curve], rows: Array, written: "Text") -> None:
+    """Write the critical slips beside their maxima, each where it covers least of curves and of other words."""
+    taken = [written.get_window_extent()]
+    for curve in critical:
+        dense = np.linspace(curve.slip[0], curve.slip[-1], 1000)
+        points = [np.column_stack((100 * dense, np.interp(dense, curve.slip, row))) for row in rows]
+        pixels = axes.transData.transform(np.concatenate(points))
+        label = write_beside(axes, percent(curve.critical_slip), (100 * curve.critical_slip, curve.critical_friction))
+
+        def covered(place: tuple[float, float, str], label: "Annotation" = label, pixels: Array = pixels) -> int:
+            label.set_position(place[:2])
+            label.set(horizontalalignment=place[2], verticalalignment="bottom" if place[1] > 0 else "top")
+            box = label.get_window_extent()
+            inside = np.all((box.min < pixels) & (pixels < box.max), axis=1)
+            words = sum(box.overlaps(other) for other in taken)
+            beyond = not axes.bbox.x0 < box.x0 < box.x1 < axes.bbox.x1
+            return int(np.count_nonzero(inside)) + pixels.size * (words + beyond)
+
+        covered(min(_PLACES, key=covered))
+        taken.append(label.get_window_extent())
+
+
+def _notes(shown: Sequence[Curve], width: int) -> str:
+    """What was found instead of a critical slip; the status without its advice, once for all curves it is true of."""
+    without: dict[str, list[str]] = {}
+    for curve in shown:
+        if not curve.has_critical:
+            without.setdefault(curve.status.partition(",")[0], []).append(curve.name)
+    return "\n".join(
+        textwrap.fill(status if len(names) == len(shown) else f"{', '.join(names)}: {status}", width)
+        for status, names in without.items()
+    )

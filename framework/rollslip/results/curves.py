@@ -1,0 +1,183 @@
+"""Friction curves of a dataset: what each is of, and what was found of its critical slip.
+
+A dataset of friction over slip says in its attribute ``curves`` what makes them: JSON with the fields of `Curves`.
+"""
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.bearing.regimes import LONG_NAMES, NAMES
+from rollslip.units import format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Curve", "Curves", "critical_rows", "curve_names", "curves", "digits", "percent"]
+
+Array = NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class Curves:
+    """The names of what makes the friction curves of a study: what is compared and drawn.
+
+    Attributes
+    ----------
+    variable, over, slip : str
+        Friction, the dimension with one curve for each value, and the slip that it is plotted against.
+    critical : str
+        Slip of the largest friction of each curve; ``critical_friction`` and ``critical_status`` belong to it.
+    """
+
+    variable: str
+    over: str
+    slip: str
+    critical: str
+
+    @property
+    def attribute(self) -> str:
+        """The attribute ``curves`` of a result."""
+        return json.dumps(attrs.asdict(self))
+
+    @classmethod
+    def of(cls, dataset: "xr.Dataset") -> "Curves | None":
+        """Return what makes the curves of a result; None if it has none."""
+        said = dataset.attrs.get("curves")
+        return None if said is None else cls(**json.loads(said))
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Curve:
+    """One friction curve of a dataset, with what was found of its critical slip.
+
+    Attributes
+    ----------
+    name : str
+        "300 N" or "inner ring".
+    of, against : str
+        What is plotted against what: "friction coefficient", "cage slip".
+    slip, friction, film_parameter : ndarray
+        Shape (n,); the film parameter is NaN where the dataset has none.
+    critical_slip, critical_friction : float
+        NaN if there is none; `status` says why.
+    regime : str
+        Film regime in words, empty if it is not a matter of one contact.
+    """
+
+    name: str
+    of: str
+    against: str
+    slip: Array
+    friction: Array
+    film_parameter: Array
+    critical_slip: float
+    critical_friction: float
+    status: str
+    regime: str = ""
+
+    @property
+    def has_critical(self) -> bool:
+        """Whether the largest friction lies inside the range."""
+        return not np.isnan(self.critical_slip)
+
+    def branches(self) -> tuple[Array, Array, int, int]:
+        """Return the curve through its maximum, and where in it the thermal branch begins and ends.
+
+        The branch ends where friction is least again: with a thin film it may rise once more.
+        """
+        if not self.has_critical:
+            last = self.slip.size - 1
+            return self.slip, self.friction, last, last
+        begin = int(np.searchsorted(self.slip, self.critical_slip))
+        after = int(np.searchsorted(self.slip, self.critical_slip, side="right"))
+        x = np.concatenate((self.slip[:begin], [self.critical_slip], self.slip[after:]))
+        y = np.concatenate((self.friction[:begin], [self.critical_friction], self.friction[after:]))
+        return x, y, begin, begin + int(np.nanargmin(y[begin:]))
+
+    def finding(self) -> str:
+        """Say in a sentence what was found of the critical slip; its full stop is left out."""
+        quantity = self.against if self.against.endswith(" slip") else "slip"
+        if self.has_critical:
+            return (
+                f"{self.name}: critical {quantity} {percent(self.critical_slip)}, where the {self.of} is largest, "
+                f"{digits(self.critical_friction, 3)}"
+            )
+        finite = np.flatnonzero(np.isfinite(self.friction))
+        if not finite.size or not np.any(self.friction > 0.0):
+            return f"{self.name}: {self.status}"
+        most = self.friction[finite[np.argmax(self.friction[finite])]]
+        return f"{self.name}: {self.status}. In this range the {self.of} reaches {digits(most, 3)}"
+
+
+def percent(share: float) -> str:
+    """Show a share in percent, with three digits."""
+    return f"{digits(100 * share, 3)} %"
+
+
+def digits(value: float, count: int) -> str:
+    """Show a number with a count of digits, zeros at its end too."""
+    return f"{value:#.{count}g}".removesuffix(".")
+
+
+def curve_names(dataset: "xr.Dataset") -> list[str]:
+    """Return what the curves of a dataset are called: "inner ring" or "300 N"."""
+    of = Curves.of(dataset)
+    if of is None:
+        return []
+    over = dataset[of.over]
+    if over.dtype.kind not in "fi":
+        return [f"{value} {of.over}" for value in over.to_numpy()]
+    return [format_quantity(float(value), over.attrs["units"]) for value in over.to_numpy()]
+
+
+def curves(dataset: "xr.Dataset") -> list[Curve]:
+    """Return the friction curves of a dataset, none if its study has no such curves."""
+    of = Curves.of(dataset)
+    if of is None:
+        return []
+    found = []
+    for position, name in enumerate(curve_names(dataset)):
+        one = dataset.isel({of.over: position})
+        slip = one[of.slip]
+        film = one["film_parameter"] if "film_parameter" in one else slip.copy(data=np.full(slip.shape, np.nan))
+        found.append(
+            Curve(
+                name=name,
+                of=dataset[of.variable].attrs["long_name"],
+                against=slip.attrs["long_name"],
+                slip=slip.to_numpy(),
+                friction=one[of.variable].to_numpy(),
+                film_parameter=film.to_numpy(),
+                critical_slip=float(one[of.critical]),
+                critical_friction=float(one["critical_friction"]),
+                status=str(one["critical_status"].item()),
+                regime=_regime(one["regime"].to_numpy()) if "regime" in one and one["regime"].dims == slip.dims else "",
+            )
+        )
+    return found
+
+
+def _regime(codes: NDArray[Any]) -> str:
+    names = [NAMES[code] for code in np.unique(codes).astype(int)]
+    return LONG_NAMES[names[0]] if len(names) == 1 else ", ".join(names)
+
+
+def critical_rows(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
+    """Return critical slip, its friction and its status of each curve by name; what has no value is None."""
+    return {
+        curve.name: {
+            "critical_slip": _or_none(curve.critical_slip),
+            "critical_friction": _or_none(curve.critical_friction),
+            "status": curve.status,
+        }
+        for curve in curves(dataset)
+    }
+
+
+def _or_none(number: float) -> float | None:
+    return None if math.isnan(number) else number

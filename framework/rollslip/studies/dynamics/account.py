@@ -1,0 +1,59 @@
+"""The account of a motion in time."""
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account, Contact, Table
+from rollslip.studies.dynamics import findings
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
+class DynamicsAccount(Account):
+    """How a motion is told: with its energy ledger and its events."""
+
+    numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "level": ("level of the motion", ""),
+        "friction": ("friction of the motion", ""),
+        "integrator": ("integrator", ""),
+        "steps": ("steps", ""),
+        "rejected": ("steps rejected", ""),
+        "rate_evaluations": ("evaluations of the rates", ""),
+        "jacobians": ("Jacobians", ""),
+        "contacts_evaluated": ("contacts evaluated in the motion", ""),
+        "real_time_factor": ("time of the motion over that of its integration", "1"),
+    }
+
+    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say what was found, by what it is about."""
+        return findings.topics(dataset)
+
+    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return the single values."""
+        return findings.record(dataset)
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return the energy ledger and the events."""
+        return [
+            Table("Energy ledger", *findings.ledger_table(dataset)),
+            Table("Events", *findings.events_table(dataset)),
+        ]
+
+    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+        """Draw speeds, orbit, ledger and tracks."""
+        from rollslip.studies.dynamics.figures import motion_figures
+
+        yield from motion_figures(dataset)
+
+    def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
+        """Return the contacts with both rings."""
+        return [Contact(f"{ring} ring", "", film) for ring, film in findings.smallest_film(dataset).items()]
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [DynamicsAccount("dynamics")]

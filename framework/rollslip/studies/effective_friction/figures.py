@@ -1,0 +1,130 @@
+"""Figures of effective friction: of both raceways, of single rollers, and the map over both slips."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollslip.results.curve_figures import (
+    draw_curve,
+    film_limits,
+    film_text,
+    finish,
+    new_figure,
+    shade_film,
+    write_beside,
+)
+from rollslip.results.curves import curves, percent
+from rollslip.results.style import (
+    RING_COLOURS,
+    SEQUENTIAL,
+    TWO_COLUMNS,
+    axis_label,
+    light_to_dark,
+    plain_ticks,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.artist import Artist
+    from matplotlib.figure import Figure
+
+__all__ = ["figures"]
+
+
+def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Draw the figures; give name, caption and figure of each that the dataset has something to show for."""
+    name, closure = "effective-friction", f"closure {dataset.attrs['closure']}"
+    caption = f"Effective friction of both raceways against cage slip, {closure}."
+    yield name, caption, _effective_friction(dataset)
+    if "roller_friction" in dataset:
+        caption = f"Friction of single rollers and effective friction on the inner ring, {closure}."
+        yield f"{name}-rollers", caption, _rollers(dataset)
+    if "friction_map" in dataset:
+        caption = f"Effective friction over cage slip and roller slip; the line is the {closure}."
+        yield f"{name}-map", caption, _map(dataset)
+
+
+def _effective_friction(dataset: "xr.Dataset") -> "Figure":
+    figure, axes = new_figure()
+    shown, limits = curves(dataset), film_limits(dataset)
+    tints = shade_film(axes, shown, limits)
+    lines: list[Artist] = [
+        draw_curve(axes, curve, RING_COLOURS[ring], f"{curve.name}: smallest {film_text(curve, limits)}", tinted=True)
+        for ring, curve in zip(dataset["ring"].values, shown, strict=True)
+    ]
+    axes.set_xlabel(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
+    axes.set_ylabel(axis_label(dataset["effective_friction"], r"$\mu_\mathrm{e}$", "–"))
+    finish(figure, axes, shown, lines + tints)
+    return figure
+
+
+def _rollers(dataset: "xr.Dataset") -> "Figure":
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.lines import Line2D
+
+    figure, axes = new_figure()
+    inner = dataset.sel(ring="inner")
+    forces, friction = inner["normal_force"].to_numpy(), inner["roller_friction"].to_numpy()
+    loaded = np.flatnonzero(forces > 0.0)
+    scale = ScalarMappable(Normalize(0.0, forces.max()), light_to_dark())
+    slip = 100 * inner["cage_slip"].to_numpy()
+    for roller in loaded[np.argsort(forces[loaded], kind="stable")]:
+        axes.plot(slip, friction[roller], color=scale.to_rgba(forces[roller]), linewidth=0.8)
+    effective = [curve for curve in curves(dataset) if curve.name == "inner ring"]
+    lines: list[Artist] = [
+        draw_curve(axes, curve, "black", r"inner ring, effective: $\mu_\mathrm{e}$", width=2.0) for curve in effective
+    ]
+    lines.append(Line2D([], [], color=light_to_dark()(1.0), linewidth=0.8, label="its single rollers"))
+    bar = figure.colorbar(scale, ax=axes, aspect=30, pad=0.03)
+    bar.set_label(axis_label(dataset["normal_force"], "$Q$", "N", name="normal force"))
+    bar.outline.set_visible(False)
+    bar.solids.set_edgecolor("face")  # type: ignore[union-attr]  # no seams, as in the map
+    axes.set_xlabel(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
+    axes.set_ylabel(axis_label(dataset["roller_friction"], r"$\mu$", "–", name="friction coefficient"))
+    finish(figure, axes, effective, lines, others=friction[loaded])
+    return figure
+
+
+def _map(dataset: "xr.Dataset") -> "Figure":
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.patheffects import withStroke
+    from matplotlib.ticker import MaxNLocator
+
+    figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
+    surface = np.ma.masked_invalid(dataset["friction_map"].to_numpy())
+    cage, roller = 100 * dataset["map_cage_slip"].to_numpy(), 100 * dataset["map_roller_slip"].to_numpy()
+    levels = MaxNLocator(20).tick_values(surface.min(), surface.max())
+    rolling = np.isclose(levels, 0.0, atol=1e-6 * np.ptp(levels))
+    outlined: dict[str, Any] = {"color": "white", "path_effects": [withStroke(linewidth=2.8, foreground="black")]}
+    panels = figure.subplots(1, dataset.sizes["ring"], sharey=True, squeeze=False)[0]
+    plain_ticks(*panels)
+    for axes, curve, ring, values in zip(panels, curves(dataset), dataset["ring"].values, surface, strict=True):
+        filled = axes.contourf(cage, roller, values.T, levels, cmap=SEQUENTIAL)
+        filled.set_edgecolor("face")  # some viewers show seams between the areas without it
+        axes.contour(cage, roller, values.T, levels, colors="black", linewidths=0.25 + rolling, linestyles="solid")
+        line = 100 * dataset["roller_slip"].sel(ring=ring).to_numpy()
+        axes.plot(100 * curve.slip, line, **outlined)
+        if curve.has_critical:
+            place = 100 * curve.critical_slip, float(np.interp(curve.critical_slip, curve.slip, line))
+            axes.plot(*place, marker="o", markersize=5, color="white", markeredgecolor="black")
+            write_beside(axes, percent(curve.critical_slip), place)
+        axes.set_title(curve.name)
+        axes.set_xlabel(axis_label(dataset["map_cage_slip"], r"$S_\mathrm{c}$", "%"))
+        axes.set_xlim(cage[0], cage[-1])
+        axes.set_ylim(roller[0], roller[-1])
+    panels[0].set_ylabel(axis_label(dataset["map_roller_slip"], r"$S_\mathrm{r}$", "%"))
+    bar = figure.colorbar(filled, ax=list(panels), aspect=30, pad=0.02)
+    bar.set_label(axis_label(dataset["friction_map"], r"$\mu_\mathrm{e}$", "–"))
+    handles = [
+        Line2D([], [], label=f"closure {dataset.attrs['closure']}", **outlined),
+        Line2D([], [], color="black", linewidth=1.25, label="pure rolling, no friction"),
+    ]
+    if any(curve.has_critical for curve in curves(dataset)):
+        handles.append(
+            Line2D([], [], color="white", markeredgecolor="black", marker="o", markersize=5, label="critical cage slip")
+        )
+    figure.legend(handles=handles, loc="outside upper left", ncols=3)
+    return figure

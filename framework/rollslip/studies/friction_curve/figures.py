@@ -1,0 +1,40 @@
+"""The figure of a friction curve: friction of one contact over slip, a curve for each normal force."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rollslip.results.curve_figures import draw_curve, film_limits, film_text, finish, new_figure, shade_film
+from rollslip.results.curves import curves
+from rollslip.results.style import axis_label, light_to_dark
+from rollslip.units import format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.artist import Artist
+    from matplotlib.figure import Figure
+
+__all__ = ["figures"]
+
+
+def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Draw the figure; give name, caption and figure."""
+    attributes = dataset.attrs
+    at = format_quantity(attributes["rolling_speed"], "m/s", 3)
+    caption = f"Friction of one contact with the {attributes['ring']} ring, entrainment speed {at}."
+    yield "friction-curve", caption, _friction_curve(dataset)
+
+
+def _friction_curve(dataset: "xr.Dataset") -> "Figure":
+    figure, axes = new_figure()
+    shown, limits = curves(dataset.sortby("normal_force")), film_limits(dataset)
+    tints = shade_film(axes, shown, limits)
+    lines: list[Artist] = [
+        draw_curve(axes, curve, colour, f"{curve.name}: {film_text(curve, limits)}, {curve.regime}")
+        for curve, colour in zip(shown, light_to_dark()(np.linspace(1.0, 0.0, len(shown))[::-1]), strict=True)
+    ]
+    axes.set_xlabel(axis_label(dataset["slip"], r"$V/u$", "%", name="slide–roll ratio"))
+    axes.set_ylabel(axis_label(dataset["friction"], r"$\mu$", "–"))
+    finish(figure, axes, shown, lines + tints)
+    return figure

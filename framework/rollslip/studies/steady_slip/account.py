@@ -1,0 +1,42 @@
+"""The account of steady slips."""
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account
+from rollslip.studies.steady_slip import findings
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
+class SteadySlipAccount(Account):
+    """How steady slips are told."""
+
+    numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "inertia_effect": ("relative effect of the inertia of the rollers' spin", "1"),
+        "curve_error": ("relative error left by the points of the slip-drag curve, estimated", "1"),
+        "friction": ("friction of the motion", ""),
+    }
+
+    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say what was found, by what it is about."""
+        return findings.topics(dataset)
+
+    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return the single values."""
+        return findings.record(dataset)
+
+    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+        """Draw torques, orbit and the slips that were followed."""
+        from rollslip.studies.steady_slip.figures import steady_figures
+
+        yield from steady_figures(dataset)
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [SteadySlipAccount("steady-slip")]
