@@ -24,7 +24,7 @@ from rollslip.catalogue.registry import available
 from rollslip.cli.main import cli, main
 from rollslip.cli.models import listed
 from rollslip.lubricant import OilTable
-from rollslip.scene.reading import schema
+from rollslip.scene.schema import schema
 from rollslip.studies.study import study_class
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 

@@ -11,7 +11,8 @@ import pytest
 
 from fuzz.targets import CSV, OWN, TARGETS
 from rollslip.errors import SceneError
-from rollslip.scene.reading import evolve, parse_scene
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import parse_scene
 
 resource = pytest.importorskip("resource")
 

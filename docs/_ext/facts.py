@@ -16,7 +16,7 @@ from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.main import cli
 from rollslip.cli.models import listed, models_as_dict
 from rollslip.lubricant import OilPoint, OilTable
-from rollslip.scene.reading import schema, shown_default
+from rollslip.scene.schema import schema, shown_default
 from rollslip.studies.study import study_class
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS

@@ -16,7 +16,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import slip_grid
 from rollslip.campaigns.sweep.point import _key, compute
 from rollslip.campaigns.uncertainty.margin import plan_margin
-from rollslip.scene.reading import evolve
+from rollslip.scene.changes import evolve
 from rollslip.studies.raceways import evaluated_together
 from rollslip.studies.study import settings
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rollslip.planning.execution import run as run
     from rollslip.planning.plan import plan as plan
     from rollslip.results.dataset import open_result as open_result
-    from rollslip.scene.reading import evolve as evolve
+    from rollslip.scene.changes import evolve as evolve
     from rollslip.scene.reading import load_scene as load_scene
     from rollslip_kernels import get_include as get_include
     from rollslip_kernels.slices import Conditions as Conditions
@@ -33,7 +33,7 @@ _HOMES = {
     "Slices": "rollslip_kernels.slices",
     "available": "rollslip.catalogue.registry",
     "compare": "rollslip.campaigns.comparison.comparison",
-    "evolve": "rollslip.scene.reading",
+    "evolve": "rollslip.scene.changes",
     "fit": "rollslip.campaigns.fit.fit",
     "get_include": "rollslip_kernels",
     "get_model": "rollslip.catalogue.registry",

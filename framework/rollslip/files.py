@@ -1,4 +1,7 @@
-"""Files and folders that appear whole or not at all: written beside their place and moved there."""
+"""Files: text read strictly, and files and folders that appear whole or not at all.
+
+What is written is written beside its place and moved there.
+"""
 
 import os
 import shutil
@@ -7,7 +10,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from rollslip.errors import OutputError
+from rollslip.errors import OutputError, SceneError
+
+
+def decoded(content: bytes, source: str) -> str:
+    """Return the text of a file in UTF-8; ``source`` is its name in messages."""
+    try:
+        return content.decode("utf-8-sig")  # some editors put a mark at the start
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise SceneError([f"{source}:{line}: not UTF-8 text; save the file in the encoding UTF-8"]) from None
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.campaigns.sweep.distributions import DISTRIBUTIONS, Uncertainty, read_uncertainty
 from rollslip.campaigns.sweep.sampling import probabilities
 from rollslip.planning.quantities import quantities
-from rollslip.scene.reading import Where
+from rollslip.structure import Where
 from rollslip.studies.study import settings
 
 SCENE = rollslip.load_scene("1032930-70C")

@@ -40,7 +40,7 @@ from rollslip.models import FINITE, POSITIVE, TractionModel
 from rollslip.results.dataset import save
 from rollslip.results.figures import plot
 from rollslip.scene import LubricantTable, ModelChoice, Models
-from rollslip.scene.reading import Where
+from rollslip.structure import Where
 
 ROOT = Path(__file__).parents[2]
 REFERENCES = ROOT / "tests" / "references"

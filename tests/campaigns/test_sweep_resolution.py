@@ -11,7 +11,8 @@ from rollslip.bearing.resolution import finest
 from rollslip.campaigns.sweep.point import compute, unpacked
 from rollslip.campaigns.sweep.sampling import probabilities
 from rollslip.campaigns.sweep.sweep import plan_sweep
-from rollslip.scene.reading import evolve, load_scene
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
 from rollslip.studies.outputs import evaluate
 from rollslip.studies.study import settings
 

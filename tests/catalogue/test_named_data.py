@@ -10,7 +10,8 @@ from rollslip.catalogue.registry import get_model
 from rollslip.datasets import BearingData, SurfaceData
 from rollslip.errors import PluginError, SceneError
 from rollslip.scene import Bearing, Material, Profile, Surface, resolved, scene_hash
-from rollslip.scene.reading import parse_scene, schema
+from rollslip.scene.reading import parse_scene
+from rollslip.scene.schema import schema
 from rollslip_plugins.data.bearings import bearing_1032930, bearings
 
 SHIPPED = load_scene("1032930-70C")
@@ -176,7 +177,8 @@ def surfaces():
 READ = """
 import sys
 from rollslip.errors import PluginError
-from rollslip.scene.reading import evolve, load_scene
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
 scene = load_scene("1032930-70C")
 print({"rollslip.catalogue.discovery", "pluggy"} & set(sys.modules))
 raw = {"surface": {"name": %r}}

@@ -8,7 +8,9 @@ from packages import TRACTION, install, python, rollslip
 from rollslip.catalogue.packages import as_dicts, as_text, check_required, packages, requirements
 from rollslip.errors import PluginError, SceneError
 from rollslip.planning.plan import plan
-from rollslip.scene.reading import Where, evolve, load_scene, parse_scene
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene, parse_scene
+from rollslip.structure import Where
 
 IMPORTED = "print('imported')"
 

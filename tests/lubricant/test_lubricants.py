@@ -27,7 +27,7 @@ from rollslip.lubricant import (
     fit_walther,
     lubricant_from_table,
 )
-from rollslip.scene.reading import Where
+from rollslip.structure import Where
 from rollslip_plugins.data.lubricants import lubricants
 
 OILS = {oil.name: oil for oil in lubricants()}

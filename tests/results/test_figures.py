@@ -17,7 +17,8 @@ from rollslip.results.curves import Curve, curves, percent
 from rollslip.results.figures import plot
 from rollslip.results.style import STYLE, plain_ticks
 from rollslip.scene import resolved
-from rollslip.scene.reading import evolve, load_scene
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.friction_curve.study import FrictionCurve
 

@@ -20,18 +20,11 @@ from hypothesis import strategies as st
 from rollslip.errors import PluginError, SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
 from rollslip.scene import Bearing, FrozenTable, ModelChoice, Operation, Profile, Scene, resolved, scene_hash
-from rollslip.scene.reading import (
-    Where,
-    evolve,
-    key_lines,
-    load_scene,
-    nearest,
-    parse_scene,
-    parse_set,
-    schema,
-    shipped_scenes,
-    structure,
-)
+from rollslip.scene.changes import evolve, parse_set
+from rollslip.scene.reading import load_scene, parse_scene, shipped_scenes
+from rollslip.scene.schema import schema
+from rollslip.structure import Where, nearest, structure
+from rollslip.toml import key_lines
 
 SCENE = """\
 title = "1032930 at 70 degC"

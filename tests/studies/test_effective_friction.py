@@ -14,7 +14,8 @@ from rollslip.bearing.load_rule import gauss_rule, load_rule
 from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.regimes import film_by_regime, groups, moes_groups, regime_limits
 from rollslip.errors import SceneError
-from rollslip.scene.reading import evolve, load_scene
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.friction_curve.study import FrictionCurve, balanced_load
 from rollslip.studies.raceways import LoadedRaceways

@@ -24,7 +24,8 @@ from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
-from rollslip.scene.reading import evolve, load_scene
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
 from rollslip.studies.dynamics.study import Dynamics
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.steady_slip.figures import steady_figures

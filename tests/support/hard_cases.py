@@ -35,7 +35,7 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.profile import profile_drop, slice_positions
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.lubricant.pressure import Barus, PressureViscosity
-from rollslip.scene.reading import schema
+from rollslip.scene.schema import schema
 from rollslip.testing.samples import NumpyForm, picked, table
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_kernels.stages import stress as compiled_stress

@@ -20,8 +20,8 @@ from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.lubricant.oil import Lubricant, lubricant_from_table
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
-from rollslip.scene.reading import Where
 from rollslip.scene.values import Scene
+from rollslip.structure import Where
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
 Array = NDArray[np.float64]

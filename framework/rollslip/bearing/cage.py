@@ -18,6 +18,7 @@ from rollslip.bearing.chain import stage
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.catalogue.discovery import in_words, origin
 from rollslip.catalogue.registry import structure_model
+from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, PluginError, RollslipError, SceneError
 from rollslip.fields import FieldError, field, non_negative, one_of, parameter, positive
 from rollslip.lubricant.oil import Lubricant
@@ -32,8 +33,8 @@ from rollslip.models import (
     ResistanceModel,
     left_to_scene,
 )
-from rollslip.scene.reading import Where, structure
-from rollslip.scene.values import Bearing, Scene
+from rollslip.scene.values import Scene
+from rollslip.structure import Where, structure
 from rollslip.units import expectation, format_quantity, quantity
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_kernels.stages import drag as compiled

@@ -19,7 +19,7 @@ from rollslip.engine import Engine
 from rollslip.errors import PluginError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, TractionModel
-from rollslip.scene.reading import nearest
+from rollslip.structure import nearest
 
 __all__ = ["Kind", "Template", "check_kind", "get_kind", "kind_of", "kinds"]
 

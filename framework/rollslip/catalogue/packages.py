@@ -8,7 +8,7 @@ import attrs
 
 from rollslip.catalogue.discovery import THIS_PROCESS, Offer, catalogue, is_disabled, load
 from rollslip.errors import PluginError, SceneError
-from rollslip.scene.reading import Where
+from rollslip.structure import Where
 
 __all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "packages", "requirements"]
 

@@ -20,7 +20,7 @@ from rollslip.catalogue.discovery import (
 from rollslip.catalogue.kinds import get_kind
 from rollslip.errors import PluginError, SceneError
 from rollslip.fields import FieldError
-from rollslip.scene.reading import Where, structure
+from rollslip.structure import Where, structure
 
 __all__ = ["Offer", "available", "catalogue", "find", "get_class", "get_model", "structure_model"]
 

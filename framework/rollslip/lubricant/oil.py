@@ -22,8 +22,7 @@ from attrs.validators import optional
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError, field, one_of, positive
 from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi
-from rollslip.scene.reading import Where, structure
-from rollslip.scene.values import FrozenTable
+from rollslip.structure import FrozenTable, Where, structure
 from rollslip.units import format_quantity
 
 _MARGIN = 20.0  # K, by which the validity of a fitted law reaches beyond its points

@@ -17,8 +17,9 @@ from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError
 from rollslip.models import FilmModel, SliceModel
-from rollslip.scene.reading import Where, load_scene
+from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
+from rollslip.structure import Where
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.bounds import LeftOut
 from rollslip.studies.study import Study, settings

@@ -1,21 +1,18 @@
 """What the user wrote: a scene as frozen, checked values, and how it is read and changed."""
 
+from rollslip.datasets import Bearing, Material, Profile, Surface
 from rollslip.scene.values import (
     Accuracy,
-    Bearing,
-    FrozenTable,
     LubricantTable,
-    Material,
     ModelChoice,
     Models,
     Operation,
     Plugins,
-    Profile,
     Scene,
-    Surface,
     resolved,
     scene_hash,
 )
+from rollslip.structure import FrozenTable
 
 __all__ = [
     "Accuracy",

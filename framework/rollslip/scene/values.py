@@ -4,183 +4,35 @@ Decisions:
 
 - The names of the fields are the keys of the file; they are promises.
 - What a plugin or a study has to understand (oil data, parameters of models, the settings of a study, the cage) stays
-  raw here, as a read-only `FrozenTable`; who knows the class reads it with the same reader (`rollslip.scene.reading`).
+  raw here, as a read-only `FrozenTable`; who knows the class reads it with the same reader (`rollslip.structure`).
 - Defaults that follow from other values (clearance, temperatures) are filled in, so that nobody downstream meets None.
 - The hash is taken of the values in SI units, not of the text: comments, order and units do not change it.
 """
 
 import hashlib
 import json
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from typing import Any, Final
 
 import attrs
 
-from rollslip.fields import FieldError, at_least, field, in_range, non_negative, one_of, positive
+from rollslip.datasets import Bearing, Surface
+from rollslip.fields import FieldError, at_least, field, in_range, non_negative, positive
+from rollslip.structure import FrozenTable, attributes, key_of
 from rollslip.units import format_quantity
 
 __all__ = [
     "Accuracy",
-    "Bearing",
-    "FrozenTable",
     "LubricantTable",
-    "Material",
     "ModelChoice",
     "Models",
     "Operation",
     "Plugins",
-    "Profile",
     "Scene",
-    "Surface",
     "resolved",
     "scene_hash",
 ]
-
-
-class FrozenTable(Mapping[str, object]):
-    """A read-only, hashable table of values as they stand in the file; inner tables and lists are frozen too."""
-
-    __slots__ = ("_data",)
-
-    def __init__(self, data: Mapping[str, object] | None = None) -> None:
-        self._data = {key: _freeze(value) for key, value in (data or {}).items()}
-
-    def __getitem__(self, key: str) -> object:
-        return self._data[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._data)
-
-    def __len__(self) -> int:
-        return len(self._data)
-
-    def __hash__(self) -> int:
-        return hash(frozenset(self._data.items()))
-
-    def __repr__(self) -> str:
-        return f"FrozenTable({self._data!r})"
-
-
-def _freeze(value: object) -> object:
-    if isinstance(value, FrozenTable | str | float | int):
-        return value
-    if isinstance(value, Mapping):
-        return FrozenTable(value)
-    return tuple(map(_freeze, value)) if isinstance(value, list | tuple) else value
-
-
-@attrs.frozen(kw_only=True)
-class Material:
-    """Material of rings and rollers; the defaults are bearing steel."""
-
-    elastic_modulus: float = field(default=208e9, unit="Pa", doc="Young's modulus", validator=positive)
-    poisson_ratio: float = field(default=0.3, unit="1", doc="Poisson's ratio", validator=in_range(0, 0.5))
-    density: float = field(default=7800.0, unit="kg/m3", doc="density", validator=positive)
-    specific_heat: float = field(default=470.0, unit="J/(kg K)", doc="specific heat", validator=positive)
-    thermal_conductivity: float = field(default=46.0, unit="W/(m K)", doc="thermal conductivity", validator=positive)
-
-
-@attrs.frozen(kw_only=True)
-class Profile:
-    """How much the roller's radius drops towards its ends."""
-
-    shape: str = field(
-        default="none",
-        doc="straight, logarithmic after ISO/TS 16281, a circular crown or the user's own table",
-        validator=one_of("none", "iso16281", "circular", "table"),
-        bare=True,
-    )
-    radius: float | None = field(
-        default=None, unit="m", doc="radius of the circular crown", validator=attrs.validators.optional(positive)
-    )
-    position: tuple[float, ...] = field(
-        default=(), unit="m", doc="places along the roller from its middle, ascending, for the table"
-    )
-    drop: tuple[float, ...] = field(
-        default=(),
-        unit="m",
-        doc="drop of the radius at these places",
-        validator=attrs.validators.deep_iterable(non_negative),
-    )
-
-    def __attrs_post_init__(self) -> None:
-        if self.shape == "circular" and self.radius is None:
-            raise FieldError("radius", "missing, but required for shape = 'circular', such as '5 m'")
-        if self.shape != "circular" and self.radius is not None:
-            raise FieldError("radius", f"only read for shape = 'circular', not for {self.shape!r}")
-        if self.shape != "table":
-            for name in ("position", "drop"):
-                if getattr(self, name):
-                    raise FieldError(name, f"only read for shape = 'table', not for {self.shape!r}")
-            return
-        if len(self.position) < 2:
-            raise FieldError("position", f"a table needs at least 2 places, not {len(self.position)}")
-        if len(self.drop) != len(self.position):
-            raise FieldError("drop", f"needs one value for each of {len(self.position)} places, not {len(self.drop)}")
-        if any(right <= left for left, right in zip(self.position, self.position[1:], strict=False)):
-            raise FieldError("position", "must ascend from one end of the roller to the other")
-
-
-def _radial_clearance(bearing: "Bearing") -> float:
-    gap = bearing.outer_raceway_diameter - bearing.inner_raceway_diameter - 2 * bearing.roller_diameter
-    # The subtraction leaves rounding noise: on a grid of a picometre a nominal clearance of zero is zero (not -0.0).
-    return round(gap, 12) + 0.0
-
-
-@attrs.frozen(kw_only=True)
-class Bearing:
-    """Geometry and material of a cylindrical roller bearing."""
-
-    rollers: int = field(doc="number of rollers", validator=at_least(3))
-    roller_diameter: float = field(unit="m", doc="roller diameter", validator=positive)
-    roller_length: float = field(unit="m", doc="effective roller length", validator=positive)
-    inner_raceway_diameter: float = field(unit="m", doc="inner raceway diameter", validator=positive)
-    outer_raceway_diameter: float = field(unit="m", doc="outer raceway diameter", validator=positive)
-    radial_clearance: float = field(
-        default=attrs.Factory(_radial_clearance, takes_self=True),
-        unit="m",
-        doc="radial internal clearance in operation (full play); from the diameters if left out",
-    )
-    profile: Profile = field(default=Profile(), doc="roller profile")
-    material: Material = field(default=Material(), doc="material of rings and rollers")
-
-    def __attrs_post_init__(self) -> None:
-        inner, outer = self.inner_raceway_diameter, self.outer_raceway_diameter
-        diameter = self.roller_diameter
-        shown = format_quantity(diameter, "m")
-        if inner >= outer:
-            came = f"{format_quantity(outer, 'm')} must be larger than the inner one, {format_quantity(inner, 'm')}"
-            raise FieldError("outer_raceway_diameter", came)
-        room = (outer - inner) / 2
-        if abs(room - diameter) >= diameter / 2:
-            raise FieldError(
-                "roller_diameter", f"rollers of {shown} do not fit raceways that are {format_quantity(room, 'm')} apart"
-            )
-        if abs(self.radial_clearance) >= diameter:
-            clearance = format_quantity(self.radial_clearance, "m")
-            raise FieldError("radial_clearance", f"must be less than the roller diameter, {shown}, not {clearance}")
-        most = math.ceil(math.pi / math.asin(2 * diameter / (inner + outer))) - 1
-        if self.rollers > most:
-            raise FieldError(
-                "rollers",
-                f"{self.rollers} rollers of {shown} do not fit on a pitch circle of "
-                f"{format_quantity((inner + outer) / 2, 'm')}: at most {most} do",
-            )
-
-
-@attrs.frozen(kw_only=True)
-class Surface:
-    """Roughness of the running surfaces."""
-
-    inner_raceway_roughness: float = field(
-        default=0.16e-6, unit="m", doc="roughness Ra of the inner raceway", validator=positive
-    )
-    outer_raceway_roughness: float = field(
-        default=0.16e-6, unit="m", doc="roughness Ra of the outer raceway", validator=positive
-    )
-    roller_roughness: float = field(default=0.1e-6, unit="m", doc="roughness Ra of the rollers", validator=positive)
 
 
 @attrs.frozen(kw_only=True)
@@ -298,7 +150,7 @@ class Scene:
     """One bearing in one state of operation, with the models and studies to run.
 
     ``source`` (file or shipped name) and ``text`` (verbatim) are kept for provenance and do not take part in a
-    comparison. ``raw`` and ``origins`` are what was written and where, for `rollslip.scene.reading.evolve` and for
+    comparison. ``raw`` and ``origins`` are what was written and where, for `rollslip.evolve` and for
     messages about the tables that are read later.
     """
 
@@ -347,7 +199,7 @@ def resolved(scene: Any) -> dict[str, object]:
 @cache
 def _keys(cls: Any) -> list[tuple[str, str, bool]]:
     """Name of every field that has a key in a scene, the key, and whether it takes the rest of the table."""
-    every = [(a.name, a.metadata.get("key", a.name), bool(a.metadata.get("rest"))) for a in attrs.fields(cls)]
+    every = ((a.name, key_of(a), bool(a.metadata.get("rest"))) for a in attributes(cls))
     return [(name, key, rest) for name, key, rest in every if key is not None]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.errors import SceneError
-from rollslip.scene.reading import nearest
+from rollslip.structure import nearest
 from rollslip.studies.answers import Some, Variables
 from rollslip.studies.study import Study
 

@@ -25,8 +25,8 @@ from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.regimes import LIGHT, NAMES
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.results.dataset import about
-from rollslip.scene.reading import Where
 from rollslip.scene.values import Scene
+from rollslip.structure import Where
 from rollslip.studies.answers import Output
 
 #: Error of a map's loads relative to the tolerance.

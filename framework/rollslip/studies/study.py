@@ -23,6 +23,7 @@ from rollslip.errors import SceneError
 from rollslip.results.curves import Curves
 from rollslip.scene.reading import Where, nearest, structure
 from rollslip.scene.values import DEFAULT_STUDY, Scene
+from rollslip.structure import Where, nearest, structure
 from rollslip.studies import estimates, parts
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Part, Some
 from rollslip.studies.timing import timed

@@ -25,7 +25,10 @@ from rollslip.campaigns.fit.rig_data import EXAMPLE, load_rig, read_data
 from rollslip.errors import OutputError, PluginError, SceneError
 from rollslip.results.dataset import save
 from rollslip.scene import Scene, resolved, scene_hash
-from rollslip.scene.reading import evolve, load_scene, parse_set, schema, shipped_scenes, structure
+from rollslip.scene.changes import evolve, parse_set
+from rollslip.scene.reading import load_scene, shipped_scenes
+from rollslip.scene.schema import schema
+from rollslip.structure import structure
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, format_quantity, quantity
 

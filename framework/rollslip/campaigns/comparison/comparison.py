@@ -37,7 +37,8 @@ from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import origin, together
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import about
-from rollslip.scene.reading import Where, evolve, load_scene, nearest
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash
 from rollslip.studies.study import study_class
 

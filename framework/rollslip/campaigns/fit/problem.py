@@ -23,8 +23,8 @@ from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Constant, Lubricant, OilTable, lubricant_from_table
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import FilmModel, SliceModel, TractionModel
-from rollslip.scene.reading import Where, nearest
 from rollslip.scene.values import ModelChoice
+from rollslip.structure import Where, nearest
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 

@@ -14,7 +14,6 @@ import hashlib
 import math
 import os
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -23,10 +22,13 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.datasets import Material
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, field, positive
-from rollslip.scene.reading import Where, decoded, key_lines, nearest, structure, syntax_error
-from rollslip.scene.values import LubricantTable, Material, Models
+from rollslip.files import decoded
+from rollslip.scene.values import LubricantTable, Models
+from rollslip.structure import Where, nearest, structure
+from rollslip.toml import parse
 from rollslip.units import UnitError, as_written, expectation, quantity
 
 __all__ = ["EXAMPLE", "Measurement", "Rig", "RigContact", "RigData", "load_rig", "read_data"]
@@ -322,12 +324,7 @@ def load_rig(path: str | os.PathLike[str]) -> Rig:
             [f"{source}: there is no such file; it says what contact and oil data are of, for example:\n\n{EXAMPLE}"]
         )
     text = decoded(_content(Path(path)), source)
-    try:
-        raw = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise SceneError([syntax_error(error, text, source)]) from None
-    origins: dict[tuple[str | int, ...], str] = {path: f"{source}:{line}" for path, line in key_lines(text).items()}
-    origins[()] = source
+    raw, origins = parse(text, source)
     problems: list[str] = []
     rig = structure(Rig, raw, Where(origins), problems)
     if rig is None:

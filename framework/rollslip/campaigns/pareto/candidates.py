@@ -27,8 +27,10 @@ from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError
 from rollslip.planning.plan import Plan, plan
-from rollslip.scene.reading import evolve, load_scene, nearest
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
+from rollslip.structure import nearest
 from rollslip.studies.study import Study
 
 #: What can be chosen -> what it means, in the order in which it is told.

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rollslip.fields import FieldError, in_range, parameter, positive
 from rollslip.planning.quantities import Quantity, unknown
-from rollslip.scene.reading import Where, nearest, structure
+from rollslip.structure import Where, nearest, structure
 from rollslip.units import UnitError, as_written, format_quantity, quantity
 
 __all__ = ["DISTRIBUTIONS", "Distribution", "LogUniform", "Uncertainty", "read_uncertainty"]

@@ -32,7 +32,7 @@ from rollslip.campaigns.sweep.resolutions import Resolutions
 from rollslip.catalogue.discovery import in_words
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError
 from rollslip.fields import FieldError
-from rollslip.scene.reading import evolve
+from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies.outputs import Variables, evaluate, evaluate_together
 from rollslip.studies.study import Study, settings

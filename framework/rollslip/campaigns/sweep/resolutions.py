@@ -24,7 +24,7 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.sweep.sampling import Axis, Design
 from rollslip.errors import RollslipError
 from rollslip.planning.plan import estimate
-from rollslip.scene.reading import evolve
+from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies.study import study_class
 

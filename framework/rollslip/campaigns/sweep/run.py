@@ -37,7 +37,7 @@ from rollslip.catalogue.discovery import in_words
 from rollslip.catalogue.registry import get_model, structure_model
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, SceneError
-from rollslip.scene.reading import Where
+from rollslip.structure import Where
 from rollslip.studies.study import settings
 
 __all__ = ["Progress", "Settled", "asked_engine", "described", "run_sweep"]

@@ -27,7 +27,7 @@ from rollslip.campaigns.sweep.distributions import Distribution, LogUniform, Uni
 from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.planning.quantities import Quantity
-from rollslip.scene.reading import parse_set
+from rollslip.scene.changes import parse_set
 from rollslip.units import as_written, evenly, format_quantity
 
 __all__ = [

@@ -39,8 +39,8 @@ from rollslip.motion.planar import PlanarMotion, PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FRICTION, FrictionSettings
 from rollslip.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip.results.dataset import about
-from rollslip.scene.reading import Where
 from rollslip.scene.values import Scene, resolved
+from rollslip.structure import Where
 from rollslip.studies import estimates
 from rollslip.studies.answers import Estimated, Keep, Output, Part
 from rollslip.studies.dynamics.choice import choose_motion

@@ -29,7 +29,7 @@ from rollslip.motion.continuation import Branch, TorqueCurve, follow, steady_sli
 from rollslip.motion.effective_table import table_records
 from rollslip.motion.torque_balance import Orbit, TorqueBalance, effective_curves
 from rollslip.results.dataset import about
-from rollslip.scene.reading import evolve
+from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies import estimates
 from rollslip.studies.answers import Compared, Estimated, Keep, Output, Some

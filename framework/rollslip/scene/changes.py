@@ -1,0 +1,111 @@
+"""Changes of scenes: values by dotted keys, from Python or from ``key=value`` of the command line."""
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any, Final
+
+import attrs
+
+from rollslip.errors import SceneError
+from rollslip.scene.reading import checked_scene
+from rollslip.scene.values import Scene, resolved
+from rollslip.structure import attributes, bare_key, key_of, thawed, types_of
+from rollslip.toml import DEEPEST, split_key
+from rollslip.units import as_written
+
+__all__ = ["evolve", "parse_set"]
+
+_CHANGES: Final = "changes"
+
+
+def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
+    """Return a scene with some values changed; the tables that they stand in are checked anew, as is the whole.
+
+    Parameters
+    ----------
+    scene
+        The scene to start from; it stays as it is.
+    changes
+        New values by dotted key: ``{"lubricant.eyring_stress": "4 MPa", "models.film": "dowson-1968"}``. Values are
+        what a scene may hold. A table that is not in the scene yet starts from its defaults.
+
+    Returns
+    -------
+    Scene
+        With the `source` and the `text` of the one it started from.
+
+    Raises
+    ------
+    SceneError
+        With every fault, those of the new values marked with "changes" in place of file and line.
+    PluginError
+        If a bearing or surface that it names is not there.
+    """
+    raw: dict[str, Any] = dict(resolved(scene) if scene.raw is None else scene.raw)
+    origins = dict(scene.origins)
+    problems, changed = [], set[str]()
+    for key, value in changes.items():
+        try:
+            path = tuple(split_key(key.strip()))
+            if path[0] not in changed and path[0] in raw:
+                raw[path[0]] = thawed(raw[path[0]])
+            changed.add(path[0])
+            _set(raw, path, thawed(value))
+        except (ValueError, RecursionError) as error:
+            reason = "is nested too deeply" if isinstance(error, RecursionError) else str(error)
+            problems.append(f"{_CHANGES}: {as_written(key)} {reason}")
+            continue
+        for below in [known for known in origins if known[: len(path)] == path]:
+            del origins[below]
+        for opened in range(1, min(len(path), DEEPEST)):
+            origins.setdefault(path[:opened], _CHANGES)
+        origins[path] = _CHANGES
+    if problems:
+        raise SceneError(problems)
+    kept = {key: getattr(scene, key) for key in raw.keys() - changed}
+    return checked_scene(raw, origins, scene.source, scene.text, kept)
+
+
+def _set(table: dict[Any, Any], path: tuple[str, ...], value: object) -> None:
+    """Set a value deep in a raw scene; a table that is left out or a bare name is written out on the way."""
+    kind: Any = Scene
+    for part in path[:-1]:
+        attribute = next((a for a in attributes(kind) if key_of(a) == part), None) if attrs.has(kind) else None
+        kind = types_of(kind)[attribute.name] if attribute is not None else None
+        below = table.get(part)
+        if not isinstance(below, dict):
+            bare = bare_key(kind) if attrs.has(kind) else None
+            if isinstance(below, str) and bare is not None:
+                below = {bare: below}
+            elif below is not None:
+                raise ValueError(f"leads nowhere: {part!r} is not a table")
+            else:
+                default = attribute.default if attribute is not None else None
+                choice = attrs.has(type(default)) and bare_key(type(default)) is not None
+                below = resolved(default) if choice else {}  # of other tables, defaults come when they are read
+            table[part] = below
+        table = below
+    table[path[-1]] = value
+
+
+def parse_set(text: str) -> tuple[str, object]:
+    """Split ``key=value`` of the command line into key and value.
+
+    The value is read as TOML where it is a number, true, false, a list, a table or a quoted text; anything else is a
+    text as it stands, so that ``operation.radial_load=500 N`` and ``models.film=moes`` need no quotes.
+
+    Examples
+    --------
+    >>> parse_set("operation.radial_load=500 N"), parse_set("accuracy.slices=21")
+    (('operation.radial_load', '500 N'), ('accuracy.slices', 21))
+    """
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise SceneError([f"{as_written(text)}: write KEY=VALUE, such as operation.radial_load='500 N'"])
+    key, value = key.strip(), value.strip()
+    try:
+        parsed = tomllib.loads(f"value = {value}")
+    except (ValueError, RecursionError):
+        return key, value
+    plain = parsed.keys() == {"value"} and isinstance(parsed["value"], bool | int | float | str | list | dict)
+    return key, parsed["value"] if plain else value

@@ -1,0 +1,329 @@
+"""Makes attrs classes of raw tables: strict, with every fault noted and its place in the file.
+
+- The attrs classes are the schema: `structure` follows their types and metadata. A conversion library is not needed for
+  that, because every scalar has its own strict rule here: its unit is a property of the field and not of the type.
+- Faults are collected, not raised one by one, and each names file, line and key.
+"""
+
+import math
+import re
+import types
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from functools import cache
+from numbers import Integral, Real
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import attrs
+
+from rollslip.fields import FieldError
+from rollslip.toml import DEEPEST, KeyPath, split_key
+from rollslip.units import UnitError, as_written, expectation, quantity
+
+__all__ = [
+    "FrozenTable",
+    "Where",
+    "attributes",
+    "bare_key",
+    "key_of",
+    "nearest",
+    "structure",
+    "thawed",
+    "types_of",
+]
+
+T = TypeVar("T")
+
+
+class FrozenTable(Mapping[str, object]):
+    """A read-only, hashable table of values as they stand in the file; inner tables and lists are frozen too."""
+
+    __slots__ = ("_data",)
+
+    def __init__(self, data: Mapping[str, object] | None = None) -> None:
+        self._data = {key: _freeze(value) for key, value in (data or {}).items()}
+
+    def __getitem__(self, key: str) -> object:
+        return self._data[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._data)
+
+    def __len__(self) -> int:
+        return len(self._data)
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._data.items()))
+
+    def __repr__(self) -> str:
+        return f"FrozenTable({self._data!r})"
+
+
+def _freeze(value: object) -> object:
+    if isinstance(value, FrozenTable | str | float | int):
+        return value
+    if isinstance(value, Mapping):
+        return FrozenTable(value)
+    return tuple(map(_freeze, value)) if isinstance(value, list | tuple) else value
+
+
+def thawed(value: object) -> Any:
+    """Return a copy of tables and lists that can be changed."""
+    if isinstance(value, Mapping):
+        return {str(key): thawed(inner) for key, inner in value.items()}
+    return [thawed(inner) for inner in value] if isinstance(value, list | tuple) else value
+
+
+@attrs.frozen
+class Where:
+    """A place in a scene, for messages: the path of a key, and the file and line that each path came from."""
+
+    origins: Mapping[KeyPath, str]
+    path: KeyPath = ()
+
+    def at(self, key: str | int) -> "Where":
+        """Return the place of a key, or of an element of a list, below this one."""
+        return Where(self.origins, (*self.path, key))
+
+    def says(self, reason: str) -> str:
+        """Return a message about this place: ``scene.toml:8: lubricant.alhpa: unknown key``."""
+        lengths = range(len(self.path), -1, -1)
+        origin = next((self.origins[self.path[:n]] for n in lengths if self.path[:n] in self.origins), None)
+        return ": ".join(part for part in (origin, _dotted(self.path), reason) if part)
+
+
+def _dotted(path: KeyPath) -> str:
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            plain = re.fullmatch(r"[\w-]{1,80}", part, re.ASCII) is not None
+            text += ("." if text else "") + (part if plain else as_written(part))
+    return text
+
+
+def nearest(word: str, known: Iterable[str], count: int = 3, cutoff: float = 0.6) -> list[str]:
+    """Return the known words that look most like `word`, the most similar first."""
+    import difflib  # only wrong input needs it
+
+    return difflib.get_close_matches(word, sorted(known), n=count, cutoff=cutoff)
+
+
+class _Missing:
+    """Marks a value that could not be read; its fault is noted already."""
+
+
+MISSING = _Missing()
+
+
+def structure(
+    cls: type[T], raw: object, where: Where | str, problems: list[str], known: Mapping[str, object] | None = None
+) -> T | None:
+    """Convert a raw table to an instance of an attrs class, strictly.
+
+    A float field takes what `rollslip.units.quantity` takes, an int field whole numbers, a bool field true and false, a
+    str field text; tuples take lists, attrs classes take tables. Nothing else is converted.
+
+    Parameters
+    ----------
+    cls
+        attrs class with fields declared by `rollslip.fields.field` or `parameter`.
+    raw
+        The table, as `tomllib` gives it.
+    where
+        Place of the table; a plain key if nothing is known about the file.
+    problems
+        Takes one sentence for every fault found.
+    known
+        Values of keys of the table that are read already.
+
+    Returns
+    -------
+    The instance, or None if anything in the table is wrong.
+    """
+    if isinstance(where, str):
+        where = Where({}, tuple(split_key(where)) if where else ())
+    bare = bare_key(cls)
+    fields = {a.name: a for a in attributes(cls) if a.init}
+    by_key = {key: a for a in fields.values() if not a.metadata.get("rest") and (key := key_of(a)) is not None}
+    rest = next((a for a in fields.values() if a.metadata.get("rest")), None)
+    if isinstance(raw, str) and bare is not None:
+        raw = {bare: raw}
+    if not isinstance(raw, Mapping):
+        problems.append(where.says(f"a table{' or a name' if bare else ''} is expected, not {as_written(raw)}"))
+        return None
+    faults: list[str] = []
+    values: dict[str, object] = {}
+    others: dict[str, object] = {}
+    kinds = types_of(cls)  # type: ignore[arg-type]  # mypy takes a class for unhashable
+    for key, value in raw.items():
+        attribute = by_key.get(key)
+        if attribute is not None and known is not None and key in known:
+            values[attribute.name] = known[key]
+        elif attribute is not None:
+            values[attribute.name] = _checked(kinds[attribute.name], value, attribute, where.at(key), faults)
+        elif rest is not None:
+            others[key] = value
+        else:
+            faults.append(where.at(key).says(_unknown(key, by_key)))
+    if rest is not None:
+        values[rest.name] = _frozen(others, where, faults)
+    for key, attribute in by_key.items():
+        if attribute.name not in values and attribute.default is attrs.NOTHING:
+            faults.append(where.at(key).says(_required(kinds[attribute.name], attribute)))
+    if not faults:
+        try:
+            return cls(**{fields[name].alias or name: value for name, value in values.items()})
+        except FieldError as error:
+            key = next((key for key, a in by_key.items() if a.name == error.field), error.field)
+            faults.append(where.at(key).says(error.reason))
+        except ValueError as error:
+            faults.append(where.says(str(error)))
+    problems += faults
+    return None
+
+
+def attributes(cls: Any) -> "tuple[attrs.Attribute[Any], ...]":
+    """Return the fields of an attrs class."""
+    every: tuple[attrs.Attribute[Any], ...] = attrs.fields(cls)
+    return every
+
+
+@cache
+def types_of(cls: "type[Any]") -> dict[str, Any]:
+    """Return the types of the fields of a class; working them out takes longer than reading a table by them."""
+    return get_type_hints(cls)
+
+
+def key_of(attribute: "attrs.Attribute[Any]") -> str | None:
+    """Return the name of a field's key in a scene; None if it has none."""
+    key: str | None = attribute.metadata.get("key", attribute.name)
+    return key
+
+
+def bare_key(cls: Any) -> str | None:
+    """Return the key that a string in place of the table fills, if the class has one."""
+    return next((key_of(a) for a in attributes(cls) if a.metadata.get("bare")), None)
+
+
+def _unknown(key: str, known: Collection[str]) -> str:
+    if alike := nearest(key, known, count=1):
+        return f"unknown key, did you mean '{alike[0]}'?"
+    return f"unknown key; known are {', '.join(sorted(known))}" if known else "unknown key; there are none here"
+
+
+def _required(kind: object, attribute: "attrs.Attribute[Any]") -> str:
+    doc, unit = attribute.metadata.get("doc"), attribute.metadata.get("unit")
+    what = f" ({doc})" if doc else ""
+    kinds = {int: "a whole number is expected", str: "a text is expected", bool: "true or false is expected"}
+    expected = expectation(unit) if unit else kinds.get(kind, "")  # type: ignore[call-overload]
+    return f"missing, but required{what}" + (f"; {expected}" if expected else "")
+
+
+def _checked(kind: Any, raw: object, attribute: "attrs.Attribute[Any]", where: Where, faults: list[str]) -> object:
+    """Convert and validate one field on its own, so that the faults of the other fields are found as well."""
+    words = attribute.metadata.get("words", {})
+    if isinstance(raw, str) and raw in words:
+        return words[raw]
+    before = len(faults)
+    value = _converted(kind, raw, attribute.metadata.get("unit") or "1", where, faults)
+    if words and isinstance(raw, str):
+        faults[before:] = [f"{fault}; or write {' or '.join(map(repr, words))}" for fault in faults[before:]]
+    if value is not MISSING and attribute.validator is not None:
+        try:
+            attribute.validator(None, attribute, value)
+        except FieldError as error:
+            faults.append(where.says(error.reason))
+        except (TypeError, ValueError) as error:
+            faults.append(where.says(str(error.args[0] if error.args else error)))
+    return value
+
+
+def _converted(kind: Any, raw: object, unit: str, where: Where, faults: list[str]) -> object:
+    """Return the value of a raw one, or `MISSING` after noting what is wrong with it."""
+    origin, arguments = get_origin(kind), get_args(kind)
+    if origin in (Union, types.UnionType) and len(arguments) == 2 and types.NoneType in arguments:
+        if raw is None:
+            return None
+        kind = next(argument for argument in arguments if argument is not types.NoneType)
+        return _converted(kind, raw, unit, where, faults)
+    if kind is FrozenTable:
+        if isinstance(raw, Mapping):
+            return _frozen(raw, where, faults)
+        expected = "a table"
+    elif attrs.has(kind):
+        value = structure(kind, raw, where, faults)
+        return MISSING if value is None else value
+    elif kind in (Any, object):
+        return _frozen(raw, where, faults)
+    elif origin is Mapping:
+        if isinstance(raw, Mapping):
+            items = {key: _converted(arguments[1], value, unit, where.at(key), faults) for key, value in raw.items()}
+            return MISSING if MISSING in items.values() else FrozenTable(items)
+        expected = "a table"
+    elif origin is tuple:
+        if isinstance(raw, list | tuple):
+            return _list(arguments, raw, unit, where, faults)
+        expected = "a list"
+    elif kind is float:
+        try:
+            return quantity(raw, unit)
+        except UnitError as error:
+            faults.append(where.says(str(error)))
+            return MISSING
+    elif kind is int:
+        if isinstance(raw, Integral) and not isinstance(raw, bool) and _storable(raw):
+            return int(raw)
+        expected = "a whole number"
+    elif kind is bool:
+        if isinstance(raw, bool):
+            return raw
+        expected = "true or false"
+    elif kind is str:
+        if isinstance(raw, str):
+            return raw
+        expected = "a text"
+    else:
+        raise TypeError(f"{_dotted(where.path)}: a field of type {kind} cannot be read from a scene")
+    faults.append(where.says(f"{expected} is expected, not {as_written(raw)}"))
+    return MISSING
+
+
+def _list(
+    kinds: tuple[Any, ...], raw: list[object] | tuple[object, ...], unit: str, where: Where, faults: list[str]
+) -> object:
+    if kinds[-1] is Ellipsis:
+        kinds = kinds[:1] * len(raw)
+    if len(kinds) != len(raw):
+        faults.append(where.says(f"a list of {len(kinds)} values is expected, not of {len(raw)}"))
+        return MISSING
+    each = enumerate(zip(kinds, raw, strict=True))
+    values = tuple(_converted(kind, value, unit, where.at(index), faults) for index, (kind, value) in each)
+    return MISSING if MISSING in values else values
+
+
+def _frozen(raw: object, where: Where, faults: list[str]) -> object:
+    """Keep a value as it is written, if it is of a kind that a scene may hold."""
+    if len(where.path) > DEEPEST:
+        faults.append(where.says(f"is nested too deeply, {DEEPEST} tables and lists within each other are the most"))
+        return MISSING
+    if isinstance(raw, bool | str):
+        return raw
+    if isinstance(raw, Mapping):
+        table = {key: _frozen(value, where.at(key), faults) for key, value in raw.items()}
+        return MISSING if MISSING in table.values() else FrozenTable(table)
+    if isinstance(raw, list | tuple):
+        values = tuple(_frozen(value, where.at(index), faults) for index, value in enumerate(raw))
+        return MISSING if MISSING in values else values
+    if isinstance(raw, Integral):
+        if _storable(raw):
+            return int(raw)
+    elif isinstance(raw, Real) and math.isfinite(raw):
+        return float(raw)
+    faults.append(where.says(f"{as_written(raw)} cannot be used: a finite number, a text, a list or a table can"))
+    return MISSING
+
+
+def _storable(number: Integral) -> bool:
+    """Whether a whole number has the 64 bits that TOML asks for; what has more, no other program can read either."""
+    return -(2**63) <= int(number) < 2**63

@@ -1,0 +1,140 @@
+"""TOML text read so that faults can name their line: what tomllib gives, and the line of every key.
+
+tomllib gives no line of a key, so a scanner notes them; it relies on tomllib having accepted the text.
+"""
+
+import contextlib
+import re
+import tomllib
+from typing import Any, Final, TypeAlias
+
+from rollslip.errors import SceneError
+
+__all__ = ["DEEPEST", "KeyPath", "key_lines", "parse", "split_key"]
+
+KeyPath: TypeAlias = tuple[str | int, ...]
+
+#: Tables and lists within each other: far more than any scene has, and far less than Python's stack.
+DEEPEST: Final = 32
+
+_PART = r"""[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*'"""
+_KEY = re.compile(rf"(?:{_PART})(?:[ \t]*\.[ \t]*(?:{_PART}))*")
+_PARTS = re.compile(_PART)
+
+
+def parse(text: str, source: str) -> tuple[dict[str, Any], dict[KeyPath, str]]:
+    """Return a document as nested tables, and the place in the file that each of its keys came from.
+
+    Raises
+    ------
+    SceneError
+        If the text is not TOML.
+    """
+    try:
+        raw = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise SceneError([_syntax_error(error, text, source)]) from None
+    origins: dict[KeyPath, str] = {path: f"{source}:{line}" for path, line in key_lines(text).items()}
+    origins[()] = source
+    return raw, origins
+
+
+_UNQUOTED = re.compile(r"=\s*[+-]?[\d.]+(?:,|\s*(?![eE][+-]?\d|[xob_])[A-Za-z%/])")
+
+
+def _syntax_error(error: Exception, text: str, source: str) -> str:
+    """Say where the text is not TOML; tomllib gives the place in words only."""
+    if not isinstance(error, tomllib.TOMLDecodeError):  # endless digits or brackets
+        return f"{source}: not valid TOML: {error}"
+    message, _, place = str(error).rpartition(" (at ")
+    message = message if len(message) <= 200 else message[:197] + "..."  # it may spell a whole key out
+    found = re.fullmatch(r"line (\d+), column (\d+)\)", place)
+    line = int(found[1]) if found else text.count("\n") + 1
+    column = f" (column {found[2]})" if found else " (at the end of the file)"
+    unquoted = _UNQUOTED.search(text.split("\n")[line - 1])
+    hint = '; write a number as 1.5, and one with a unit in quotes, as "15 mm"' if unquoted else ""
+    return f"{source}:{line}: not valid TOML: {message}{column}{hint}"
+
+
+_VALUE_TOKEN = re.compile(
+    r'"""(?:\\.|[^\\])*?"{3,5}'
+    r"|'''.*?'{3,5}"
+    r'|"(?:\\.|[^"\\\n])*"'
+    r"|'[^'\n]*'"
+    r"|#[^\n]*"
+    r"|[\[\]{}\n]"
+    r"|[^\"'#\[\]{}\n]+",
+    re.DOTALL,
+)
+_BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+
+
+def key_lines(text: str) -> dict[KeyPath, int]:
+    """Map each key of a valid TOML document to its line; keys inside a value count with the key that holds them."""
+    lines: dict[KeyPath, int] = {}
+    tables: dict[KeyPath, int] = {}  # how many elements each array of tables has so far
+    table: KeyPath = ()
+    position, line = 0, 1
+
+    def skip_to(target: int) -> None:
+        nonlocal position, line
+        line += text.count("\n", position, target)
+        position = target
+
+    def note(start: KeyPath, parts: list[str]) -> KeyPath:
+        """Note the line of a dotted key and, where they are new, of the tables that it opens."""
+        path = start
+        for number, part in enumerate(parts[:DEEPEST], 1):  # a deeper key is refused later
+            path = (*path, part)
+            lines.setdefault(path, line)
+            if path in tables and number < len(parts):
+                path = (*path, tables[path] - 1)
+        return path
+
+    skip_to(_blank_end(text, 0))
+    while position < len(text):
+        brackets = 2 if text.startswith("[[", position) else int(text.startswith("[", position))
+        key = _KEY.search(text, position)
+        assert key is not None
+        parts = split_key(key[0])
+        if brackets:
+            table = note((), parts)
+            if brackets == 2:
+                tables[table] = tables.get(table, 0) + 1
+                table = (*table, tables[table] - 1)
+            elif table in tables:
+                table = (*table, tables[table] - 1)
+            lines[table] = line
+            skip_to(text.index("]", key.end()) + brackets)
+        else:
+            note(table, parts)
+            skip_to(_value_end(text, text.index("=", key.end()) + 1))
+        skip_to(_blank_end(text, position))
+    return lines
+
+
+def _blank_end(text: str, start: int) -> int:
+    blank = _BLANK.match(text, start)
+    assert blank is not None
+    return blank.end()
+
+
+def _value_end(text: str, start: int) -> int:
+    depth = 0
+    for token in _VALUE_TOKEN.finditer(text, start):
+        if token[0] in ("[", "{"):
+            depth += 1
+        elif token[0] in ("]", "}"):
+            depth -= 1
+        elif token[0] == "\n" and depth == 0:
+            return token.start()
+    return len(text)
+
+
+def split_key(text: str) -> list[str]:
+    """Return the parts of a dotted key, without quotes and escapes."""
+    if _KEY.fullmatch(text) is not None:
+        with contextlib.suppress(tomllib.TOMLDecodeError):  # an escape that TOML does not have
+            parts = _PARTS.findall(text)
+            return [str(tomllib.loads(f"k={part}")["k"]) if part[0] in "\"'" else part for part in parts]
+    raise ValueError("is not a key, such as 'operation.radial_load'")
