@@ -17,8 +17,9 @@ from rollslip.bearing.profile import profile_drop
 from rollslip.bearing.resolution import Resolution, as_stated
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import DomainError, PluginError, SceneError
-from rollslip.lubricant.oil import Lubricant, lubricant_from_table
+from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
+from rollslip.lubricant.table import lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import Scene
 from rollslip.structure import Where

@@ -1,23 +1,18 @@
 """What an oil is: viscosity and pressure-viscosity over temperature, by formula, fit or table."""
 
-from rollslip.lubricant.oil import (
+from rollslip.lubricant.fits import fit_vogel, fit_walther
+from rollslip.lubricant.oil import Lubricant, OilState, Scatter
+from rollslip.lubricant.table import OilPoint, OilTable, lubricant_from_table
+from rollslip.lubricant.temperature import (
     Andrade,
     Constant,
     Exponential,
     Hyperbola,
-    Lubricant,
-    OilPoint,
-    OilState,
-    OilTable,
     PowerOfViscosity,
-    Scatter,
     Table,
     TemperatureLaw,
     Vogel,
     Walther,
-    fit_vogel,
-    fit_walther,
-    lubricant_from_table,
 )
 
 __all__ = [

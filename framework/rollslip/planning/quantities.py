@@ -14,7 +14,7 @@ import attrs
 from rollslip.bearing.assembly import Assembly
 from rollslip.errors import RollslipError
 from rollslip.fields import FieldError
-from rollslip.lubricant.oil import OilTable
+from rollslip.lubricant.table import OilTable
 from rollslip.structure import nearest
 from rollslip.studies.study import Study
 from rollslip.units import UnitError, as_written, quantity

@@ -20,8 +20,10 @@ from rollslip.campaigns.fit.rig_data import Rig, RigData
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
-from rollslip.lubricant.oil import Constant, Lubricant, OilTable, lubricant_from_table
+from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
+from rollslip.lubricant.table import OilTable, lubricant_from_table
+from rollslip.lubricant.temperature import Constant
 from rollslip.models import FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import ModelChoice
 from rollslip.structure import Where, nearest

@@ -1,0 +1,292 @@
+"""How a property of an oil follows temperature.
+
+- A temperature law is a *form*, not an oil: Walther serves MIL-L-7808 and Santotrac 50, Andrade MIL-L-23699 and SAE 30.
+- Every law brings its analytic derivative: the thermoviscosity beta0 and gamma are derivatives, and they stand in
+  the exponent of the film heating, where a difference quotient would cost digits.
+- Plain ``math``: an oil is evaluated once per inlet temperature, never inside a loop over slices.
+"""
+
+import math
+from bisect import bisect_right
+from itertools import pairwise
+from typing import Protocol
+
+from attrs import frozen
+
+__all__ = [
+    "Andrade",
+    "Constant",
+    "Exponential",
+    "Hyperbola",
+    "PowerOfViscosity",
+    "Table",
+    "TemperatureLaw",
+    "Vogel",
+    "Walther",
+]
+
+
+class TemperatureLaw(Protocol):
+    """A property of an oil as a function of temperature."""
+
+    def __call__(self, T: float) -> float:
+        """Property at the temperature `T` [K]."""
+
+    def derivative(self, T: float) -> float:
+        """Slope of the property, its unit per kelvin, at the temperature `T` [K]."""
+
+
+@frozen
+class Constant:
+    """A property that does not depend on temperature.
+
+    Parameters
+    ----------
+    value : float
+        The property, SI.
+    """
+
+    value: float
+
+    def __call__(self, T: float) -> float:
+        """Property at the temperature `T` [K]."""
+        return self.value
+
+    def derivative(self, T: float) -> float:
+        """Zero, at any temperature `T` [K]."""
+        return 0.0
+
+
+@frozen
+class Table:
+    """Linear interpolation between tabulated values; beyond the table its end value holds.
+
+    Parameters
+    ----------
+    temperatures : tuple of float
+        Rising temperatures [K], two or more.
+    values : tuple of float
+        The property at each, SI.
+
+    Raises
+    ------
+    ValueError
+        The temperatures do not rise, or their number differs from that of the values.
+    """
+
+    temperatures: tuple[float, ...]
+    values: tuple[float, ...]
+
+    def __attrs_post_init__(self) -> None:
+        if not len(self.temperatures) == len(self.values) >= 2:
+            raise ValueError("a table needs two or more temperatures and one value for each")
+        if any(low >= high for low, high in pairwise(self.temperatures)):
+            raise ValueError("the temperatures of a table must rise")
+
+    def __call__(self, T: float) -> float:
+        """Property at the temperature `T` [K]."""
+        i = self._segment(T)
+        T = min(max(T, self.temperatures[0]), self.temperatures[-1])
+        return self.values[i] + self._slope(i) * (T - self.temperatures[i])
+
+    def derivative(self, T: float) -> float:
+        """Slope of the segment that holds `T` [K], of the upper one at a node; zero beyond the table."""
+        return self._slope(self._segment(T)) if self.temperatures[0] <= T < self.temperatures[-1] else 0.0
+
+    def _segment(self, T: float) -> int:
+        return min(max(bisect_right(self.temperatures, T) - 1, 0), len(self.temperatures) - 2)
+
+    def _slope(self, i: int) -> float:
+        return (self.values[i + 1] - self.values[i]) / (self.temperatures[i + 1] - self.temperatures[i])
+
+
+@frozen
+class Walther:
+    """Viscosity after Walther (1931), the double-exponential law of ASTM D341.
+
+    log10 log10(nu + c) = A - B log10 T,  eta = k nu,
+
+    where nu is the kinematic viscosity in mm2/s and k = 1e-6 m2/s times the density; fits made straight to the dynamic
+    viscosity carry their own k. Constants published in natural logarithms, ln ln(nu + c) = a - B ln T, are the same
+    law with A = (a - ln ln 10) / ln 10. ASTM D341 takes c = 0.7, for nu above 2 mm2/s.
+
+    Parameters
+    ----------
+    intercept : float
+        A [-].
+    slope : float
+        B [-].
+    constant : float
+        c [-], in mm2/s where k comes from a density.
+    scale : float
+        k [Pa s].
+
+    References
+    ----------
+    ASTM D341, Standard Practice for Viscosity-Temperature Equations and Charts for Liquid Petroleum or Hydrocarbon
+    Products.
+    """
+
+    intercept: float
+    slope: float
+    constant: float
+    scale: float
+
+    def __call__(self, T: float) -> float:
+        """Dynamic viscosity [Pa s] at the temperature `T` [K]."""
+        return self.scale * (math.pow(10.0, self._log(T)) - self.constant)
+
+    def derivative(self, T: float) -> float:
+        """Slope of the dynamic viscosity [Pa s/K] at the temperature `T` [K]."""
+        log = self._log(T)
+        return -self.scale * math.pow(10.0, log) * math.log(10.0) * log * self.slope / T
+
+    def _log(self, T: float) -> float:
+        """log10(nu + c)."""
+        return math.pow(10.0, self.intercept - self.slope * math.log10(T))
+
+
+@frozen
+class Vogel:
+    """Viscosity after Vogel (1921), Fulcher and Tammann.
+
+    eta = A exp(B / (T - C)),  T > C.
+
+    Parameters
+    ----------
+    limit : float
+        A [Pa s], approached at high temperature.
+    slope : float
+        B [K].
+    pole : float
+        C [K], where the viscosity would grow without bound.
+    """
+
+    limit: float
+    slope: float
+    pole: float
+
+    def __call__(self, T: float) -> float:
+        """Dynamic viscosity [Pa s] at the temperature `T` [K]."""
+        return self.limit * math.exp(self.slope / (T - self.pole))
+
+    def derivative(self, T: float) -> float:
+        """Slope of the dynamic viscosity [Pa s/K] at the temperature `T` [K]."""
+        return -self(T) * self.slope / (T - self.pole) ** 2
+
+
+@frozen
+class Andrade:
+    """Viscosity after Andrade (1930), with an optional quadratic term.
+
+    eta = eta_ref exp(b d + c d^2),  d = 1/T - 1/T_ref.
+
+    Parameters
+    ----------
+    reference_viscosity : float
+        eta_ref [Pa s].
+    reference_temperature : float
+        T_ref [K].
+    slope : float
+        b [K].
+    curvature : float
+        c [K2]; zero is Andrade's own law.
+    """
+
+    reference_viscosity: float
+    reference_temperature: float
+    slope: float
+    curvature: float = 0.0
+
+    def __call__(self, T: float) -> float:
+        """Dynamic viscosity [Pa s] at the temperature `T` [K]."""
+        d = self._distance(T)
+        return self.reference_viscosity * math.exp((self.slope + self.curvature * d) * d)
+
+    def derivative(self, T: float) -> float:
+        """Slope of the dynamic viscosity [Pa s/K] at the temperature `T` [K]."""
+        return -self(T) * (self.slope + 2.0 * self.curvature * self._distance(T)) / T**2
+
+    def _distance(self, T: float) -> float:
+        return (self.reference_temperature - T) / (self.reference_temperature * T)
+
+
+@frozen
+class Hyperbola:
+    """Pressure-viscosity coefficient as a hyperbola, alpha = a + b / (T - c), T > c.
+
+    Parameters
+    ----------
+    limit : float
+        a [1/Pa], approached at high temperature.
+    slope : float
+        b [K/Pa].
+    pole : float
+        c [K].
+    """
+
+    limit: float
+    slope: float
+    pole: float
+
+    def __call__(self, T: float) -> float:
+        """Pressure-viscosity coefficient [1/Pa] at the temperature `T` [K]."""
+        return self.limit + self.slope / (T - self.pole)
+
+    def derivative(self, T: float) -> float:
+        """Slope of the coefficient [1/(Pa K)] at the temperature `T` [K]."""
+        return -self.slope / (T - self.pole) ** 2
+
+
+@frozen
+class Exponential:
+    """Pressure-viscosity coefficient as an exponential, alpha = alpha_ref exp(-k (T - T_ref)).
+
+    Parameters
+    ----------
+    reference_value : float
+        alpha_ref [1/Pa].
+    reference_temperature : float
+        T_ref [K].
+    rate : float
+        k [1/K].
+    """
+
+    reference_value: float
+    reference_temperature: float
+    rate: float
+
+    def __call__(self, T: float) -> float:
+        """Pressure-viscosity coefficient [1/Pa] at the temperature `T` [K]."""
+        return self.reference_value * math.exp(-self.rate * (T - self.reference_temperature))
+
+    def derivative(self, T: float) -> float:
+        """Slope of the coefficient [1/(Pa K)] at the temperature `T` [K]."""
+        return -self.rate * self(T)
+
+
+@frozen
+class PowerOfViscosity:
+    """Pressure-viscosity coefficient tied to the viscosity, alpha = k eta^m with eta in Pa s.
+
+    Parameters
+    ----------
+    viscosity : TemperatureLaw
+        eta(T).
+    factor : float
+        k [1/Pa], alpha at 1 Pa s.
+    exponent : float
+        m [-].
+    """
+
+    viscosity: TemperatureLaw
+    factor: float
+    exponent: float
+
+    def __call__(self, T: float) -> float:
+        """Pressure-viscosity coefficient [1/Pa] at the temperature `T` [K]."""
+        return self.factor * math.pow(self.viscosity(T), self.exponent)
+
+    def derivative(self, T: float) -> float:
+        """Slope of the coefficient [1/(Pa K)] at the temperature `T` [K]."""
+        return self.exponent * self(T) * self.viscosity.derivative(T) / self.viscosity(T)
