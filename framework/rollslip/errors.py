@@ -38,3 +38,8 @@ class BusyError(OutputError):
 
 class EngineError(RollslipError):
     """An engine cannot compute points: it cannot be started or reached, or its workers do not have what is here."""
+
+
+def in_words(error: BaseException) -> str:
+    """Return type and message of an error on one line."""
+    return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")

@@ -16,10 +16,10 @@ import numpy as np
 
 from rollslip.bearing.chain import stage
 from rollslip.bearing.kinematics import Kinematics
-from rollslip.catalogue.discovery import in_words, origin
+from rollslip.catalogue.discovery import origin
 from rollslip.catalogue.registry import structure_model
 from rollslip.datasets import Bearing
-from rollslip.errors import DomainError, PluginError, RollslipError, SceneError
+from rollslip.errors import DomainError, PluginError, RollslipError, SceneError, in_words
 from rollslip.fields import FieldError, field, non_negative, one_of, parameter, positive
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.catalogue.discovery import in_words, origin
-from rollslip.errors import DomainError, PluginError, RollslipError
+from rollslip.catalogue.discovery import origin
+from rollslip.errors import DomainError, PluginError, RollslipError, in_words
 from rollslip.models import FINITE, SliceModel, in_unit, interval
 from rollslip_kernels import chain as kernels
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices

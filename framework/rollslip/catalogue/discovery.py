@@ -22,7 +22,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.catalogue.kinds import check_kind, get_kind, kinds
-from rollslip.errors import PluginError
+from rollslip.errors import PluginError, in_words
 from rollslip.units import as_written
 
 #: In place of the package and the version of what this process has registered.
@@ -251,11 +251,6 @@ def _collected(module: object, hook: str) -> list[Any]:
     manager.add_hookspecs(hookspecs)
     manager.register(module)
     return [thing for things in getattr(manager.hook, hook)() for thing in things]
-
-
-def in_words(error: BaseException) -> str:
-    """Return type and message of an error on one line."""
-    return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
 
 
 def origin(cls: type) -> str:

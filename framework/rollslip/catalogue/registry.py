@@ -8,17 +8,9 @@ from typing import Any
 
 import attrs
 
-from rollslip.catalogue.discovery import (
-    Offer,
-    available,
-    catalogue,
-    find,
-    get_class,
-    in_words,
-    origin,
-)
+from rollslip.catalogue.discovery import Offer, available, catalogue, find, get_class, origin
 from rollslip.catalogue.kinds import get_kind
-from rollslip.errors import PluginError, SceneError
+from rollslip.errors import PluginError, SceneError, in_words
 from rollslip.fields import FieldError
 from rollslip.structure import Where, structure
 

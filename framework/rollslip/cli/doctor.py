@@ -25,7 +25,7 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.catalogue.discovery import in_words
+from rollslip.errors import in_words
 
 __all__ = ["Finding", "agreement", "as_text", "examine", "healthy", "instructions", "versions"]
 

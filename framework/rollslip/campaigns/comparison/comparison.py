@@ -28,9 +28,9 @@ from rollslip.campaigns.comparison.attribution import (
     keep_friction,
     seconds_per_slice,
 )
-from rollslip.catalogue.discovery import available, get_class, in_words
+from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.registry import structure_model
-from rollslip.errors import PluginError, RollslipError, SceneError
+from rollslip.errors import PluginError, RollslipError, SceneError, in_words
 from rollslip.models import SliceModel
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan

@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Array, assemble
 from rollslip.campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, Choice, Family, plan_family
-from rollslip.catalogue.discovery import in_words
-from rollslip.errors import OutputError, RollslipError
+from rollslip.errors import OutputError, RollslipError, in_words
 from rollslip.files import whole_file
 from rollslip.planning.plan import Plan
 from rollslip.planning.provenance import run_origin, together

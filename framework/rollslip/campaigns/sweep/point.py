@@ -29,8 +29,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.sweep.resolutions import Resolutions
-from rollslip.catalogue.discovery import in_words
-from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError
+from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError, in_words
 from rollslip.fields import FieldError
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene, scene_hash

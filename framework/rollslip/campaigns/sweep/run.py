@@ -33,10 +33,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.campaigns.sweep.journal import Journal, check_owner, died, only_writer, states
 from rollslip.campaigns.sweep.point import STATUSES, Done, Row, compute, greet, here
 from rollslip.campaigns.sweep.sweep import Sweep
-from rollslip.catalogue.discovery import in_words
 from rollslip.catalogue.registry import get_model, structure_model
 from rollslip.engine import Engine, cores
-from rollslip.errors import EngineError, OutputError, SceneError
+from rollslip.errors import EngineError, OutputError, SceneError, in_words
 from rollslip.structure import Where
 from rollslip.studies.study import settings
 
