@@ -6,7 +6,8 @@ import pytest
 
 from rollslip import evolve, load_scene, register
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.cage import Cage, Drags, TotalResistance, estimated_inertia
+from rollslip.bearing.cage import Cage, estimated_inertia
+from rollslip.bearing.drags import Drags, TotalResistance
 from rollslip.catalogue import discovery
 from rollslip.errors import PluginError, SceneError
 from rollslip.models import DragModel

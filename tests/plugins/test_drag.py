@@ -14,7 +14,7 @@ from scipy.integrate import quad
 
 from foreign_stages import RsModel, Stage, _new_capsule
 from rollslip import Chain, Conditions, Slices, get_model
-from rollslip.bearing.cage import Drags, TotalResistance, torque_capsule
+from rollslip.bearing.drags import Drags, TotalResistance, torque_capsule
 from rollslip.catalogue.discovery import fault
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.fields import FieldError, parameter, positive

@@ -10,8 +10,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import locate
-from rollslip.bearing.load_rule import gauss_rule, load_rule
-from rollslip.bearing.raceway import LoadedContacts
+from rollslip.bearing.raceway import LoadedContacts, gauss_rule, load_rule
 from rollslip.bearing.regimes import film_by_regime, groups, moes_groups, regime_limits
 from rollslip.errors import SceneError
 from rollslip.scene.changes import evolve

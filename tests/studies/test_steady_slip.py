@@ -13,8 +13,8 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.cage import Drags
 from rollslip.bearing.chain import Chain
+from rollslip.bearing.drags import Drags
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError

@@ -3,17 +3,17 @@
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.bearing.cage import Cage, read_cage
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_pitch
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.profile import profile_drop
+from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
 from rollslip.bearing.resolution import Resolution, as_stated
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import DomainError, PluginError, SceneError
@@ -25,27 +25,8 @@ from rollslip.scene.values import Scene
 from rollslip.structure import Where
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
-Array = NDArray[np.float64]
-Ring = Literal["inner", "outer"]
-RINGS: tuple[Ring, Ring] = ("inner", "outer")
 _PIECE = 2048  # slices whose deflection is found at a time
 _KEPT = 1 << 14  # loads in a distribution that is kept, at most
-
-
-@attrs.frozen(eq=False)
-class Raceway:
-    """One raceway: what all of its contacts share, and the bound laws they follow."""
-
-    ring: Ring
-    conditions: Conditions
-    chain: Chain
-    deflection: Chain
-
-    def evaluate(self, load: Array, rolling_speed: Any, sliding_speed: Any) -> Slices:
-        """Return the evaluated slices for loads per length [N/m] and speeds [m/s] that broadcast to them."""
-        slices = Slices(load.size, self.conditions, load=load, rolling_speed=rolling_speed, sliding_speed=sliding_speed)
-        self.chain(slices)
-        return slices
 
 
 @attrs.frozen(eq=False, kw_only=True)

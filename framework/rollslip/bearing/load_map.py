@@ -19,8 +19,9 @@ from collections.abc import Callable
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import RINGS, Array, Assembly, Raceway
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.kinematics import Kinematics
+from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.errors import ConvergenceError
 
 _FIRST_INSTANTS, _MOST_INSTANTS = 2, 256

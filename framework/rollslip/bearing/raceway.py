@@ -1,23 +1,50 @@
-"""Contacts of one raceway under load, one table of slices that is evaluated again and again.
+"""One raceway: the laws of its contacts, and those of them that are loaded as one table that is evaluated again.
 
 - Rollers and halves of rollers that carry the same are evaluated once and count for all of their images.
 - A mean over the slices is by force: friction of the whole is the sum of the pulls over the sum of the forces.
+- At one rolling and one sliding speed the friction of a slice depends on its load alone, so that mean is an integral
+  over a discrete measure, the force at each load. Its Gauss rule of m loads is exact for every polynomial of degree
+  2 m - 1 and converges like one to a smooth friction law: 16 loads serve for some thousand slices. The rule is taken in
+  the root of the load: half width and pressure go with it.
+- Nothing is believed: the rule is held against all slices at some speeds, and its loads are doubled until it agrees.
+  A law with a kink, such as film model ``regime``, needs many, or all the slices.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
+import attrs
 import numpy as np
+from numpy.typing import NDArray
 
-from rollslip.bearing.assembly import Array, Raceway
-from rollslip.bearing.chain import Job
-from rollslip.bearing.load_rule import load_rule
+from rollslip.bearing.chain import Chain, Job
 from rollslip.bearing.regimes import LIGHT, groups, regime_limits
-from rollslip_kernels.slices import Slices
+from rollslip_kernels.slices import Conditions, Slices
+
+Array = NDArray[np.float64]
+Ring = Literal["inner", "outer"]
+RINGS: tuple[Ring, Ring] = ("inner", "outer")
 
 #: At how many speeds few loads are held against all.
 PROBES = 12
 _TABLE = 32768  # slices in a table at a time
+_FEWEST, _MOST = 8, 128  # loads of a rule
+
+
+@attrs.frozen(eq=False)
+class Raceway:
+    """One raceway: what all of its contacts share, and the bound laws they follow."""
+
+    ring: Ring
+    conditions: Conditions
+    chain: Chain
+    deflection: Chain
+
+    def evaluate(self, load: Array, rolling_speed: Any, sliding_speed: Any) -> Slices:
+        """Return the evaluated slices for loads per length [N/m] and speeds [m/s] that broadcast to them."""
+        slices = Slices(load.size, self.conditions, load=load, rolling_speed=rolling_speed, sliding_speed=sliding_speed)
+        self.chain(slices)
+        return slices
 
 
 class LoadedContacts:
@@ -121,3 +148,74 @@ class LoadedContacts:
             light += float(below[np.searchsorted(W, LIGHT * np.sqrt(2.0 * U))].sum())
             largest = max(largest, float(W[-1] / np.sqrt(2.0 * U.min())))
         return share, light, largest
+
+
+def gauss_rule(load: Array, force: Array, count: int) -> Array:
+    """Return the Gauss rule of a force distributed over loads.
+
+    With weights q_k = F_k / sum(F) at x_k = sqrt(w_k), Lanczos' recurrence gives the Jacobi matrix of the polynomials
+    that are orthogonal over them; its eigenvalues are the nodes x, and the squares of the first components of its
+    eigenvectors their weights.
+
+    Parameters
+    ----------
+    load : ndarray
+        Loads per length w [N/m], at least ``count`` different ones, (N,).
+    force : ndarray
+        Force at each [N], positive, (N,).
+    count : int
+        Nodes m of the rule.
+
+    Returns
+    -------
+    ndarray
+        Load per length [N/m] and share of the force of each node, (m, 2).
+
+    References
+    ----------
+    G. H. Golub, J. H. Welsch, Calculation of Gauss quadrature rules, Math. Comp. 23 (1969) 221-230.
+    """
+    x, basis = np.sqrt(load), np.empty((count, load.size))
+    diagonal, beside = np.empty(count), np.empty(count)
+    vector = np.sqrt(force / force.sum())
+    for k in range(count):
+        basis[k] = vector
+        vector = x * vector
+        diagonal[k] = vector @ basis[k]
+        for _ in range(2):  # once more, for what the rounding of the first leaves
+            vector = vector - (basis[: k + 1] @ vector) @ basis[: k + 1]
+        beside[k] = np.sqrt(vector @ vector)
+        vector = vector / beside[k]
+    nodes, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(beside[:-1], 1) + np.diag(beside[:-1], -1))
+    return np.stack((nodes**2, vectors[0] ** 2), axis=1)
+
+
+def load_rule(load: Array, force: Array, mean: Callable[[Array], Array], tolerance: float) -> Array:
+    """Return as few loads as leave a mean by force right, with their shares of the force.
+
+    Parameters
+    ----------
+    load, force : ndarray
+        Loads per length [N/m] and forces [N] of all slices, positive, (N,).
+    mean : callable
+        Means of loads and shares, (m, 2), at all that is looked at.
+    tolerance : float
+        Largest error, relative to the largest mean.
+
+    Returns
+    -------
+    ndarray
+        Loads per length [N/m] and shares of the force, (m, 2); those of all slices if no few of them are right.
+    """
+    whole = np.stack((load, force / force.sum()), axis=1)
+    different = np.unique(load).size
+    if different > _FEWEST:
+        true = mean(whole)
+        scale = float(np.abs(true).max())
+    count = _FEWEST
+    while count < min(different, _MOST + 1):
+        rule = gauss_rule(load, force, count)
+        if np.abs(mean(rule) - true).max() <= tolerance * scale:
+            return rule
+        count *= 2
+    return whole

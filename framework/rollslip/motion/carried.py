@@ -12,8 +12,9 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Array, Assembly
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.load_map import LoadMap, build_load_map, resistances
+from rollslip.bearing.raceway import Array
 from rollslip.errors import DomainError, RollslipError
 from rollslip.motion.moving_bearing import MovingBearing, pocket_contact
 from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction

@@ -17,8 +17,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.bearing.assembly import Array
 from rollslip.bearing.critical import slip_grid
+from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
 
 #: Most points that the refinement of a curve may need.

@@ -31,8 +31,9 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import RINGS, Array, Assembly, Raceway
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, locate
+from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.errors import ConvergenceError
 from rollslip_kernels.motion import raceway as compiled
 

@@ -8,7 +8,8 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import RINGS, Array, Assembly
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import DomainError, RollslipError
 from rollslip.motion.raceway_friction import RacewayFriction
 from rollslip_kernels.motion.system import System

@@ -15,10 +15,11 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import RINGS, Array, Assembly, Raceway
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.cage import Cage
 from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium
 from rollslip.bearing.load_map import resistances
+from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.errors import DomainError, RollslipError
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
 from rollslip.models import DragModel

@@ -27,10 +27,10 @@ from typing import Final, Protocol
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Array, Assembly, Raceway
-from rollslip.bearing.cage import Drags
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.drags import Drags
 from rollslip.bearing.kinematics import SurfaceSpeeds
-from rollslip.bearing.raceway import LoadedContacts
+from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError
 from rollslip.motion.effective_table import EffectiveTable, effective_table
 

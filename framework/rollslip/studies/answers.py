@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import attrs
 
-from rollslip.bearing.assembly import Array, Ring
+from rollslip.bearing.raceway import Array, Ring
 from rollslip.bearing.resolution import Resolution
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.results.dataset import about

@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Array, Assembly
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import slip_grid
+from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.errors import ConvergenceError
 from rollslip.studies.answers import Errors, Estimated

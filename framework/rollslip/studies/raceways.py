@@ -5,7 +5,7 @@
   rings pull alike).
 - Rollers either side of the line of load carry the same, and so do the halves of a roller that is symmetric and does
   not tilt: one of them is evaluated and counts for all of its images, a quarter of the slices in most bearings.
-- A map, most of the work, is taken over few loads that stand for all slices (`rollslip.bearing.load_rule`), held
+- A map, most of the work, is taken over few loads that stand for all slices (`rollslip.bearing.raceway`), held
   against them to a thousandth of the tolerance; curves and critical slips are summed over all slices.
 """
 
@@ -16,12 +16,12 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Array, Assembly, Raceway
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.chain import along
 from rollslip.bearing.critical import Critical, locate, slip_grid
 from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.kinematics import SurfaceSpeeds
-from rollslip.bearing.raceway import LoadedContacts
+from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import LIGHT, NAMES
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.results.dataset import about

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Array, Assembly
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.kinds import Kind, Template

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Array
+from rollslip.bearing.raceway import Array
 from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups
 from rollslip.planning.plan import Plan
 from rollslip.results.dataset import about

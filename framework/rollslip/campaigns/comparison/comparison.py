@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import RINGS
+from rollslip.bearing.raceway import RINGS
 from rollslip.campaigns.comparison.attribution import (
     Bins,
     EvaluatedSlices,

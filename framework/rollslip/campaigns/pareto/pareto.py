@@ -19,7 +19,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.bearing.assembly import Array, assemble
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.raceway import Array
 from rollslip.campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, Choice, Family, plan_family
 from rollslip.errors import OutputError, RollslipError, in_words
 from rollslip.files import whole_file

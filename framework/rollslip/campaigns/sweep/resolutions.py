@@ -19,7 +19,8 @@ from typing import Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Array, assemble
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.sweep.sampling import Axis, Design
 from rollslip.errors import RollslipError

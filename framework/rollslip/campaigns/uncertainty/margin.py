@@ -28,7 +28,8 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import RINGS, Array, assemble
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.raceway import RINGS, Array
 from rollslip.campaigns.sweep.folder import begin
 from rollslip.campaigns.sweep.point import compute
 from rollslip.campaigns.sweep.result import collect

@@ -19,8 +19,9 @@ from typing import Any, Final, Protocol
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Array, Assembly
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.load_map import LoadMap, build_load_map
+from rollslip.bearing.raceway import Array
 from rollslip.catalogue.registry import available, get_model
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.models import IntegratorModel

@@ -22,9 +22,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import RINGS, Array, Assembly
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.load_map import LoadMap
+from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import NAMES
 from rollslip.bearing.resolution import Resolution, finest, refined
 from rollslip.catalogue.registry import find, structure_model

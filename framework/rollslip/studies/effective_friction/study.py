@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import RINGS, Array, Assembly
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.kinematics import SurfaceSpeeds
-from rollslip.bearing.raceway import PROBES, LoadedContacts
+from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl

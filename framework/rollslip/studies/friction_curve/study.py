@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Array, Assembly, Raceway
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.chain import along
 from rollslip.bearing.critical import locate, slip_grid
-from rollslip.bearing.raceway import LoadedContacts
+from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError
 from rollslip.fields import at_least, one_of, parameter, positive

@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import RINGS, Array, Assembly, assemble
+from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.critical import Critical, locate
+from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError

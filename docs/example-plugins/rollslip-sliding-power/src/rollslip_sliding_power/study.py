@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, ClassVar
 import attrs
 import numpy as np
 from numpy.typing import NDArray
-from rollslip.bearing.assembly import RINGS, Assembly
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import slip_grid
+from rollslip.bearing.raceway import RINGS
 from rollslip.fields import at_least, in_range, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.studies.answers import Keep, Output

@@ -1,0 +1,131 @@
+"""What drags cage and rollers: the drags of a scene by sort, and their compiled forms."""
+
+import math
+from collections.abc import Callable, Iterator
+from types import MappingProxyType
+from typing import ClassVar
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.chain import stage
+from rollslip.catalogue.discovery import origin
+from rollslip.errors import DomainError, PluginError, RollslipError, in_words
+from rollslip.fields import parameter
+from rollslip.models import FINITE, Domain, Drag, DragModel, PocketFriction, ResistanceModel
+from rollslip_kernels.slices import COLUMNS, Slices
+from rollslip_kernels.stages import drag as compiled
+
+
+@attrs.frozen(kw_only=True)
+class TotalResistance(ResistanceModel):
+    """Sum of several resistances to rolling, as one stage: F = sum(F_k)."""
+
+    name: ClassVar[str] = "total-resistance"
+    equation: ClassVar[str] = "F = sum(F_k)"
+    references: ClassVar[tuple[str, ...]] = ("The sum of the resistances that the scene names.",)
+
+    terms: tuple[ResistanceModel, ...] = parameter(doc="what is added, at most eight")
+
+    @property
+    def reads(self) -> frozenset[str]:  # type: ignore[override]
+        """What the terms read."""
+        return frozenset().union(*(term.reads for term in self.terms))
+
+    @property
+    def domain(self) -> Domain:  # type: ignore[override]
+        """Where all terms are defined."""
+        found = {}
+        for name in sorted(self.reads):
+            lows, highs = zip(*(term.domain.get(name, FINITE) for term in self.terms), strict=True)
+            found[name] = max(lows), min(highs)
+        return MappingProxyType(found)
+
+    def evaluate(self, slices: Slices) -> None:
+        """Fill the resistance."""
+        columns = {name: getattr(slices, name) for name in COLUMNS if hasattr(slices, name)}
+        total = np.zeros_like(slices.resistance)
+        for term in self.terms:
+            part = Slices.of_columns(slices.conditions, columns | {"resistance": slices.resistance.copy()})
+            term.evaluate(part)
+            total += part.resistance
+        slices.resistance[...] = total
+
+    def kernel(self) -> object:
+        """Return the compiled form; a term without one is called in Python."""
+        return compiled.total_resistance([stage(term) for term in self.terms])
+
+
+@attrs.frozen(kw_only=True)
+class Drags:
+    """The drags of a scene by sort; without any there is no slip."""
+
+    torques: tuple[DragModel, ...] = ()
+    resistance: ResistanceModel | None = None
+    pocket_friction: PocketFriction | None = None
+
+    def __bool__(self) -> bool:
+        return bool(self.torques or self.resistance or self.pocket_friction)
+
+    def __iter__(self) -> Iterator[Drag]:
+        """Yield every drag, as the scene names them, by sort."""
+        yield from self.torques
+        if self.resistance is not None:
+            yield from self.resistance.terms if isinstance(self.resistance, TotalResistance) else (self.resistance,)
+        if self.pocket_friction is not None:
+            yield self.pocket_friction
+
+    def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
+        """Return the sum of the torques on the cage [N m]; speeds in rad/s."""
+        return sum((model.torque(cage_speed, inner_speed, outer_speed) for model in self.torques), 0.0)
+
+    def capsules(self) -> tuple[object, ...]:
+        """Return the torques as capsules ``rs_drag``; one without a kernel is called in Python.
+
+        Raises
+        ------
+        PluginError
+            If a kernel does not keep the contract of ``rollslip.h``.
+        """
+        return tuple(torque_capsule(model) for model in self.torques)
+
+
+def torque_capsule(model: DragModel) -> object:
+    """Return the capsule of a torque: its kernel, or a call of its ``torque``.
+
+    Raises
+    ------
+    PluginError
+        If the model's kernel does not keep the contract of ``rollslip.h``.
+    """
+    who = f"drag {model.name!r}: {type(model).__module__}.{type(model).__qualname__}.kernel()"
+    try:
+        capsule = model.kernel()
+    except RollslipError:
+        raise
+    except Exception as error:
+        raise PluginError(f"{who} fails ({in_words(error)}); {origin(type(model))}") from error
+    if capsule is None:
+        return compiled.python_drag(_checked(model))
+    if problem := compiled.problem(capsule):
+        raise PluginError(f"{who} {problem}; {origin(type(model))}")
+    return capsule
+
+
+def _checked(model: DragModel) -> Callable[[float, float, float], float]:
+    """Return ``torque`` of a model such that only finite numbers leave it, and its errors say whose they are."""
+
+    def torque(cage_speed: float, inner_speed: float, outer_speed: float) -> float:
+        try:
+            found = float(model.torque(cage_speed, inner_speed, outer_speed))
+        except BaseException as error:
+            error.add_note(f"raised by torque() of drag {model.name!r}; {origin(type(model))}")
+            raise
+        if not math.isfinite(found):
+            raise DomainError(
+                f"drag {model.name!r} gives a torque of {found} at cage, inner and outer speed "
+                f"{cage_speed:g}, {inner_speed:g}, {outer_speed:g} rad/s"
+            )
+        return found
+
+    return torque
