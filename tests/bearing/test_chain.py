@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from chain_samples import BEARING, OwnError, run_together
 from foreign_stages import PYTHON_RAISED, RsModel, RsSlices, Stage, foreign_capsule
 from rollslip import Chain, Conditions, Slices
 from rollslip.bearing.chain import along
@@ -51,22 +52,6 @@ STAGES = [
     LambdaBlend(),
 ]
 every_stage = pytest.mark.parametrize("model", forms(STAGES))
-
-BEARING = Conditions(
-    length=0.015,
-    radius=0.006875,
-    modulus=2.2857e11,
-    roughness=2.3e-7,
-    effusivity=1.3e4,
-    temperature=323.15,
-    viscosity=8.58e-3,
-    pressure_viscosity=10.74e-9,
-    thermoviscosity=0.0284,
-    pressure_thermoviscosity=0.93e-10,
-    conductivity=0.1425,
-    eyring_stress=4e6,
-    shear_modulus=3e8,
-)
 
 
 def bearing_slices(n=5, conditions=BEARING):
@@ -230,25 +215,6 @@ def test_numpy_form_depends_on_the_block_in_the_last_bits_only(model, block):
     np.testing.assert_allclose(results(one), results(other), rtol=1e-12)
 
 
-def run_together(task, count=8):
-    """Run ``task(k)`` in threads that start at once; return what they return or raise."""
-    answers, start = [None] * count, threading.Barrier(count)
-
-    def run(k):
-        start.wait()
-        try:
-            answers[k] = task(k)
-        except BaseException as error:
-            answers[k] = error
-
-    threads = [threading.Thread(target=run, args=(k,)) for k in range(count)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    return answers
-
-
 def test_one_chain_gives_the_same_bits_in_eight_threads():
     chain, expected = Chain(*mixed(), block=64), []
     for k in range(8):
@@ -389,10 +355,6 @@ def test_a_python_stage_cannot_change_its_inputs(name, child):
     with pytest.raises(ValueError, match="read-only"):
         Chain(LambdaBlend(boundary=stage) if child else stage)(slices)
     np.testing.assert_array_equal(getattr(slices, name), getattr(bearing_slices(), name))
-
-
-class OwnError(BaseException):
-    """Not even an Exception: nothing may be swallowed."""
 
 
 @pytest.mark.parametrize("child", [False, True], ids=["stage", "child of a blend"])

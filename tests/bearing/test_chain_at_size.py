@@ -11,9 +11,9 @@ import attrs
 import mpmath
 import numpy as np
 import pytest
-from test_chain import BEARING, OwnError, run_together
 
 import fifty_digits
+from chain_samples import BEARING, OwnError, run_together
 from foreign_stages import Stage, foreign_capsule
 from rollslip import Chain, Slices
 from rollslip.bearing import chain as chain_module
@@ -263,7 +263,7 @@ def test_python_stages_run_in_the_thread_that_calls(wrap):
 def in_new_process(code, **environment):
     done = subprocess.run(
         [sys.executable, "-c", code],
-        env=os.environ | {"PYTHONPATH": os.pathsep.join([*sys.path])} | environment,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([os.path.dirname(__file__), *sys.path])} | environment,
         capture_output=True,
         text=True,
         timeout=120,

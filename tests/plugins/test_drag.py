@@ -15,7 +15,7 @@ from scipy.integrate import quad
 from foreign_stages import RsModel, Stage, _new_capsule
 from rollslip import Chain, Conditions, Slices, get_model
 from rollslip.bearing.drags import Drags, TotalResistance, torque_capsule
-from rollslip.catalogue.discovery import fault
+from rollslip.catalogue.kinds import get_kind
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.fields import FieldError, parameter, positive
 from rollslip.models import POSITIVE, SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, from_scene
@@ -255,7 +255,7 @@ def test_a_drag_that_lacks_what_its_sort_has_is_refused():
         equation = "M = 0"
         references = ("Nobody.",)
 
-    assert fault("drag", Mine) == "class Mine does not define coefficient"
+    assert get_kind("drag").fault(Mine) == "class Mine does not define coefficient"
 
     @attrs.frozen
     class Other(ResistanceModel):
@@ -268,8 +268,8 @@ def test_a_drag_that_lacks_what_its_sort_has_is_refused():
         def evaluate(self, slices):
             slices.resistance[...] = 0.0
 
-    assert fault("drag", Other) == "class Other does not define reads, domain"
-    assert "is not a class derived from Drag" in fault("drag", Stage)
+    assert get_kind("drag").fault(Other) == "class Other does not define reads, domain"
+    assert "is not a class derived from Drag" in get_kind("drag").fault(Stage)
 
 
 # Torques in Python and of strangers ----------------------------------------------------------------------------------
