@@ -1,16 +1,27 @@
-"""Files: text read strictly, and files and folders that appear whole or not at all.
+"""Files: text and columns of numbers read strictly, and files and folders that appear whole or not at all.
 
-What is written is written beside its place and moved there.
+- The unit of a column stands in its header, from the closed table of `rollslip.units`; a cell is a number and nothing
+  else. A header or a cell that is not understood is an error.
+- What is written is written beside its place and moved there.
 """
 
+import csv
+import math
 import os
+import re
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+
+import attrs
 
 from rollslip.errors import OutputError, SceneError
+from rollslip.fields import FieldError
+from rollslip.structure import attributes, nearest
+from rollslip.units import UnitError, as_written, expectation, quantity
 
 
 def decoded(content: bytes, source: str) -> str:
@@ -20,6 +31,119 @@ def decoded(content: bytes, source: str) -> str:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise SceneError([f"{source}:{line}: not UTF-8 text; save the file in the encoding UTF-8"]) from None
+
+
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
+
+
+def read_columns(
+    text: str, source: str, row: type, faults: list[str], check: Callable[[Collection[str]], str] = lambda names: ""
+) -> tuple[dict[str, list[float]], tuple[int, ...]]:
+    """Read comma-separated values under a header ``name [unit], name [unit], ...``.
+
+    Lines that start with ``#`` are comments. The columns are the fields of an attrs class, in any order; those without
+    a default are required.
+
+    Parameters
+    ----------
+    text, source : str
+        Content of the file, and its name in messages.
+    row : type
+        attrs class with fields declared by `rollslip.fields.field`, all of them numbers with units.
+    faults : list of str
+        Takes one sentence for every fault, each as ``data.csv:7: friction: sentence``, those of the header first.
+    check : callable, optional
+        Says what is wrong with the names of the columns together, or nothing.
+
+    Returns
+    -------
+    columns : dict
+        Name -> SI values of the rows, to be used if there are no faults.
+    lines : tuple of int
+        Line of each row in the file.
+    """
+    known = {attribute.name: attribute for attribute in attributes(row)}
+    required = [name for name, attribute in known.items() if attribute.default is attrs.NOTHING]
+    stripped = ((number, line.strip()) for number, line in enumerate(text.split("\n"), 1))
+    rows = [(number, _cells(line)) for number, line in stripped if line and not line.startswith("#")]
+    units: list[tuple[str, str]] = []
+    if rows:
+        number, header = rows.pop(0)
+        where = f"{source}:{number}"
+        units = [_header(cell, known, where, faults) for cell in header]
+        names = [name for name, _ in units]
+        faults += [f"{where}: {name}: stands there twice" for name in dict.fromkeys(names) if names.count(name) > 1]
+        faults += [
+            f"{where}: {name}: missing, but required ({known[name].metadata['doc']})"
+            for name in required
+            if name not in names
+        ]
+        if fault := check(names):
+            faults.append(f"{where}: {fault}")
+    if not rows and not faults:
+        example = ", ".join(f"{name} [{known[name].metadata['unit']}]" for name in required)
+        faults.append(f"{source}: no data; a header such as '{example}' and rows of numbers are expected")
+    columns: dict[str, list[float]] = {name: [] for name, _ in units}
+    for number, cells in rows:
+        if len(cells) != len(units):
+            hint = "; a decimal comma is not read, write 0.05" if len(cells) > len(units) else ""
+            faults.append(f"{source}:{number}: {len(cells)} values under {len(units)} columns{hint}")
+            continue
+        for (name, unit), cell in zip(units, cells, strict=True):
+            if unit:
+                columns[name].append(_value(cell, unit, known[name], f"{source}:{number}: {name}", faults))
+    return columns, tuple(number for number, _ in rows)
+
+
+def _cells(line: str) -> list[str]:
+    """Cells of a line, without their quotes; a line that is no CSV is one cell, which no column takes."""
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
+    except csv.Error:
+        return [line]
+
+
+def _header(cell: str, known: "dict[str, attrs.Attribute[Any]]", where: str, faults: list[str]) -> tuple[str, str]:
+    """Name and unit of a column; no unit where the column cannot be read."""
+    name, bracket, rest = (part.strip() for part in cell.partition("["))
+    if ";" in cell or "\t" in cell:
+        faults.append(f"{where}: {as_written(cell)}: columns are separated by commas, and decimals by points")
+        return name, ""
+    if name not in known:
+        near = nearest(name, known)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(known)}"
+        faults.append(f"{where}: {as_written(name)}: unknown column; {hint}")
+        return name, ""
+    unit, SI = rest.removesuffix("]").strip(), known[name].metadata["unit"]
+    if not bracket or not rest.endswith("]") or not unit:
+        faults.append(f"{where}: {name}: has no unit, write '{name} [{SI}]'; {expectation(SI)}")
+        return name, ""
+    try:
+        quantity(f"1 {unit}", SI)
+    except UnitError as error:
+        faults.append(f"{where}: {name}: {error}")
+        return name, ""
+    return name, unit
+
+
+def _value(cell: str, unit: str, column: "attrs.Attribute[Any]", where: str, faults: list[str]) -> float:
+    """SI value of a cell, or NaN after noting what is wrong with it."""
+    try:
+        number = _NUMBER.match(cell)
+        if number is not None and number[0] != cell and "," not in cell:
+            raise UnitError(f"{as_written(cell)} is not a number alone; its unit stands in the header")
+        if number is None or number[0] != cell:
+            quantity(cell, "1")  # says what is wrong with it
+        value = quantity(f"{cell} {unit}", column.metadata["unit"])
+        if column.validator is not None:
+            column.validator(None, column, value)
+    except FieldError as error:
+        faults.append(f"{where}: {error.reason}")
+    except UnitError as error:
+        faults.append(f"{where}: {error}")
+    else:
+        return value
+    return math.nan
 
 
 @contextmanager

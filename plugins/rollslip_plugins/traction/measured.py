@@ -7,6 +7,7 @@
 """
 
 import math
+from collections.abc import Collection
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
@@ -17,12 +18,12 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollslip.campaigns.fit.rig_data import cells
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, non_negative, one_of, parameter, positive
+from rollslip.fields import FieldError, field, non_negative, one_of, parameter, positive
+from rollslip.files import read_columns
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
-from rollslip.units import UnitError, as_written, expectation, format_quantity, quantity
+from rollslip.units import as_written, format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
 
@@ -114,15 +115,23 @@ class Gupta(TractionModel):
 # The table -----------------------------------------------------------------------------------------------------------
 
 SLIP: Final = "slide_roll_ratio"
-#: Column of a file -> (SI unit, member of the slices that it is the value of, factor to it).
-COLUMNS: Final = {
-    SLIP: ("1", None, 1.0),
-    "mean_pressure": ("Pa", "pressure", 1.0),
-    "max_pressure": ("Pa", "pressure", math.pi / 4),
-    "rolling_speed": ("m/s", "rolling_speed", 1.0),
-    "temperature": ("K", "temperature", 1.0),
-    "friction": ("1", None, 1.0),
-}
+
+
+@attrs.frozen(kw_only=True)
+class TableRow:
+    """One row of a file; its fields are the columns that a file may have, in the order of the axes."""
+
+    slide_roll_ratio: float = field(unit="1", doc="slide-roll ratio |V|/u", validator=non_negative)
+    mean_pressure: float | None = field(default=None, unit="Pa", doc="mean Hertz pressure")
+    max_pressure: float | None = field(default=None, unit="Pa", doc="maximum Hertz pressure of a line contact")
+    rolling_speed: float | None = field(default=None, unit="m/s", doc="rolling (entrainment) speed u")
+    temperature: float | None = field(default=None, unit="K", doc="temperature of the oil at the inlet")
+    friction: float = field(unit="1", doc="friction coefficient, along the sliding", validator=non_negative)
+
+
+#: Column -> member of the slices that it is the value of, and factor to it, where that is not the column itself.
+_MEMBERS: Final = {"mean_pressure": ("pressure", 1.0), "max_pressure": ("pressure", math.pi / 4)}
+_UNITS: Final = {a.name: a.metadata["unit"] for a in attrs.fields(TableRow)} | {"pressure": "Pa"}
 #: The table in the box.
 KRAGELSKY: Final = "kragelsky"
 
@@ -233,7 +242,7 @@ class Tabulated(TractionModel):
 
 
 def _shown(name: str, value: float) -> str:
-    return format_quantity(value, "Pa" if name == "pressure" else COLUMNS[name][0])
+    return format_quantity(value, _UNITS[name])
 
 
 def read_table(file: str) -> tuple[dict[str, Array], Array]:
@@ -244,23 +253,22 @@ def read_table(file: str) -> tuple[dict[str, Array], Array]:
     FieldError
         With the first fault of the file: its line, what came and what is allowed.
     """
-    names, rows, lines = _rows(file, _text(file))
-    columns = dict(zip(names, np.array(rows).T, strict=True))
+    faults: list[str] = []
+    given, lines = read_columns(_text(file), file, TableRow, faults, check=_check_pressures)
+    if faults:
+        raise FieldError("file", faults[0])
+    columns = {name: np.array(values) for name, values in given.items()}
     slip, friction = columns[SLIP], columns.pop("friction")
-    for values, what in ((slip, "slip is 0 or above"), (friction, "friction is 0 or above, along the sliding")):
-        if np.any(values < 0):
-            at = int(np.argmax(values < 0))
-            raise _fault(file, lines[at], f"{values[at]:g} is negative; {what}, and odd in the slip by itself")
     if np.any(friction[slip == 0] != 0):
         at = int(np.argmax((slip == 0) & (friction != 0)))
         raise _fault(file, lines[at], f"friction {friction[at]:g} at zero slip; there it is 0, or left out")
     axes, places = {}, []
-    for name in [name for name in COLUMNS if name in columns]:
-        _, member, factor = COLUMNS[name]
+    for name in [name for name in _UNITS if name in columns]:
+        member, factor = _MEMBERS.get(name, (name, 1.0))
         values, place = np.unique(columns[name], return_inverse=True)
         if len(values) < 2 and (name != SLIP or values[0] == 0):
             raise _fault(file, None, f"{name} has one value only; leave out a column that is not varied")
-        axes[member or name] = values * factor
+        axes[member] = values * factor
         places.append(place)
     grid = np.full([len(axis) for axis in axes.values()], np.nan)
     first: dict[tuple[int, ...], int] = {}
@@ -301,59 +309,9 @@ def _text(file: str) -> str:
         raise _fault(file, None, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _rows(file: str, text: str) -> tuple[list[str], list[list[float]], list[int]]:
-    """Return names of the columns, SI values of the rows, and their lines."""
-    units: dict[str, str] = {}
-    rows, lines = [], []
-    for number, line in enumerate(text.splitlines(), 1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        row = cells(line)
-        try:
-            if not units:
-                units = _header(row)
-            else:
-                if len(row) != len(units):
-                    hint = "; a decimal comma is not read, write 0.05" if len(row) > len(units) else ""
-                    raise UnitError(f"{len(row)} values under {len(units)} columns{hint}")
-                rows.append([_value(*column, cell) for column, cell in zip(units.items(), row, strict=True)])
-                lines.append(number)
-        except UnitError as error:
-            raise _fault(file, number, str(error)) from None
-    if not rows:
-        raise _fault(file, None, "no data; a header such as 'slide_roll_ratio [1], friction [1]' and rows are expected")
-    return list(units), rows, lines
-
-
-def _header(row: list[str]) -> dict[str, str]:
-    """Return the units of the columns by name."""
-    units: dict[str, str] = {}
-    for cell in row:
-        name, bracket, rest = (part.strip() for part in cell.partition("["))
-        if name not in COLUMNS:
-            raise UnitError(f"{as_written(name)}: unknown column; known are {', '.join(COLUMNS)}, separated by commas")
-        unit = rest.removesuffix("]").strip()
-        if not bracket or not rest.endswith("]") or not unit:
-            SI = COLUMNS[name][0]
-            raise UnitError(f"{name}: has no unit, write '{name} [{SI}]'; {expectation(SI)}")
-        if name in units:
-            raise UnitError(f"{name}: stands there twice")
-        quantity(f"1 {unit}", COLUMNS[name][0])
-        units[name] = unit
-    missing = {SLIP, "friction"} - units.keys()
-    if missing:
-        raise UnitError(f"column {' and '.join(sorted(missing))} missing; a table needs {SLIP} and friction")
-    if {"mean_pressure", "max_pressure"} <= units.keys():
-        raise UnitError("mean_pressure and max_pressure say the same; give one of them")
-    return units
-
-
-def _value(name: str, unit: str, cell: str) -> float:
-    try:
-        float(cell)
-    except ValueError:
-        raise UnitError(f"{name}: {as_written(cell)} is not a number; its unit stands in the header") from None
-    return quantity(f"{cell} {unit}", COLUMNS[name][0])
+def _check_pressures(names: Collection[str]) -> str:
+    both = {"mean_pressure", "max_pressure"} <= set(names)
+    return "mean_pressure and max_pressure say the same; give one of them" if both else ""
 
 
 @hookimpl

@@ -2,19 +2,16 @@
 
 Decisions:
 
-- The unit of a column stands in its header, from the closed table of `rollslip.units`; a cell is a number and nothing
-  else. A header or a cell that is not understood is an error: data are never repaired and never left out.
+- Data are never repaired and never left out: what `rollslip.files.read_columns` does not understand is an error.
 - Mean and maximum pressure differ by 27 %, so that a column called "pressure" would be a trap; there is none.
 - A rig file has the tables ``[lubricant]`` and ``[models]`` of a scene, read by the same reader, and ``[rig]`` in the
   place of the bearing.
 """
 
-import csv
 import hashlib
 import math
 import os
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -24,12 +21,11 @@ from numpy.typing import NDArray
 
 from rollslip.datasets import Material
 from rollslip.errors import SceneError
-from rollslip.fields import FieldError, field, positive
-from rollslip.files import decoded
+from rollslip.fields import field, positive
+from rollslip.files import decoded, read_columns
 from rollslip.scene.values import LubricantTable, Models
-from rollslip.structure import Where, nearest, structure
+from rollslip.structure import Where, structure
 from rollslip.toml import parse
-from rollslip.units import UnitError, as_written, expectation, quantity
 
 __all__ = ["EXAMPLE", "Measurement", "Rig", "RigContact", "RigData", "load_rig", "read_data"]
 
@@ -78,7 +74,6 @@ class Measurement:
     film_thickness: float | None = _column("m", "measured film thickness, in place of a film model", required=False)
 
 
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 _LOADS: Final = ("load", "load_per_length", "mean_pressure", "max_pressure")
 
 
@@ -142,44 +137,20 @@ def read_data(path: str | os.PathLike[str]) -> RigData:
     source = os.fspath(path)
     content = _content(Path(path))
     text = decoded(content, source)
-    lines = [(number, line.strip()) for number, line in enumerate(text.split("\n"), 1)]
-    rows = [(number, cells(line)) for number, line in lines if line and not line.startswith("#")]
-    if len(rows) < 2:
-        raise SceneError([f"{source}: no data; a header such as 'friction [1], load [N]' and rows of numbers are read"])
     faults: list[str] = []
-    number, header = rows[0]
-    units = [_header(cell, f"{source}:{number}", faults) for cell in header]
-    _check_columns([name for name, _ in units], f"{source}:{number}", faults)
-    values = _values(rows[1:], units, source, faults)
+    given, lines = read_columns(text, source, Measurement, faults, check=_check_loads)
     if not faults:
-        columns = {name: values[:, k].copy() for k, (name, _) in enumerate(units)}
+        columns = {name: np.array(values) for name, values in given.items()}
         friction = columns["friction"][columns["slide_roll_ratio"] < 0.0]
         if friction.sum() <= 0.0:
             sha256 = hashlib.sha256(content).hexdigest()
-            lines_of = tuple(number for number, _ in rows[1:])
-            return RigData(source=source, text=text, sha256=sha256, columns=columns, lines=lines_of)
+            return RigData(source=source, text=text, sha256=sha256, columns=columns, lines=lines)
         faults.append(
             f"{source}: friction: is positive where slide_roll_ratio is negative; it has the sign of the slide-roll "
             "ratio, so give both with their signs, or both without"
         )
     more = len(faults) - _MOST_FAULTS
     raise SceneError(faults if more <= 0 else [*faults[:_MOST_FAULTS], f"{source}: and {more} faults more"])
-
-
-def _values(
-    rows: Sequence[tuple[int, list[str]]], units: Sequence[tuple[str, str]], source: str, faults: list[str]
-) -> Array:
-    """SI values of rows, each with its line, under columns of names and units, (rows, columns); NaN for faults."""
-    values = np.full((len(rows), len(units)), np.nan)
-    for at, (number, row) in zip(values, rows, strict=True):
-        if len(row) != len(units):
-            hint = "; a decimal comma is not read, write 0.05" if len(row) > len(units) else ""
-            faults.append(f"{source}:{number}: {len(row)} values under {len(units)} columns{hint}")
-            continue
-        for k, ((name, unit), cell) in enumerate(zip(units, row, strict=True)):
-            if unit:
-                at[k] = _value(name, unit, cell, f"{source}:{number}", faults)
-    return values
 
 
 def _content(path: Path) -> bytes:
@@ -189,70 +160,9 @@ def _content(path: Path) -> bytes:
         raise SceneError([f"{path}: cannot be read: {error.strerror or error}"]) from None
 
 
-def cells(line: str) -> list[str]:
-    """Return the cells of a line, without their quotes; a line that is no CSV is one cell, which no column takes."""
-    try:
-        return [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True))]
-    except csv.Error:
-        return [line]
-
-
-_COLUMNS: Final = {attribute.name: attribute for attribute in attrs.fields(Measurement)}
-
-
-def _header(cell: str, where: str, faults: list[str]) -> tuple[str, str]:
-    """Name and unit of a column; no unit where the column cannot be read."""
-    name, bracket, rest = (part.strip() for part in cell.partition("["))
-    if ";" in cell or "\t" in cell:
-        faults.append(f"{where}: {as_written(cell)}: columns are separated by commas, and decimals by points")
-        return name, ""
-    if name not in _COLUMNS:
-        near = nearest(name, _COLUMNS)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(_COLUMNS)}"
-        faults.append(f"{where}: {as_written(name)}: unknown column; {hint}")
-        return name, ""
-    unit, SI = rest.removesuffix("]").strip(), _COLUMNS[name].metadata["unit"]
-    if not bracket or not rest.endswith("]") or not unit:
-        faults.append(f"{where}: {name}: has no unit, write '{name} [{SI}]'; {expectation(SI)}")
-        return name, ""
-    try:
-        quantity(f"1 {unit}", SI)
-    except UnitError as error:
-        faults.append(f"{where}: {name}: {error}")
-        return name, ""
-    return name, unit
-
-
-def _check_columns(names: list[str], where: str, faults: list[str]) -> None:
-    faults += [f"{where}: {name}: stands there twice" for name in dict.fromkeys(names) if names.count(name) > 1]
-    faults += [
-        f"{where}: {name}: missing, but required ({attribute.metadata['doc']})"
-        for name, attribute in _COLUMNS.items()
-        if attribute.default is attrs.NOTHING and name not in names
-    ]
-    if sum(name in names for name in _LOADS) != 1:
-        faults.append(f"{where}: one of the columns {', '.join(_LOADS)} is needed, and not more")
-
-
-def _value(name: str, unit: str, cell: str, where: str, faults: list[str]) -> float:
-    """SI value of a cell, or NaN after noting what is wrong with it."""
-    attribute = _COLUMNS[name]
-    try:
-        number = _NUMBER.match(cell)
-        if number is not None and number[0] != cell and "," not in cell:
-            raise UnitError(f"{as_written(cell)} is not a number alone; its unit stands in the header")
-        if number is None or number[0] != cell:
-            quantity(cell, "1")  # says what is wrong with it
-        value = quantity(f"{cell} {unit}", attribute.metadata["unit"])
-        if attribute.validator is not None:
-            attribute.validator(None, attribute, value)
-    except FieldError as error:
-        faults.append(f"{where}: {name}: {error.reason}")
-    except UnitError as error:
-        faults.append(f"{where}: {name}: {error}")
-    else:
-        return value
-    return math.nan
+def _check_loads(names: Collection[str]) -> str:
+    one = sum(name in names for name in _LOADS) == 1
+    return "" if one else f"one of the columns {', '.join(_LOADS)} is needed, and not more"
 
 
 # Rig ----------------------------------------------------------------------------------------------------------------
