@@ -1,0 +1,165 @@
+"""Changing scenes by dotted keys."""
+
+import contextlib
+import json
+
+import attrs
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rollslip.errors import PluginError, SceneError
+from rollslip.scene import FrozenTable, ModelChoice, Scene, resolved, scene_hash
+from rollslip.scene.changes import evolve, parse_set
+from rollslip.scene.reading import parse_scene
+from rollslip.scene.schema import schema
+from rollslip.structure import structure
+from scene_samples import SCENE, scene_with
+
+
+def test_evolve_changes_values_by_dotted_key() -> None:
+    scene = parse_scene(SCENE, "scene.toml")
+    changed = evolve(
+        scene,
+        {
+            "operation.radial_load": "500 N",
+            "lubricant.eyring_stress": "5 MPa",
+            "models.film": "dowson-1968",
+            "models.traction.hydrodynamic": "muraki",
+            "study.effective-friction.closure": "free-roller",
+            "bearing.profile.shape": "iso16281",
+            "bearing.material.density": 7850,
+            "surface.roller_roughness": "0.2 um",
+        },
+    )
+    assert changed.operation.radial_load == 500
+    assert changed.lubricant.name == "mil-prf-7808"
+    assert changed.lubricant.data["eyring_stress"] == "5 MPa"
+    assert changed.models.film.name == "dowson-1968"
+    assert changed.models.traction == ModelChoice(
+        name="lambda-blend", parameters=FrozenTable({"hydrodynamic": "muraki"})
+    )
+    assert changed.study["effective-friction"]["closure"] == "free-roller"
+    assert changed.study["effective-friction"]["slip"] == ("0 %", "30 %")
+    assert changed.bearing.profile.shape == "iso16281"
+    assert changed.bearing.material.density == 7850
+    assert changed.surface.roller_roughness == 0.2e-6
+    assert (changed.source, changed.text) == (scene.source, scene.text)
+    assert scene == parse_scene(SCENE, "scene.toml")
+
+
+def test_evolve_lets_what_follows_from_a_value_follow() -> None:
+    scene = parse_scene(SCENE, "scene.toml")
+    warm = evolve(scene, {"operation.temperature": "80 degC", "bearing.outer_raceway_diameter": "195.05 mm"})
+    assert warm.operation.roller_temperature == 353.15
+    assert warm.bearing.radial_clearance == 50e-6
+
+
+def test_a_bare_name_becomes_a_table_when_a_parameter_is_set() -> None:
+    scene = parse_scene(scene_with("[models.traction]", 'model = "constant"'), "scene.toml")
+    film = evolve(scene, {"models.film": "regime", "models.film.thermal": True}).models.film
+    assert film == ModelChoice(name="regime", parameters=FrozenTable({"thermal": True}))
+    traction = evolve(scene, {"models.traction.friction": 0.1}).models.traction
+    assert traction == ModelChoice(name="constant", parameters=FrozenTable({"friction": 0.1}))
+
+
+def test_changes_add_up() -> None:
+    scene = parse_scene(SCENE, "scene.toml")
+    both = evolve(scene, {"operation.radial_load": 1, "title": "x"})
+    assert evolve(evolve(scene, {"operation.radial_load": 1}), {"title": "x"}) == both
+    assert evolve(scene, {}) == scene
+
+
+def test_a_scene_made_in_python_can_be_changed() -> None:
+    scene = parse_scene(SCENE, "scene.toml")
+    made = attrs.evolve(scene, raw=None, origins={})
+    assert evolve(made, {"operation.radial_load": "1 N"}).operation.radial_load == 1
+
+
+def test_faults_of_changes_are_marked_and_the_others_keep_their_lines() -> None:
+    scene = parse_scene(SCENE, "scene.toml")
+    with pytest.raises(SceneError) as caught:
+        evolve(
+            scene,
+            {
+                "operation.radial_lod": 1,
+                "lubricant.name": 5,
+                "bearing.rollers": 12.5,
+                "bearing.profile": {"shape": "x"},
+                "bearing.material": 5,
+                "operation.temperature": None,
+            },
+        )
+    assert sorted(problem.split("; ")[0] for problem in caught.value.problems) == [
+        "changes: bearing.material: a table is expected, not 5",
+        "changes: bearing.profile.shape: must be one of 'none', 'iso16281', 'circular', 'table', not 'x'",
+        "changes: bearing.rollers: a whole number is expected, not 12.5",
+        "changes: lubricant.name: a text is expected, not 5",
+        "changes: operation.radial_lod: unknown key, did you mean 'radial_load'?",
+        "changes: operation.temperature: None is not a quantity, here a temperature is expected, such as '70 degC'",
+    ]
+    assert scene.origins["bearing", "rollers"] == "scene.toml:4"
+
+
+@pytest.mark.parametrize("key", ["", " ", ".", "a..b", "a b", "a=1", 'a."b', '"\\q"', "a\nb", "[a]", "ä"])
+def test_what_is_no_key_is_reported(key: str) -> None:
+    with pytest.raises(SceneError, match="is not a key"):
+        evolve(parse_scene(SCENE, "scene.toml"), {key: 1})
+
+
+@pytest.mark.parametrize("key", ["title.x", "bearing.rollers.x", "study.effective-friction.slip.x", "lubricant.name.x"])
+def test_a_key_below_a_value_is_reported(key: str) -> None:
+    with pytest.raises(SceneError, match=f"changes: '{key}' leads nowhere: '{key.split('.')[-2]}' is not a table"):
+        evolve(parse_scene(SCENE, "scene.toml"), {key: 1})
+
+
+def test_keys_may_be_quoted() -> None:
+    changed = evolve(parse_scene(SCENE, "scene.toml"), {'study."my study".x': 1, "study.'a.b'.x": 2})
+    assert changed.study["my study"] == {"x": 1}
+    assert changed.study["a.b"] == {"x": 2}
+
+
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=3),
+    max_leaves=5,
+)
+scene_keys = st.sampled_from([row.key.replace("*", "x") for row in schema()] + ["bearing", "models", "study", "x"])
+
+
+@given(st.dictionaries(scene_keys, json_values, max_size=3))
+@settings(max_examples=200, deadline=None)
+def test_any_change_gives_a_scene_or_a_scene_error(changes: dict[str, object]) -> None:
+    scene = parse_scene(SCENE, "scene.toml")
+    with contextlib.suppress(SceneError, PluginError):  # named data may not exist
+        changed = evolve(scene, changes)
+        assert structure(Scene, json.loads(json.dumps(resolved(changed))), "", []) == changed
+        assert len(scene_hash(changed)) == 64
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "value"),
+    [
+        ("operation.radial_load=500 N", "operation.radial_load", "500 N"),
+        ("operation.radial_load = 500", "operation.radial_load", 500),
+        ("operation.radial_load=5e2", "operation.radial_load", 500.0),
+        ('operation.radial_load="500 N"', "operation.radial_load", "500 N"),
+        ("models.film=moes", "models.film", "moes"),
+        ("a=true", "a", True),
+        ("a=[1, 2]", "a", [1, 2]),
+        ("a={ x = 1 }", "a", {"x": 1}),
+        ("a=1979-05-27", "a", "1979-05-27"),
+        ("a=1,5 mm", "a", "1,5 mm"),
+        ("a=1\nb = 2", "a", "1\nb = 2"),
+        ("a=b=c", "a", "b=c"),
+        ("a=", "a", ""),
+    ],
+)
+def test_a_setting_of_the_command_line_is_toml_or_text(text: str, key: str, value: object) -> None:
+    assert parse_set(text) == (key, value)
+
+
+@pytest.mark.parametrize("text", ["operation.radial_load", "", "=5", " = 5"])
+def test_a_setting_needs_key_and_value(text: str) -> None:
+    with pytest.raises(SceneError, match="write KEY=VALUE"):
+        parse_set(text)

@@ -1,0 +1,23 @@
+"""The schema of scenes."""
+
+from rollslip.scene.schema import schema
+
+
+def test_the_schema_has_every_promised_key() -> None:
+    rows = {row.key: row for row in schema()}
+    assert len(rows) == len(schema())
+    assert rows["bearing.rollers"].default == "required"
+    assert rows["bearing.roller_diameter"].unit == "m"
+    assert rows["bearing.radial_clearance"].default == "derived"
+    assert rows["bearing.profile"].default == "none"
+    assert rows["bearing.material.elastic_modulus"] == (
+        "bearing.material.elastic_modulus",
+        "Pa",
+        "208 GPa",
+        "Young's modulus",
+    )
+    assert rows["models.traction"].default == "lambda-blend"
+    assert rows["surface.roller_roughness"].default == "0.1 um"
+    assert {"models.traction.*", "lubricant.*", "cage.*", "study.*", "accuracy.slices", "title"} <= rows.keys()
+    assert all(row.doc and not row.doc.endswith(".") for row in schema())
+    assert not {"source", "text", "raw", "origins"} & rows.keys()
