@@ -269,24 +269,6 @@ def test_only_what_a_scene_names_is_loaded(name, tmp_path):
     assert len(loaded) < MOST[name], sorted(loaded)
 
 
-def test_promised_names_exist():
-    import rollslip
-
-    for name in rollslip.__all__:
-        assert getattr(rollslip, name) is not None
-    assert {"load_scene", "evolve", "plan", "run", "load_distribution", "get_model", "available"} <= set(dir(rollslip))
-    assert {"Chain", "Slices", "open_result", "get_include"} <= set(dir(rollslip))
-    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
-        _ = rollslip.nothing
-
-
-def test_the_header_is_where_get_include_says():
-    import rollslip
-
-    assert (Path(rollslip.get_include()) / "rollslip.h").is_file()
-    assert (Path(rollslip.get_include()) / "rollslip_abi.pxd").is_file()
-
-
 def test_shipped_scenes_are_package_data():
     assert {entry.name for entry in (files("rollslip") / "scenes").iterdir() if entry.name.endswith(".toml")} == {
         "1032930-30C.toml", "1032930-50C.toml", "1032930-70C.toml",

@@ -1,0 +1,82 @@
+"""What strangers import stays where it is: modules with their names, entry points, hooks and headers."""
+
+import importlib
+import sys
+from importlib.metadata import distribution
+from pathlib import Path
+
+import pytest
+
+import rollslip
+from rollslip import hookspecs
+
+#: Module -> names that version 0.1 offered there.
+PROMISED = {
+    "rollslip": """Chain Conditions Slices available compare evolve fit get_include get_model load_distribution
+        load_scene model open_result pareto plan register run sweep uncertainty""",
+    "rollslip.cli": "main",
+    "rollslip.datasets": "BearingData SurfaceData",
+    "rollslip.engine": "Engine cores",
+    "rollslip.errors": """BusyError ConvergenceError DomainError EngineError OutputError PluginError RollslipError
+        SceneError""",
+    "rollslip.fields": "FieldError at_least field in_range non_negative one_of parameter positive",
+    "rollslip.foreign": "EVALUATE NumbaSlices SlicesStruct capsule_from_address numba_slices",
+    "rollslip.hookspecs": """bearings contact_models drag_models engines film_models hookimpl hookspec
+        integrator_models lubricants surfaces traction_models""",
+    "rollslip.lubricant": """Andrade Constant Exponential Hyperbola Lubricant OilPoint OilState OilTable
+        PowerOfViscosity Scatter Table TemperatureLaw Vogel Walther fit_vogel fit_walther lubricant_from_table""",
+    "rollslip.models": """ContactModel Domain Drag DragModel FINITE FilmModel IntegratorModel NON_NEGATIVE NO_LIMITS
+        POSITIVE PocketFriction ResistanceModel SCENE_VALUES SliceModel TractionModel evaluate_arrays from_scene in_unit
+        interval left_to_scene submodel""",
+    "rollslip.scene": """Accuracy Bearing FrozenTable LubricantTable Material ModelChoice Models Operation Plugins
+        Profile Scene Surface resolved scene_hash""",
+    "rollslip.testing": """Conformance Finding Nonconformance all_checks as_dict check_in_subprocess checks_of
+        conformance format_findings""",
+    "rollslip.units": "UnitError as_written check_unit evenly expectation format_quantity quantity",
+    "rollslip_kernels.slices": "COLUMNS CONDITIONS Conditions Slices",
+}
+#: Where the laws of pressure were, and their names.
+FORMER = "rollslip.pressure_viscosity"
+FORMERLY = "Barus POLE_PRESSURE POLE_VISCOSITY PressureViscosity Roelands Yasutomi from_oil with_law"
+
+
+@pytest.mark.parametrize(("module", "names"), PROMISED.items(), ids=PROMISED)
+def test_a_promised_module_has_the_names_that_it_had(module, names):
+    offered = importlib.import_module(module)
+    assert [name for name in names.split() if getattr(offered, name, None) is None] == []
+    if hasattr(offered, "__all__"):
+        assert set(names.split()) <= set(offered.__all__)
+
+
+def test_names_of_the_package_are_loaded_when_they_are_used():
+    assert all(getattr(rollslip, name) is not None for name in dir(rollslip))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = rollslip.nothing
+
+
+def test_the_former_path_of_the_laws_of_pressure_warns_once_and_leads_to_the_same():
+    sys.modules.pop(FORMER, None)
+    with pytest.warns(DeprecationWarning, match=r"import from rollslip\.lubricant\.pressure") as caught:
+        former = importlib.import_module(FORMER)
+    assert len(caught) == 1
+    now = importlib.import_module("rollslip.lubricant.pressure")
+    assert all(getattr(former, name) is getattr(now, name) for name in FORMERLY.split())
+
+
+def test_every_promised_hook_is_a_hook():
+    hooks = [name for name in PROMISED["rollslip.hookspecs"].split() if name not in ("hookimpl", "hookspec")]
+    assert all(hasattr(getattr(hookspecs, name), "rollslip_spec") for name in hooks)
+
+
+def test_promised_entry_points_are_there():
+    points = distribution("rollslip").entry_points
+    assert {"contact", "film", "traction", "drag", "integrator", "engine", "lubricant", "bearing"} <= {
+        point.group.removeprefix("rollslip.") for point in points
+    }
+    [command] = points.select(group="console_scripts", name="rollslip")
+    assert command.value == "rollslip.cli:main"
+
+
+def test_the_headers_for_strangers_are_where_get_include_says():
+    headers = {path.name for path in Path(rollslip.get_include()).iterdir()}
+    assert {"rollslip.h", "rollslip_math.h", "rollslip_abi.pxd", "rollslip_stage.pxd", "rollslip_drag.pxd"} <= headers
