@@ -48,9 +48,9 @@ def _syntax_error(error: Exception, text: str, source: str) -> str:
         return f"{source}: not valid TOML: {error}"
     message, _, place = str(error).rpartition(" (at ")
     message = message if len(message) <= 200 else message[:197] + "..."  # it may spell a whole key out
-    found = re.fullmatch(r"line (\d+), column (\d+)\)", place)
-    line = int(found[1]) if found else text.count("\n") + 1
-    column = f" (column {found[2]})" if found else " (at the end of the file)"
+    position = re.fullmatch(r"line (\d+), column (\d+)\)", place)
+    line = int(position[1]) if position else text.count("\n") + 1
+    column = f" (column {position[2]})" if position else " (at the end of the file)"
     unquoted = _UNQUOTED.search(text.split("\n")[line - 1])
     hint = '; write a number as 1.5, and one with a unit in quotes, as "15 mm"' if unquoted else ""
     return f"{source}:{line}: not valid TOML: {message}{column}{hint}"

@@ -117,7 +117,7 @@ def estimated_inertia(bearing: Bearing) -> tuple[float, float]:
 def _estimates(bearing: Bearing, table: Mapping[str, object]) -> dict[str, object]:
     """Return what the bearing's size says of a cage where its table is silent."""
     b = bearing
-    found: dict[str, object] = {"pocket_clearance": 0.015 * b.roller_diameter}
+    estimates: dict[str, object] = {"pocket_clearance": 0.015 * b.roller_diameter}
     shoulder = 0.2 * b.roller_diameter
     lands = {"inner": b.inner_raceway_diameter / 2 + shoulder, "outer": b.outer_raceway_diameter / 2 - shoulder}
     guidance = table.get("guidance")
@@ -126,8 +126,8 @@ def _estimates(bearing: Bearing, table: Mapping[str, object]) -> dict[str, objec
             radius = quantity(table.get("land_radius", lands[guidance]), "m")
         except ValueError:  # the reader says so
             radius = lands[guidance]
-        found |= {"land_radius": radius, "land_width": b.roller_length / 2, "land_clearance": 0.0025 * radius}
-    return found
+        estimates |= {"land_radius": radius, "land_width": b.roller_length / 2, "land_clearance": 0.0025 * radius}
+    return estimates
 
 
 def read_cage(scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cage:
@@ -156,8 +156,8 @@ def read_cage(scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cag
     cage = structure(Cage, {**_estimates(scene.bearing, table), **table}, where, problems)
     raw = table.get("drag", ())
     models = [
-        structure_model("drag", one, where.at("drag").at(k), problems)
-        for k, one in enumerate(raw if isinstance(raw, list | tuple) else ())
+        structure_model("drag", drag, where.at("drag").at(k), problems)
+        for k, drag in enumerate(raw if isinstance(raw, list | tuple) else ())
     ]
     if cage is None or problems:
         raise SceneError(problems)

@@ -336,9 +336,9 @@ def along(jobs: Sequence[Job]) -> list[tuple[Array, Array]]:
         As the chain does, for the first table that fails.
     """
     small = [(bound, u, V, owner, weight) for bound, u, V, owner, weight in jobs if isinstance(bound, kernels.Bound)]
-    found = iter(kernels.along(small))
+    sums = iter(kernels.along(small))
     return [
-        next(found) if isinstance(bound, kernels.Bound) else _along(bound, u, V, owner, weight)
+        next(sums) if isinstance(bound, kernels.Bound) else _along(bound, u, V, owner, weight)
         for bound, u, V, owner, weight in jobs
     ]
 

@@ -35,11 +35,11 @@ class TotalResistance(ResistanceModel):
     @property
     def domain(self) -> Domain:  # type: ignore[override]
         """Where all terms are defined."""
-        found = {}
+        limits = {}
         for name in sorted(self.reads):
             lows, highs = zip(*(term.domain.get(name, FINITE) for term in self.terms), strict=True)
-            found[name] = max(lows), min(highs)
-        return MappingProxyType(found)
+            limits[name] = max(lows), min(highs)
+        return MappingProxyType(limits)
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the resistance."""
@@ -117,15 +117,15 @@ def _checked(model: DragModel) -> Callable[[float, float, float], float]:
 
     def torque(cage_speed: float, inner_speed: float, outer_speed: float) -> float:
         try:
-            found = float(model.torque(cage_speed, inner_speed, outer_speed))
+            value = float(model.torque(cage_speed, inner_speed, outer_speed))
         except BaseException as error:
             error.add_note(f"raised by torque() of drag {model.name!r}; {origin(type(model))}")
             raise
-        if not math.isfinite(found):
+        if not math.isfinite(value):
             raise DomainError(
-                f"drag {model.name!r} gives a torque of {found} at cage, inner and outer speed "
+                f"drag {model.name!r} gives a torque of {value} at cage, inner and outer speed "
                 f"{cage_speed:g}, {inner_speed:g}, {outer_speed:g} rad/s"
             )
-        return found
+        return value
 
     return torque

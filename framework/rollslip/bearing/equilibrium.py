@@ -270,7 +270,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
     xi, widths = case.position[half:] / half_length, case.widths[half:].copy()
     if mirrored:
         widths[slices % 2 :] *= 2.0
-    found = {
+    balance = {
         "load": np.empty((2, instants, rollers, slices)),
         "force": np.empty((2, instants, rollers)),
         "ring": np.empty((instants, 2)),
@@ -295,7 +295,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         load=case.radial_load,
         centrifugal=case.centrifugal_force,
         reach=abs(case.radial_clearance) + float(np.ptp(case.drop)) + case.roller_length * abs(case.misalignment),
-        found=found,
+        found=balance,
     )
     if refused == "range":
         raise ConvergenceError(f"the bearing found no equilibrium in the range of floats; {_REMEDY}")
@@ -307,17 +307,17 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         error = law.error(refusal, tables[at])
         error.add_note(f"in a contact with the {refused} ring")
         raise error
-    force_residual, moment_residual = (float(worst) for worst in found["residual"].max(axis=0))
-    iterations = int(found["passes"].max())
-    if not found["residual"].max() <= _REQUIRED:  # nor if it is NaN
-        slowest = np.count_nonzero(found["passes"] == iterations)
+    force_residual, moment_residual = (float(worst) for worst in balance["residual"].max(axis=0))
+    iterations = int(balance["passes"].max())
+    if not balance["residual"].max() <= _REQUIRED:  # nor if it is NaN
+        slowest = np.count_nonzero(balance["passes"] == iterations)
         raise ConvergenceError(
             f"the bearing found no equilibrium in {iterations} iterations at {slowest} of {instants} instants: "
             f"relative residual of the forces {force_residual:.1e}, of the moments {moment_residual:.1e}, "
             f"required {_REQUIRED:.0e}; {_REMEDY}"
         )
-    inner_load, outer_load = found["load"]
-    inner_force, outer_force = found["force"]
+    inner_load, outer_load = balance["load"]
+    inner_force, outer_force = balance["force"]
     return LoadDistribution(
         psi=case.psi,
         position=case.position,
@@ -325,10 +325,10 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         outer_load=outer_load,
         inner_force=inner_force,
         outer_force=outer_force,
-        displacement=found["ring"],
-        roller_shift=found["shift"],
-        roller_tilt=found["tip"] / half_length,
-        moment=found["moment"],
+        displacement=balance["ring"],
+        roller_shift=balance["shift"],
+        roller_tilt=balance["tip"] / half_length,
+        moment=balance["moment"],
         force_residual=force_residual,
         moment_residual=moment_residual,
         iterations=iterations,
@@ -383,10 +383,10 @@ def solve_pitch(
     images = new[new > instants // 2]
     if known is None and not images.size:
         return solve_equilibrium(case, contacts)
-    found = solve_equilibrium(attrs.evolve(case, psi=case.psi[solved]), contacts)
+    solution = solve_equilibrium(attrs.evolve(case, psi=case.psi[solved]), contacts)
 
     def over_pitch(name: str) -> Floats:
-        part: Floats = getattr(found, name)
+        part: Floats = getattr(solution, name)
         whole = np.empty((instants, *part.shape[1:]))
         if known is not None:
             whole[::2] = getattr(known, name)
@@ -399,8 +399,8 @@ def solve_pitch(
 
     pitch: dict[str, Any] = {name: over_pitch(name) for name in _BY_INSTANT}
     return attrs.evolve(
-        found,
+        solution,
         psi=case.psi,
         **pitch,
-        **_worst((found,) if known is None else (found, known)),
+        **_worst((solution,) if known is None else (solution, known)),
     )

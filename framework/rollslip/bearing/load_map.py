@@ -76,8 +76,8 @@ class LoadMap:
         f = (centrifugal - self.centrifugal[c]) / (self.centrifugal[c + 1] - self.centrifugal[c])
         table = (1.0 - f) * self.table[c] + f * self.table[c + 1]
         (a, slope_a), (b, slope_b) = (table[i].swapaxes(0, 1) for i in (k, k + 1))
-        found = a + x * x * (3.0 - 2.0 * x) * (b - a) + x * (1.0 - x) * ((1.0 - x) * slope_a - x * slope_b)
-        return np.asarray(np.maximum(found, 0.0).swapaxes(0, 1))
+        load = a + x * x * (3.0 - 2.0 * x) * (b - a) + x * (1.0 - x) * ((1.0 - x) * slope_a - x * slope_b)
+        return np.asarray(np.maximum(load, 0.0).swapaxes(0, 1))
 
     def forces(self, resistance: Callable[[Array, int], Array] | None = None) -> "LoadMap":
         """Return the map of forces; ``resistance`` gives, of loads (m, n) on a ring (0, 1), the resistances (m,)."""
@@ -116,9 +116,9 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
     instants = _FIRST_INSTANTS
     while instants <= _MOST_INSTANTS:
         orbits = _Orbits(assembly, per_square, instants)
-        found = orbits.refined({0.0, min(assembly.centrifugal_force, top), top}, 0.5 * tolerance)
-        if found is not None:
-            return found
+        load_map = orbits.refined({0.0, min(assembly.centrifugal_force, top), top}, 0.5 * tolerance)
+        if load_map is not None:
+            return load_map
         instants *= 2
     raise ConvergenceError(
         f"{_MOST_INSTANTS} positions a pitch leave {orbits.over_position:.1e} of the load at the wrong place; "
@@ -148,10 +148,10 @@ class _Orbits:
             self.over_position = max(self.over_position, self.misplaced(half_way, between))
         return self.solved[force]
 
-    def misplaced(self, found: Array, true: Array) -> float:
+    def misplaced(self, interpolated: Array, true: Array) -> float:
         """Share of the load of a ring that is at the wrong place, the larger of both rings; loads (2, m, n)."""
         widths = self.assembly.widths
-        off, whole = np.abs((found - true) @ widths).sum(axis=1), (true @ widths).sum(axis=1)
+        off, whole = np.abs((interpolated - true) @ widths).sum(axis=1), (true @ widths).sum(axis=1)
         return float((off / np.where(whole > 0.0, whole, 1.0)).max())
 
     def refined(self, nodes: set[float], tolerance: float) -> LoadMap | None:

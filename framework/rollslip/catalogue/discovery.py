@@ -58,10 +58,10 @@ def _installed() -> tuple[Offer, ...]:
     offers: dict[tuple[str, str, str], Offer] = {}
     for distribution in importlib.metadata.distributions():
         try:
-            found = _offers(distribution)
+            offered = _offers(distribution)
         except Exception:  # metadata that cannot be read: an installation that was cut off, and pip says so
             continue
-        for offer in found:
+        for offer in offered:
             # a package found twice on the path is one package: the first one is what Python imports
             offers.setdefault((offer.kind, offer.name, canonical(offer.package)), offer)
     usable: dict[tuple[str, str], list[Offer]] = {}

@@ -133,9 +133,9 @@ def get_kind(name: str) -> Kind:
         If there is no such kind.
     """
     check_kind(name)
-    found = kinds()[name].load()
-    assert isinstance(found, Kind)
-    return found
+    kind = kinds()[name].load()
+    assert isinstance(kind, Kind)
+    return kind
 
 
 def kind_of(thing: object, among: Iterable[str] | None = None) -> Kind | None:

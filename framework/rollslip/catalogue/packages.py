@@ -30,11 +30,11 @@ class PluginPackage:
 
 def packages() -> list[PluginPackage]:
     """Return all packages that offer something, rollslip first; each is imported, to know whether it is broken."""
-    found: dict[str, list[Offer]] = {}
+    offers: dict[str, list[Offer]] = {}
     for offer in catalogue():
         if offer.package != THIS_PROCESS:
-            found.setdefault(offer.package, []).append(_tried(offer))
-    return [_package(found[name]) for name in sorted(found, key=lambda name: (name != "rollslip", name))]
+            offers.setdefault(offer.package, []).append(_tried(offer))
+    return [_package(offers[name]) for name in sorted(offers, key=lambda name: (name != "rollslip", name))]
 
 
 def _tried(offer: Offer) -> Offer:
@@ -76,10 +76,10 @@ def requirements() -> list[str]:
     return [f"rollslip=={ours}", *(f"{name}=={version}" for name, version in sorted(versions.items()))]
 
 
-def as_text(found: Iterable[PluginPackage]) -> str:
+def as_text(packages: Iterable[PluginPackage]) -> str:
     """Return packages as lines: name, version, state and cause, and below what they offer by kind."""
     lines = []
-    for package in found:
+    for package in packages:
         lines.append(f"{package.name} {package.version}: {package.state}")
         if package.cause:
             lines.append(f"  {package.cause}")
@@ -93,9 +93,9 @@ def as_text(found: Iterable[PluginPackage]) -> str:
     return "\n".join(lines)
 
 
-def as_dicts(found: Iterable[PluginPackage]) -> list[dict[str, Any]]:
+def as_dicts(packages: Iterable[PluginPackage]) -> list[dict[str, Any]]:
     """Return packages as plain values, for JSON."""
-    return [attrs.asdict(package) for package in found]
+    return [attrs.asdict(package) for package in packages]
 
 
 def check_required(required: Iterable[str], where: Where) -> None:
