@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq
 
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.critical import locate
-from rollslip.bearing.raceway import LoadedContacts, gauss_rule, load_rule
+from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.regimes import film_by_regime, groups, moes_groups, regime_limits
 from rollslip.errors import SceneError
 from rollslip.scene.changes import evolve
@@ -137,42 +136,6 @@ def test_a_critical_slip_outside_the_range_is_said_in_words():
     result = curve(STRAIGHT, max_cage_slip=0.3)
     assert np.isnan(result.critical_cage_slip).all()
     assert all("still rises at the end of the range, 0.3" in str(text) for text in result.critical_status.to_numpy())
-
-
-@given(st.floats(0.01, 0.9), st.floats(1e-4, 10.0))
-def test_locate_finds_the_maximum_of_a_known_curve(peak, height):
-    slip = np.linspace(0.0, 1.0, 41) ** 2
-
-    def friction(s):
-        return height * s / peak * np.exp(1.0 - s / peak)  # maximum height at peak
-
-    found = locate(friction, slip, friction(slip), "max")
-    # a maximum is only found to the root of the rounding of its value
-    assert found.slip == pytest.approx(peak, abs=3e-7)
-    assert found.friction == pytest.approx(height, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("values", "status"),
-    [
-        ([0.0, 0.0, 0.0, 0.0], "there is no friction"),
-        ([0.0, 1.0, 2.0, 3.0], "still rises"),
-        ([0.0, 1.0, 1.0, 1.0], "stays at its largest value"),
-    ],
-)
-def test_locate_says_in_words_what_there_is_instead(values, status):
-    slip = np.linspace(0.0, 0.3, 4)
-    found = locate(lambda s: float(np.interp(s, slip, values)), slip, np.array(values), "max_slip")
-    assert status in found.status
-    assert np.isnan(found.slip)
-    assert np.isnan(found.friction)
-
-
-def test_two_equal_maxima_give_the_first():
-    slip = np.linspace(0.0, 1.0, 101)
-    friction = np.sin(2 * np.pi * slip) ** 2
-    found = locate(lambda s: float(np.sin(2 * np.pi * s) ** 2), slip, friction, "max_slip")
-    assert found.slip == pytest.approx(0.25, abs=1e-6)
 
 
 @given(load=st.floats(500.0, 5e3), factor=st.floats(1.2, 3.0))
@@ -333,31 +296,6 @@ def test_limits_of_the_film_regimes_are_where_the_codes_change(U, G, W):
     np.testing.assert_array_equal(code, film_by_regime(U, G, W)[1])
 
 
-def test_a_gauss_rule_is_exact_for_polynomials_in_the_root_of_the_load():
-    rng = np.random.default_rng(3)
-    load, force = rng.uniform(1.0, 9.0, 500), rng.uniform(0.0, 1.0, 500)
-    nodes, shares = gauss_rule(load, force, 6).T
-    assert ((nodes > load.min()) & (nodes < load.max()) & (shares > 0.0)).all()
-    for power in range(12):
-        want = (force * load ** (power / 2)).sum() / force.sum()
-        assert shares @ nodes ** (power / 2) == pytest.approx(want, rel=1e-12)
-    want = (force * load**6).sum() / force.sum()
-    assert abs(shares @ nodes**6 / want - 1.0) > 1e-9  # degree 12 is beyond it
-
-
-def test_few_loads_stand_for_all_only_where_they_are_right():
-    load = np.geomspace(1.0, 100.0, 3000)
-
-    def of(law):
-        return load_rule(load, load, lambda rule: np.array([law(rule[:, 0]) @ rule[:, 1]]), 1e-6)
-
-    assert of(lambda w: 1.0 / (1.0 + w)).shape[0] <= 32
-    kinked = of(lambda w: np.where(w > 30.0, 1.0, 0.0))
-    assert kinked.shape == (3000, 2)
-    np.testing.assert_allclose(kinked[:, 1], load / load.sum())
-    assert load_rule(load[:5], load[:5], lambda rule: rule[:, 0], 1e-6).shape == (5, 2)
-
-
 @pytest.mark.parametrize("film", ["moes", "regime"])
 def test_the_map_is_that_of_all_slices(film):
     assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 41, "models.film": film}))
@@ -369,22 +307,6 @@ def test_the_map_is_that_of_all_slices(film):
         for ring, (_, mean) in enumerate(plainly(assembly, loads, speeds)):
             # held to 1e-6 at a dozen points; between them it may be somewhat more
             assert surface[ring, j, k] == pytest.approx(mean, abs=3e-6 * scale[ring])
-
-
-@given(st.floats(0.02, 0.98), st.sampled_from([1.5, 2.0, 4.0]), st.floats(0.01, 0.3))
-def test_locate_is_as_good_as_the_library(peak, power, width):
-    def friction(s):
-        return np.exp(-(np.abs((s - peak) / width) ** power))
-
-    slip, calls = np.linspace(0.0, 1.0, 41) ** 2, []
-    found = locate(lambda s: calls.append(s) or float(friction(s)), slip, friction(slip), "max")
-    best = int(np.argmax(friction(slip)))
-    low, high = slip[best - 1], slip[best + 1] if best < 40 else slip[best]
-    want = minimize_scalar(lambda s: -friction(s), bounds=(low, high), method="bounded", options={"xatol": 1e-10})
-    # both stop within some 1e-9 of the interval; how much friction falls there depends on how sharp the maximum is
-    off = (2e-9 * (high - low) / width) ** power
-    assert found.friction >= -want.fun * (1.0 - max(off, 1e-12))
-    assert len(calls) <= 60
 
 
 @given(st.floats(-8, 7), st.sampled_from(["none", "iso16281"]))

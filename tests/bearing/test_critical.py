@@ -1,0 +1,61 @@
+"""The largest friction of a curve: found between the points of its grid, or said why not."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import minimize_scalar
+
+from rollslip.bearing.critical import locate
+
+
+@given(st.floats(0.01, 0.9), st.floats(1e-4, 10.0))
+def test_locate_finds_the_maximum_of_a_known_curve(peak, height):
+    slip = np.linspace(0.0, 1.0, 41) ** 2
+
+    def friction(s):
+        return height * s / peak * np.exp(1.0 - s / peak)  # maximum height at peak
+
+    found = locate(friction, slip, friction(slip), "max")
+    # a maximum is only found to the root of the rounding of its value
+    assert found.slip == pytest.approx(peak, abs=3e-7)
+    assert found.friction == pytest.approx(height, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("values", "status"),
+    [
+        ([0.0, 0.0, 0.0, 0.0], "there is no friction"),
+        ([0.0, 1.0, 2.0, 3.0], "still rises"),
+        ([0.0, 1.0, 1.0, 1.0], "stays at its largest value"),
+    ],
+)
+def test_locate_says_in_words_what_there_is_instead(values, status):
+    slip = np.linspace(0.0, 0.3, 4)
+    found = locate(lambda s: float(np.interp(s, slip, values)), slip, np.array(values), "max_slip")
+    assert status in found.status
+    assert np.isnan(found.slip)
+    assert np.isnan(found.friction)
+
+
+def test_two_equal_maxima_give_the_first():
+    slip = np.linspace(0.0, 1.0, 101)
+    friction = np.sin(2 * np.pi * slip) ** 2
+    found = locate(lambda s: float(np.sin(2 * np.pi * s) ** 2), slip, friction, "max_slip")
+    assert found.slip == pytest.approx(0.25, abs=1e-6)
+
+
+@given(st.floats(0.02, 0.98), st.sampled_from([1.5, 2.0, 4.0]), st.floats(0.01, 0.3))
+def test_locate_is_as_good_as_the_library(peak, power, width):
+    def friction(s):
+        return np.exp(-(np.abs((s - peak) / width) ** power))
+
+    slip, calls = np.linspace(0.0, 1.0, 41) ** 2, []
+    found = locate(lambda s: calls.append(s) or float(friction(s)), slip, friction(slip), "max")
+    best = int(np.argmax(friction(slip)))
+    low, high = slip[best - 1], slip[best + 1] if best < 40 else slip[best]
+    want = minimize_scalar(lambda s: -friction(s), bounds=(low, high), method="bounded", options={"xatol": 1e-10})
+    # both stop within some 1e-9 of the interval; how much friction falls there depends on how sharp the maximum is
+    off = (2e-9 * (high - low) / width) ** power
+    assert found.friction >= -want.fun * (1.0 - max(off, 1e-12))
+    assert len(calls) <= 60
