@@ -338,7 +338,7 @@ def evaluated(**changes):
     }
     scene = evolve(load_scene("1032930-70C"), small | changes)
     passes = []
-    assembly = assemble(scene).watched(lambda slices: passes.append(len(slices)))
+    assembly = assemble(scene).with_bounds(lambda slices: passes.append(len(slices)))
     EffectiveFriction(points=21, map_points=0).at_instants(assembly, 2)
     # how many locating the maximum takes is up to the rounding of the loads, but for its bound on each ring
     assert len(passes) <= 2 * (21 + 60)

@@ -113,7 +113,7 @@ class Assembly:
             return self
         return self._with_chain(*self.inner.chain.models, resistance, bounds=self.inner.chain.bounds)
 
-    def watched(self, *bounds: Callable[[Slices], None]) -> "Assembly":
+    def with_bounds(self, *bounds: Callable[[Slices], None]) -> "Assembly":
         """Return the same bearing with bounds that are checked at every evaluation of its contacts."""
         return self._with_chain(*self.inner.chain.models, bounds=bounds) if bounds else self
 

@@ -67,7 +67,7 @@ class Plan:
     def at(self, study: str, resolution: Resolution) -> "Plan":
         """Return the plan with another resolution for a study; what is left out under a bound stays so."""
         estimated = attrs.evolve(self.estimated[study], resolution=resolution)
-        assembly = self.assemblies[study].at(resolution).watched(*estimated.left_out)
+        assembly = self.assemblies[study].at(resolution).with_bounds(*estimated.left_out)
         return attrs.evolve(
             self, assemblies={**self.assemblies, study: assembly}, estimated={**self.estimated, study: estimated}
         )
@@ -151,7 +151,7 @@ def plan(
     stated = assemble(scene)
     estimated = {name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()}
     studies = {name: one.at(estimated[name].resolution) for name, one in studies.items()}
-    assemblies = {name: stated.at(one.resolution).watched(*one.left_out) for name, one in estimated.items()}
+    assemblies = {name: stated.at(one.resolution).with_bounds(*one.left_out) for name, one in estimated.items()}
     named = dict(scene.raw or {}).get("models", {})
     parts = [_stage(kind, model, named) for kind, model in stated.models.items()]
     parts.append(

@@ -259,8 +259,8 @@ def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) ->
     accuracy, law, left_out = few.scene.accuracy, few.traction.full_film, list[LeftOut]()
     resolution, errors = chosen.resolution, dict(chosen.errors)
     extremes, limit = Extremes(law), few.traction.full_film_from
-    probe.measure(few.watched(extremes), (1,))
-    probe.study.beyond(few.watched(extremes))
+    probe.measure(few.with_bounds(extremes), (1,))
+    probe.study.beyond(few.with_bounds(extremes))
     if limit is not None and extremes.thinnest >= limit:
         resolution = attrs.evolve(resolution, boundary=False)
         left_out.append(BoundaryFriction(limit))

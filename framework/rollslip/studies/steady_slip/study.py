@@ -403,7 +403,7 @@ class SteadySlip(Study):
             if value not in last:
                 last.clear()
                 there = assemble(evolve(scene, {f"operation.{name}": value}), assembly.resolution)
-                last[value] = self._balance(there.watched(*assembly.inner.chain.bounds).resisting(), instants)
+                last[value] = self._balance(there.with_bounds(*assembly.inner.chain.bounds).resisting(), instants)
             return last[value]
 
         def at(value: float) -> list[float]:
