@@ -264,8 +264,8 @@ def test_the_drags_are_sorted():
 
 def test_resistance_runs_behind_the_friction():
     plain, with_both = bearing(), bearing("rolling-resistance", "hysteresis")
-    assert plain.resisting() is plain
-    resisting = with_both.resisting()
+    assert plain.with_resistance() is plain
+    resisting = with_both.with_resistance()
     loads = np.linspace(5e3, 5e4, 9)
     for before, after in zip(plain.raceways, resisting.raceways, strict=True):
         one, other = before.evaluate(loads, 29.8, 0.5), after.evaluate(loads, 29.8, 0.5)

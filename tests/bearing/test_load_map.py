@@ -164,7 +164,7 @@ def test_forces_and_resistances_follow_the_loads():
 
 def evolve_chain(assembly):
     changes = {"cage.mass": 0.4, "cage.inertia": 3.3e-3, "cage.drag": [RollingResistance.name]}
-    return assemble(evolve(assembly.scene, changes)).resisting()
+    return assemble(evolve(assembly.scene, changes)).with_resistance()
 
 
 @pytest.mark.parametrize("limit", ["_MOST_FORCES", "_MOST_INSTANTS"])

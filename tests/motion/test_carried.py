@@ -42,7 +42,7 @@ def motion(level, kind, drags=DRAGS, torque=0.03, critical_slip=math.nan, film_l
     key = (str(sorted(changes.items())), str(drags))
     if key not in MADE:
         assembly = bearing(**changes | ({"cage.drag": drags} if drags else {}))
-        MADE[key] = assembly, build_load_map(assembly.resisting(), 2e-2)
+        MADE[key] = assembly, build_load_map(assembly.with_resistance(), 2e-2)
     assembly, loads = MADE[key]
     return carried_motion(
         assembly,

@@ -389,7 +389,7 @@ def test_a_motion_that_leaves_the_maximum_of_its_torque_is_found_from_afar(oil, 
     """Where rollers enter the loaded zone they let go of one ring; steps along the slip come there one by one."""
     keys = ("viscosity_factor", "pressure_viscosity_factor", "eyring_stress", "shear_modulus")
     changes = {f"lubricant.{key}": value for key, value in zip(keys, oil, strict=True)}
-    assembly = assemble(evolve(load_scene("1032930-70C"), changes)).resisting()
+    assembly = assemble(evolve(load_scene("1032930-70C"), changes)).with_resistance()
     afar, near = (TorqueBalance(assembly, assembly.cage.drags, instants=2) for _ in range(2))
     for slip in known:
         afar.orbit(slip)

@@ -106,7 +106,7 @@ class Assembly:
             _check_given((resistance,), self.inner.conditions, self.lubricant, Where(self.scene.origins))
         return cage
 
-    def resisting(self) -> "Assembly":
+    def with_resistance(self) -> "Assembly":
         """Return the same bearing with resistance to rolling behind the friction of its raceways, if there is any."""
         resistance = self.cage.drags.resistance
         if resistance is None:

@@ -137,7 +137,7 @@ def carried_motion(
     ValueError
         If the coefficient of constant friction is negative or its sliding speed not positive.
     """
-    assembly = assembly.resisting()
+    assembly = assembly.with_resistance()
     loads = build_load_map(assembly, friction.table_tolerance(assembly)) if loads is None else loads
     k, cage, Z = assembly.kinematics, assembly.cage, assembly.scene.bearing.rollers
     of_raceways = raceway_friction(assembly, friction, loads)

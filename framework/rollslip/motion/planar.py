@@ -252,7 +252,7 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
     ConvergenceError
         If tables do not reach the tolerance.
     """
-    a = assembly.resisting()
+    a = assembly.with_resistance()
     k, b, o, cage = a.kinematics, a.scene.bearing, a.scene.operation, a.cage
     if o.misalignment != 0.0:
         raise DomainError(

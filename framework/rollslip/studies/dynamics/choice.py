@@ -146,7 +146,7 @@ class _Trials:
 
     @cached_property
     def loads(self) -> LoadMap:
-        return build_load_map(self.few.resisting(), _TABLE)
+        return build_load_map(self.few.with_resistance(), _TABLE)
 
     @property
     def asked(self) -> float:

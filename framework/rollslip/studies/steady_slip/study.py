@@ -184,7 +184,7 @@ class SteadySlip(Study):
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of the motions of the rollers, from one of them."""
-        bearing, instants = assembly.resisting(), assembly.resolution.instants or 2
+        bearing, instants = assembly.with_resistance(), assembly.resolution.instants or 2
         slip = 0.3 * self.max_cage_slip
 
         def orbit() -> object:
@@ -206,7 +206,7 @@ class SteadySlip(Study):
 
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return the driving torque, (k, 1, n), each number of instants for itself."""
-        bearing = assembly.resisting()
+        bearing = assembly.with_resistance()
         balances = [self._balance(bearing, m) for m in instants]
         return np.array([[[balance.torque(float(s)) for s in slip]] for balance in balances])
 
@@ -241,7 +241,7 @@ class SteadySlip(Study):
         ConvergenceError
             If rollers find no motion that repeats after an orbit, or doubling the positions does not settle it.
         """
-        assembly = _loaded(assembly).resisting()
+        assembly = _loaded(assembly).with_resistance()
         balance, errors = self._converged(assembly)
         instants = balance.instants
         curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
@@ -285,7 +285,7 @@ class SteadySlip(Study):
         """Return steady slips and status as `run` finds them; None if more is asked than these."""
         if not outputs <= {"steady_slip", "status"}:
             return None
-        assembly = _loaded(assembly).resisting()
+        assembly = _loaded(assembly).with_resistance()
         instants = assembly.resolution.instants
         balance = self._balance(assembly, instants) if instants is not None else self._doubled(assembly)[0]
         curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
@@ -403,7 +403,7 @@ class SteadySlip(Study):
             if value not in last:
                 last.clear()
                 there = assemble(evolve(scene, {f"operation.{name}": value}), assembly.resolution)
-                last[value] = self._balance(there.with_bounds(*assembly.inner.chain.bounds).resisting(), instants)
+                last[value] = self._balance(there.with_bounds(*assembly.inner.chain.bounds).with_resistance(), instants)
             return last[value]
 
         def at(value: float) -> list[float]:
