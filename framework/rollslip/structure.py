@@ -21,7 +21,7 @@ from rollslip.units import UnitError, as_written, expectation, quantity
 
 __all__ = [
     "FrozenTable",
-    "Where",
+    "Location",
     "attributes",
     "bare_key",
     "key_of",
@@ -74,15 +74,15 @@ def thawed(value: object) -> Any:
 
 
 @attrs.frozen
-class Where:
+class Location:
     """A place in a scene, for messages: the path of a key, and the file and line that each path came from."""
 
     origins: Mapping[KeyPath, str]
     path: KeyPath = ()
 
-    def at(self, key: str | int) -> "Where":
+    def at(self, key: str | int) -> "Location":
         """Return the place of a key, or of an element of a list, below this one."""
-        return Where(self.origins, (*self.path, key))
+        return Location(self.origins, (*self.path, key))
 
     def says(self, reason: str) -> str:
         """Return a message about this place: ``scene.toml:8: lubricant.alhpa: unknown key``."""
@@ -117,7 +117,7 @@ MISSING = _Missing()
 
 
 def structure(
-    cls: type[T], raw: object, where: Where | str, problems: list[str], known: Mapping[str, object] | None = None
+    cls: type[T], raw: object, where: Location | str, problems: list[str], known: Mapping[str, object] | None = None
 ) -> T | None:
     """Convert a raw table to an instance of an attrs class, strictly.
 
@@ -142,7 +142,7 @@ def structure(
     The instance, or None if anything in the table is wrong.
     """
     if isinstance(where, str):
-        where = Where({}, tuple(split_key(where)) if where else ())
+        where = Location({}, tuple(split_key(where)) if where else ())
     bare = bare_key(cls)
     fields = {a.name: a for a in attributes(cls) if a.init}
     by_key = {key: a for a in fields.values() if not a.metadata.get("rest") and (key := key_of(a)) is not None}
@@ -220,7 +220,7 @@ def _required(kind: object, attribute: "attrs.Attribute[Any]") -> str:
     return f"missing, but required{what}" + (f"; {expected}" if expected else "")
 
 
-def _checked(kind: Any, raw: object, attribute: "attrs.Attribute[Any]", where: Where, faults: list[str]) -> object:
+def _checked(kind: Any, raw: object, attribute: "attrs.Attribute[Any]", where: Location, faults: list[str]) -> object:
     """Convert and validate one field on its own, so that the faults of the other fields are found as well."""
     words = attribute.metadata.get("words", {})
     if isinstance(raw, str) and raw in words:
@@ -239,7 +239,7 @@ def _checked(kind: Any, raw: object, attribute: "attrs.Attribute[Any]", where: W
     return value
 
 
-def _converted(kind: Any, raw: object, unit: str, where: Where, faults: list[str]) -> object:
+def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[str]) -> object:
     """Return the value of a raw one, or `MISSING` after noting what is wrong with it."""
     origin, arguments = get_origin(kind), get_args(kind)
     if origin in (Union, types.UnionType) and len(arguments) == 2 and types.NoneType in arguments:
@@ -290,7 +290,7 @@ def _converted(kind: Any, raw: object, unit: str, where: Where, faults: list[str
 
 
 def _list(
-    kinds: tuple[Any, ...], raw: list[object] | tuple[object, ...], unit: str, where: Where, faults: list[str]
+    kinds: tuple[Any, ...], raw: list[object] | tuple[object, ...], unit: str, where: Location, faults: list[str]
 ) -> object:
     if kinds[-1] is Ellipsis:
         kinds = kinds[:1] * len(raw)
@@ -302,7 +302,7 @@ def _list(
     return MISSING if MISSING in values else values
 
 
-def _frozen(raw: object, where: Where, faults: list[str]) -> object:
+def _frozen(raw: object, where: Location, faults: list[str]) -> object:
     """Keep a value as it is written, if it is of a kind that a scene may hold."""
     if len(where.path) > DEEPEST:
         faults.append(where.says(f"is nested too deeply, {DEEPEST} tables and lists within each other are the most"))

@@ -13,7 +13,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.campaigns.sweep.distributions import DISTRIBUTIONS, Uncertainty, read_uncertainty
 from rollslip.campaigns.sweep.sampling import probabilities
 from rollslip.planning.quantities import quantities
-from rollslip.structure import Where
+from rollslip.structure import Location
 from rollslip.studies.study import settings
 
 SCENE = rollslip.load_scene("1032930-70C")
@@ -23,7 +23,7 @@ P = np.linspace(0.001, 0.999, 333)
 
 def read(table):
     problems = []
-    return read_uncertainty(table, Where({}, ("uncertainty",)), KNOWN, problems), problems
+    return read_uncertainty(table, Location({}, ("uncertainty",)), KNOWN, problems), problems
 
 
 def of_load(**table):

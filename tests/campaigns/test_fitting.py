@@ -40,7 +40,7 @@ from rollslip.models import FINITE, POSITIVE, TractionModel
 from rollslip.results.dataset import save
 from rollslip.results.figures import plot
 from rollslip.scene import LubricantTable, ModelChoice, Models
-from rollslip.structure import Where
+from rollslip.structure import Location
 
 ROOT = Path(__file__).parents[2]
 REFERENCES = ROOT / "tests" / "references"
@@ -680,7 +680,7 @@ def test_the_fitted_oil_is_the_same_in_a_scene(tmp_path, parameters):
     assert f"sha256 {data.sha256}) with traction muraki and film moes at 40 degC to 70 degC" in read.source
     assert re.search(r"\(95 %: \S+ to \S+.*; determined\)", read.source)
     if "flash" in parameters:
-        again = structure_model("traction", written["models"]["traction"], Where({}), [])
+        again = structure_model("traction", written["models"]["traction"], Location({}), [])
         assert again == traction != problem.traction
     else:
         assert "models" not in written

@@ -10,7 +10,7 @@ from rollslip.errors import PluginError, SceneError
 from rollslip.planning.plan import plan
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene, parse_scene
-from rollslip.structure import Where
+from rollslip.structure import Location
 
 IMPORTED = "print('imported')"
 
@@ -155,7 +155,7 @@ def test_a_requirement_is_checked_before_the_models_are_looked_up():
 
 
 def test_nothing_is_required_by_default():
-    check_required((), Where({}))
+    check_required((), Location({}))
 
 
 def test_the_command_line_checks_versions_without_an_import(street):

@@ -27,7 +27,7 @@ from rollslip.lubricant import (
     fit_walther,
     lubricant_from_table,
 )
-from rollslip.structure import Where
+from rollslip.structure import Location
 from rollslip_plugins.data.lubricants import lubricants
 
 OILS = {oil.name: oil for oil in lubricants()}
@@ -402,7 +402,7 @@ def test_a_table_with_faults_names_each(table, expected):
 
 
 def test_problems_carry_the_place_in_the_scene():
-    where = Where({("lubricant", "eyring_stress"): "scene.toml:8"}, ("lubricant",))
+    where = Location({("lubricant", "eyring_stress"): "scene.toml:8"}, ("lubricant",))
     with pytest.raises(SceneError) as caught:
         lubricant_from_table({"name": "sae-30", "eyring_stress": "4"}, OILS.__getitem__, where)
     assert caught.value.problems[0].startswith("scene.toml:8: lubricant.eyring_stress: ")

@@ -6,7 +6,7 @@ import pytest
 from rollslip.fields import one_of, parameter, positive
 from rollslip.scene import ModelChoice
 from rollslip.scene.reading import parse_scene
-from rollslip.structure import Where, structure
+from rollslip.structure import Location, structure
 from scene_samples import LINES, scene_with
 
 
@@ -65,7 +65,7 @@ def test_faults_of_a_class_are_collected(raw: object, message: str) -> None:
 def test_parameters_are_reported_with_the_line_in_the_scene() -> None:
     scene = parse_scene(scene_with("[models.traction]", 'model = "law"', 'modulus = "3 m"'), "scene.toml")
     problems: list[str] = []
-    structure(Law, scene.models.traction.parameters, Where(scene.origins, ("models", "traction")), problems)
+    structure(Law, scene.models.traction.parameters, Location(scene.origins, ("models", "traction")), problems)
     assert problems[0].startswith(f"scene.toml:{len(LINES) + 3}: models.traction.modulus: '3 m' is a length")
 
 

@@ -22,7 +22,7 @@ from rollslip.lubricant.pressure import with_law
 from rollslip.lubricant.table import lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import Scene
-from rollslip.structure import Where
+from rollslip.structure import Location
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
 _PIECE = 2048  # slices whose deflection is found at a time
@@ -103,7 +103,7 @@ class Assembly:
         """
         cage = read_cage(self.scene, self.kinematics, self.lubricant)
         if (resistance := cage.drags.resistance) is not None:
-            _check_given((resistance,), self.inner.conditions, self.lubricant, Where(self.scene.origins))
+            _check_given((resistance,), self.inner.conditions, self.lubricant, Location(self.scene.origins))
         return cage
 
     def with_resistance(self) -> "Assembly":
@@ -216,7 +216,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None) -> Assembly:
     """
     b = scene.bearing
     resolution = as_stated(scene) if resolution is None else resolution
-    where = Where(scene.origins)
+    where = Location(scene.origins)
     problems: list[str] = []
     models: dict[str, Any] = {
         kind: structure_model(kind, {"model": choice.name, **choice.parameters}, where.at("models").at(kind), problems)
@@ -263,7 +263,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None) -> Assembly:
     )
 
 
-def _lubricant(scene: Scene, where: Where, problems: list[str]) -> Lubricant | None:
+def _lubricant(scene: Scene, where: Location, problems: list[str]) -> Lubricant | None:
     table = dict(scene.lubricant.data)
     if scene.lubricant.name is not None:
         table["name"] = scene.lubricant.name
@@ -310,7 +310,7 @@ def _slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]
     return position, widths, drop
 
 
-def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring: Ring, where: Where) -> Conditions:
+def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring: Ring, where: Location) -> Conditions:
     """What the contacts of a ring share; the film enters at the mean temperature of the two surfaces."""
     o, s, m = scene.operation, scene.surface, scene.bearing.material
     ring_temperature = o.inner_ring_temperature if ring == "inner" else o.outer_ring_temperature
@@ -329,7 +329,7 @@ def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring
     )
 
 
-def _check_given(models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Where) -> None:
+def _check_given(models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Location) -> None:
     """Refuse models that read what the scene does not give."""
     problems = [
         where.at("lubricant").says(

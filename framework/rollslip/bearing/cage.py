@@ -22,7 +22,7 @@ from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
 from rollslip.scene.values import Scene
-from rollslip.structure import Where, structure
+from rollslip.structure import Location, structure
 from rollslip.units import expectation, format_quantity, quantity
 
 _optional = attrs.validators.optional(positive)
@@ -140,7 +140,7 @@ def read_cage(scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cag
     PluginError
         If a drag that it names does not exist or cannot be loaded.
     """
-    where, problems = Where(scene.origins, ("cage",)), list[str]()
+    where, problems = Location(scene.origins, ("cage",)), list[str]()
     table: dict[str, object] = dict(scene.cage or {})
     mass, inertia = estimated_inertia(scene.bearing)
     for key, proposal in (("mass", format_quantity(mass, "kg", 3)), ("inertia", f"{inertia:.3g} kg m2")):
@@ -175,7 +175,7 @@ def _scene_values(scene: Scene, cage: Cage, kinematics: Kinematics, lubricant: L
     try:
         viscosity = lubricant.at(o.temperature).viscosity
     except DomainError as error:
-        raise SceneError([Where(scene.origins, ("operation", "temperature")).says(str(error))]) from error
+        raise SceneError([Location(scene.origins, ("operation", "temperature")).says(str(error))]) from error
     density = scene.lubricant.data.get("density")
     values = {
         "viscosity": viscosity,
@@ -193,7 +193,7 @@ def _scene_values(scene: Scene, cage: Cage, kinematics: Kinematics, lubricant: L
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _filled(model: Any, values: Mapping[str, object], where: Where, problems: list[str]) -> Any:
+def _filled(model: Any, values: Mapping[str, object], where: Location, problems: list[str]) -> Any:
     """Return a drag with all that it leaves to the scene."""
     changes = {}
     for attribute in left_to_scene(model):
@@ -209,7 +209,7 @@ def _filled(model: Any, values: Mapping[str, object], where: Where, problems: li
     return attrs.evolve(model, **changes)
 
 
-def _by_sort(models: list[Any], where: Where, problems: list[str]) -> Drags:
+def _by_sort(models: list[Any], where: Location, problems: list[str]) -> Drags:
     resistances = tuple(model for model in models if isinstance(model, ResistanceModel))
     pockets = [model for model in models if isinstance(model, PocketFriction)]
     torques = tuple(model for model in models if isinstance(model, DragModel))

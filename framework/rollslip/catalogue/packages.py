@@ -8,7 +8,7 @@ import attrs
 
 from rollslip.catalogue.discovery import THIS_PROCESS, Offer, catalogue, is_disabled, load
 from rollslip.errors import PluginError, SceneError
-from rollslip.structure import Where
+from rollslip.structure import Location
 
 __all__ = ["PluginPackage", "as_dicts", "as_text", "check_required", "packages", "requirements"]
 
@@ -98,14 +98,14 @@ def as_dicts(packages: Iterable[PluginPackage]) -> list[dict[str, Any]]:
     return [attrs.asdict(package) for package in packages]
 
 
-def check_required(required: Iterable[str], where: Where) -> None:
+def check_required(required: Iterable[str], where: Location) -> None:
     """Check that the packages a scene requires are installed, by their metadata alone.
 
     Parameters
     ----------
     required : iterable of str
         Requirements as pip takes them, such as "rollslip-cross>=0.1".
-    where : Where
+    where : Location
         Place of the list in the scene.
 
     Raises

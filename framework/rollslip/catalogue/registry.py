@@ -12,7 +12,7 @@ from rollslip.catalogue.discovery import Offer, available, catalogue, find, get_
 from rollslip.catalogue.kinds import get_kind
 from rollslip.errors import PluginError, SceneError, in_words
 from rollslip.fields import FieldError
-from rollslip.structure import Where, structure
+from rollslip.structure import Location, structure
 
 __all__ = ["Offer", "available", "catalogue", "find", "get_class", "get_model", "structure_model"]
 
@@ -47,13 +47,13 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
             raise PluginError(f"a {kind} takes no parameters here, got {', '.join(parameters)}; set them in a scene")
         return get_class(kind, name)
     problems: list[str] = []
-    model = structure_model(kind, {"model": name, **parameters}, Where({}, (name,)), problems)
+    model = structure_model(kind, {"model": name, **parameters}, Location({}, (name,)), problems)
     if problems:
         raise SceneError(problems)
     return model
 
 
-def structure_model(kind: str, raw: object, where: Where, problems: list[str]) -> Any:
+def structure_model(kind: str, raw: object, where: Location, problems: list[str]) -> Any:
     """Return the model that a scene describes, by a name or a table with ``model``, or None with its faults noted.
 
     Raises

@@ -12,7 +12,7 @@ from rollslip.lubricant.fits import fit_vogel, fit_walther
 from rollslip.lubricant.oil import Lubricant, positive_field
 from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi
 from rollslip.lubricant.temperature import Constant, TemperatureLaw
-from rollslip.structure import Where, structure
+from rollslip.structure import Location, structure
 
 __all__ = ["OilPoint", "OilTable", "lubricant_from_table"]
 
@@ -90,11 +90,11 @@ class OilTable:
         )
 
 
-_WHERE = Where({}, ("lubricant",))
+_WHERE = Location({}, ("lubricant",))
 
 
 def lubricant_from_table(
-    data: Mapping[str, object], get_named: Callable[[str], Lubricant], where: Where = _WHERE
+    data: Mapping[str, object], get_named: Callable[[str], Lubricant], where: Location = _WHERE
 ) -> Lubricant:
     """Make the oil that the ``[lubricant]`` table of a scene describes.
 
@@ -110,7 +110,7 @@ def lubricant_from_table(
         The table as written: numbers in SI, or strings with a unit; its keys are the fields of `OilTable`.
     get_named : callable
         Returns the shipped oil of a name; what it raises for an unknown one is passed on.
-    where : Where
+    where : Location
         Place of the table, for messages; with the origins of a scene they name file and line.
 
     Returns

@@ -19,7 +19,7 @@ from rollslip.errors import RollslipError
 from rollslip.models import FilmModel, SliceModel
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
-from rollslip.structure import Where
+from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.bounds import LeftOut
 from rollslip.studies.study import Study, settings
@@ -146,7 +146,7 @@ def plan(
     begin = time.process_time()
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
-    check_required(scene.plugins.require, Where(scene.origins, ("plugins", "require")))
+    check_required(scene.plugins.require, Location(scene.origins, ("plugins", "require")))
     studies = {name: one.without(frozenset(without)) for name, one in settings(scene, study).items()}
     stated = assemble(scene)
     estimated = {name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()}

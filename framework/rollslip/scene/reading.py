@@ -18,7 +18,7 @@ import attrs
 from rollslip.errors import PluginError, SceneError
 from rollslip.files import decoded
 from rollslip.scene.values import Scene, resolved
-from rollslip.structure import FrozenTable, Where, attributes, bare_key, key_of, nearest, structure, thawed
+from rollslip.structure import FrozenTable, Location, attributes, bare_key, key_of, nearest, structure, thawed
 from rollslip.toml import KeyPath, parse
 from rollslip.units import as_written
 
@@ -121,14 +121,14 @@ def checked_scene(
 ) -> Scene:
     """Return the scene of a raw table whose keys came from the places given; ``known`` are tables read already."""
     problems: list[str] = []
-    complete = _with_named_data(raw, Where(origins), problems)
-    scene = structure(Scene, complete, Where(origins), problems, known)
+    complete = _with_named_data(raw, Location(origins), problems)
+    scene = structure(Scene, complete, Location(origins), problems, known)
     if scene is None or problems:
         raise SceneError(problems)
     return attrs.evolve(scene, source=source, text=text, raw=FrozenTable(raw), origins=origins)
 
 
-def _with_named_data(raw: dict[str, object], where: Where, problems: list[str]) -> dict[str, object]:
+def _with_named_data(raw: dict[str, object], where: Location, problems: list[str]) -> dict[str, object]:
     """Return a raw scene with the values of the data that its tables name; the name itself is no value of a scene."""
     complete = dict(raw)
     for kind in NAMED:

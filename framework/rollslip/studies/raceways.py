@@ -26,7 +26,7 @@ from rollslip.bearing.regimes import LIGHT, NAMES
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
-from rollslip.structure import Where
+from rollslip.structure import Location
 from rollslip.studies.answers import Output
 
 #: Error of a map's loads relative to the tolerance.
@@ -295,7 +295,7 @@ def unloaded(scene: Scene, so: str) -> SceneError:
     clearance = scene.bearing.radial_clearance
     return SceneError(
         [
-            Where(scene.origins, ("operation", "radial_load")).says(
+            Location(scene.origins, ("operation", "radial_load")).says(
                 f"no roller is loaded on the inner ring with {scene.operation.radial_load:g} N and "
                 f"bearing.radial_clearance = {clearance:g} m, so {so}; give a radial load or a negative clearance"
             )

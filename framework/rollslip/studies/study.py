@@ -24,7 +24,7 @@ from rollslip.errors import SceneError
 from rollslip.results.curves import Curves
 from rollslip.scene.reading import Where, nearest, structure
 from rollslip.scene.values import DEFAULT_STUDY, Scene
-from rollslip.structure import Where, nearest, structure
+from rollslip.structure import Location, nearest, structure
 from rollslip.studies import estimates, parts
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Part, Some
 from rollslip.studies.timing import timed
@@ -96,7 +96,7 @@ class Study(abc.ABC):
             If they are wrong; all faults at once.
         """
         problems = list[str]()
-        study = structure(cls, scene.study.get(cls.name, {}), Where(scene.origins, ("study", cls.name)), problems)
+        study = structure(cls, scene.study.get(cls.name, {}), Location(scene.origins, ("study", cls.name)), problems)
         if study is None:
             raise SceneError(problems)
         return study
@@ -300,7 +300,7 @@ def study_class(name: str, scene: Scene | None = None) -> type[Study]:
     if name not in (known := available("study")):
         near = nearest(name, known)
         hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(known)}"
-        where = Where({} if scene is None else scene.origins, ("study", name))
+        where = Location({} if scene is None else scene.origins, ("study", name))
         raise SceneError([where.says(f"no study is called {name!r}; {hint}")])
     cls: type[Study] = get_class("study", name)
     return cls

@@ -293,7 +293,7 @@ class ZhouHoeprich(_Blend):
         )
 
 
-#: Where F_5/2 is 2^-53 of its value at zero.
+#: Location F_5/2 is 2^-53 of its value at zero.
 REACH: Final = 7.7723104337051744
 #: Chebyshev coefficients of ln[F_5/2(x) exp(x^2/2)] in 2 x/REACH - 1, after tests/references/greenwood_tripp.py.
 SERIES: Final = (

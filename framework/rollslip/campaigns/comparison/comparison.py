@@ -249,13 +249,13 @@ def _choice(scene: Scene, kind: str, model: Model | None, problems: list[str], u
     own: dict[str, object] = {"model": choice.name, **choice.parameters}
     inner, table, new = None, own, None
     try:
-        standing = structure_model(kind, own, Where(scene.origins, ("models", kind)), problems)
+        standing = structure_model(kind, own, Location(scene.origins, ("models", kind)), problems)
         inner = getattr(standing, child) if (child := CHILD.get(kind, "")) in _children(standing, kind) else None
         if model is None:
             name = choice.name if inner is None else inner.name
             return Choice(name, name, name if inner is None else f"{name} in {choice.name}", own)
         table = _as_table(kind, model)
-        new = structure_model(kind, table, Where({}, (kind,)), problems)
+        new = structure_model(kind, table, Location({}, (kind,)), problems)
     except PluginError as error:
         unknown.append(str(error))
     name, label, bare = str(table.get("model")), _label(table), table.keys() == {"model"}

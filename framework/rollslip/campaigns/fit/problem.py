@@ -26,7 +26,7 @@ from rollslip.lubricant.table import OilTable, lubricant_from_table
 from rollslip.lubricant.temperature import Constant
 from rollslip.models import FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import ModelChoice
-from rollslip.structure import Where, nearest
+from rollslip.structure import Location, nearest
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
@@ -124,7 +124,7 @@ def rig_problem(data: RigData, rig: Rig, traction: Raw | None = None, film: Raw 
     SceneError, PluginError
         As `fit`.
     """
-    where, problems = Where(rig.origins), list[str]()
+    where, problems = Location(rig.origins), list[str]()
     measured = "film_thickness" in data.columns
     if measured and film is not None:
         raise SceneError([f"{data.source}: film_thickness: is measured; leave out the column, or the film model"])
@@ -151,15 +151,15 @@ def rig_problem(data: RigData, rig: Rig, traction: Raw | None = None, film: Raw 
     return problem
 
 
-def _model(kind: str, choice: ModelChoice, given: Raw | None, where: Where, problems: list[str]) -> Any:
+def _model(kind: str, choice: ModelChoice, given: Raw | None, where: Location, problems: list[str]) -> Any:
     """Return the model that is asked for, or else that of the rig file; its parameters there hold for its name."""
     if given is None or given == choice.name:
         raw = {"model": choice.name, **choice.parameters}
         return structure_model(kind, raw, where.at("models").at(kind), problems)
-    return structure_model(kind, given, Where({}, (kind,)), problems)
+    return structure_model(kind, given, Location({}, (kind,)), problems)
 
 
-def _check(problem: RigProblem, where: Where) -> None:
+def _check(problem: RigProblem, where: Location) -> None:
     """Refuse temperatures outside the oil's range, and models that read what is not given."""
     problems = []
     for temperature, rows, _ in problem.tables:

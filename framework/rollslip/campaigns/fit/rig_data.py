@@ -24,7 +24,7 @@ from rollslip.errors import SceneError
 from rollslip.fields import field, positive
 from rollslip.files import decoded, read_columns
 from rollslip.scene.values import LubricantTable, Models
-from rollslip.structure import Where, structure
+from rollslip.structure import Location, structure
 from rollslip.toml import parse
 
 __all__ = ["EXAMPLE", "Measurement", "Rig", "RigContact", "RigData", "load_rig", "read_data"]
@@ -236,7 +236,7 @@ def load_rig(path: str | os.PathLike[str]) -> Rig:
     text = decoded(_content(Path(path)), source)
     raw, origins = parse(text, source)
     problems: list[str] = []
-    rig = structure(Rig, raw, Where(origins), problems)
+    rig = structure(Rig, raw, Location(origins), problems)
     if rig is None:
         raise SceneError(problems)
     return attrs.evolve(rig, source=source, text=text, origins=origins)

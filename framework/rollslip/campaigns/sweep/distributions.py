@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rollslip.fields import FieldError, in_range, parameter, positive
 from rollslip.planning.quantities import Quantity, unknown
-from rollslip.structure import Where, nearest, structure
+from rollslip.structure import Location, nearest, structure
 from rollslip.units import UnitError, as_written, format_quantity, quantity
 
 __all__ = ["DISTRIBUTIONS", "Distribution", "LogUniform", "Uncertainty", "read_uncertainty"]
@@ -276,7 +276,7 @@ class Uncertainty:
 
 
 def read_uncertainty(
-    raw: Mapping[str, object], where: Where, known: dict[str, Quantity], problems: list[str]
+    raw: Mapping[str, object], where: Location, known: dict[str, Quantity], problems: list[str]
 ) -> Uncertainty:
     """Return what a scene's table ``[uncertainty]`` states; every fault of it is noted.
 
@@ -285,7 +285,7 @@ def read_uncertainty(
     raw : mapping
         The table: for each key of the scene, written as tables in tables, one with ``distribution``; and a list
         ``correlation``.
-    where : Where
+    where : Location
         Its place.
     known : dict
         What can be varied, by key.
@@ -305,7 +305,7 @@ def read_uncertainty(
     )
 
 
-def _leaves(table: Mapping[str, object], prefix: str, where: Where) -> Any:
+def _leaves(table: Mapping[str, object], prefix: str, where: Location) -> Any:
     """Tables that hold a distribution, and whatever else stands where one should."""
     for key, value in table.items():
         path = f"{prefix}.{key}" if prefix else key
@@ -315,7 +315,9 @@ def _leaves(table: Mapping[str, object], prefix: str, where: Where) -> Any:
             yield path, value, where.at(key)
 
 
-def _distribution(table: Mapping[str, object], of: Quantity, where: Where, problems: list[str]) -> Distribution | None:
+def _distribution(
+    table: Mapping[str, object], of: Quantity, where: Location, problems: list[str]
+) -> Distribution | None:
     if of.unit is None:
         problems.append(where.says("is no number with a unit, and only these can be uncertain; sweep it instead"))
         return None
@@ -355,7 +357,7 @@ def _in_unit(raw: object, unit: str, difference: bool) -> float:
     return quantity(raw, unit)
 
 
-def _correlations(raw: object, where: Where, names: Sequence[str], problems: list[str]) -> Array:
+def _correlations(raw: object, where: Location, names: Sequence[str], problems: list[str]) -> Array:
     matrix, before = np.eye(len(names)), len(problems)
     for k, table in enumerate(raw if isinstance(raw, list | tuple) else [raw]):
         correlation = structure(Correlation, table, where.at(k), problems)

@@ -36,7 +36,7 @@ from rollslip.campaigns.sweep.sweep import Sweep
 from rollslip.catalogue.registry import get_model, structure_model
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, SceneError, in_words
-from rollslip.structure import Where
+from rollslip.structure import Location
 from rollslip.studies.study import settings
 
 __all__ = ["Progress", "Settled", "asked_engine", "described", "run_sweep"]
@@ -205,7 +205,7 @@ def asked_engine(sweep: Sweep) -> Engine | None:
     if sweep.table.engine is None:
         return None
     problems: list[str] = []
-    engine = structure_model("engine", sweep.table.engine, Where(sweep.given.origins, ("sweep", "engine")), problems)
+    engine = structure_model("engine", sweep.table.engine, Location(sweep.given.origins, ("sweep", "engine")), problems)
     if problems or not isinstance(engine, Engine):
         raise SceneError(problems)
     _check(sweep, engine)

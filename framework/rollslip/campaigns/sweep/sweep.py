@@ -206,7 +206,7 @@ def plan_sweep(
         If a model that it names is missing or broken.
     """
     given = scene if isinstance(scene, Scene) else load_scene(scene)
-    base, where, problems = _without_tables(given), Where(given.origins), list[str]()
+    base, where, problems = _without_tables(given), Location(given.origins), list[str]()
     check_required(base.plugins.require, where.at("plugins").at("require"))
     asked = {
         "samples": samples, "sampling": sampling, "seed": seed, "study": study, "output": list(output) or None,
@@ -221,7 +221,7 @@ def plan_sweep(
     sampled = table.samples is not None
     wanted = [
         *_leaves(table.over, "", place.at("over")),
-        *((key.strip(), value, Where({}, tuple(key.strip().split(".")))) for key, value in (over or {}).items()),
+        *((key.strip(), value, Location({}, tuple(key.strip().split(".")))) for key, value in (over or {}).items()),
     ]
     axes, ranges = _axes(wanted, known, sampled, problems)
     uncertainty = read_uncertainty(given.uncertainty or {}, where.at("uncertainty"), known, problems)
@@ -258,7 +258,7 @@ def plan_sweep(
     )
 
 
-def _table(given: Scene, told: Mapping[str, object], problems: list[str]) -> tuple[SweepTable, Where]:
+def _table(given: Scene, told: Mapping[str, object], problems: list[str]) -> tuple[SweepTable, Location]:
     """Return the table of a sweep with what was told besides, and where it stands."""
     said = {**(given.sweep or {}), **told}
     origins = {
@@ -266,7 +266,7 @@ def _table(given: Scene, told: Mapping[str, object], problems: list[str]) -> tup
         for path, text in given.origins.items()
         if path[:1] != ("sweep",) or path[1:2] not in {(k,) for k in told}
     }
-    place = Where(origins).at("sweep")
+    place = Location(origins).at("sweep")
     table = structure(SweepTable, said, place, problems)
     if table is None:
         raise SceneError(problems)
@@ -276,7 +276,7 @@ def _table(given: Scene, told: Mapping[str, object], problems: list[str]) -> tup
 
 
 def _axes(
-    wanted: Sequence[tuple[str, object, Where]], known: dict[str, Quantity], sampled: bool, problems: list[str]
+    wanted: Sequence[tuple[str, object, Location]], known: dict[str, Quantity], sampled: bool, problems: list[str]
 ) -> tuple[list[Axis], dict[str, Distribution]]:
     """Return what is crossed, and the ranges that are sampled; of a key that comes twice the last."""
     axes, ranges = list[Axis](), dict[str, Distribution]()
@@ -297,7 +297,7 @@ def _axes(
     return axes, ranges
 
 
-def _nothing_varied(place: Where, varied: Sequence[str], unsampled: bool) -> list[str]:
+def _nothing_varied(place: Location, varied: Sequence[str], unsampled: bool) -> list[str]:
     """Return what is wrong if samples are asked for of nothing, or nothing varies."""
     problems = []
     if unsampled:
@@ -332,7 +332,7 @@ def _without_tables(scene: Scene) -> Scene:
     return attrs.evolve(scene, sweep=None, uncertainty=None, raw=FrozenTable(raw))
 
 
-def _leaves(table: Mapping[str, object], prefix: str, where: Where) -> Iterator[tuple[str, object, Where]]:
+def _leaves(table: Mapping[str, object], prefix: str, where: Location) -> Iterator[tuple[str, object, Location]]:
     """Dotted keys, whether the table was written with quoted keys or as tables in tables."""
     for key, value in table.items():
         path = f"{prefix}.{key}" if prefix else key
@@ -343,7 +343,7 @@ def _leaves(table: Mapping[str, object], prefix: str, where: Where) -> Iterator[
 
 
 def _flat(table: Mapping[str, object]) -> Iterator[tuple[str, object]]:
-    yield from ((key, value) for key, value, _ in _leaves(table, "", Where({})))
+    yield from ((key, value) for key, value, _ in _leaves(table, "", Location({})))
 
 
 def _with_ranges(uncertainty: Uncertainty, ranges: Mapping[str, Distribution]) -> Uncertainty:
@@ -520,7 +520,7 @@ def with_engine(sweep: Sweep, engine: object, time_limit: float | str | None) ->
     """
     told = {"engine": engine, "time_limit": time_limit}
     problems: list[str] = []
-    table = structure(SweepTable, {k: v for k, v in told.items() if v is not None}, Where({}, ("sweep",)), problems)
+    table = structure(SweepTable, {k: v for k, v in told.items() if v is not None}, Location({}, ("sweep",)), problems)
     if table is None:
         raise SceneError(problems)
     changes = {name: getattr(table, name) for name, value in told.items() if value is not None}

@@ -41,7 +41,7 @@ from rollslip.motion.raceway_friction import FRICTION, FrictionSettings
 from rollslip.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene, resolved
-from rollslip.structure import Where
+from rollslip.structure import Location
 from rollslip.studies import estimates
 from rollslip.studies.answers import Estimated, Keep, Output, Part
 from rollslip.studies.dynamics.choice import choose_motion
@@ -396,7 +396,7 @@ class Dynamics(Study):
     def _of_planar(self, assembly: Assembly) -> PlanarSettings:
         """Settings of level planar, which a scene that names it must give."""
         if self.planar is None:
-            where = Where(assembly.scene.origins, ("study", self.name))
+            where = Location(assembly.scene.origins, ("study", self.name))
             raise SceneError(
                 [
                     where.at("planar").says(
@@ -416,7 +416,7 @@ class Dynamics(Study):
             If its parameters are wrong, or it is not there.
         """
         problems: list[str] = []
-        where = Where(assembly.scene.origins, ("study", self.name, "integrator"))
+        where = Location(assembly.scene.origins, ("study", self.name, "integrator"))
         made = structure_model("integrator", self.integrator, where, problems)
         if problems or not isinstance(made, IntegratorModel):
             raise SceneError(problems)
