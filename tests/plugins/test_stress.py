@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from fifty_digits import maxwell_eyring_stress as fifty_digits
 from rollslip_kernels.stages import stress as compiled
-from rollslip_plugins import stress as readable
+from rollslip_plugins.traction import stress as readable
 
 MURAKI = (compiled.muraki, readable.muraki_stress)
 EYRING = (compiled.eyring, readable.eyring_stress)

@@ -5,8 +5,8 @@ import pytest
 from rollslip import available, evolve, load_scene, run
 from rollslip.campaigns.pareto.candidates import AXES
 from rollslip.errors import SceneError
+from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
-from rollslip.studies.answers import Curves
 from rollslip.studies.study import settings, study_class
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.05, "accuracy.slices": 5})

@@ -39,7 +39,7 @@ from rollslip.scene.schema import schema
 from rollslip.testing.samples import NumpyForm, picked, table
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_kernels.stages import stress as compiled_stress
-from rollslip_plugins import stress as readable_stress
+from rollslip_plugins.traction import stress as readable_stress
 
 EPS, TINY, HUGE = sys.float_info.epsilon, sys.float_info.min, sys.float_info.max
 DENORMAL = 5e-324

@@ -123,7 +123,8 @@ def results_options(
 
 def scene_of(name: str, changes: Sequence[str]) -> "Scene":
     """Return a scene by name or file, with what --set changes."""
-    from rollslip.scene.reading import evolve, load_scene, parse_set
+    from rollslip.scene.changes import evolve, parse_set
+    from rollslip.scene.reading import load_scene
 
     scene = load_scene(name)
     return evolve(scene, dict(map(parse_set, changes))) if changes else scene

@@ -72,7 +72,7 @@ def cite(target: str, changes: Sequence[str], as_json: bool) -> None:
 def schema(as_json: bool) -> None:
     """List every key of a scene with unit, default and meaning."""
     from rollslip.cli import console
-    from rollslip.scene.reading import schema
+    from rollslip.scene.schema import schema
 
     rows = schema()
     if as_json:

@@ -11,8 +11,8 @@ from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.cli.console import print_table
 from rollslip.errors import PluginError
 from rollslip.models import SliceModel, interval
-from rollslip.scene.reading import nearest
 from rollslip.scene.values import resolved
+from rollslip.structure import nearest
 from rollslip.units import format_quantity
 
 __all__ = ["kinds_of", "listed", "models_as_dict", "print_models"]

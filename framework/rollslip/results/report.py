@@ -24,10 +24,10 @@ import attrs
 from rollslip.bearing.regimes import LIGHT, LONG_NAMES
 from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.registry import available, get_class
-from rollslip.lubricant.oil import OilTable
+from rollslip.lubricant.table import OilTable
 from rollslip.results.account import Table, account_of, capital
 from rollslip.results.curves import percent
-from rollslip.scene.reading import schema
+from rollslip.scene.schema import schema
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS
 

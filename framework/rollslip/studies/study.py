@@ -22,7 +22,6 @@ from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.errors import SceneError
 from rollslip.results.curves import Curves
-from rollslip.scene.reading import Where, nearest, structure
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import Location, nearest, structure
 from rollslip.studies import estimates, parts

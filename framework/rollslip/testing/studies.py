@@ -15,9 +15,10 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.pareto.candidates import AXES
 from rollslip.planning.plan import estimate
+from rollslip.results.curves import Curves
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.values import Scene
-from rollslip.studies.answers import Curves, Part
+from rollslip.studies.answers import Part
 from rollslip.studies.outputs import evaluate
 from rollslip.studies.study import Study
 from rollslip.testing.rules import Inapplicable, refuse_unless, rule

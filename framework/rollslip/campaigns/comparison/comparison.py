@@ -40,6 +40,7 @@ from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash
+from rollslip.structure import Location, nearest
 from rollslip.studies.study import study_class
 
 if TYPE_CHECKING:

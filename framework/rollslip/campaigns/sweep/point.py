@@ -33,7 +33,8 @@ from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneErr
 from rollslip.fields import FieldError
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene, scene_hash
-from rollslip.studies.outputs import Variables, evaluate, evaluate_together
+from rollslip.studies.answers import Variables
+from rollslip.studies.outputs import evaluate, evaluate_together
 from rollslip.studies.study import Study, settings
 
 __all__ = ["FAILED", "STATUSES", "Done", "Row", "SweepWork", "compute", "greet", "here", "unpacked"]

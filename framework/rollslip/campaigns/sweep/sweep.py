@@ -33,8 +33,10 @@ from rollslip.files import whole_file
 from rollslip.planning.provenance import references_of
 from rollslip.planning.quantities import Quantity, quantities, unknown
 from rollslip.references import KLEBANOV
-from rollslip.scene.reading import Where, evolve, from_raw, load_scene, parse_scene, shipped_scenes, structure
-from rollslip.scene.values import DEFAULT_STUDY, FrozenTable, Scene, resolved
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import Location, from_raw, load_scene, parse_scene, shipped_scenes
+from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved
+from rollslip.structure import FrozenTable, structure
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
 from rollslip.units import as_written

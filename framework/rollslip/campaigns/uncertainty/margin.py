@@ -41,7 +41,8 @@ from rollslip.errors import OutputError, SceneError
 from rollslip.planning.provenance import origin, scene_told
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
-from rollslip.scene.values import FrozenTable, Scene, resolved
+from rollslip.scene.values import Scene, resolved
+from rollslip.structure import FrozenTable
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.steady_slip.study import SteadySlip
 
