@@ -21,7 +21,7 @@ from rollslip.lubricant.oil import Lubricant
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, TractionModel
 from rollslip.structure import nearest
 
-__all__ = ["Kind", "Template", "check_kind", "get_kind", "kind_of", "kinds"]
+__all__ = ["Kind", "Template", "check_kind", "get_kind", "kind_of", "kinds", "offered_kinds"]
 
 
 @attrs.frozen(kw_only=True)
@@ -136,6 +136,11 @@ def get_kind(name: str) -> Kind:
     kind = kinds()[name].load()
     assert isinstance(kind, Kind)
     return kind
+
+
+def offered_kinds() -> list[str]:
+    """Return the kinds that a scene or a command can name something of: those that packages are written for."""
+    return [name for name in kinds() if get_kind(name).template is not None]
 
 
 def kind_of(thing: object, among: Iterable[str] | None = None) -> Kind | None:

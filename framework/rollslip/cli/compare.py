@@ -32,7 +32,7 @@ from rollslip.cli.app import (
     metavar="NAME",
     help="Traction that the others are held against; NAME,NAME for its film and contact too.",
 )
-@click.option("--study", metavar="STUDY", help="friction-curve or effective-friction.")
+@click.option("--study", metavar="STUDY", help="Study with friction curves; by default the first of the scene.")
 @set_option
 @results_options()
 @json_option

@@ -13,6 +13,7 @@ import click
 
 from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.discovery import available, find
+from rollslip.catalogue.kinds import offered_kinds
 from rollslip.results.account import account_of
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.units import format_quantity
@@ -301,7 +302,6 @@ def result_as_dict(dataset: "xr.Dataset") -> dict[str, Any]:
 def installation() -> Sections:
     """Return versions, and which instruction set of the machine the kernels use."""
     from rollslip.cli import doctor
-    from rollslip.cli.models import listed
 
     return {
         "installation": [
@@ -309,7 +309,7 @@ def installation() -> Sections:
             ("python", sys.version.split()[0]),
             ("machine", f"{platform.system()} {platform.machine()}"),
             ("instructions", doctor.instructions()),
-            ("models", ", ".join(f"{len(available(kind))} {kind}" for kind in listed())),
+            ("models", ", ".join(f"{len(available(kind))} {kind}" for kind in offered_kinds())),
         ]
     }
 

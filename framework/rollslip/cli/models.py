@@ -7,7 +7,7 @@ import attrs
 import click
 
 from rollslip.catalogue.discovery import Offer, available, catalogue, find, get_class
-from rollslip.catalogue.kinds import get_kind, kinds
+from rollslip.catalogue.kinds import get_kind, offered_kinds
 from rollslip.cli.console import print_table
 from rollslip.errors import PluginError
 from rollslip.models import SliceModel, interval
@@ -15,12 +15,7 @@ from rollslip.scene.values import resolved
 from rollslip.structure import nearest
 from rollslip.units import format_quantity
 
-__all__ = ["kinds_of", "listed", "models_as_dict", "print_models"]
-
-
-def listed() -> list[str]:
-    """Return the kinds that a scene or a command can name something of: those that packages are written for."""
-    return [kind for kind in kinds() if get_kind(kind).template is not None]
+__all__ = ["kinds_of", "models_as_dict", "print_models"]
 
 
 def print_models(what: str | None) -> None:
@@ -32,7 +27,7 @@ def print_models(what: str | None) -> None:
         If nothing is called so.
     """
     if what is None:
-        for kind in listed():
+        for kind in offered_kinds():
             names = ", ".join(available(kind)) or "none installed"
             click.echo(f"{kind:<11} {names}")
         unusable = [offer for offer in _offers() if offer.state != "ok"]
@@ -41,7 +36,7 @@ def print_models(what: str | None) -> None:
                 f"{offer.kind} {offer.name!r} of package {offer.package}: {offer.state}: {offer.cause}", err=True
             )
         click.echo("'rollslip models NAME' shows equation, parameters, domain and references of one")
-    elif what in listed():
+    elif what in offered_kinds():
         print_table(("name", "package", "what it is"), [_summary(offer) for offer in available(what).values()])
     else:
         for kind in kinds_of(what):
@@ -52,7 +47,7 @@ def models_as_dict(what: str | None) -> Any:
     """Return what ``print_models`` prints, as plain values."""
     if what is None:
         return [attrs.asdict(offer) for offer in _offers()]
-    if what in listed():
+    if what in offered_kinds():
         return {name: _model_as_dict(what, name) for name in available(what)}
     return {kind: _model_as_dict(kind, what) for kind in kinds_of(what)}
 
@@ -65,16 +60,16 @@ def kinds_of(name: str) -> list[str]:
     PluginError
         If there is none; the message gives the nearest names.
     """
-    offering = [kind for kind in listed() if name in available(kind)]
+    offering = [kind for kind in offered_kinds() if name in available(kind)]
     if not offering:
-        near = nearest(name, [*listed(), *(offer.name for offer in _offers())], cutoff=0.4)
+        near = nearest(name, [*offered_kinds(), *(offer.name for offer in _offers())], cutoff=0.4)
         hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip models' lists them"
         raise PluginError(f"no model and no kind is called {name!r}; {hint}")
     return offering
 
 
 def _offers() -> list[Offer]:
-    return [offer for offer in catalogue() if offer.kind in listed()]
+    return [offer for offer in catalogue() if offer.kind in offered_kinds()]
 
 
 def _summary(offer: Offer) -> tuple[str, str, str]:

@@ -46,6 +46,8 @@ class Contact:
 
 #: What was found, in the order of a report: texts, lists of sentences without their full stops, tables.
 Story: TypeAlias = list[str | list[str] | Table]
+#: Name, caption and figure of all that a result has something to show for.
+Figures: TypeAlias = "Iterator[tuple[str, str, Figure]]"
 
 
 @attrs.frozen
@@ -96,7 +98,7 @@ class Account:
         """Return what a report says was found."""
         return [self.sentences(dataset), *self.tables(dataset)]
 
-    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    def figures(self, dataset: "xr.Dataset") -> "Figures":
         """Draw the figures; give name of the file, caption and figure of each.
 
         Artists take their style when they are made: figures are drawn while they are iterated.
@@ -143,7 +145,7 @@ class PlainAccount(Account):
             for name, value in singles.items()
         }
 
-    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    def figures(self, dataset: "xr.Dataset") -> "Figures":
         """Draw the curves, if there are any."""
         if curves(dataset):
             from rollslip.results.curve_figures import plain_curves

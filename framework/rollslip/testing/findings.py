@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Final
 import attrs
 
 from rollslip.errors import PluginError
-from rollslip.testing import checks, laws, studies  # noqa: F401 - they put their rules on the list
+from rollslip.testing import checks, integrators, laws, studies, values  # noqa: F401 - they put their rules on the list
 from rollslip.testing.rules import Check, Inapplicable, all_checks, checks_of, subjects
 
 NONE_EXPECTED: Final[Mapping[str, str]] = MappingProxyType({})

@@ -1,16 +1,14 @@
 """The account of a comparison of models."""
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rollslip.campaigns.comparison import findings
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Story, Table, account_of
+from rollslip.results.account import Account, Figures, Story, Table, account_of
 from rollslip.results.curves import curve_names
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
 class ComparisonAccount(Account):
@@ -48,7 +46,7 @@ class ComparisonAccount(Account):
         ]
         return [*([f"{exchanged}."] if exchanged else []), *self.tables(dataset), self.sentences(dataset), *bins]
 
-    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    def figures(self, dataset: "xr.Dataset") -> Figures:
         """Draw a figure for each curve."""
         from rollslip.campaigns.comparison.figures import figures
 

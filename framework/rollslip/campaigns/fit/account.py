@@ -1,15 +1,13 @@
 """The account of a fit."""
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rollslip.campaigns.fit import findings
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Table
+from rollslip.results.account import Account, Figures, Table
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
 class FitAccount(Account):
@@ -37,7 +35,7 @@ class FitAccount(Account):
         """Return the parameters with their errors and intervals."""
         return [Table("", findings.HEAD, [list(row) for row in findings.parameter_rows(dataset)])]
 
-    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    def figures(self, dataset: "xr.Dataset") -> Figures:
         """Draw friction, residuals and profiles."""
         from rollslip.campaigns.fit.figures import figures
 

@@ -1,15 +1,14 @@
 """The account of error against cost."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rollslip.campaigns.pareto import findings
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Table
+from rollslip.results.account import Account, Figures, Table
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
 class ParetoAccount(Account):
@@ -35,7 +34,7 @@ class ParetoAccount(Account):
         """Return the choices of each study, with their times and errors."""
         return [Table(*table) for table in findings.tables(dataset)]
 
-    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    def figures(self, dataset: "xr.Dataset") -> Figures:
         """Draw the front of each result."""
         from rollslip.campaigns.pareto.figures import front_figures
 

@@ -1,15 +1,13 @@
 """The account of a sweep."""
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rollslip.campaigns.sweep import findings
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account
+from rollslip.results.account import Account, Figures
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
 class SweepAccount(Account):
@@ -29,7 +27,7 @@ class SweepAccount(Account):
         """Return the single values."""
         return findings.record(dataset)
 
-    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    def figures(self, dataset: "xr.Dataset") -> Figures:
         """Draw a map of the critical slip, and models against the scatter of the data."""
         from rollslip.campaigns.sweep.figures import sweep_figures
 

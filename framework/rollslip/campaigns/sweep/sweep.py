@@ -34,9 +34,9 @@ from rollslip.planning.provenance import references_of
 from rollslip.planning.quantities import Quantity, quantities, unknown
 from rollslip.references import KLEBANOV
 from rollslip.scene.changes import evolve
-from rollslip.scene.reading import Location, from_raw, load_scene, parse_scene, shipped_scenes
+from rollslip.scene.reading import from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved
-from rollslip.structure import FrozenTable, structure
+from rollslip.structure import FrozenTable, Location, structure
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
 from rollslip.units import as_written

@@ -1,15 +1,13 @@
 """The account of an allowable slip and its margin."""
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from rollslip.campaigns.uncertainty import findings
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account
+from rollslip.results.account import Account, Figures
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
 class UncertaintyAccount(Account):
@@ -23,7 +21,7 @@ class UncertaintyAccount(Account):
         """Return the single values."""
         return findings.record(dataset)
 
-    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    def figures(self, dataset: "xr.Dataset") -> Figures:
         """Draw margin, indices and convergence."""
         from rollslip.campaigns.uncertainty.figures import uncertainty_figures
 

@@ -1,15 +1,14 @@
 """The account of a motion in time."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, Contact, Table
+from rollslip.results.account import Account, Contact, Figures, Table
 from rollslip.studies.dynamics import findings
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
 class DynamicsAccount(Account):
@@ -42,7 +41,7 @@ class DynamicsAccount(Account):
             Table("Events", *findings.events_table(dataset)),
         ]
 
-    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    def figures(self, dataset: "xr.Dataset") -> Figures:
         """Draw speeds, orbit, ledger and tracks."""
         from rollslip.studies.dynamics.figures import motion_figures
 

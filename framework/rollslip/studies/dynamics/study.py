@@ -10,7 +10,6 @@
 - What was computed is kept, however the run ends: the outcome is an attribute in words.
 """
 
-import contextlib
 import json
 import math
 import time
@@ -26,10 +25,9 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.load_map import LoadMap
 from rollslip.bearing.raceway import RINGS, Array
-from rollslip.bearing.regimes import NAMES
 from rollslip.bearing.resolution import Resolution, finest, refined
 from rollslip.catalogue.registry import find, structure_model
-from rollslip.errors import DomainError, PluginError, SceneError
+from rollslip.errors import SceneError
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
@@ -45,9 +43,10 @@ from rollslip.structure import Location
 from rollslip.studies import estimates
 from rollslip.studies.answers import Estimated, Keep, Output, Part
 from rollslip.studies.dynamics.choice import choose_motion
+from rollslip.studies.dynamics.ending import WATCHED, explained, failed_by, outputs_of, regimes_of, steady_slip_of
 from rollslip.studies.dynamics.outputs import OUTPUTS
 from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.raceways import LoadedRaceways, regime_variables
+from rollslip.studies.raceways import LoadedRaceways
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
 
@@ -64,14 +63,6 @@ LEVELS: Final = {
 UNKNOWNS: Final = {"cage-set": (2, 1), "pocket": (2, 3), "planar": (10, 5)}
 #: Level -> typical step [s] at a tolerance of 1e-5 and evaluations of the rates in it, for estimates of cost.
 _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
-#: Watched values, in the order of the systems -> what their rising through zero means, and their falling.
-WATCHED: Final = (
-    ("cage slip passes the critical value", "cage slip falls below the critical value"),
-    ("the smallest film parameter rises above its limit", "the smallest film parameter falls below its limit"),
-    ("a contact of the inner ring closes: rollers carry it again", "the last contact of the inner ring opens"),
-)
-#: What an integrator says in its message where a model has refused.
-_REFUSED: Final = "the rates are not defined"
 #: Shares of the tolerances that slices and instants may use, that tables may take, and that steps may take.
 _SHARE, _TABLES, _STEPS_SHARE = 0.5, 0.2, 0.2
 #: A usual tolerance of a step; that of tables for a short motion, and its time [s] at most.
@@ -356,13 +347,13 @@ class Dynamics(Study):
             first_step=first_step,
             keep=keep,
         )
-        found = _explained(found, moving)
+        found = explained(found, moving)
         if before is not None:
             found = before.then(found)
         # by now models may fail as in the run, or anew
-        outputs, found = _outputs(moving, found)
+        outputs, found = outputs_of(moving, found)
         slip = 1.0 - moving.split(found.y)["cage_speed"][[0, -1]] / assembly.kinematics.epicyclic_cage_speed
-        regimes, found = _regimes(raceways, np.clip(slip, 0.0, settings.max_cage_slip), found)
+        regimes, found = regimes_of(raceways, np.clip(slip, 0.0, settings.max_cage_slip), found)
         return self._dataset(assembly, moving, found, outputs, critical, integrator).assign(regimes)
 
     def tried(self, moving: MovingBearing, times: Array, tolerance: float) -> Trajectory:
@@ -488,7 +479,7 @@ class Dynamics(Study):
             if assembly.cage.guidance == "inner":
                 x, y = x - of["inner_ring_x"], y - of["inner_ring_y"]
             variables |= self.variables(land_eccentricity=np.hypot(x, y) / clearance)
-        steady, steady_status = _steady(t, cage_slip, cage, assembly.scene.accuracy.tolerance)
+        steady, steady_status = steady_slip_of(t, cage_slip, cage, assembly.scene.accuracy.tolerance)
         return xr.Dataset(
             variables,
             {
@@ -506,7 +497,7 @@ class Dynamics(Study):
                 "relative_tolerance": self.relative_tolerance,
                 "outcome": found.outcome,
                 "outcome_message": found.message,
-                "failed_by": _failed_by(found),
+                "failed_by": failed_by(found),
                 "steps": found.steps,
                 "rejected": found.rejected,
                 "rate_evaluations": found.evaluations,
@@ -530,98 +521,10 @@ class Dynamics(Study):
         return f"friction is {self.friction}, which knows no film; run with friction = 'conventional' to know it"
 
 
-def _failed_by(found: Trajectory) -> str:
-    """Return what failed: a "model" that raised, the "domain" one was asked outside of, the "solver", or nothing."""
-    if found.outcome != "failed":
-        return ""
-    if isinstance(found.error, DomainError):
-        return "domain"
-    raised = any(note.startswith("raised by") for note in _notes(found.error))
-    return "model" if raised or isinstance(found.error, PluginError) else "solver"
-
-
-def _explained(found: Trajectory, moving: MovingBearing) -> Trajectory:
-    """Return a trajectory that says what stopped it, and in a model's words what that model refused."""
-    if found.outcome == "stopped":
-        last = found.events[-1]
-        return attrs.evolve(found, message=f"{found.message}: {WATCHED[last.watched][not last.rising]}")
-    if found.outcome == "failed" and _REFUSED in found.message:
-        error = moving.error(moving.system.refusal())
-        return attrs.evolve(found, error=error, message="; ".join((f"{found.message}: {error}", *_notes(error))))
-    return attrs.evolve(found, message="; ".join((found.message, *_notes(found.error))))
-
-
-def _notes(error: BaseException | None) -> tuple[str, ...]:
-    return tuple(getattr(error, "__notes__", ()))
-
-
-def _failing(found: Trajectory, error: Exception, what: str) -> Trajectory:
-    """Return a trajectory to which this happened when it was evaluated; what it ended early by stays."""
-    if found.outcome in ("failed", "interrupted"):
-        return found
-    message = f"{type(error).__name__} when {what} of the stored instants were computed: {error}"
-    return attrs.evolve(found, outcome="failed", error=error, message="; ".join((message, *_notes(error))))
-
-
-def _outputs(moving: MovingBearing, found: Trajectory) -> tuple[dict[str, Array], Trajectory]:
-    """Forces and speeds at the stored states, NaN where a model fails; and the trajectory, which says so."""
-    try:
-        return moving.outputs(found.t, found.y), found
-    except Exception as error:
-        found = _failing(found, error, "forces")
-    instants, rollers = found.t.size, moving.assembly.scene.bearing.rollers
-    names = ("normal_force", "traction_force", "sliding_speed", "film_parameter")
-    outputs = {name: np.full((instants, len(RINGS), rollers), np.nan) for name in names}
-    outputs["pocket_force"] = np.full((instants, rollers), np.nan)
-    for k in range(instants):
-        with contextlib.suppress(Exception):  # it has been told
-            row = moving.outputs(found.t[k : k + 1], found.y[k : k + 1])
-            for name, values in outputs.items():
-                values[k] = row[name][0]
-    return outputs, found
-
-
 def _critical(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
     """Cage slip of the largest effective friction on the inner ring."""
     slip = slip_grid(study.max_cage_slip, study.points)
     return raceways.critical(slip, raceways.curve(slip))[0]
-
-
-def _regimes(raceways: LoadedRaceways, slip: Array, found: Trajectory) -> tuple[dict[str, Any], Trajectory]:
-    """Film regimes and load parameters of the contacts at some cage slips, NaN if a model fails; as `_outputs`."""
-    try:
-        shares = raceways.regimes(raceways.speeds(slip))
-    except Exception as error:
-        found = _failing(found, error, "film regimes")
-        unknown = np.full(len(RINGS), np.nan)
-        shares = np.full((len(RINGS), len(NAMES)), np.nan), unknown, unknown
-    return regime_variables(*shares), found
-
-
-def _steady(t: Array, slip: Array, speed: Array, tolerance: float) -> tuple[float, str]:
-    """Mean slip over the last orbit, and whether it would stay.
-
-    Means over three equal spans of whole orbits, the last three eighths of the run or so, give by Aitken's rule where
-    the slip is going.
-    """
-    orbit = 2.0 * math.pi / abs(float(speed[-1])) if speed[-1] != 0.0 else math.inf
-    if t[-1] - t[0] < 3.0 * orbit:
-        return math.nan, "the run is shorter than three orbits of the rollers"
-    span = orbit * max(1.0, (t[-1] - t[0]) // (8.0 * orbit))
-    spans = [(t > t[-1] - k * span) & (t <= t[-1] - (k - 1) * span) for k in (3, 2, 1)]
-    if not all(map(np.any, (*spans, last := t > t[-1] - orbit))):
-        return math.nan, "too few instants are stored to tell; raise study.dynamics.points"
-    mean, (first, second, third) = float(slip[last].mean()), (float(slip[one].mean()) for one in spans)
-    allowed = tolerance * max(abs(mean), 1e-2)
-    before, moved = second - first, third - second
-    if max(abs(before), abs(moved), abs(mean - third)) <= allowed:
-        return mean, "steady"
-    if not 0.0 <= moved < 0.95 * before and not before * 0.95 < moved <= 0.0:
-        return math.nan, f"not steady: slip moves from {first:.4g} over {second:.4g} to {third:.4g}"
-    end = third + moved**2 / (before - moved)
-    if abs(end - mean) <= allowed:
-        return mean, "steady"
-    return math.nan, f"not steady: cage slip is {mean:.4g} and goes to about {end:.3g}"
 
 
 @hookimpl

@@ -1,14 +1,13 @@
 """The account of effective friction."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, PlainAccount
+from rollslip.results.account import Account, Figures, PlainAccount
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
 class EffectiveFrictionAccount(PlainAccount):
@@ -29,7 +28,7 @@ class EffectiveFrictionAccount(PlainAccount):
             )
         return said
 
-    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    def figures(self, dataset: "xr.Dataset") -> Figures:
         """Draw the curves, the single rollers and the map."""
         from rollslip.studies.effective_friction.figures import figures
 

@@ -1,14 +1,13 @@
 """The account of a friction curve."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account, PlainAccount
+from rollslip.results.account import Account, Figures, PlainAccount
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
 class FrictionCurveAccount(PlainAccount):
@@ -19,7 +18,7 @@ class FrictionCurveAccount(PlainAccount):
         "rolling_speed": ("entrainment speed", "m/s"),
     }
 
-    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    def figures(self, dataset: "xr.Dataset") -> Figures:
         """Draw the curves."""
         from rollslip.studies.friction_curve.figures import figures
 

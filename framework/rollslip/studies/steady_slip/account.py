@@ -1,15 +1,14 @@
 """The account of steady slips."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rollslip.hookspecs import hookimpl
-from rollslip.results.account import Account
+from rollslip.results.account import Account, Figures
 from rollslip.studies.steady_slip import findings
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 
 class SteadySlipAccount(Account):
@@ -29,7 +28,7 @@ class SteadySlipAccount(Account):
         """Return the single values."""
         return findings.record(dataset)
 
-    def figures(self, dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    def figures(self, dataset: "xr.Dataset") -> Figures:
         """Draw torques, orbit and the slips that were followed."""
         from rollslip.studies.steady_slip.figures import steady_figures
 
