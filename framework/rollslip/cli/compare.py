@@ -54,7 +54,7 @@ def compare(
     comparison, and without it that is what the others are held against.
     """
     from rollslip.campaigns.comparison.comparison import plan_comparison, run_comparison
-    from rollslip.cli import console
+    from rollslip.cli import console, planned
     from rollslip.results.dataset import save
 
     made = plan_comparison(
@@ -66,8 +66,8 @@ def compare(
         study=study,
     )
     if not results.as_json:
-        click.echo(console.comparison_headline(made))
-        console.print_comparison_plan(made)
+        click.echo(planned.comparison_headline(made))
+        planned.print_comparison_plan(made)
     results.go_to(f"{Path(scene).stem}-comparison")
     with results.folder() as folder:
         with progress("compare"):
@@ -113,7 +113,7 @@ def pareto(
     """
     from rollslip.campaigns.pareto.candidates import plan_family
     from rollslip.campaigns.pareto.pareto import run_family
-    from rollslip.cli import console
+    from rollslip.cli import console, planned
     from rollslip.results.dataset import save
 
     made = plan_family(
@@ -126,7 +126,7 @@ def pareto(
     )
     if not results.as_json:
         click.echo(console.headline(made.plan))
-        console.print_family(made)
+        planned.print_family(made)
     results.go_to(f"{Path(scene).stem}-pareto")
     kept = results.kept()
     given = {"choices": choices, "traction": traction, "film": film, "set": changes}

@@ -69,7 +69,7 @@ def sweep_run(
     from rollslip.campaigns.sweep.run import asked_engine
     from rollslip.campaigns.sweep.sampling import parse_overs, parse_shard
     from rollslip.campaigns.sweep.sweep import plan_sweep
-    from rollslip.cli import console
+    from rollslip.cli import planned
 
     made = plan_sweep(
         scene_of(scene, changes),
@@ -85,8 +85,8 @@ def sweep_run(
     )
     asked_engine(made)  # refused before a folder is made
     if not as_json:
-        click.echo(console.sweep_headline(made))
-        click.echo("\n".join(f"  {line}" for line in console.sweep_planned(made)))
+        click.echo(planned.sweep_headline(made))
+        click.echo("\n".join(f"  {line}" for line in planned.sweep_planned(made)))
     _run_sweep(made, begin(made, out if out is not None else free_folder(f"{Path(scene).stem}-sweep")), (), as_json)
 
 
@@ -136,7 +136,7 @@ def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
     """Show how the sweep in FOLDER stands, also while it runs: points by status, time left, last errors."""
     from rollslip.campaigns.sweep.folder import pieces, status
     from rollslip.campaigns.sweep.sweep import FILE
-    from rollslip.cli import console
+    from rollslip.cli import planned
 
     parts = [] if (folder / FILE).exists() else [status(piece, errors) for piece in pieces(folder)]
     found = parts or [status(folder, errors)]
@@ -144,9 +144,9 @@ def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
         print_json({"folder": str(folder), "pieces": [one.as_dict() for one in parts]} if parts else found[0].as_dict())
         return
     if parts:
-        click.echo(console.sweep_pieces(folder, parts))
+        click.echo(planned.sweep_pieces(folder, parts))
     for one in found:
-        click.echo("\n".join(console.sweep_status(one)))
+        click.echo("\n".join(planned.sweep_status(one)))
 
 
 @sweep.command("merge")
@@ -171,7 +171,7 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool)
     import os
 
     from rollslip.campaigns.sweep.run import described, run_sweep
-    from rollslip.cli import console
+    from rollslip.cli import planned
     from rollslip.errors import BusyError, EngineError, OutputError
 
     go_on = f"go on with: {shlex.join(['rollslip', 'sweep', 'resume', str(folder)])}"
@@ -182,7 +182,7 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool)
                 folder,
                 again=tuple(again),
                 said=lambda text: click.echo(f"  {text}", err=as_json),
-                report=lambda now: show(console.sweep_progress(now)),
+                report=lambda now: show(planned.sweep_progress(now)),
             )
     except KeyboardInterrupt:
         click.echo(f"interrupted at once; what was done is kept; {go_on}", err=True)
@@ -193,7 +193,7 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool)
     except (EngineError, OutputError) as error:
         raise type(error)(f"{error}\nwhat was done is kept; {go_on}") from error
     if settled.interrupted:
-        click.echo(f"interrupted: {console.sweep_progress(settled.progress)}; {go_on}", err=True)
+        click.echo(f"interrupted: {planned.sweep_progress(settled.progress)}; {go_on}", err=True)
         sys.exit(INTERRUPTED)
     try:
         _tell_sweep(made, folder, described(settled), as_json)

@@ -56,7 +56,7 @@ def uncertainty(
     from rollslip.campaigns.sweep.run import asked_engine
     from rollslip.campaigns.uncertainty.findings import failed
     from rollslip.campaigns.uncertainty.margin import expected_seconds, plan_margin, run_margin
-    from rollslip.cli import console
+    from rollslip.cli import planned
     from rollslip.errors import EngineError
     from rollslip.results.account import account_of
 
@@ -75,11 +75,11 @@ def uncertainty(
     asked_engine(made.critical)  # refused before a folder is made
     results.go_to(f"{Path(scene).stem}-uncertainty")
     if not results.as_json:
-        click.echo(console.sweep_headline(made.critical))
+        click.echo(planned.sweep_headline(made.critical))
         sweeps = made.sweeps.values()
-        click.echo("\n".join(dict.fromkeys(f"  {line}" for one in sweeps for line in console.sweep_planned(one))))
+        click.echo("\n".join(dict.fromkeys(f"  {line}" for one in sweeps for line in planned.sweep_planned(one))))
         for name, seconds in expected_seconds(made).items():
-            click.echo(f"  {name}: about {console.duration(seconds)} of one core")
+            click.echo(f"  {name}: about {planned.duration(seconds)} of one core")
     go_on = f"go on by the same command with --out {shlex.quote(str(results.target))}"
     try:
         with progress("uncertainty") as show:
@@ -87,7 +87,7 @@ def uncertainty(
                 made,
                 results.target,
                 said=lambda text: click.echo(f"  {text}", err=results.as_json),
-                report=lambda now: show(console.sweep_progress(now)),
+                report=lambda now: show(planned.sweep_progress(now)),
             )
     except KeyboardInterrupt:
         click.echo(f"interrupted; what was done is kept; {go_on}", err=True)

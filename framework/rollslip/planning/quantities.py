@@ -6,7 +6,7 @@ the models in them are among them. Lists and tables are not: they are no single 
 
 import contextlib
 import types
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import attrs
@@ -16,7 +16,6 @@ from rollslip.errors import RollslipError
 from rollslip.fields import FieldError
 from rollslip.lubricant.table import OilTable
 from rollslip.structure import nearest
-from rollslip.studies.study import Study
 from rollslip.units import UnitError, as_written, quantity
 
 __all__ = ["Quantity", "quantities", "unknown"]
@@ -74,7 +73,7 @@ class Quantity:
         return value
 
 
-def quantities(assembly: Assembly, studies: dict[str, Study]) -> dict[str, Quantity]:
+def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -> dict[str, Quantity]:
     """Return what can be varied of a scene, by key."""
     scene = assembly.scene
     found = [

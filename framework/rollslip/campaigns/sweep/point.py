@@ -28,7 +28,6 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
-from rollslip.campaigns.sweep.resolutions import Resolutions
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError, in_words
 from rollslip.fields import FieldError
 from rollslip.scene.changes import evolve
@@ -45,6 +44,36 @@ _TOGETHER: Final = 16
 #: How a point ends.
 STATUSES: Final = ("ok", "not-converged", "outside-domain", "crashed", "timed-out")
 FAILED: Final = STATUSES[1:]
+
+
+@attrs.frozen(kw_only=True)
+class Resolutions:
+    """The resolutions of a sweep.
+
+    Attributes
+    ----------
+    deciding : tuple of str
+        Keys whose values decide which one a point takes.
+    chosen : mapping
+        Values of these keys, as JSON -> resolution. A point whose values are not here is computed as its scene states.
+    """
+
+    deciding: tuple[str, ...] = ()
+    chosen: Mapping[str, Resolution] = attrs.field(factory=dict)
+
+    def of(self, changes: Mapping[str, object]) -> Resolution | None:
+        """Return the resolution of a point, None if it is computed as the scene states."""
+        return self.chosen.get(name_of([changes.get(key) for key in self.deciding]))
+
+    @property
+    def facts(self) -> dict[str, dict[str, object]]:
+        """The resolutions as plain values."""
+        return {name: attrs.asdict(one) for name, one in self.chosen.items()}
+
+
+def name_of(values: Sequence[object]) -> str:
+    """Return the name that a resolution has by the values of its keys."""
+    return json.dumps(values, default=dict)
 
 
 @attrs.frozen(eq=False, kw_only=True)

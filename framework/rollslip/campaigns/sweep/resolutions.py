@@ -12,16 +12,15 @@
   since the plan halves what it may err and drags decide what that means; motions in time choose steps one by one.
 """
 
-import json
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import Resolution
+from rollslip.campaigns.sweep.point import Resolutions, name_of
 from rollslip.campaigns.sweep.sampling import Axis, Design
 from rollslip.errors import RollslipError
 from rollslip.planning.plan import estimate
@@ -29,7 +28,7 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies.study import study_class
 
-__all__ = ["Resolutions", "chosen_resolutions"]
+__all__ = ["chosen_resolutions"]
 
 #: Points besides the scene itself for which a choice is made; a choice costs about six points.
 _SPREAD: Final = 8
@@ -37,35 +36,6 @@ _SPREAD: Final = 8
 _WORTH: Final = 100
 #: Points among which those far apart are looked for.
 _CANDIDATES: Final = 512
-
-
-@attrs.frozen(kw_only=True)
-class Resolutions:
-    """The resolutions of a sweep.
-
-    Attributes
-    ----------
-    deciding : tuple of str
-        Keys whose values decide which one a point takes.
-    chosen : mapping
-        Values of these keys, as JSON -> resolution. A point whose values are not here is computed as its scene states.
-    """
-
-    deciding: tuple[str, ...] = ()
-    chosen: Mapping[str, Resolution] = attrs.field(factory=dict)
-
-    def of(self, changes: Mapping[str, object]) -> Resolution | None:
-        """Return the resolution of a point, None if it is computed as the scene states."""
-        return self.chosen.get(_name([changes.get(key) for key in self.deciding]))
-
-    @property
-    def facts(self) -> dict[str, dict[str, object]]:
-        """The resolutions as plain values."""
-        return {name: attrs.asdict(one) for name, one in self.chosen.items()}
-
-
-def _name(values: Sequence[object]) -> str:
-    return json.dumps(values, default=dict)
 
 
 def chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
@@ -95,7 +65,7 @@ def chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
         points = [values, *(design.changes(int(number)) for number in _far_apart(design, numbers))]
         chosen = [one for one in (_choice(scene, study, changes) for changes in points) if one is not None]
         if chosen:
-            resolutions[_name(list(values.values()))] = _finest(chosen)
+            resolutions[name_of(list(values.values()))] = _finest(chosen)
     return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=resolutions)
 
 

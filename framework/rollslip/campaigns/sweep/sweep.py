@@ -21,8 +21,8 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.campaigns.sweep.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip.campaigns.sweep.journal import died, journals
-from rollslip.campaigns.sweep.point import SweepWork, here
-from rollslip.campaigns.sweep.resolutions import Resolutions, chosen_resolutions
+from rollslip.campaigns.sweep.point import Resolutions, SweepWork, here
+from rollslip.campaigns.sweep.resolutions import chosen_resolutions
 from rollslip.campaigns.sweep.sampling import SAMPLINGS, Axis, Design, probabilities, read_axis
 from rollslip.catalogue.discovery import THIS_PROCESS, named_data
 from rollslip.catalogue.packages import check_required
