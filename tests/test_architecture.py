@@ -1,15 +1,17 @@
 """The layout shows the architecture: imports flow one way, and nothing heavy comes before it is needed."""
 
 import ast
-import graphlib
 import json
 import re
+import shutil
 import subprocess
 import sys
 from importlib.resources import files
 from pathlib import Path
 
 import pytest
+
+import architecture
 
 ROOT = Path(__file__).parent.parent
 FOLDERS = {
@@ -127,41 +129,81 @@ def test_vector_mathematics_calls_no_mathematical_library():
     assert {name for name in called if not name.startswith("rs_")} <= known | {"always_inline"}
 
 
-#: Folders of the framework; each imports what stands left of it. The modules beside them are the shelf.
-ROOMS = ("shelf", "lubricant", "catalogue", "scene", "bearing")
-#: The former path of the laws of pressure, until it goes.
-ALIAS = "rollslip.pressure_viscosity"
+#: Rule -> a file below the framework, and a line that breaks the rule there.
+PLANTED = {
+    "wrong_way": [
+        ("bearing/cage.py", "from rollslip.studies.study import Study"),
+        ("lubricant/oil.py", "def late():\n    from rollslip.scene.reading import load_scene"),
+        ("structure.py", "if TYPE_CHECKING:\n    from rollslip.scene.values import Scene"),
+        ("results/report.py", 'HOME = "rollslip.campaigns.sweep.findings"'),
+    ],
+    "circles": [
+        ("bearing/kinematics.py", "from rollslip.bearing.assembly import Assembly"),
+        ("studies/parts.py", "def late():\n    from rollslip.studies.study import Study"),
+    ],
+    "too_large": [
+        ("units.py", "\n" * 600),
+        ("bearing/thirteenth.py", "VALUE = 1"),
+        ("bearing/__init__.py", "def helper():\n    return 1"),
+    ],
+    "named_studies": [
+        ("planning/plan.py", 'SPECIAL = "steady-slip"'),
+        ("cli/run.py", 'KEY = "raise study.dynamics.points"'),
+        ("planning/execution.py", "def ask(study):\n    return isinstance(study, Dynamics)"),
+    ],
+    "named_models": [
+        ("campaigns/pareto/candidates.py", 'LAWS = ("muraki", "moes")'),
+        ("planning/plan.py", 'X = "rodas5p"'),
+    ],
+    "misplaced": [
+        ("studies/dynamics/findings.py", "from rollslip.studies.study import Study"),
+        ("campaigns/fit/findings.py", "import scipy"),
+        ("studies/parts.py", "import matplotlib"),
+        ("planning/plan.py", "import click"),
+        ("campaigns/sweep/point.py", "import sqlite3"),
+    ],
+    "entangled": [
+        ("campaigns/fit/problem.py", "from rollslip.campaigns.sweep.sampling import Design"),
+        ("campaigns/sweep/point.py", "def late():\n    from rollslip.campaigns.pareto.pareto import front"),
+    ],
+}
 
 
-def room(module):
-    parts = module.split(".")
-    return parts[1] if len(parts) > 1 and (FOLDERS["rollslip"] / parts[1]).is_dir() else "shelf"
+@pytest.mark.parametrize("rule", PLANTED)
+def test_the_layout_keeps_its_rules(rule):
+    assert getattr(architecture, rule)() == []
 
 
-def modules_of_rooms():
-    """Modules of the framework that stand in a room, and what of the framework each imports, wherever it does."""
-    graph = {}
-    for path in sorted(FOLDERS["rollslip"].rglob("*.py")):
-        parts = path.relative_to(FOLDERS["rollslip"].parent).with_suffix("").parts
-        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-        if room(name) in ROOMS and name not in ("rollslip", ALIAS):  # the first only names where its names are
-            graph[name] = {module for module in imported(path) if module.startswith("rollslip.")}
-    return graph
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory):
+    """A copy of the sources in which faults are planted."""
+    root = tmp_path_factory.mktemp("tree")
+    for folder in ("framework", "plugins"):
+        shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+    shutil.copy(ROOT / "pyproject.toml", root)
+    return root
 
 
-def test_rooms_import_only_what_stands_left_of_them():
-    wrong = [
-        f"{name} imports {other}"
-        for name, others in modules_of_rooms().items()
-        for other in others
-        if room(other) not in ROOMS[: ROOMS.index(room(name)) + 1]
-    ]
-    assert not wrong
+@pytest.mark.parametrize(
+    ("rule", "place", "line"), [(rule, *fault) for rule, faults in PLANTED.items() for fault in faults]
+)
+def test_a_planted_fault_is_caught(rule, place, line, tree):
+    path = tree / "framework" / "rollslip" / place
+    before = path.read_text(encoding="utf-8") if path.exists() else None
+    try:
+        path.write_text(f"{before or ''}\n{line}\n", encoding="utf-8")
+        found = getattr(architecture, rule)(tree)
+        assert found
+        assert path.stem in " ".join(found) or path.parent.name in " ".join(found)
+    finally:
+        if before is None:
+            path.unlink()
+        else:
+            path.write_text(before, encoding="utf-8")
 
 
-def test_the_framework_has_no_import_circles():
-    order = list(graphlib.TopologicalSorter(modules_of_rooms()).static_order())  # raises if there is one
-    assert len(order) > 30
+def test_no_chain_of_imports_is_longer_than_it_was_made():
+    assert architecture.depth() <= 22
 
 
 @pytest.mark.parametrize("command", [["--help"], ["run", "--help"], ["--version"]])

@@ -4,7 +4,7 @@ import ast
 import graphlib
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
@@ -47,25 +47,40 @@ def _docstrings(tree: ast.Module) -> set[int]:
     return {id(body[0].value) for body in bodies if body and isinstance(body[0], ast.Expr)}
 
 
-def _texts(path: Path) -> Iterator[tuple[int, str]]:
-    """Line and value of every text that is no docstring."""
-    tree = _tree(path.read_text(encoding="utf-8"))
+@cache
+def _texts_of(source: str) -> tuple[tuple[int, str], ...]:
+    tree = _tree(source)
     skipped = _docstrings(tree)
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in skipped:
-            yield node.lineno, node.value
+    return tuple(
+        (node.lineno, node.value)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in skipped
+    )
+
+
+def _texts(path: Path) -> tuple[tuple[int, str], ...]:
+    """Line and value of every text that is no docstring."""
+    return _texts_of(path.read_text(encoding="utf-8"))
+
+
+@cache
+def _named(source: str) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Module and names of every import, also in functions and for types; no names where a module is imported."""
+    found = list[tuple[str, tuple[str, ...]]]()
+    for node in ast.walk(_tree(source)):
+        if isinstance(node, ast.Import):
+            found += [(alias.name, ()) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            found.append((node.module, tuple(alias.name for alias in node.names)))
+    return tuple(found)
 
 
 def imports(path: Path, known: Mapping[str, Path]) -> set[str]:
     """Return the modules that a file imports anywhere, also in functions, for types, and by dotted texts."""
     found = set()
-    for node in ast.walk(_tree(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.module is not None:
-            # a name that is a module itself, or a name within one
-            names = {f"{node.module}.{alias.name}" for alias in node.names}
-            found |= (names & known.keys()) or {node.module}
+    for module, names in _named(path.read_text(encoding="utf-8")):
+        # a name that is a module itself, or a name within one
+        found |= ({f"{module}.{name}" for name in names} & known.keys()) or {module}
     for _, text in _texts(path):
         for name in re.findall(r"(?<![\w.`])rollslip(?:\.[a-z_]+)+", text):
             while name not in known and "." in name:
@@ -195,7 +210,6 @@ def misplaced(root: Path = ROOT) -> list[str]:
     """Findings that import more than the shelf and NumPy, and packages outside the folders that they belong to."""
     known, found = modules(root), list[str]()
     for module, path in known.items():
-        tree = _tree(path.read_text(encoding="utf-8"))
         used = imports(path, known)
         if module.endswith(".findings") and folder(module) in ("studies", "campaigns"):
             # the names of curves stand with the results that have them
@@ -207,7 +221,6 @@ def misplaced(root: Path = ROOT) -> list[str]:
             here = {folder(module), module.rpartition(".")[2], *(part for part in module.split(".")[-1].split("_"))}
             if any(name.split(".")[0] == package for name in used) and not here & set(rooms):
                 found.append(f"{module} imports {package}")
-        assert tree
     return found
 
 
