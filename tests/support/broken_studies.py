@@ -148,6 +148,12 @@ class StructuredAttribute(HeaviestForce):
 
 
 @attrs.frozen(kw_only=True)
+class SaysNothing(HeaviestForce):
+    def run(self, assembly, keep=None):
+        return super().run(assembly).drop_vars(["force", "margin", "margin_status"])
+
+
+@attrs.frozen(kw_only=True)
 class CurvesWithoutFilm(FrictionCurve):
     def run(self, assembly, keep=None):
         return super().run(assembly).drop_vars("film_parameter")
@@ -177,6 +183,7 @@ BROKEN = {
     HiddenCost(): "check_it_is_planned",
     NoEstimate(): "check_it_is_planned",
     StructuredAttribute(): "check_its_results_can_be_stored",
+    SaysNothing(): "check_its_result_is_told",
     CurvesWithoutFilm(points=5): "check_its_curves_can_be_compared",
     CurvesWithoutSlices(points=5): "check_its_curves_can_be_compared",
 }

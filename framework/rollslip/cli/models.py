@@ -117,6 +117,11 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         "parameters": parameters,
         "references": list(thing.references),
     }
+    if outputs := getattr(thing, "outputs", None):  # of a study
+        about["outputs"] = [
+            {"name": key, "dimensions": output.dims, "unit": output.unit, "meaning": output.meaning}
+            for key, output in outputs.items()
+        ]
     if not issubclass(thing, SliceModel):
         return about
     model = thing() if all(a.default is not attrs.NOTHING for a in attrs.fields(thing)) else thing
@@ -169,6 +174,12 @@ def _print_model(kind: str, name: str) -> None:
         print_table(
             ("name", "unit", "domain", "meaning"),
             [(r["name"], r["unit"], r["domain"], r["meaning"]) for r in about["reads"]],
+        )
+    if "outputs" in about:
+        click.echo("outputs")
+        print_table(
+            ("name", "over", "unit", "meaning"),
+            [(o["name"], o["dimensions"], o["unit"], o["meaning"]) for o in about["outputs"]],
         )
     if about["references"]:
         click.echo("references")

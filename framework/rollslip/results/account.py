@@ -9,14 +9,14 @@
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import attrs
 
 from rollslip.catalogue.kinds import Kind
 from rollslip.catalogue.registry import available, get_class
-from rollslip.results.curves import critical_rows, curves
+from rollslip.results.curves import Curves, critical_rows, curves
 from rollslip.units import UnitError, format_quantity
 
 if TYPE_CHECKING:
@@ -44,6 +44,8 @@ class Contact:
     film_parameter: float
 
 
+#: Values of a variable that are told one by one, at most.
+_FEW: Final = 8
 #: What was found, in the order of a report: texts, lists of sentences without their full stops, tables.
 Story: TypeAlias = list[str | list[str] | Table]
 #: Name, caption and figure of all that a result has something to show for.
@@ -139,11 +141,17 @@ class PlainAccount(Account):
 
     def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
         """Return critical slip, largest friction and status of each curve, and every single value."""
-        singles = {str(name): one.item() for name, one in dataset.data_vars.items() if one.ndim == 0}
-        return critical_rows(dataset) | {
-            name: None if isinstance(value, float) and not math.isfinite(value) else value
-            for name, value in singles.items()
-        }
+        singles: dict[str, Any] = {}
+        for name in map(str, dataset.data_vars):
+            for _, at in _places(dataset, name):
+                value = dataset[name].isel(at).item()
+                value = None if isinstance(value, float) and not math.isfinite(value) else value
+                if at:
+                    (dim, k), *_ = at.items()
+                    singles.setdefault(name, {})[str(dataset[dim].to_numpy()[k])] = value
+                else:
+                    singles[name] = value
+        return critical_rows(dataset) | singles
 
     def figures(self, dataset: "xr.Dataset") -> "Figures":
         """Draw the curves, if there are any."""
@@ -185,20 +193,38 @@ def _named(texts: Mapping[str, str]) -> list[str]:
 
 
 def _single_values(dataset: "xr.Dataset") -> dict[str, str]:
-    """Every single number and text by its long name; in place of a number that is not there, its status."""
-    singles = {str(name): one for name, one in dataset.data_vars.items() if one.ndim == 0}
+    """Every single number and text by its long name; in place of a number that is not there, its status.
+
+    A variable with one value for each of a few names, of the rings for example, gives a line for each.
+    """
     found = {}
-    for name, one in singles.items():
-        value, status = one.item(), singles.get(f"{name}_status", singles.get("status"))
-        if isinstance(value, float):
-            missing = "no value" if status is None else str(status.item())
-            said = missing if math.isnan(value) else _with_unit(value, one.attrs.get("units", "1"))
-        elif name.endswith("_status") and name.removesuffix("_status") in singles:
-            continue  # said where the value is missing
-        else:
-            said = str(value)
-        found[str(one.attrs.get("long_name", name))] = said
+    for name in map(str, dataset.data_vars):
+        for label, at in _places(dataset, name):
+            one = dataset[name].isel(at)
+            value, said_by = one.item(), next((s for s in (f"{name}_status", "status") if s in dataset), None)
+            if isinstance(value, float):
+                status = None if said_by is None else dataset[said_by]
+                missing = "no value" if status is None else str(status.isel(at if status.ndim else {}).item())
+                said = missing if math.isnan(value) else _with_unit(value, one.attrs.get("units", "1"))
+            elif name.endswith("_status") and name.removesuffix("_status") in dataset:
+                continue  # said where the value is missing
+            else:
+                said = str(value)
+            found[f"{one.attrs.get('long_name', name)}{label}"] = said
     return found
+
+
+def _places(dataset: "xr.Dataset", name: str) -> "list[tuple[str, dict[Hashable, int]]]":
+    """Where a variable has single values, with what tells them apart; nowhere if curves tell of it, or it has many."""
+    variable, of = dataset[name], Curves.of(dataset)
+    if of is not None and name in (of.critical, "critical_friction", "critical_status"):
+        return []
+    if variable.ndim == 0:
+        return [("", {})]
+    dim = variable.dims[0]
+    if variable.ndim > 1 or dim not in dataset.coords or dataset[dim].dtype.kind not in "UO" or variable.size > _FEW:
+        return []
+    return [(f", {value} {dim}", {dim: k}) for k, value in enumerate(dataset[dim].to_numpy())]
 
 
 def _with_unit(value: float, unit: str) -> str:

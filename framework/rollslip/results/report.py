@@ -9,10 +9,11 @@
 - It is well-formed XML too, which tests can hold more strictly than HTML.
 """
 
+import contextlib
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape, unescape
 from numbers import Integral, Real
 from pathlib import Path
@@ -23,7 +24,8 @@ import attrs
 
 from rollslip.bearing.regimes import LIGHT, LONG_NAMES
 from rollslip.bearing.resolution import error_text
-from rollslip.catalogue.registry import available, get_class
+from rollslip.catalogue.registry import get_class
+from rollslip.errors import PluginError
 from rollslip.lubricant.table import OilTable
 from rollslip.results.account import Table, account_of, capital
 from rollslip.results.curves import percent
@@ -204,10 +206,9 @@ def _models(datasets: "Datasets") -> str:
 
 
 def _input(datasets: "Datasets") -> str:
-    known = _known_keys()
     body = ""
     for heading, scene in _per_study(datasets, "scene_resolved", structured=True):
-        rows = []
+        rows, known = [], _known_keys(scene.get("study", {}))
         for key, value in _flat({k: v for k, v in scene.items() if k not in ("title", "description")}):
             unit, meaning = known.get(key, ("", ""))
             rows.append([key, _value(value, unit), meaning])
@@ -215,11 +216,13 @@ def _input(datasets: "Datasets") -> str:
     return body
 
 
-def _known_keys() -> dict[str, tuple[str, str]]:
+def _known_keys(studies: Iterable[str]) -> dict[str, tuple[str, str]]:
     """Unit and meaning of the keys of a scene, also of the tables that the reader of scenes leaves raw."""
     known = {row.key: (row.unit, row.doc) for row in schema()}
-    studies = {f"study.{name}": get_class("study", name) for name in available("study")}
-    raw: dict[str, Any] = {"lubricant": OilTable} | studies
+    raw: dict[str, Any] = {"lubricant": OilTable}
+    for name in studies:
+        with contextlib.suppress(PluginError):  # the package is not here, or broken: its keys go without a meaning
+            raw[f"study.{name}"] = get_class("study", name)
     for table, owner in raw.items():
         for field in attrs.fields(owner):
             known[f"{table}.{field.name}"] = (field.metadata.get("unit") or "", field.metadata.get("doc", ""))

@@ -5,6 +5,7 @@ A study is run on a small bearing of its own (`SCENE`), planned, swept and told 
 
 import json
 import math
+import re
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,6 +16,7 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.pareto.candidates import AXES
 from rollslip.planning.plan import estimate
+from rollslip.results.account import account_of
 from rollslip.results.curves import Curves
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.values import Scene
@@ -213,3 +215,15 @@ def check_its_results_can_be_stored(study: Study) -> None:
         refuse_unless(plain, f"attribute {name} is a {type(value).__name__}; a structure goes in as JSON text")
     json.dumps({name: str(value) for name, value in _result(study).attrs.items()})
     _result(study).to_netcdf(engine="h5netcdf")
+
+
+@rule(Study)
+def check_its_result_is_told(study: Study) -> None:
+    """Terminal, report and JSON tell a result by its account, or by what its variables say of themselves."""
+    account, result = account_of(_result(study)), _result(study)
+    sentences = account.sentences(result)
+    refuse_unless(bool(sentences), "nothing is said of its result; give outputs without dimensions, or curves")
+    for sentence in sentences:
+        wrong = {"nan", "inf", "None"} & set(re.findall(r"[\w.]+", sentence))
+        refuse_unless(not wrong, f"its account says {sentence!r}")
+    json.dumps(account.record(result), allow_nan=False)

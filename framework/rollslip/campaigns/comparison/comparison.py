@@ -9,6 +9,7 @@
   other combination.
 """
 
+import contextlib
 import itertools
 import json
 import time
@@ -217,9 +218,18 @@ def _study(scene: Scene, study: str | None) -> str:
     if study is None:
         study = next((name for name in scene.study if study_class(name, scene).curves_of is not None), DEFAULT_STUDY)
     if study_class(study, scene).of(scene).curves_of is None:
-        able = [name for name in available("study") if get_class("study", name).curves_of is not None]
-        raise SceneError([f"study {study!r} cannot be compared, only {' and '.join(able)} can"])
+        raise SceneError([f"study {study!r} cannot be compared, only {' and '.join(_with_curves())} can"])
     return study
+
+
+def _with_curves() -> list[str]:
+    """Names of the studies that give friction curves; a broken package offers none."""
+    found = list[str]()
+    for name in available("study"):
+        with contextlib.suppress(PluginError):
+            if study_class(name).curves_of is not None:
+                found.append(name)
+    return found
 
 
 def _listed(models: Sequence[Model] | str) -> Sequence[Model | None]:
