@@ -10,11 +10,11 @@ import click
 from rollslip.bearing.cage import Cage
 from rollslip.campaigns.sweep.distributions import DISTRIBUTIONS, Correlation
 from rollslip.campaigns.sweep.sweep import SweepTable
-from rollslip.catalogue.kinds import get_kind
+from rollslip.catalogue.kinds import get_kind, offered_kinds
 from rollslip.catalogue.kinds import kinds as all_kinds
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.main import cli
-from rollslip.cli.models import listed, models_as_dict
+from rollslip.cli.models import models_as_dict
 from rollslip.lubricant import OilPoint, OilTable
 from rollslip.scene.schema import schema, shown_default
 from rollslip.studies.study import study_class
@@ -76,7 +76,7 @@ def study_keys():
 def models():
     """Everything about everything that a scene can name, a section for each kind."""
     lines = []
-    for kind in listed():
+    for kind in offered_kinds():
         lines += [kind.capitalize(), "-" * len(kind), ""]
         for name in available(kind):
             thing = get_class(kind, name)

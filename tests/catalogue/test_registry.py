@@ -21,6 +21,7 @@ from rollslip.errors import PluginError, SceneError
 from rollslip.hookspecs import hookspec
 from rollslip.lubricant import Lubricant
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, TractionModel
+from rollslip.studies.study import Study
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
 from rollslip_plugins.traction.eyring import MaxwellEyring, Muraki
@@ -95,8 +96,8 @@ def test_listing_imports_no_model_and_asking_for_one_only_its_module():
 def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
     thing = get_class(kind, name)
     assert thing.name == name
-    if kind in {**BASES, "engine": Engine}:
-        assert issubclass(thing, {**BASES, "engine": Engine}[kind])
+    if kind in {**BASES, "engine": Engine, "study": Study}:
+        assert issubclass(thing, {**BASES, "engine": Engine, "study": Study}[kind])
         assert not inspect.isabstract(thing)
     else:
         assert not isinstance(thing, type)  # data: a value, checked when it was made
