@@ -11,10 +11,13 @@ from output import write_table
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
-from broken_models import BROKEN, FATAL, fault_of, install
+from broken_models import BROKEN as BROKEN_MODELS
+from broken_models import FATAL, fault_of, install
+from broken_studies import BROKEN as BROKEN_STUDIES
 from rollslip.testing import all_checks, checks_of
 from rollslip.testing.findings import run_check
 
+BROKEN = [*BROKEN_MODELS, *BROKEN_STUDIES]
 ONE_LINE = 160
 
 

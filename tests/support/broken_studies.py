@@ -51,47 +51,63 @@ class HeaviestForce(Study):
 
 @attrs.frozen(kw_only=True)
 class Undeclared(HeaviestForce):
+    """A variable of the result is not declared."""
+
     def change(self, variables, assembly):
         variables["extra"] = ((), 1.0, {"units": "1", "long_name": "extra"})
 
 
 @attrs.frozen(kw_only=True)
 class OtherUnit(HeaviestForce):
+    """A variable is in another unit than declared."""
+
     def change(self, variables, assembly):
         variables["force"][2]["units"] = "kN"
 
 
 @attrs.frozen(kw_only=True)
 class OtherDims(HeaviestForce):
+    """A variable has other dimensions than declared."""
+
     def change(self, variables, assembly):
         variables["force"] = (("raceway",), *variables["force"][1:])
 
 
 @attrs.frozen(kw_only=True)
 class Unsaid(HeaviestForce):
+    """A value is missing, and no output says why."""
+
     def change(self, variables, assembly):
         variables["force"][1][0] = np.nan
 
 
 @attrs.frozen(kw_only=True)
 class Infinite(HeaviestForce):
+    """A value is infinite where there is none."""
+
     def change(self, variables, assembly):
         variables["margin"] = ((), np.inf, variables["margin"][2])
 
 
 @attrs.frozen(kw_only=True)
 class EmptyStatus(HeaviestForce):
+    """A value is missing, and its status is empty."""
+
     def change(self, variables, assembly):
         variables["margin_status"] = ((), "", variables["margin_status"][2])
 
 
 @attrs.frozen(kw_only=True)
 class JudgesNothing(HeaviestForce):
+    """What is held against a tolerance is no output."""
+
     judged: ClassVar[Mapping[str, str]] = MappingProxyType({"friction": "pull"})
 
 
 @attrs.frozen(kw_only=True)
 class ActsUnknown(HeaviestForce):
+    """A choice that nobody can make is said to act."""
+
     acts: ClassVar[frozenset[str]] = frozenset({"slices", "weather"})
 
 
@@ -100,24 +116,32 @@ _COUNT = itertools.count(1)
 
 @attrs.frozen(kw_only=True)
 class Counting(HeaviestForce):
+    """The result depends on how often it was asked for."""
+
     def change(self, variables, assembly):
         variables["force"][1][0] += next(_COUNT)
 
 
 @attrs.frozen(kw_only=True)
 class ActsInSecret(HeaviestForce):
+    """A numerical choice acts that is said to do nothing."""
+
     def change(self, variables, assembly):
         variables["force"][1][0] *= assembly.resolution.table_tolerance
 
 
 @attrs.frozen(kw_only=True)
 class LeavesOutTooMuch(HeaviestForce):
+    """Leaving outputs out changes another one."""
+
     def without(self, outputs):
         return attrs.evolve(self, factor=2.0 * self.factor)
 
 
 @attrs.frozen(kw_only=True)
 class WrongShortWay(HeaviestForce):
+    """The short way to an output leads to another value."""
+
     def only(self, assembly, outputs):
         dims, values, said = self.values(assembly)["force"]
         return {"force": (dims, 2.0 * values, said)}, {"ring": ("ring", np.array(["inner", "outer"]), {})}
@@ -125,65 +149,79 @@ class WrongShortWay(HeaviestForce):
 
 @attrs.frozen(kw_only=True)
 class NegativeCost(HeaviestForce):
+    """A part of the plan costs less than nothing."""
+
     def cost(self, assembly):
         return {"run": -1.0}
 
 
 @attrs.frozen(kw_only=True)
 class HiddenCost(HeaviestForce):
+    """The plan does not show what the study costs."""
+
     def parts(self, assembly, estimated, costs):
         return super().parts(assembly, estimated, {})
 
 
 @attrs.frozen(kw_only=True)
 class NoEstimate(HeaviestForce):
+    """There is no estimate of what it needs."""
+
     def estimate(self, assembly, *, cheaper_laws=True):
         raise ConvergenceError("it never ends")
 
 
 @attrs.frozen(kw_only=True)
 class StructuredAttribute(HeaviestForce):
+    """An attribute is a structure that no file holds."""
+
     def run(self, assembly, keep=None):
         return super().run(assembly).assign_attrs(settings={"factor": self.factor})
 
 
 @attrs.frozen(kw_only=True)
 class SaysNothing(HeaviestForce):
+    """The result has nothing that can be said."""
+
     def run(self, assembly, keep=None):
         return super().run(assembly).drop_vars(["force", "margin", "margin_status"])
 
 
 @attrs.frozen(kw_only=True)
 class CurvesWithoutFilm(FrictionCurve):
+    """Curves come without the film that comparisons show."""
+
     def run(self, assembly, keep=None):
         return super().run(assembly).drop_vars("film_parameter")
 
 
 @attrs.frozen(kw_only=True)
 class CurvesWithoutSlices(FrictionCurve):
+    """Curves come without the slices that they are means of."""
+
     def evaluated(self, assembly, dataset):
         return iter(())
 
 
-#: Broken study -> the check that must catch it.
-BROKEN = {
-    Undeclared(): "check_its_result_has_the_outputs_it_declares",
-    OtherUnit(): "check_its_result_has_the_outputs_it_declares",
-    OtherDims(): "check_its_result_has_the_outputs_it_declares",
-    Unsaid(): "check_what_may_be_missing_has_a_status_in_words",
-    Infinite(): "check_what_may_be_missing_has_a_status_in_words",
-    EmptyStatus(): "check_what_may_be_missing_has_a_status_in_words",
-    JudgesNothing(): "check_what_is_judged_is_an_output",
-    ActsUnknown(): "check_what_is_judged_is_an_output",
-    Counting(): "check_it_gives_the_same_bits_twice",
-    ActsInSecret(): "check_what_does_not_act_changes_nothing",
-    LeavesOutTooMuch(): "check_leaving_outputs_out_changes_no_other",
-    WrongShortWay(): "check_short_ways_give_what_a_run_gives",
-    NegativeCost(): "check_it_is_planned",
-    HiddenCost(): "check_it_is_planned",
-    NoEstimate(): "check_it_is_planned",
-    StructuredAttribute(): "check_its_results_can_be_stored",
-    SaysNothing(): "check_its_result_is_told",
-    CurvesWithoutFilm(points=5): "check_its_curves_can_be_compared",
-    CurvesWithoutSlices(points=5): "check_its_curves_can_be_compared",
-}
+#: Rule -> the study that breaks it.
+BROKEN = [
+    ("check_its_result_has_the_outputs_it_declares", Undeclared()),
+    ("check_its_result_has_the_outputs_it_declares", OtherUnit()),
+    ("check_its_result_has_the_outputs_it_declares", OtherDims()),
+    ("check_what_may_be_missing_has_a_status_in_words", Unsaid()),
+    ("check_what_may_be_missing_has_a_status_in_words", Infinite()),
+    ("check_what_may_be_missing_has_a_status_in_words", EmptyStatus()),
+    ("check_what_is_judged_is_an_output", JudgesNothing()),
+    ("check_what_is_judged_is_an_output", ActsUnknown()),
+    ("check_it_gives_the_same_bits_twice", Counting()),
+    ("check_what_does_not_act_changes_nothing", ActsInSecret()),
+    ("check_leaving_outputs_out_changes_no_other", LeavesOutTooMuch()),
+    ("check_short_ways_give_what_a_run_gives", WrongShortWay()),
+    ("check_it_is_planned", NegativeCost()),
+    ("check_it_is_planned", HiddenCost()),
+    ("check_it_is_planned", NoEstimate()),
+    ("check_its_results_can_be_stored", StructuredAttribute()),
+    ("check_its_result_is_told", SaysNothing()),
+    ("check_its_curves_can_be_compared", CurvesWithoutFilm(points=5)),
+    ("check_its_curves_can_be_compared", CurvesWithoutSlices(points=5)),
+]

@@ -5,10 +5,14 @@ import os
 import pytest
 from hypothesis import settings
 
-from broken_models import BROKEN, FATAL, SOUND, fault_of, install
+from broken_models import BROKEN as BROKEN_MODELS
+from broken_models import FATAL, SOUND, fault_of, install
+from broken_studies import BROKEN as BROKEN_STUDIES
 from rollslip.catalogue import discovery
 from rollslip.testing import Nonconformance, all_checks, check_in_subprocess, checks_of, conformance
 from rollslip.testing.findings import run_check
+
+BROKEN = [*BROKEN_MODELS, *BROKEN_STUDIES]
 
 
 @pytest.fixture(autouse=True)
