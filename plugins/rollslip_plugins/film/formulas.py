@@ -165,8 +165,8 @@ class DowsonHigginson(_PowerLaw):
     - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
     - alpha: pressure-viscosity coefficient [1/Pa]
 
-    Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 with g_E = W/U^0.5; 40 to 76 % too
-    thin for M = W/sqrt(2 U) <= 0.5.
+    Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 and 1.337 g_E^1.3704 with
+    g_E = W/U^0.5; 40 to 76 % too thin for M = W/sqrt(2 U) <= 0.5.
 
     Examples
     --------
@@ -204,8 +204,8 @@ class Dowson1968(_PowerLaw):
     - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
     - alpha: pressure-viscosity coefficient [1/Pa]
 
-    Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 with g_E = W/U^0.5; 40 to 76 % too
-    thin for M = W/sqrt(2 U) <= 0.5.
+    Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 and 1.337 g_E^1.3704 with
+    g_E = W/U^0.5; 40 to 76 % too thin for M = W/sqrt(2 U) <= 0.5.
 
     Examples
     --------
@@ -244,8 +244,8 @@ class DowsonToyoda(_PowerLaw):
     - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
     - alpha: pressure-viscosity coefficient [1/Pa]
 
-    Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 with g_E = W/U^0.5; 40 to 76 % too
-    thin for M = W/sqrt(2 U) <= 0.5.
+    Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 and 1.337 g_E^1.3704 with
+    g_E = W/U^0.5; 40 to 76 % too thin for M = W/sqrt(2 U) <= 0.5.
 
     Examples
     --------
@@ -286,8 +286,8 @@ class PanHamrock(FilmModel):
     - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
     - alpha: pressure-viscosity coefficient [1/Pa]
 
-    Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 with g_E = W/U^0.5; 40 to 76 % too
-    thin for M = W/sqrt(2 U) <= 0.5.
+    Range: elastic, piezoviscous films, g_V = W^1.5 G/U^0.5 above 38.97 g_E^0.4737 and 1.337 g_E^1.3704 with
+    g_E = W/U^0.5; 40 to 76 % too thin for M = W/sqrt(2 U) <= 0.5.
 
     Examples
     --------
@@ -355,7 +355,7 @@ class Moes(FilmModel):
     - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
     - alpha: pressure-viscosity coefficient [1/Pa]
 
-    Range: all regimes, at mean speed; fitted by Moes to numerical films. Against `reynolds-line` its error is mapped in
+    Range: all regimes. Against `reynolds-line` its error is mapped in
     the documentation; for M below 2 the pressure itself is far from that of Hertz.
 
     Examples
@@ -372,7 +372,7 @@ class Moes(FilmModel):
     equation: ClassVar[str] = "H = [(H_RI^(7/3) + H_EI^(7/3))^(3s/7) + (H_RP^(-7/2) + H_EP^(-7/2))^(-2s/7)]^(1/s)"
     references: ClassVar[tuple[str, ...]] = (
         "Moes H. Optimum similarity analysis with applications to elastohydrodynamic lubrication. "
-        "Wear 159, 1992, 57-66. doi:10.1016/0043-1648(92)90286-H",
+        "Wear 159, 1992, 57-66.",
     )
     location: ClassVar[str] = "dp/dx = 0"
 
@@ -419,7 +419,7 @@ class Regime(FilmModel):
     - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
     - alpha: pressure-viscosity coefficient [1/Pa]
 
-    Range: all regimes; near a boundary an asymptote is up to a third too thin.
+    Range: all regimes, each formula up to where it meets the next, without a transition between them.
 
     Examples
     --------
@@ -433,8 +433,7 @@ class Regime(FilmModel):
     on_fronts: ClassVar[bool] = True
     equation: ClassVar[str] = "h = max(max(h_IR, h_IE), min(h_VR, h_VE))"
     references: ClassVar[tuple[str, ...]] = (
-        "Johnson K.L. Regimes of elastohydrodynamic lubrication. J. Mech. Eng. Sci. 12, 1970, 9-16. "
-        "doi:10.1243/JMES_JOUR_1970_012_004_02",
+        "Johnson K.L. Regimes of elastohydrodynamic lubrication. J. Mech. Eng. Sci. 12, 1970, 9-16.",
         *Martin.references,
         *Blok.references,
         *Herrebrugh.references,

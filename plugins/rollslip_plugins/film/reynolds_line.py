@@ -66,7 +66,7 @@ class ReynoldsLine(FilmModel):
     references: ClassVar[tuple[str, ...]] = (
         "Dowson D., Higginson G.R. Elasto-hydrodynamic Lubrication. Pergamon, 1966.",
         "Moes H. Optimum similarity analysis with applications to elastohydrodynamic lubrication. "
-        "Wear 159, 1992, 57-66. doi:10.1016/0043-1648(92)90286-H",
+        "Wear 159, 1992, 57-66.",
         "Hairer E., Wanner G. Solving Ordinary Differential Equations II. 2nd ed., Springer, 1996, section IV.5. "
         "doi:10.1007/978-3-642-05221-7",
     )

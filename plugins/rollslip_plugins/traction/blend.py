@@ -219,7 +219,7 @@ class LinearBlend(_BetweenLimits):
     name: ClassVar[str] = "linear-blend"
     equation: ClassVar[str] = "mu = mu_hd + (mu_bd - mu_hd) (Lambda_hd - Lambda)/(Lambda_hd - Lambda_bd)"
     references: ClassVar[tuple[str, ...]] = (
-        "Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984. doi:10.1007/978-1-4612-5276-4",
+        "Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984.",
     )
 
 
@@ -267,7 +267,8 @@ class ZhouHoeprich(_Blend):
         "doi:10.1115/1.2920664",
         "Aihara S. A new running torque formula for tapered roller bearings under axial load. "
         "J. Tribol. 109, 1987, 471-477. doi:10.1115/1.3261475",
-        "Schwarz et al., friction of tapered roller bearings in multi-body simulation. Lubricants 11, 2023, 369. "
+        "Schwarz et al. Predicting friction of tapered roller bearings with detailed multi-body simulation models. "
+        "Lubricants 11, 2023, 369. "
         "doi:10.3390/lubricants11090369",
     )
 
@@ -368,7 +369,7 @@ class GreenwoodTripp(_Blend):
     )
     references: ClassVar[tuple[str, ...]] = (
         "Greenwood J.A., Tripp J.H. The contact of two nominally flat rough surfaces. "
-        "Proc. Inst. Mech. Eng. 185, 1970-71, 625-633. doi:10.1243/PIME_PROC_1970_185_069_02",
+        "Proc. Inst. Mech. Eng. 185, 1970-71, 625-633.",
     )
     share_domain: ClassVar[Domain] = MappingProxyType(
         {**_Blend.share_domain, "pressure": POSITIVE, "modulus": POSITIVE}

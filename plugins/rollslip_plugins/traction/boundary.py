@@ -36,7 +36,7 @@ class Kragelsky(TractionModel):
     - B: coefficient of the rise (``rise``) [1]
     - C: decay of the rise (``decay``) [1]
 
-    Range: boundary lubrication of the steel and oil that the constants were found for, which the source does not name.
+    Range: boundary lubrication; for which steel and oil the constants were found is not known here.
 
     Examples
     --------
@@ -49,7 +49,7 @@ class Kragelsky(TractionModel):
     name: ClassVar[str] = "kragelsky"
     equation: ClassVar[str] = "mu = sign(V) [(-A + B s) exp(-C s) + A], s = |V|/u"
     references: ClassVar[tuple[str, ...]] = (
-        "Kragelskii I.V. Friction and Wear. Butterworths, 1965; as cited by Klebanov et al. (2022).",
+        "Kragelskii I.V. Friction and Wear. Butterworth, 1965; as cited by Klebanov et al. (2022).",
         KLEBANOV,
     )
     reads = frozenset({"rolling_speed", "sliding_speed"})

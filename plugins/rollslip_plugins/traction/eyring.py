@@ -174,7 +174,7 @@ class MaxwellEyring(_EyringFluid):
     equation: ClassVar[str] = "mu = tau0 S/p, S = mean of S(X) with D dS/dX + exp(Phi sigma S) sinh S(X) = sigma"
     references: ClassVar[tuple[str, ...]] = (
         "Johnson K.L., Tevaarwerk J.L. Shear behaviour of elastohydrodynamic oil films. "
-        "Proc. R. Soc. Lond. A 356, 1977, 215-236. doi:10.1098/rspa.1977.0129",
+        "Proc. R. Soc. Lond. A 356, 1977, 215-236.",
         KLEBANOV,
     )
     closed_form: ClassVar[str | None] = "muraki"
@@ -243,7 +243,7 @@ class Eyring(_EyringFluid):
     equation: ClassVar[str] = "mu = tau0 S/p, S = asinh(sigma exp(-Phi sigma S))"
     references: ClassVar[tuple[str, ...]] = (
         "Eyring H. Viscosity, plasticity, and diffusion as examples of absolute reaction rates. "
-        "J. Chem. Phys. 4, 1936, 283-291. doi:10.1063/1.1749836",
+        "J. Chem. Phys. 4, 1936, 283-291.",
         KLEBANOV,
     )
     solved_by: ClassVar[str | None] = "maxwell-eyring"

@@ -518,7 +518,7 @@ class MaxwellEyringField(TractionModel):
     )
     references: ClassVar[tuple[str, ...]] = (
         "Johnson K.L., Tevaarwerk J.L. Shear behaviour of elastohydrodynamic oil films. "
-        "Proc. R. Soc. Lond. A 356, 1977, 215-236. doi:10.1098/rspa.1977.0129",
+        "Proc. R. Soc. Lond. A 356, 1977, 215-236.",
         "Carslaw H.S., Jaeger J.C. Conduction of Heat in Solids. 2nd ed., Oxford, 1959, section 2.9.",
         KLEBANOV,
     )

@@ -71,7 +71,7 @@ class Gupta(TractionModel):
     name: ClassVar[str] = "gupta"
     equation: ClassVar[str] = "mu = sign(V) [(A + B s) exp(-C s) + D - (A + D) max(0, 1 - s/s0)], s = |V|/u"
     references: ClassVar[tuple[str, ...]] = (
-        "Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984. doi:10.1007/978-1-4612-5276-4",
+        "Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984.",
     )
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})

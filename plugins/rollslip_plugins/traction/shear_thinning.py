@@ -80,8 +80,7 @@ class Carreau(HeatedFilm):
         "doi:10.1122/1.549276",
         "Bair S. High-Pressure Rheology for Quantitative Elastohydrodynamics, 2nd ed. Elsevier, 2019.",
         "Bair S., McCabe C., Cummings P.T. Comparison of nonequilibrium molecular dynamics with experimental "
-        "measurements in the nonlinear shear-thinning regime. Phys. Rev. Lett. 88, 2002, 058302. "
-        "doi:10.1103/PhysRevLett.88.058302",
+        "measurements in the nonlinear shear-thinning regime. Phys. Rev. Lett. 88, 2002, 058302.",
     )
     expected_failures = MappingProxyType(
         {
