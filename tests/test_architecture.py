@@ -55,6 +55,7 @@ def imported(path: Path) -> set[str]:
     }
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("package", "path"), SOURCES, ids=lambda value: value.name if isinstance(value, Path) else "")
 def test_imports_flow_one_way(package, path):
     if path.suffix == ".h":  # a header of the standard library, or one of ours from here
@@ -169,6 +170,7 @@ PLANTED = {
 }
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("rule", PLANTED)
 def test_the_layout_keeps_its_rules(rule):
     assert getattr(architecture, rule)() == []

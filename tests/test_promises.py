@@ -10,6 +10,8 @@ import pytest
 import rollslip
 from rollslip import hookspecs
 
+pytestmark = pytest.mark.quick
+
 #: Module -> names that version 0.1 offered there.
 PROMISED = {
     "rollslip": """Chain Conditions Slices available compare evolve fit get_include get_model load_distribution

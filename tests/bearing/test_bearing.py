@@ -10,6 +10,8 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.profile import profile_drop, slice_positions
 from rollslip.errors import DomainError
 
+pytestmark = pytest.mark.quick
+
 SPEED_6371 = 6371 * 2 * np.pi / 60
 BEARING = Kinematics(0.0825, 0.0975, 0.0075, inner_speed=SPEED_6371, outer_speed=0.0)
 

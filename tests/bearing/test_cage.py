@@ -16,6 +16,8 @@ from rollslip.scene.reading import parse_scene
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, ConstantTorque, CoulombPocket, PetroffLand
 
+pytestmark = pytest.mark.quick
+
 SCENE = load_scene("1032930-50C")
 #: The same without a cage.
 BARE = SCENE.text.partition("[cage]")[0] + "[operation]" + SCENE.text.partition("[operation]")[2]

@@ -8,6 +8,8 @@ from scipy.optimize import minimize_scalar
 
 from rollslip.bearing.critical import locate
 
+pytestmark = pytest.mark.quick
+
 
 @given(st.floats(0.01, 0.9), st.floats(1e-4, 10.0))
 def test_locate_finds_the_maximum_of_a_known_curve(peak, height):

@@ -14,6 +14,8 @@ from rollslip.bearing.load_map import build_load_map, fastest, resistances
 from rollslip.errors import ConvergenceError
 from rollslip_plugins.drag.rolling import RollingResistance
 
+pytestmark = pytest.mark.quick
+
 SCENES = {
     "profiled": {"accuracy.slices": 15},
     "clearance": {"accuracy.slices": 7, "bearing.radial_clearance": "20 um"},

@@ -5,6 +5,8 @@ import pytest
 
 from rollslip.bearing.raceway import gauss_rule, load_rule
 
+pytestmark = pytest.mark.quick
+
 
 def test_a_gauss_rule_is_exact_for_polynomials_in_the_root_of_the_load():
     rng = np.random.default_rng(3)

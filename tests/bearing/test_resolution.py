@@ -16,6 +16,8 @@ from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.friction_curve.study import FrictionCurve
 from rollslip.studies.steady_slip.study import SteadySlip
 
+pytestmark = pytest.mark.quick
+
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.slices": 15})
 STUDY = EffectiveFriction(max_cage_slip=0.95, points=21, map_points=0)
 TILTED = evolve(SCENE, {"bearing.profile": "none", "operation.misalignment": "0.05 mrad"})

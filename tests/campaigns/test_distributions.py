@@ -16,6 +16,8 @@ from rollslip.planning.quantities import quantities
 from rollslip.structure import Location
 from rollslip.studies.study import settings
 
+pytestmark = pytest.mark.quick
+
 SCENE = rollslip.load_scene("1032930-70C")
 KNOWN = quantities(assemble(SCENE), settings(SCENE))
 P = np.linspace(0.001, 0.999, 333)

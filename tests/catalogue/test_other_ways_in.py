@@ -30,6 +30,8 @@ from rollslip_plugins.film.formulas import Moes
 from rollslip_plugins.traction.blend import LambdaBlend
 from rollslip_plugins.traction.boundary import Constant
 
+pytestmark = pytest.mark.quick
+
 READS = ("rolling_speed", "sliding_speed")
 
 

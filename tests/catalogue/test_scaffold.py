@@ -13,6 +13,8 @@ from rollslip.catalogue.scaffold import new, package
 from rollslip.errors import OutputError, RollslipError
 from rollslip.fields import FieldError
 
+pytestmark = pytest.mark.quick
+
 WRITTEN = [kind for kind in kinds() if get_kind(kind).template is not None]
 FORMS = [(kind, False) for kind in WRITTEN] + [(kind, True) for kind in ("contact", "film", "traction", "drag")]
 every_form = pytest.mark.parametrize(

@@ -155,6 +155,7 @@ def test_a_bad_scene_gets_one_sentence_with_its_line(tmp_path, scene, old, new, 
     assert not (tmp_path / "o").exists()
 
 
+@pytest.mark.quick
 def test_all_mistakes_are_reported_at_once(tmp_path, scene):
     text = scene.path.read_text().replace("rollers = 28", "rollers = -3").replace('"15 mm"', '"15"')
     scene.path.write_text(text.replace("tolerance = 1e-3", "tolerance = 7\nextra = 1"))
@@ -193,6 +194,7 @@ def test_wrong_usage(tmp_path, arguments, says):
     assert says in done.stderr
 
 
+@pytest.mark.quick
 def test_models_that_do_not_exist(tmp_path):
     assert "did you mean 'muraki'" in command("models", "murak", cwd=tmp_path, code=5).stderr
 

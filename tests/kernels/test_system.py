@@ -9,6 +9,8 @@ import pytest
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
 from rollslip_kernels.motion.system import RefusedError, System, python_system
 
+pytestmark = pytest.mark.quick
+
 HEAD, BLOCK, LEDGER = 2, 3, 2
 N_RECEIVING = HEAD + LEDGER
 

@@ -30,6 +30,8 @@ from rollslip.lubricant import (
 from rollslip.structure import Location
 from rollslip_plugins.data.lubricants import lubricants
 
+pytestmark = pytest.mark.quick
+
 OILS = {oil.name: oil for oil in lubricants()}
 every_oil = pytest.mark.parametrize("oil", OILS.values(), ids=OILS)
 

@@ -22,6 +22,8 @@ from rollslip_plugins.data.lubricants import mil_prf_7808
 from rollslip_plugins.traction.blend import LambdaBlend
 from strategies import NumpyForm, decades, evaluated, forms, law_of, or_zero
 
+pytestmark = pytest.mark.quick
+
 #: Polyphenyl ether 5P4E after Ehret, Dowson and Taylor (1998); units in the file's form.
 ETHER = {
     "glass_temperature": "-28.2 degC",

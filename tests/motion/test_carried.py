@@ -222,6 +222,7 @@ def test_the_ledger_explains_energy_and_angular_momentum_exactly(level, kind, dr
             assert rate[name] >= 0.0
 
 
+@pytest.mark.quick
 def test_energy_and_momentum_are_those_the_rates_change():
     m, rng = motion("pocket", "conventional"), np.random.default_rng(2)
     y = random_state(m, rng)
@@ -233,6 +234,7 @@ def test_energy_and_momentum_are_those_the_rates_change():
         assert residual(states)[1] == pytest.approx(0.0, abs=1e-5 * abs(change))
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("level", LEVELS)
 def test_without_drag_the_epicyclic_motion_stays(level, kind):
@@ -272,6 +274,7 @@ def test_a_mirrored_bearing_moves_in_the_mirror(level, kind):
     )
 
 
+@pytest.mark.quick
 def test_drags_get_the_real_speeds():
     seen = []
     torque = drag.python_drag(lambda *speeds: seen.append(speeds) or 0.5)
@@ -340,6 +343,7 @@ def pocket_forces(m, x, rate=0.0):
     return m.outputs(np.zeros(np.size(x)), states)["pocket_force"][:, 0]
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("contact", ["metal", "film"])
 @pytest.mark.parametrize("clearance", ["0 mm", "0.2 mm", "5 mm"])
 @pytest.mark.parametrize("stiffness", ["5e7 N/m", "1e10 N/m"])
@@ -367,6 +371,7 @@ def test_pockets_push_smoothly_and_never_pull(contact, clearance, stiffness):
 # Refusals, watched values, outputs ------------------------------------------------------------------------------------
 
 
+@pytest.mark.quick
 def test_a_roller_faster_than_the_loads_is_refused_in_words():
     m = motion("pocket", "constant")
     y = m.initial()
@@ -405,6 +410,7 @@ def test_what_a_stage_refuses_is_said_in_words():
         made.outputs([0.0], made.initial(0.3))
 
 
+@pytest.mark.quick
 def test_python_stages_and_python_drags_serve():
     m = motion("cage-set", "conventional", ())
     torque = drag.python_drag(lambda cage, inner, outer: -0.03 * cage / math.hypot(cage, 1.0))
@@ -420,6 +426,7 @@ def test_python_stages_and_python_drags_serve():
     np.testing.assert_allclose(made.system.rates(0.0, y), expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("where", ["traction", "drag"])
 def test_an_error_of_a_plugin_comes_out_as_it_is(where):
     class Broken(NumpyForm):
@@ -452,6 +459,7 @@ def test_slip_and_film_are_watched():
     assert never.system.watch(0.0, never.initial(0.9))[0] == never.system.watch(0.0, never.initial(0.0))[0] < 0.0
 
 
+@pytest.mark.quick
 def test_outputs_are_those_of_the_contacts():
     m, rng = motion("cage-set", "conventional"), np.random.default_rng(9)
     states = np.stack([random_state(m, rng) for _ in range(3)])
@@ -488,6 +496,7 @@ def test_work_is_counted_in_contacts_and_slices():
 # Raceways ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.quick
 def test_a_table_is_held_beyond_its_ends_and_passes_no_nan_on_silently():
     x = np.linspace(-0.5, 0.5, 9)
     nodes = np.stack((x**3, 3 * x**2 * (x[1] - x[0])), axis=1)
@@ -501,6 +510,7 @@ def test_a_table_is_held_beyond_its_ends_and_passes_no_nan_on_silently():
     assert np.isnan(compiled.friction(made, 0.0, 10.0, np.nan, 5.0, 3.0)[0]).all()
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("slips", [False, True])
 def test_effective_tables_are_right_to_their_tolerance(slips):
     from rollslip.motion.effective_table import effective_table

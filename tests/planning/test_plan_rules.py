@@ -53,6 +53,7 @@ def test_a_plan_keeps_its_word_against_the_finest(k):
     assert verdict.kept, (verdict.tolerance, verdict.actual, verdict.resolution)
 
 
+@pytest.mark.quick
 def test_a_smaller_tolerance_takes_more_slices_and_instants():
     chosen = [plan(evolve(BASE, {"accuracy.tolerance": t}), STUDY).estimated[STUDY] for t in (1e-2, 1e-3, 1e-4)]
     for coarse, fine in itertools.pairwise(chosen):
@@ -63,18 +64,21 @@ def test_a_smaller_tolerance_takes_more_slices_and_instants():
         assert max(one.total.values()) <= tolerance
 
 
+@pytest.mark.quick
 def test_a_tolerance_of_a_result_is_its_own():
     strict = plan(evolve(BASE, {"accuracy.critical_slip": 1e-5}), STUDY).estimated[STUDY]
     assert strict.resolution.slices > plan(BASE, STUDY).estimated[STUDY].resolution.slices
     assert strict.total["critical_slip"] <= 1e-5
 
 
+@pytest.mark.quick
 def test_exact_is_the_finest_of_everything():
     made = plan(evolve(BASE, {"accuracy.tolerance": "exact"}), STUDY)
     assert made.estimated[STUDY].resolution == finest(BASE)
     assert made.estimated[STUDY].left_out == ()
 
 
+@pytest.mark.quick
 def test_fixed_slices_stay():
     made = plan(evolve(BASE, {"accuracy.slices": 33}), STUDY)
     assert made.assemblies[STUDY].slices == 33
@@ -84,6 +88,7 @@ def test_fixed_slices_stay():
     assert "raise accuracy.slices" in " ".join(json.loads(coarse.attrs["warnings"]))
 
 
+@pytest.mark.quick
 def test_one_slice_serves_where_the_load_is_even():
     straight = evolve(BASE, {"bearing.profile": "none"})
     study = EffectiveFriction(points=11, map_points=0)
@@ -94,6 +99,7 @@ def test_one_slice_serves_where_the_load_is_even():
     np.testing.assert_allclose(nine.effective_friction, one.effective_friction, rtol=1e-5)
 
 
+@pytest.mark.quick
 def test_unloaded_contacts_take_no_part():
     """The mean by force over all slices is that over the loaded ones: the others weigh nothing."""
     assembly = assemble(BASE, Resolution(slices=9, instants=2))
@@ -109,6 +115,7 @@ def test_unloaded_contacts_take_no_part():
         assert found == pytest.approx(friction @ force / force.sum(), rel=1e-12)
 
 
+@pytest.mark.quick
 def test_boundary_friction_is_left_out_of_full_films_without_a_trace():
     made = plan(evolve(BASE, SMOOTH), STUDY)
     assert not made.estimated[STUDY].resolution.boundary
@@ -120,6 +127,7 @@ def test_boundary_friction_is_left_out_of_full_films_without_a_trace():
     assert json.loads(result.attrs["taken_back"]) == []
 
 
+@pytest.mark.quick
 def test_boundary_friction_is_taken_back_in_where_a_film_is_thin():
     """A plan that leaves it out of the rough bearing breaks its bound; the result is that of one that did not."""
     honest = plan(evolve(BASE, {"surface.inner_raceway_roughness": "0.6 um"}), STUDY)
@@ -135,6 +143,7 @@ def test_boundary_friction_is_taken_back_in_where_a_film_is_thin():
     assert json.loads(result.attrs["resolution"])["boundary"]
 
 
+@pytest.mark.quick
 def test_a_closed_form_serves_only_within_its_bounds():
     traction = {"model": "maxwell-eyring"}
     stiff = {"models.traction": traction, "lubricant.shear_modulus": "1 GPa", "lubricant.eyring_stress": "10 MPa"}
@@ -182,6 +191,7 @@ def test_a_law_says_the_groups_in_which_its_closed_form_departs_from_it(flash):
         ExactLaw(law, extremes.groups | {"deborah": 0.019})(slices)
 
 
+@pytest.mark.quick
 def test_a_bound_is_watched_at_every_evaluation():
     bound = BoundaryFriction(1.5)
     watched = assemble(BASE, Resolution(slices=5)).with_bounds(bound)
@@ -213,6 +223,7 @@ def test_a_broken_word_is_told():
     assert "more than the tolerance of 0.001" in json.loads(result.attrs["warnings"])[0]
 
 
+@pytest.mark.quick
 def test_only_what_changes_is_shown():
     assert changed(plan(BASE, STUDY), plan(BASE, STUDY)) == []
     other = plan(evolve(BASE, {"bearing.profile": "none", "models.film": "dowson-1968"}), STUDY)
@@ -222,6 +233,7 @@ def test_only_what_changes_is_shown():
     assert parts["film"][1].choice.startswith("dowson-1968")
 
 
+@pytest.mark.quick
 def test_what_cannot_be_estimated_is_left_to_the_run():
     """No roller is loaded on the inner ring: the plan is printed, the run says why there is no result."""
     idle = evolve(BASE, {"operation.radial_load": 0.0, "bearing.radial_clearance": "50 um"})

@@ -21,6 +21,8 @@ from rollslip_plugins.contact import LundbergDeflection, PowerDeflection
 from rollslip_plugins.film.formulas import Moes
 from rollslip_plugins.traction.boundary import Kragelsky
 
+pytestmark = pytest.mark.quick
+
 KINDS = ("contact", "film", "traction", "drag", "integrator")
 LAWS = [
     *(get_class(kind, name) for kind in KINDS for name, by in available(kind).items() if by.package == "rollslip"),

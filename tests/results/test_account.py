@@ -58,6 +58,7 @@ def strangers(**attributes):
     )  # fmt: skip
 
 
+@pytest.mark.quick
 def test_every_study_and_campaign_of_the_box_has_an_account():
     modules = {f"rollslip.{'.'.join(folder.relative_to(FRAMEWORK).parts)}.account" for folder in TELLING}
     offers = available("account")
@@ -97,6 +98,7 @@ def texts(path):
     }
 
 
+@pytest.mark.quick
 def test_who_shows_results_knows_no_study():
     studies = {folder.name.replace("_", "-") for folder in TELLING if folder.parent.name == "studies"}
     assert len(studies) == 4
@@ -106,6 +108,7 @@ def test_who_shows_results_knows_no_study():
         assert not texts(path) & set(available("account"))
 
 
+@pytest.mark.quick
 def test_a_study_without_an_account_is_told_by_what_it_says_of_itself():
     dataset = strangers()
     account = account_of(dataset)
@@ -132,6 +135,7 @@ def test_a_study_without_an_account_is_told_by_what_it_says_of_itself():
     json.dumps(record, allow_nan=False)
 
 
+@pytest.mark.quick
 def test_a_study_without_an_account_is_drawn_and_reported(tmp_path):
     dataset = strangers()
     (figure,) = plot(dataset, tmp_path)
@@ -156,6 +160,7 @@ def test_what_says_nothing_of_itself_is_neither_told_nor_drawn(tmp_path):
     assert "What was found" not in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.quick
 def test_curves_without_a_film_have_none():
     (first, _), names = curves(strangers()), curve_names(strangers())
     assert np.isnan(first.film_parameter).all()
@@ -183,6 +188,7 @@ def registered():
     del _registered["account", "grip-of-a-stranger"]
 
 
+@pytest.mark.quick
 @pytest.mark.usefixtures("registered")
 def test_an_account_of_a_stranger_takes_the_place_of_the_plain_one(tmp_path):
     dataset = strangers(grade="steep", instants=3)

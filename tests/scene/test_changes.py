@@ -16,6 +16,8 @@ from rollslip.scene.schema import schema
 from rollslip.structure import structure
 from scene_samples import SCENE, scene_with
 
+pytestmark = pytest.mark.quick
+
 
 def test_evolve_changes_values_by_dotted_key() -> None:
     scene = parse_scene(SCENE, "scene.toml")

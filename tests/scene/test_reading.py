@@ -20,6 +20,8 @@ from rollslip.scene.reading import load_scene, parse_scene, shipped_scenes
 from rollslip.structure import nearest, structure
 from scene_samples import LINES, SCENE, line_of, problems_of, scene_with
 
+pytestmark = pytest.mark.quick
+
 # A scene as a value -------------------------------------------------------------------------------------------------
 
 

@@ -1,6 +1,10 @@
 """The schema of scenes."""
 
+import pytest
+
 from rollslip.scene.schema import schema
+
+pytestmark = pytest.mark.quick
 
 
 def test_the_schema_has_every_promised_key() -> None:

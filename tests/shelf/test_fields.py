@@ -9,6 +9,8 @@ import pytest
 
 from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of, parameter, positive
 
+pytestmark = pytest.mark.quick
+
 
 @pytest.mark.parametrize(
     ("validator", "value", "message"),

@@ -7,6 +7,8 @@ from rollslip.errors import SceneError
 from rollslip.fields import parameter, positive
 from rollslip.files import decoded, read_columns
 
+pytestmark = pytest.mark.quick
+
 
 @attrs.frozen(kw_only=True)
 class Row:

@@ -9,6 +9,8 @@ from rollslip.scene.reading import parse_scene
 from rollslip.structure import Location, structure
 from scene_samples import LINES, scene_with
 
+pytestmark = pytest.mark.quick
+
 
 @attrs.frozen(kw_only=True)
 class Law:

@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from rollslip.errors import SceneError
 from rollslip.toml import key_lines, parse
 
+pytestmark = pytest.mark.quick
+
 TRICKY = '''\
 # [not.a.table] = "x"
 a = "# no comment" # a comment with "quotes

@@ -34,6 +34,7 @@ def contact_friction(assembly, ring, force, sliding, rolling):
     return float(raceway.evaluate(load, rolling, sliding).friction[0])
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("closure", ["epicyclic", "outer-rolling"])
 def test_it_is_the_mean_by_force_over_loaded_rollers_and_instants(closure):
     assembly = assemble(STRAIGHT)
@@ -53,6 +54,7 @@ def test_it_is_the_mean_by_force_over_loaded_rollers_and_instants(closure):
         assert got == pytest.approx(pull / loaded.sum(), rel=1e-13, abs=1e-15)
 
 
+@pytest.mark.quick
 def test_unloaded_rollers_do_not_count():
     result = curve(STRAIGHT, per_roller=True)
     forces = result.normal_force.sel(ring="inner").to_numpy()
@@ -88,6 +90,7 @@ def test_a_free_roller_is_pulled_alike_by_both_rings():
     assert friction[0, roller, slip] == pytest.approx(want, rel=1e-9)
 
 
+@pytest.mark.quick
 def test_outer_rolling_leaves_the_outer_ring_without_friction():
     result = curve(STRAIGHT, closure="outer-rolling")
     assert not result.effective_friction.sel(ring="outer").any()
@@ -95,6 +98,7 @@ def test_outer_rolling_leaves_the_outer_ring_without_friction():
     assert result.critical_status.sel(ring="outer") == "no critical slip: there is no friction in the range"
 
 
+@pytest.mark.quick
 def test_the_map_holds_the_curve_of_the_epicyclic_closure():
     result = curve(STRAIGHT, map_points=7)
     at_epicyclic = result.friction_map.sel(map_roller_slip=0.0)
@@ -104,6 +108,7 @@ def test_the_map_holds_the_curve_of_the_epicyclic_closure():
         np.testing.assert_allclose(at_epicyclic[:, j], single, rtol=2e-3, atol=1e-15)
 
 
+@pytest.mark.quick
 def test_the_instants_have_converged_and_the_estimate_is_honest():
     result = curve(STRAIGHT)
     fine = evolve(STRAIGHT, {"accuracy.tolerance": 1e-6})
@@ -114,6 +119,7 @@ def test_the_instants_have_converged_and_the_estimate_is_honest():
     assert error <= result.attrs["instants_error"] <= 1e-3
 
 
+@pytest.mark.quick
 def test_the_slices_leave_no_more_than_is_said():
     scene = load_scene("1032930-70C")
     result, fine = curve(scene), curve(evolve(scene, {"accuracy.slices": 601}))
@@ -123,6 +129,7 @@ def test_the_slices_leave_no_more_than_is_said():
     assert error <= 2.0 * result.attrs["slices_error"] + result.attrs["instants_error"]
 
 
+@pytest.mark.quick
 def test_the_critical_slip_is_the_maximum_of_the_continuous_curve():
     coarse, fine = curve(STRAIGHT, points=11), curve(STRAIGHT, points=2001)
     best = int(np.argmax(fine.effective_friction.sel(ring="inner").to_numpy()))
@@ -132,6 +139,7 @@ def test_the_critical_slip_is_the_maximum_of_the_continuous_curve():
     assert coarse.critical_status[0] == "found"
 
 
+@pytest.mark.quick
 def test_a_critical_slip_outside_the_range_is_said_in_words():
     result = curve(STRAIGHT, max_cage_slip=0.3)
     assert np.isnan(result.critical_cage_slip).all()
@@ -151,6 +159,7 @@ def test_more_load_gives_less_slip(load, factor):
     assert (pulls[1] > pulls[0]).all()
 
 
+@pytest.mark.quick
 def test_mirrored_rotation_gives_the_same_curve():
     there = curve(STRAIGHT)
     back = curve(evolve(STRAIGHT, {"operation.inner_speed": "-6371 rpm"}))
@@ -170,6 +179,7 @@ def test_friction_drives_the_cage_whichever_ring_turns(closure):
         assert "no friction" not in str(result.critical_status.sel(ring="inner").item())
 
 
+@pytest.mark.quick
 def test_nothing_loaded_is_refused_in_words():
     scene = evolve(STRAIGHT, {"operation.radial_load": "0 N", "bearing.radial_clearance": "20 um"})
     with pytest.raises(SceneError, match=r"operation\.radial_load: no roller is loaded .* give a radial load"):
@@ -178,6 +188,7 @@ def test_nothing_loaded_is_refused_in_words():
     assert np.isfinite(curve(preloaded).effective_friction).all()
 
 
+@pytest.mark.quick
 def test_a_contact_with_a_profile_carries_its_force():
     assembly = assemble(load_scene("1032930-30C"))
     result = FrictionCurve(normal_force=(300.0, 518.0), points=11).run(assembly)
@@ -192,6 +203,7 @@ def test_a_contact_with_a_profile_carries_its_force():
     assert float(straight.pressure[0]) == pytest.approx(w / (2 * half_width), rel=1e-14)
 
 
+@pytest.mark.quick
 def test_friction_curve_has_the_thermal_branch_of_the_paper():
     """Fig. 1: at 30 degC friction falls with slip beyond a maximum, and earlier under the larger force."""
     result = FrictionCurve(normal_force=(300.0, 518.0), points=101).run(assemble(load_scene("1032930-30C")))
@@ -202,6 +214,7 @@ def test_friction_curve_has_the_thermal_branch_of_the_paper():
         assert (np.diff(falling) < 0.0).all()
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     "profile",
     [
@@ -227,6 +240,7 @@ def test_every_profile_of_a_scene_reaches_the_contacts(profile):
     np.testing.assert_allclose(drop, drop[::-1], atol=1e-18)
 
 
+@pytest.mark.quick
 def test_a_profile_that_does_not_cover_the_roller_is_refused():
     table = {"shape": "table", "position": ["-5 mm", "5 mm"], "drop": ["0 um", "0 um"]}
     with pytest.raises(SceneError, match=r"bearing\.profile: "):
@@ -243,6 +257,7 @@ def plainly(assembly, loads, speeds, orbit=1.0):
         yield slices, float((slices.friction * slices.load).sum() / slices.load.sum())
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("changes", [{}, {"operation.misalignment": "0.3 mrad"}, {"bearing.rollers": 27}], ids=str)
 @pytest.mark.parametrize("instants", [1, 2, 3])
 def test_contacts_that_mirror_each_other_count_as_often_as_they_are_there(changes, instants):
@@ -269,6 +284,7 @@ def test_contacts_that_mirror_each_other_count_as_often_as_they_are_there(change
     assert raceways.inner.force.size + raceways.outer.force.size < 0.56 * whole + 42
 
 
+@pytest.mark.quick
 def test_regimes_of_free_rollers_are_those_of_each_slice():
     assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 5}))
     raceways = LoadedRaceways(assembly, assembly.load_distribution(1), "free-roller")
@@ -282,6 +298,7 @@ def test_regimes_of_free_rollers_are_those_of_each_slice():
     np.testing.assert_allclose(contacts.regimes(speeds.inner_rolling)[0], want, atol=1e-14)
 
 
+@pytest.mark.quick
 @given(
     st.floats(-14, -8),
     st.one_of(st.just(0.0), st.floats(1e2, 1e5)),
@@ -296,6 +313,7 @@ def test_limits_of_the_film_regimes_are_where_the_codes_change(U, G, W):
     np.testing.assert_array_equal(code, film_by_regime(U, G, W)[1])
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("film", ["moes", "regime"])
 def test_the_map_is_that_of_all_slices(film):
     assembly = assemble(evolve(load_scene("1032930-70C"), {"accuracy.slices": 41, "models.film": film}))
