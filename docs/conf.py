@@ -10,7 +10,8 @@ import importlib.metadata
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE / "_ext"), str(HERE.parent / "tests" / "support")]  # what the layout promises stands there
 
 project = "rollslip"
 author = "The rollslip developers"

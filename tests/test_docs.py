@@ -24,7 +24,7 @@ from rollslip.catalogue.registry import available
 from rollslip.cli.main import cli, main
 from rollslip.lubricant import OilTable
 from rollslip.scene.schema import schema
-from rollslip.studies.study import study_class
+from rollslip.studies.study import Study, study_class
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -147,6 +147,104 @@ def test_every_part_made_from_the_program_is_used_on_a_page():
     assert sorted(tables) == sorted(set(tables))
     unused = {path.stem for path in (DOCS / "tables").glob("*.csv")} - set(tables)
     assert unused == {"calibration", "plan_proof"}, "the full tables are named on their pages, not shown"
+
+
+# What the pages name is there -----------------------------------------------------------------------------------------
+
+ROOT = DOCS.parent
+#: Pages that lead through the repository.
+LEADING = {page: PAGES[page] for page in ("develop/architecture.rst", "develop/lookups.rst", "reference/studies.rst")}
+LEADING["CONTRIBUTING.md"] = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+FILE = re.compile(r"[\w.-]*(?:/[\w.-]*)+|[\w-]+\.(?:py|md|toml|rst|csv|h|pyx|pxd)")
+
+
+def files_named(path):
+    """The files and folders that a path of the pages may mean; NAME and FOLDER stand for any."""
+    pattern = re.sub("NAME|FOLDER", "*", path).rstrip("/")
+    return [found for base in (ROOT, ROOT / "framework" / "rollslip") for found in base.glob(pattern)]
+
+
+def not_there(text):
+    """What a page names and nobody finds: paths, and names that it says are defined in one."""
+    literals = re.findall(r"(?<![`:])(`{1,2})([^`\n]+)\1(?!`)", text)  # but for roles
+    paths = {literal for _, literal in literals if FILE.fullmatch(literal)}
+    lost = {path for path in paths if not files_named(path)}
+    for name, path in re.findall(r"``(\w+)``\s+in\s+``([^`\s]+)``", text):
+        defined = re.compile(rf"(?:def |class |define |STAGE\(){name}\b|^{name}\b[^=\n]* =", re.MULTILINE)
+        if not any(defined.search(file.read_text(encoding="utf-8")) for file in files_named(path)):
+            lost.add(f"{name} in {path}")
+    return lost
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("page", LEADING)
+def test_every_path_and_name_on_a_page_that_leads_through_the_code_exists(page):
+    assert not not_there(LEADING[page])
+
+
+@pytest.mark.parametrize(
+    ("fault", "lost"),
+    [
+        ("``bearing/equilibirum.py``", "bearing/equilibirum.py"),
+        ("see `tests/bearings/` and `tests/bearing/`", "tests/bearings/"),
+        ("``studies/NAME/stories.py``", "studies/NAME/stories.py"),
+        ("``CONTRIBUTE.md``", "CONTRIBUTE.md"),
+        ("``solve`` in\n     ``bearing/equilibrium.py``", "solve in bearing/equilibrium.py"),
+        ("``LoadCases`` in ``bearing/equilibrium.py``", "LoadCases in bearing/equilibrium.py"),
+        ("``LoadCase`` in ``bearing/chain.py``", "LoadCase in bearing/chain.py"),
+    ],
+)
+def test_a_wrong_path_or_name_is_found(fault, lost):
+    assert not_there(f"``LoadCase`` in ``bearing/equilibrium.py``, {fault}, and ``pyproject.toml``") == {lost}
+
+
+def test_every_folder_stands_on_the_page_of_the_architecture():
+    roots = made("folders").split(".. rubric:: ")[1:]
+    assert [text.partition("\n")[0] for text in roots] == list(FACTS.ROOTS)
+    for root, text in zip(FACTS.ROOTS, roots, strict=True):
+        for path in (ROOT / root).rglob("*/__init__.py"):
+            name = path.parent.relative_to(ROOT / root).as_posix()
+            assert name == "." or f"* - ``{name}/``\n     - {FACTS.purpose(path.parent)}" in text
+    picture = made("imports-picture")
+    assert all(f">{name}</text>" in picture for name in FACTS.architecture.ORDER)
+    assert ">campaigns imports studies: " in picture
+    assert len(picture) < 30_000
+
+
+def test_a_quick_run_looks_at_every_folder_and_at_nothing_slow():
+    texts = {path: path.read_text(encoding="utf-8") for path in (ROOT / "tests").glob("*/test_*.py")}
+    quick = {path for path, text in texts.items() if "pytest.mark.quick" in text}
+    assert {path.parent for path in quick} == {path.parent for path in texts}
+    whole = {path for path in quick if re.search(r"^pytestmark = pytest\.mark\.quick$", texts[path], re.MULTILINE)}
+    assert not {path for path in whole if re.search(r"mark\.(slow|plugins|faults)", texts[path])}
+
+
+def rows(page):
+    """Cells of the rows of a page's tables, but for their heads."""
+    tables = re.findall(r"^   \* - (.*\n(?: {5}.*\n)*)", PAGES[page], re.MULTILINE)
+    return [re.split(r"\n     -(?: |$)", row, flags=re.MULTILINE) for row in tables]
+
+
+def test_twelve_look_ups_take_three_steps_each():
+    head, *look_ups = rows("develop/lookups.rst")
+    assert len(look_ups) == 12
+    assert {len(cells) for cells in (head, *look_ups)} == {4}
+    for question, *steps in look_ups:
+        assert question.endswith("?")
+        assert all(re.search(r"``|:doc:|^\"", step) for step in steps if step.strip())
+    for command in re.findall(r"``rollslip (\w+)", PAGES["develop/lookups.rst"]):
+        assert command in cli.commands
+
+
+def test_where_to_add_what_has_every_kind():
+    added = " ".join(cells[0] for cells in rows("develop/architecture.rst"))
+    assert [kind for kind in kinds() if not re.search(rf"\b{kind}\b", added)] == []
+
+
+def test_every_member_of_a_study_is_on_the_page_of_studies():
+    tables = " ".join(cells[0] for cells in rows("reference/studies.rst"))
+    members = {name for name in (*vars(Study), *Study.__annotations__) if not name.startswith("_")}
+    assert {name for name in members if f"``{name}``" not in tables} == set()
 
 
 # Numbers --------------------------------------------------------------------------------------------------------------

@@ -1,12 +1,16 @@
 """What the program itself knows of its documentation, as lines of reStructuredText; needs no Sphinx."""
 
+import ast
 import csv
 import re
+from collections import Counter
+from html import escape
 from pathlib import Path
 
 import attrs
 import click
 
+import architecture
 from rollslip.bearing.cage import Cage
 from rollslip.campaigns.sweep.distributions import DISTRIBUTIONS, Correlation
 from rollslip.campaigns.sweep.sweep import SweepTable
@@ -172,6 +176,86 @@ def changelog():
     return lines
 
 
+#: The three roots, each of which may import those before it.
+ROOTS = {
+    "kernels/rollslip_kernels": "compiled loops and laws",
+    "framework/rollslip": "interfaces, bearing, studies, commands",
+    "plugins/rollslip_plugins": "the models in the box",
+}
+
+
+def purpose(folder):
+    """The first sentence of a folder's __init__."""
+    return ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))).partition("\n\n")[0]
+
+
+def folders():
+    """The folders of each root with their purposes, those of the framework in the order of imports."""
+    lines = []
+    for root in ROOTS:
+        base = ROOT / root
+        inner = {path.parent.relative_to(base) for path in base.rglob("*/__init__.py")} - {Path()}
+        ranks = {path: architecture.ORDER.index(architecture.folder(f"{base.name}.{path.parts[0]}")) for path in inner}
+        packages = sorted(inner, key=lambda path: (ranks[path], path))
+        rows = [(f"``{path.as_posix()}/``", purpose(base / path)) for path in packages]
+        lines += ["", f".. rubric:: {root}", "", literal_markup(purpose(base)), "", *table(("folder", "purpose"), rows)]
+    return lines
+
+
+def imports_picture():
+    """The roots and the folders of the framework as a picture: a dot for each folder that a folder imports."""
+    known, count = architecture.modules(ROOT), Counter()
+    for module, path in known.items():
+        if module not in architecture.FACES:
+            used = architecture.imports(path, known) & known.keys()
+            count.update((architecture.folder(module), architecture.folder(other)) for other in used)
+    step, top, order = 20, 102, architecture.ORDER
+    height = top + step * len(order) + 8
+    drawn = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="architecture" viewBox="0 0 360 {height}" role="img" '
+        'aria-labelledby="architecture-says">',
+        f'<title id="architecture-says">{escape(_picture_in_words(count))}</title>',
+    ]
+    for k, (root, about) in enumerate(ROOTS.items()):
+        left = 4 + 122 * k
+        drawn.append(f'<rect x="{left}" y="4" width="108" height="52" rx="6" class="box"/>')
+        drawn.append(f'<text x="{left + 54}" y="24" class="head">{root.partition("/")[0]}</text>')
+        drawn += [
+            f'<text x="{left + 54}" y="{38 + 11 * row}" class="small">{escape(text)}</text>'
+            for row, text in enumerate(_halves(about))
+        ]
+        if k:
+            drawn.append(f'<path d="M{left - 2} 30h-10m4 -4l-4 4l4 4" class="line"/>')
+    drawn.append(f'<text x="4" y="{top - 16}" class="left strong">folders of the framework</text>')
+    for row, name in enumerate(order):
+        y = top + step * row
+        for column, other in enumerate(order[: row + 1]):
+            x = 14 + step * column
+            if column == row:
+                drawn.append(f'<rect x="{x - 7}" y="{y - 7}" width="14" height="14" rx="3" class="own"/>')
+            elif number := count[name, other]:
+                radius = min(2.0 + 0.7 * number**0.5, 6.5)
+                says = f"<title>{name} imports {other}: {number}</title>"
+                drawn.append(f'<circle cx="{x}" cy="{y}" r="{radius:.1f}">{says}</circle>')
+        drawn.append(f'<text x="{26 + step * row}" y="{y + 4}" class="left">{name}</text>')
+    return [".. raw:: html", "", *(f"   {line}" for line in (*drawn, "</svg>"))]
+
+
+def _picture_in_words(count):
+    told = []
+    for name in architecture.ORDER:
+        used = [other for other in architecture.ORDER if other != name and count[name, other]]
+        told.append(f"{name} imports {', '.join(used) or 'no other folder'}")
+    return f"plugins import framework and kernels, framework imports kernels. In the framework: {'; '.join(told)}."
+
+
+def _halves(text):
+    """A text in two lines of about one length."""
+    words = text.split()
+    cut = min(range(1, len(words)), key=lambda k: abs(len(" ".join(words[:k])) - len(" ".join(words[k:]))))
+    return " ".join(words[:cut]), " ".join(words[cut:])
+
+
 def from_table(name):
     """docs/tables/NAME.csv, with spaces for underscores in its header, so that it can wrap."""
     with (ROOT / "docs" / "tables" / f"{name}.csv").open(newline="", encoding="utf-8") as file:
@@ -191,6 +275,8 @@ PARTS = {
     "contract": contract,
     "vector-math": vector_math,
     "changelog": changelog,
+    "folders": folders,
+    "imports-picture": imports_picture,
     "table": from_table,
 }
 
