@@ -236,7 +236,7 @@ def test_named_data_are_offered_as_they_are():
 @pytest.mark.parametrize(
     ("thing", "sentence"),
     [
-        (42, "42 cannot be registered: a class derived from, or a value of, one of BearingData, ContactModel, "
+        (42, "42 cannot be registered: a class derived from, or a value of, one of Account, BearingData, ContactModel, "
              "Drag, Engine, FilmModel, IntegratorModel, Lubricant, Study, SurfaceData, TractionModel can; a function "
              "can with @model(kind, name, reads=...)"),
         (Constant(), "Constant(coefficient=0.05, transition=0.001) cannot be registered: a class derived from, or a"),
