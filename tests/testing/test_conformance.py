@@ -102,6 +102,7 @@ def test_a_contact_is_checked_with_its_deflection():
     assert [f.check for f in findings if f.status == "skipped"] == ["check_is_named_as_its_entry_point"]
 
 
+@pytest.mark.quick
 def test_an_expected_failure_has_to_happen_and_a_reason():
     model = get_model("film", "moes")
     finding = by_check(conformance(model, {"check_film_is_positive": "negative films exist, doi:none"}))
@@ -115,6 +116,7 @@ def test_an_expected_failure_has_to_happen_and_a_reason():
         conformance(type(model))
 
 
+@pytest.mark.quick
 def test_a_failure_that_the_class_declares_is_expected():
     """LSODA stands on the spot before a singularity."""
     finding = by_check(conformance(get_model("integrator", "lsoda")))["check_says_when_it_fails"]
@@ -126,6 +128,7 @@ def by_check(findings):
     return {finding.check: finding for finding in findings}
 
 
+@pytest.mark.quick
 def test_findings_are_text_and_json():
     findings = [
         Finding("flat", "check_is_frozen", "ok"),
@@ -143,6 +146,7 @@ def test_findings_are_text_and_json():
     assert as_dict(findings[:2])["passed"] is True
 
 
+@pytest.mark.quick
 def test_every_check_is_named_as_a_sentence_and_says_why():
     for check in all_checks():
         assert check.__name__.startswith("check_")
