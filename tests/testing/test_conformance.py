@@ -89,7 +89,7 @@ class TestData(Conformance):
 
 
 def test_no_kind_is_left_out():
-    assert set(kinds()) == {"contact", "film", "traction", "drag", "integrator", "engine", *DATA}
+    assert set(kinds()) == {"contact", "film", "traction", "drag", "integrator", "engine", "study", *DATA}
 
 
 # The function --------------------------------------------------------------------------------------------------------

@@ -105,7 +105,8 @@ def _offers(model: Any) -> list[Any]:
 @rule("value")
 def check_its_module_is_imported_fast_and_quietly(model: Any) -> None:
     """A plugin is imported by people who want one model of it, and what it prints would end in their output."""
-    module = type(model).__module__ if kind_of(type(model)) else _offers(model)[0].module
+    # a named value's class is not its package's
+    module = _offers(model)[0].module if kind_of(model) else type(model).__module__
     seconds, printed = _import_of(module, tuple(sys.path))
     refuse_unless(not printed, f"importing {module} prints {printed[:200]!r}")
     refuse_unless(
