@@ -14,8 +14,9 @@ from rollslip.motion.planar import PlanarSettings
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.results.dataset import open_result, save
+from rollslip.studies.dynamics.ending import steady_slip_of
 from rollslip.studies.dynamics.findings import energy_closure, momentum_closure
-from rollslip.studies.dynamics.study import Dynamics, _steady
+from rollslip.studies.dynamics.study import Dynamics
 from rollslip.studies.steady_slip.study import SteadySlip
 
 SHIPPED = load_scene("1032930-50C")
@@ -106,7 +107,7 @@ def test_steady_is_said_where_the_slip_is_within_the_tolerance_of_its_end(durati
     """Slip that goes to 5 % with a time constant of 0.4 s, swinging a little with every orbit of 20 ms."""
     t = np.linspace(0.0, duration, 2001)
     slip = 0.05 * (1.0 - np.exp(-t / 0.4)) + 1e-5 * np.sin(2 * np.pi * t / 0.02)
-    mean, status = _steady(t, slip, np.full(t.size, 2 * np.pi / 0.02), 1e-3)
+    mean, status = steady_slip_of(t, slip, np.full(t.size, 2 * np.pi / 0.02), 1e-3)
     if steady:
         assert status == "steady"
         assert mean == pytest.approx(0.05, rel=1e-3)
@@ -117,10 +118,10 @@ def test_steady_is_said_where_the_slip_is_within_the_tolerance_of_its_end(durati
 
 def test_steady_is_not_said_of_short_sparse_or_growing_slip():
     t, turning = np.linspace(0.0, 1.0, 501), np.full(501, 2 * np.pi / 0.02)
-    assert "shorter than three orbits" in _steady(0.05 * t, 0.0 * t, turning, 1e-3)[1]
-    assert "too few instants" in _steady(t[::100], 0.0 * t[::100], turning[::100], 1e-3)[1]
-    assert _steady(t, 0.01 * np.exp(t), turning, 1e-3)[1].startswith("not steady: slip moves from")
-    assert _steady(t, 0.0 * t, turning, 1e-3) == (0.0, "steady")
+    assert "shorter than three orbits" in steady_slip_of(0.05 * t, 0.0 * t, turning, 1e-3)[1]
+    assert "too few instants" in steady_slip_of(t[::100], 0.0 * t[::100], turning[::100], 1e-3)[1]
+    assert steady_slip_of(t, 0.01 * np.exp(t), turning, 1e-3)[1].startswith("not steady: slip moves from")
+    assert steady_slip_of(t, 0.0 * t, turning, 1e-3) == (0.0, "steady")
 
 
 @pytest.mark.parametrize(("level", "friction"), EVERY)

@@ -24,11 +24,10 @@ SHORT = {
     "study.dynamics.planar.inner_ring_mass": "5 kg",
     "study.steady-slip.points": 6,
     "study.steady-slip.friction": "effective",
-    "study.steady-slip.radial_load": ["3 kN", "4 kN"],
 }
 #: Variables that need other settings than those above.
 ELSEWHERE = {
-    "steady-slip": {f"{name}{rest}" for name in ("inner_speed", "temperature") for rest in (
+    "steady-slip": {f"{name}{rest}" for name in ("radial_load", "inner_speed", "temperature") for rest in (
         "", "_slip", "_stable", "_fold", "_branch", "_limit", "_limit_slip", "_limit_status")},
 }  # fmt: skip
 
