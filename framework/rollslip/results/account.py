@@ -215,14 +215,18 @@ def _single_values(dataset: "xr.Dataset") -> dict[str, str]:
 
 
 def _places(dataset: "xr.Dataset", name: str) -> "list[tuple[str, dict[Hashable, int]]]":
-    """Where a variable has single values, with what tells them apart; nowhere if curves tell of it, or it has many."""
-    variable, of = dataset[name], Curves.of(dataset)
-    if of is not None and name in (of.critical, "critical_friction", "critical_status"):
-        return []
+    """Where a variable has single values, and what tells them apart; nowhere if it has many or curves speak for it."""
+    variable = dataset[name]
     if variable.ndim == 0:
         return [("", {})]
     dim = variable.dims[0]
-    if variable.ndim > 1 or dim not in dataset.coords or dataset[dim].dtype.kind not in "UO" or variable.size > _FEW:
+    if (
+        variable.ndim > 1
+        or Curves.of(dataset) is not None
+        or dim not in dataset.coords
+        or dataset[dim].dtype.kind not in "UO"
+        or variable.size > _FEW
+    ):
         return []
     return [(f", {value} {dim}", {dim: k}) for k, value in enumerate(dataset[dim].to_numpy())]
 

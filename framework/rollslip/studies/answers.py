@@ -70,6 +70,8 @@ class Estimated:
         Setting of the study that the scene does not name -> why it was chosen.
     failed : str
         Why there are no estimates; empty if there are.
+    laws_tried : bool
+        Whether it was looked for laws that are not needed, or that cheaper ones could replace.
     """
 
     resolution: Resolution
@@ -77,6 +79,7 @@ class Estimated:
     left_out: tuple[LeftOut, ...] = ()
     reasons: Mapping[str, str] = attrs.field(factory=dict)
     failed: str = ""
+    laws_tried: bool = False
 
     @property
     def total(self) -> Errors:

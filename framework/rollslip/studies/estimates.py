@@ -281,7 +281,7 @@ def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) ->
         left_out.append(ExactLaw(law, most))
     elif cheaper_laws and law.evaluated_to(share) != law and (found := serves(cheaper)) is not None:
         resolution, errors["law"] = attrs.evolve(resolution, traction_error=share), found
-    return attrs.evolve(chosen, resolution=resolution, errors=errors, left_out=tuple(left_out))
+    return attrs.evolve(chosen, resolution=resolution, errors=errors, left_out=tuple(left_out), laws_tried=True)
 
 
 # Without curves -------------------------------------------------------------------------------------------------------

@@ -67,16 +67,16 @@ def loads(assembly: Assembly, errors: Errors, why: str, seconds: float | None) -
     ]
 
 
-def friction(assembly: Assembly, errors: Mapping[str, Errors]) -> list[Part]:
+def friction(assembly: Assembly, estimated: Estimated) -> list[Part]:
     """Return whether boundary friction takes part, and the law that serves in place of the scene's."""
-    resolution, found = assembly.resolution, list[Part]()
+    resolution, errors, found = assembly.resolution, estimated.errors, list[Part]()
     limit = assembly.at(attrs.evolve(resolution, boundary=True)).traction.full_film_from
     if limit is not None:
-        said = (
-            "at the ends of the slips a film parameter is below it"
-            if resolution.boundary
-            else "it is watched at every evaluation, and boundary friction taken back in where one falls below it"
-        )
+        said = "whether all films are full was not looked at"
+        if not resolution.boundary:
+            said = "it is watched at every evaluation, and boundary friction taken back in where one falls below it"
+        elif estimated.laws_tried:
+            said = "at the ends of the slips a film parameter is below it"
         found.append(
             Part(
                 part="boundary friction",

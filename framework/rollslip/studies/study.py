@@ -233,7 +233,7 @@ class Study(abc.ABC):
         found = [parts.slices(assembly, errors.get("slices", {}), why)]
         if self.bearing_loads:
             found += parts.loads(assembly, errors.get("instants", {}), why, left.pop("load distribution", None))
-        found += parts.friction(assembly, errors)
+        found += parts.friction(assembly, estimated)
         if "tables" in errors:
             found.append(parts.tables(assembly, errors["tables"], left.pop("tables", None)))
         return [*found, *self.more_parts(assembly, estimated, left), *parts.spent(left, self.spent_on)]
