@@ -6,8 +6,9 @@
 - Edges are always in: zero where it is allowed, and the ends of a domain that somebody has chosen.
 - Members are drawn independently. A law is a function of what it reads; whether half width and pressure belong to one
   contact is not its business, and corners that typical oils never reach are where laws go wrong.
-- Few slices are drawn by hypothesis, which then shrinks them to a readable counterexample. Checks of blocks, order and
-  threads need many, whose values hardly matter: those are laid out by a formula, the same in every run.
+- Few slices are drawn by hypothesis. What fails is not shrunk: that can take minutes, and a message shows one slice
+  anyway. Checks of blocks, order and threads need many slices, whose values hardly matter: those are laid out by a
+  formula, the same in every run.
 - A model may refuse a slice that its domain cannot describe (a contact wider than long). Such slices are left out.
 """
 
@@ -21,7 +22,7 @@ from typing import Any, Final, TypeVar, cast
 
 import attrs
 import numpy as np
-from hypothesis import HealthCheck, Verbosity, given, settings
+from hypothesis import HealthCheck, Phase, Verbosity, given, settings
 from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 
@@ -318,6 +319,7 @@ def for_all(strategy: "st.SearchStrategy[T]", holds: Callable[[T], None]) -> Non
     @settings(
         max_examples=max((settings.default or settings()).max_examples // 4, 10),
         deadline=None,
+        phases=[Phase.generate],
         derandomize=True,
         database=None,
         report_multiple_bugs=False,
