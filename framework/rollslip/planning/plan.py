@@ -1,7 +1,7 @@
 """The plan: what will be modelled of a scene, with which model, how finely, what is left out, and why.
 
 It is made before anything runs and executed as printed: a run takes its studies and their bearings, at the resolution
-that was chosen for them (`rollslip.planning.estimates`), from it.
+that was chosen for them (`rollslip.studies.estimates`), from it.
 """
 
 import math

@@ -120,7 +120,7 @@ class PlainAccount(Account):
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found of each curve, and every single value."""
         slips = {
-            name: [f"critical slip {row['critical_slip']:.2%}" if row["critical_slip"] else row["status"]]
+            name: [row["status"] if row["critical_slip"] is None else f"critical slip {row['critical_slip']:.2%}"]
             for name, row in critical_rows(dataset).items()
         }
         return slips | {name: [text] for name, text in _single_values(dataset).items()}
@@ -205,7 +205,7 @@ def _single_values(dataset: "xr.Dataset") -> dict[str, str]:
             if isinstance(value, float):
                 status = None if said_by is None else dataset[said_by]
                 missing = "no value" if status is None else str(status.isel(at if status.ndim else {}).item())
-                said = missing if math.isnan(value) else _with_unit(value, one.attrs.get("units", "1"))
+                said = _with_unit(value, one.attrs.get("units", "1")) if math.isfinite(value) else missing
             elif name.endswith("_status") and name.removesuffix("_status") in dataset:
                 continue  # said where the value is missing
             else:

@@ -1,7 +1,7 @@
 """What a study answers with, where plan and campaigns ask it: outputs, resolution with errors, lines of a plan."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import attrs
 
@@ -10,9 +10,6 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.results.dataset import about
 from rollslip.studies.bounds import LeftOut
-
-if TYPE_CHECKING:
-    pass
 
 #: Key of [accuracy] -> relative error.
 Errors: TypeAlias = Mapping[str, float]
