@@ -43,3 +43,10 @@ class EngineError(RollslipError):
 def in_words(error: BaseException) -> str:
     """Return type and message of an error on one line."""
     return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
+
+
+def nearest(word: str, known: Iterable[str], count: int = 3, cutoff: float = 0.6) -> list[str]:
+    """Return the known words that look most like `word`, the most similar first."""
+    import difflib  # only wrong input needs it
+
+    return difflib.get_close_matches(word, sorted(known), n=count, cutoff=cutoff)

@@ -18,9 +18,9 @@ from typing import Any
 
 import attrs
 
-from rollslip.errors import OutputError, SceneError
+from rollslip.errors import OutputError, SceneError, nearest
 from rollslip.fields import FieldError
-from rollslip.structure import attributes, nearest
+from rollslip.structure import attributes
 from rollslip.units import UnitError, as_written, expectation, quantity
 
 

@@ -8,7 +8,7 @@
 import math
 import re
 import types
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from numbers import Integral, Real
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -100,13 +100,6 @@ def _dotted(path: KeyPath) -> str:
             plain = re.fullmatch(r"[\w-]{1,80}", part, re.ASCII) is not None
             text += ("." if text else "") + (part if plain else as_written(part))
     return text
-
-
-def nearest(word: str, known: Iterable[str], count: int = 3, cutoff: float = 0.6) -> list[str]:
-    """Return the known words that look most like `word`, the most similar first."""
-    import difflib  # only wrong input needs it
-
-    return difflib.get_close_matches(word, sorted(known), n=count, cutoff=cutoff)
 
 
 class _Missing:

@@ -12,12 +12,12 @@ from typing import Any
 import attrs
 import pytest
 
-from rollslip.errors import SceneError
+from rollslip.errors import SceneError, nearest
 from rollslip.fields import FieldError
 from rollslip.scene import Bearing, ModelChoice, Operation, Profile, Scene, resolved, scene_hash
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene, parse_scene, shipped_scenes
-from rollslip.structure import nearest, structure
+from rollslip.structure import structure
 from scene_samples import LINES, SCENE, line_of, problems_of, scene_with
 
 pytestmark = pytest.mark.quick

@@ -9,10 +9,9 @@ import click
 from rollslip.catalogue.discovery import Offer, available, catalogue, find, get_class
 from rollslip.catalogue.kinds import get_kind, offered_kinds
 from rollslip.cli.console import print_table
-from rollslip.errors import PluginError
+from rollslip.errors import PluginError, nearest
 from rollslip.models import SliceModel, interval
 from rollslip.scene.values import resolved
-from rollslip.structure import nearest
 from rollslip.units import format_quantity
 
 __all__ = ["kinds_of", "models_as_dict", "print_models"]

@@ -12,10 +12,9 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import attrs
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.errors import RollslipError
+from rollslip.errors import RollslipError, nearest
 from rollslip.fields import FieldError
 from rollslip.lubricant.table import OilTable
-from rollslip.structure import nearest
 from rollslip.units import UnitError, as_written, quantity
 
 __all__ = ["Quantity", "quantities", "unknown"]

@@ -15,10 +15,10 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.errors import PluginError, SceneError
+from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.files import decoded
 from rollslip.scene.values import Scene, resolved
-from rollslip.structure import FrozenTable, Location, attributes, bare_key, key_of, nearest, structure, thawed
+from rollslip.structure import FrozenTable, Location, attributes, bare_key, key_of, structure, thawed
 from rollslip.toml import KeyPath, parse
 from rollslip.units import as_written
 

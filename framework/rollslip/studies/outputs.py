@@ -11,8 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.errors import SceneError
-from rollslip.structure import nearest
+from rollslip.errors import SceneError, nearest
 from rollslip.studies.answers import Some, Variables
 from rollslip.studies.study import Study
 

@@ -20,10 +20,10 @@ from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.kinds import Kind, Template
-from rollslip.errors import SceneError
+from rollslip.errors import SceneError, nearest
 from rollslip.results.curves import Curves
 from rollslip.scene.values import DEFAULT_STUDY, Scene
-from rollslip.structure import Location, nearest, structure
+from rollslip.structure import Location, structure
 from rollslip.studies import estimates, parts
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Part, Some
 from rollslip.studies.timing import timed

@@ -31,7 +31,7 @@ from rollslip.campaigns.comparison.attribution import (
 )
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.registry import structure_model
-from rollslip.errors import PluginError, RollslipError, SceneError, in_words
+from rollslip.errors import PluginError, RollslipError, SceneError, in_words, nearest
 from rollslip.models import SliceModel
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan
@@ -41,7 +41,7 @@ from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash
-from rollslip.structure import Location, nearest
+from rollslip.structure import Location
 from rollslip.studies.study import study_class
 
 if TYPE_CHECKING:

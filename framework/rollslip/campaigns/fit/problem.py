@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rollslip.bearing.chain import Chain
 from rollslip.campaigns.fit.rig_data import Rig, RigData
 from rollslip.catalogue.registry import get_class, structure_model
-from rollslip.errors import DomainError, SceneError
+from rollslip.errors import DomainError, SceneError, nearest
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
@@ -26,7 +26,7 @@ from rollslip.lubricant.table import OilTable, lubricant_from_table
 from rollslip.lubricant.temperature import Constant
 from rollslip.models import FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import ModelChoice
-from rollslip.structure import Location, nearest
+from rollslip.structure import Location
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 

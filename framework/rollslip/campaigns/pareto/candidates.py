@@ -25,12 +25,11 @@ from rollslip.bearing.resolution import Resolution, finest
 from rollslip.campaigns.comparison.comparison import choice_of
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import PluginError, SceneError
+from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.planning.plan import Plan, plan
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
-from rollslip.structure import nearest
 from rollslip.studies.study import Study
 
 #: What can be chosen -> what it means, in the order in which it is told.

@@ -17,9 +17,10 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.errors import nearest
 from rollslip.fields import FieldError, in_range, parameter, positive
 from rollslip.planning.quantities import Quantity, unknown
-from rollslip.structure import Location, nearest, structure
+from rollslip.structure import Location, structure
 from rollslip.units import UnitError, as_written, format_quantity, quantity
 
 __all__ = ["DISTRIBUTIONS", "Distribution", "LogUniform", "Uncertainty", "read_uncertainty"]
