@@ -12,8 +12,8 @@ import click
 
 import architecture
 from rollslip.bearing.cage import Cage
+from rollslip.campaigns.sweep.definition import SweepTable
 from rollslip.campaigns.sweep.distributions import DISTRIBUTIONS, Correlation
-from rollslip.campaigns.sweep.sweep import SweepTable
 from rollslip.catalogue.kinds import get_kind, offered_kinds
 from rollslip.catalogue.kinds import kinds as all_kinds
 from rollslip.catalogue.registry import available, get_class

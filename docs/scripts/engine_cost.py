@@ -36,7 +36,9 @@ COARSE = {"accuracy.slices": 5, "study.friction-curve.points": 5}
 
 def nothing(work, points):
     """Compute points that are one number: what is left is the engine."""
-    from rollslip.campaigns.sweep.point import Done, Row, here
+    from rollslip.campaigns.sweep.definition import here
+    from rollslip.campaigns.sweep.journal import Row
+    from rollslip.campaigns.sweep.point import Done
 
     about = {"dims": (), "shape": (), "text": False, "attrs": {"units": "1", "long_name": "nothing"}}
     layout = json.dumps({"variables": {"critical_friction": about}, "coords": {}})

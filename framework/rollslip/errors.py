@@ -1,5 +1,7 @@
 """Everything rollslip raises on purpose."""
 
+from collections.abc import Iterable
+
 
 class RollslipError(Exception):
     """Base of all errors of this package."""

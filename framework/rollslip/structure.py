@@ -15,6 +15,7 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import attrs
 
+from rollslip.errors import nearest
 from rollslip.fields import FieldError
 from rollslip.toml import DEEPEST, KeyPath, split_key
 from rollslip.units import UnitError, as_written, expectation, quantity
@@ -25,7 +26,6 @@ __all__ = [
     "attributes",
     "bare_key",
     "key_of",
-    "nearest",
     "structure",
     "thawed",
     "types_of",

@@ -21,9 +21,10 @@ import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.sweep import run as sweep_run
+from rollslip.campaigns.sweep.definition import Resolutions, here
 from rollslip.campaigns.sweep.folder import begin, finish, merge, status
-from rollslip.campaigns.sweep.journal import Journal, journals, states
-from rollslip.campaigns.sweep.point import STATUSES, Done, Resolutions, Row, _packed, compute, here
+from rollslip.campaigns.sweep.journal import STATUSES, Journal, Row, journals, states
+from rollslip.campaigns.sweep.point import Done, _packed, compute
 from rollslip.campaigns.sweep.result import collect
 from rollslip.campaigns.sweep.run import run_sweep
 from rollslip.campaigns.sweep.sampling import parse_over, parse_overs, probabilities

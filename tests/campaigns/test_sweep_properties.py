@@ -21,8 +21,8 @@ from hypothesis import strategies as st
 import rollslip
 from rollslip.campaigns.sweep import findings as sweep_findings
 from rollslip.campaigns.sweep.folder import begin, finish, merge, status
-from rollslip.campaigns.sweep.journal import Journal, journals, only_writer, running, states
-from rollslip.campaigns.sweep.point import FAILED, STATUSES, Row, compute
+from rollslip.campaigns.sweep.journal import FAILED, STATUSES, Journal, Row, journals, only_writer, running, states
+from rollslip.campaigns.sweep.point import compute
 from rollslip.campaigns.sweep.result import collect
 from rollslip.campaigns.sweep.run import run_sweep
 from rollslip.campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep

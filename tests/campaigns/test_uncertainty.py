@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rollslip
-from rollslip.campaigns.sweep.point import FAILED, STATUSES
+from rollslip.campaigns.sweep.journal import FAILED, STATUSES
 from rollslip.campaigns.sweep.run import Progress, Settled
 from rollslip.campaigns.uncertainty import estimators
 from rollslip.campaigns.uncertainty import margin as allowable

@@ -8,6 +8,7 @@
   loaded to its ends; where it parts from its ring before, both converge with the square of the number of slices.
 """
 
+import abc
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import Final
@@ -17,8 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.profile import slice_positions
+from rollslip.errors import RollslipError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.scene.values import Scene
+from rollslip_kernels.slices import Slices
 
 Array = NDArray[np.float64]
 
@@ -148,3 +151,34 @@ def as_stated(scene: Scene) -> Resolution:
 def error_text(errors: Mapping[str, float | None]) -> str:
     """Return estimated errors as text: "friction 3e-04, critical slip 8e-05"."""
     return ", ".join(f"{name.replace('_', ' ')} {error:.0e}" for name, error in errors.items() if error is not None)
+
+
+class BoundBrokenError(RollslipError):
+    """What was left out is needed after all; ``bound`` is the one that broke."""
+
+    def __init__(self, bound: "LeftOut", found: str) -> None:
+        super().__init__(f"{bound.what} was left out, but {found}; it was taken back in")
+        self.bound = bound
+
+
+class LeftOut(abc.ABC):
+    """Something left out under a bound that is checked on every table of slices."""
+
+    @property
+    @abc.abstractmethod
+    def what(self) -> str:
+        """What is left out, in words."""
+
+    @abc.abstractmethod
+    def __call__(self, slices: Slices) -> None:
+        """Check the bound on evaluated slices.
+
+        Raises
+        ------
+        BoundBrokenError
+            If it is broken.
+        """
+
+    @abc.abstractmethod
+    def taken_back(self, resolution: Resolution) -> Resolution:
+        """Return a resolution that does not leave it out."""

@@ -14,9 +14,9 @@ from rollslip.scene.values import scene_hash
 if TYPE_CHECKING:
     from rollslip.campaigns.comparison.comparison import Comparison
     from rollslip.campaigns.pareto.candidates import Family
+    from rollslip.campaigns.sweep.definition import Sweep
     from rollslip.campaigns.sweep.folder import Status
     from rollslip.campaigns.sweep.run import Progress
-    from rollslip.campaigns.sweep.sweep import Sweep
 
 
 def comparison_headline(comparison: "Comparison") -> str:

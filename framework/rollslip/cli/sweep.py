@@ -22,7 +22,7 @@ from rollslip.cli.app import (
 )
 
 if TYPE_CHECKING:
-    from rollslip.campaigns.sweep.sweep import Sweep
+    from rollslip.campaigns.sweep.definition import Sweep
 
 
 @click.group()
@@ -117,7 +117,7 @@ def sweep_retry(
     as_json: bool,
 ) -> None:
     """Compute points of the sweep in FOLDER again that have failed."""
-    from rollslip.campaigns.sweep.point import FAILED
+    from rollslip.campaigns.sweep.journal import FAILED
     from rollslip.campaigns.sweep.sweep import open_sweep, with_engine
 
     if failed == bool(statuses):

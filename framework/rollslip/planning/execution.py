@@ -11,6 +11,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.regimes import LIGHT, LONG_NAMES, NAMES
+from rollslip.bearing.resolution import BoundBrokenError
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import run_origin
@@ -19,7 +20,6 @@ from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.studies.answers import Keep, total
-from rollslip.studies.bounds import BoundBrokenError
 
 if TYPE_CHECKING:
     import xarray as xr

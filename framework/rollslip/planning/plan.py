@@ -12,7 +12,7 @@ from typing import Any
 import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.resolution import Resolution
+from rollslip.bearing.resolution import LeftOut, Resolution
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError
@@ -21,7 +21,6 @@ from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
-from rollslip.studies.bounds import LeftOut
 from rollslip.studies.study import Study, settings
 
 

@@ -12,64 +12,12 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import attrs
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.errors import RollslipError, nearest
-from rollslip.fields import FieldError
+from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
-from rollslip.units import UnitError, as_written, quantity
+from rollslip.scene.changes import Quantity
+from rollslip.units import UnitError, quantity
 
-__all__ = ["Quantity", "quantities", "unknown"]
-
-
-@attrs.frozen(eq=False)
-class Quantity:
-    """One value of a scene.
-
-    Attributes
-    ----------
-    key : str
-        Its dotted key.
-    unit : str or None
-        SI unit of a number; None for whole numbers, texts, choices and models.
-    doc : str
-        What it means.
-    value : object
-        What it is in the scene; None if the scene gives none.
-    whole : bool
-        Whether it is a whole number.
-    attribute : attrs.Attribute
-        Its field, with the validator.
-    model : str
-        Kind of model that it names, empty if it is none.
-    """
-
-    key: str
-    unit: str | None
-    doc: str
-    value: object
-    whole: bool
-    attribute: "attrs.Attribute[Any]"
-    model: str = ""
-
-    def read(self, raw: object) -> object:
-        """Return a value as the scene takes it, checked as far as one value on its own can be.
-
-        Raises
-        ------
-        UnitError, FieldError
-            What is wrong with it, in one sentence.
-        """
-        value = raw
-        if self.unit is not None:
-            value = quantity(raw, self.unit)
-        elif self.whole:
-            if isinstance(raw, bool) or not isinstance(raw, int | float) or raw != int(raw):
-                raise FieldError(self.key, f"a whole number is expected, not {as_written(raw)}")
-            value = int(raw)
-        elif self.model:
-            return raw  # a name or a table, which is read with the scene
-        if self.attribute.validator is not None:
-            self.attribute.validator(None, self.attribute, value)
-        return value
+__all__ = ["quantities"]
 
 
 def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -> dict[str, Quantity]:
@@ -92,14 +40,6 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     for name, study in studies.items():
         found += _of(study, f"study.{name}")
     return {one.key: one for one in found}
-
-
-def unknown(key: str, known: dict[str, Quantity]) -> str:
-    """Say that there is no such key, and which there are like it."""
-    tail = {one.rpartition(".")[2]: one for one in reversed(known)}
-    near = nearest(key, known, count=1) or [tail[name] for name in nearest(key.rpartition(".")[2], tail, count=1)]
-    hint = f"did you mean {near[0]!r}?" if near else "'rollslip schema' and 'rollslip models NAME' list the keys"
-    return f"there is no single value of this key to vary; {hint}"
 
 
 def _of(instance: Any, prefix: str) -> Iterator[Quantity]:

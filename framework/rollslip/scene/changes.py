@@ -1,4 +1,4 @@
-"""Changes of scenes: values by dotted keys, from Python or from ``key=value`` of the command line."""
+"""Changes of scenes: what can vary, and values by dotted key, from Python or ``key=value`` of the command line."""
 
 import tomllib
 from collections.abc import Mapping
@@ -6,16 +6,77 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.errors import SceneError
+from rollslip.errors import SceneError, nearest
+from rollslip.fields import FieldError
 from rollslip.scene.reading import checked_scene
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import attributes, bare_key, key_of, thawed, types_of
 from rollslip.toml import DEEPEST, split_key
-from rollslip.units import as_written
+from rollslip.units import as_written, quantity
 
-__all__ = ["evolve", "parse_set"]
+__all__ = ["Quantity", "evolve", "parse_set", "unknown"]
 
 _CHANGES: Final = "changes"
+
+
+@attrs.frozen(eq=False)
+class Quantity:
+    """One value of a scene.
+
+    Attributes
+    ----------
+    key : str
+        Its dotted key.
+    unit : str or None
+        SI unit of a number; None for whole numbers, texts, choices and models.
+    doc : str
+        What it means.
+    value : object
+        What it is in the scene; None if the scene gives none.
+    whole : bool
+        Whether it is a whole number.
+    attribute : attrs.Attribute
+        Its field, with the validator.
+    model : str
+        Kind of model that it names, empty if it is none.
+    """
+
+    key: str
+    unit: str | None
+    doc: str
+    value: object
+    whole: bool
+    attribute: "attrs.Attribute[Any]"
+    model: str = ""
+
+    def read(self, raw: object) -> object:
+        """Return a value as the scene takes it, checked as far as one value on its own can be.
+
+        Raises
+        ------
+        UnitError, FieldError
+            What is wrong with it, in one sentence.
+        """
+        value = raw
+        if self.unit is not None:
+            value = quantity(raw, self.unit)
+        elif self.whole:
+            if isinstance(raw, bool) or not isinstance(raw, int | float) or raw != int(raw):
+                raise FieldError(self.key, f"a whole number is expected, not {as_written(raw)}")
+            value = int(raw)
+        elif self.model:
+            return raw  # a name or a table, which is read with the scene
+        if self.attribute.validator is not None:
+            self.attribute.validator(None, self.attribute, value)
+        return value
+
+
+def unknown(key: str, known: dict[str, Quantity]) -> str:
+    """Say that there is no such key, and which there are like it."""
+    tail = {one.rpartition(".")[2]: one for one in reversed(known)}
+    near = nearest(key, known, count=1) or [tail[name] for name in nearest(key.rpartition(".")[2], tail, count=1)]
+    hint = f"did you mean {near[0]!r}?" if near else "'rollslip schema' and 'rollslip models NAME' list the keys"
+    return f"there is no single value of this key to vary; {hint}"
 
 
 def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:

@@ -6,10 +6,9 @@ from typing import Any, TypeAlias
 import attrs
 
 from rollslip.bearing.raceway import Array, Ring
-from rollslip.bearing.resolution import Resolution
+from rollslip.bearing.resolution import LeftOut, Resolution
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.results.dataset import about
-from rollslip.studies.bounds import LeftOut
 
 #: Key of [accuracy] -> relative error.
 Errors: TypeAlias = Mapping[str, float]

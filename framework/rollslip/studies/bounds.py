@@ -7,48 +7,15 @@
   out. The result says so.
 """
 
-import abc
 import math
 from collections.abc import Mapping
 
 import attrs
 import numpy as np
 
-from rollslip.bearing.resolution import Resolution
-from rollslip.errors import RollslipError
+from rollslip.bearing.resolution import BoundBrokenError, LeftOut, Resolution
 from rollslip.models import TractionModel
 from rollslip_kernels.slices import Slices
-
-
-class BoundBrokenError(RollslipError):
-    """What was left out is needed after all; ``bound`` is the one that broke."""
-
-    def __init__(self, bound: "LeftOut", found: str) -> None:
-        super().__init__(f"{bound.what} was left out, but {found}; it was taken back in")
-        self.bound = bound
-
-
-class LeftOut(abc.ABC):
-    """Something left out under a bound that is checked on every table of slices."""
-
-    @property
-    @abc.abstractmethod
-    def what(self) -> str:
-        """What is left out, in words."""
-
-    @abc.abstractmethod
-    def __call__(self, slices: Slices) -> None:
-        """Check the bound on evaluated slices.
-
-        Raises
-        ------
-        BoundBrokenError
-            If it is broken.
-        """
-
-    @abc.abstractmethod
-    def taken_back(self, resolution: Resolution) -> Resolution:
-        """Return a resolution that does not leave it out."""
 
 
 @attrs.frozen

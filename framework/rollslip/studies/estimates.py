@@ -21,10 +21,10 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import slip_grid
 from rollslip.bearing.raceway import Array
-from rollslip.bearing.resolution import Resolution, finest
+from rollslip.bearing.resolution import LeftOut, Resolution, finest
 from rollslip.errors import ConvergenceError
 from rollslip.studies.answers import Errors, Estimated
-from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes, LeftOut
+from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -15,7 +15,7 @@ import json
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
@@ -29,10 +29,9 @@ from rollslip.campaigns.comparison.attribution import (
     keep_friction,
     seconds_per_slice,
 )
-from rollslip.catalogue.discovery import available, get_class
-from rollslip.catalogue.registry import structure_model
+from rollslip.campaigns.comparison.choices import CHILD, KINDS, Choice, Model, read_choice
+from rollslip.catalogue.discovery import available
 from rollslip.errors import PluginError, RollslipError, SceneError, in_words, nearest
-from rollslip.models import SliceModel
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import origin, together
@@ -41,28 +40,10 @@ from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash
-from rollslip.structure import Location
 from rollslip.studies.study import study_class
 
 if TYPE_CHECKING:
     import xarray as xr
-
-#: A model by name, as a table with ``model`` and its parameters, or made.
-Model = str | Mapping[str, object] | SliceModel
-
-KINDS: Final = ("contact", "film", "traction")
-#: Kind -> the child of a composed model whose place is taken by a model that is not composed.
-CHILD: Final = {"film": "film", "traction": "hydrodynamic"}
-
-
-@attrs.frozen
-class Choice:
-    """A model that takes its place in a scene: its name, how results call it, and what the scene then says."""
-
-    name: str
-    label: str
-    full: str
-    table: Mapping[str, object]
 
 
 @attrs.frozen(eq=False)
@@ -186,11 +167,11 @@ def plan_comparison(
     study = _study(scene, study)
     problems, unknown = list[str](), list[str]()
     choices = {
-        kind: [_choice(scene, kind, model, problems, unknown) for model in _listed(models)]
+        kind: [read_choice(scene, kind, model, problems, unknown) for model in _listed(models)]
         for kind, models in (("contact", contact), ("film", film), ("traction", traction))
     }
     wanted = {} if reference is None else _by_kind(reference, problems, unknown)
-    named = {kind: _choice(scene, kind, model, problems, unknown) for kind, model in wanted.items()}
+    named = {kind: read_choice(scene, kind, model, problems, unknown) for kind, model in wanted.items()}
     if unknown:
         raise PluginError("\n".join(dict.fromkeys(unknown + problems)))
     if problems:
@@ -235,75 +216,6 @@ def _with_curves() -> list[str]:
 def _listed(models: Sequence[Model] | str) -> Sequence[Model | None]:
     """The models of one kind; None stands for the scene's own."""
     return [*filter(None, map(str.strip, models.split(",")))] or [None] if isinstance(models, str) else models or [None]
-
-
-def choice_of(scene: Scene, kind: str, model: Model | None) -> Choice:
-    """Return what a scene says with a model in it, by default its own.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If a name or a parameter is wrong.
-    """
-    problems, unknown = list[str](), list[str]()
-    made = _choice(scene, kind, model, problems, unknown)
-    if unknown:
-        raise PluginError("\n".join(unknown + problems))
-    if problems:
-        raise SceneError(problems)
-    return made
-
-
-def _choice(scene: Scene, kind: str, model: Model | None, problems: list[str], unknown: list[str]) -> Choice:
-    """Return what a scene says with a model in it, by default its own; faults are noted."""
-    choice = getattr(scene.models, kind)
-    own: dict[str, object] = {"model": choice.name, **choice.parameters}
-    inner, table, new = None, own, None
-    try:
-        standing = structure_model(kind, own, Location(scene.origins, ("models", kind)), problems)
-        inner = getattr(standing, child) if (child := CHILD.get(kind, "")) in _children(standing, kind) else None
-        if model is None:
-            name = choice.name if inner is None else inner.name
-            return Choice(name, name, name if inner is None else f"{name} in {choice.name}", own)
-        table = _as_table(kind, model)
-        new = structure_model(kind, table, Location({}, (kind,)), problems)
-    except PluginError as error:
-        unknown.append(str(error))
-    name, label, bare = str(table.get("model")), _label(table), table.keys() == {"model"}
-    if inner is not None and not _children(new, kind):
-        same = bare and name == inner.name
-        return Choice(name, label, f"{label} in {choice.name}", own if same else {**own, CHILD[kind]: table})
-    return Choice(name, label, label, own if bare and name == choice.name else table)
-
-
-def _children(model: Any, kind: str) -> set[str]:
-    """Parameters of a model that are models of its kind themselves; one that could not be made has none."""
-    return {a.name for a in getattr(model, "__attrs_attrs__", ()) if a.metadata.get("kind") == kind}
-
-
-def _as_table(kind: str, model: Model) -> dict[str, object]:
-    """Return a model as a scene would state it."""
-    if isinstance(model, str):
-        return {"model": model}
-    if isinstance(model, Mapping):
-        return dict(model)
-    if not isinstance(model, SliceModel):
-        raise PluginError(f"{kind}: a name, a table with 'model' or a model is expected, not {model!r}")
-    if model.name not in available(kind) or get_class(kind, model.name) is not type(model):
-        raise PluginError(f"{kind}: {type(model).__qualname__} is not what is called {model.name!r} here; register it")
-    cls: Any = type(model)
-    table: dict[str, object] = {"model": model.name}
-    for attribute in attrs.fields(cls):
-        if key := attribute.metadata.get("key", attribute.name):  # else it is none of a scene
-            value, child = getattr(model, attribute.name), attribute.metadata.get("kind")
-            table[key] = _as_table(child, value) if child else value
-    return table
-
-
-def _label(table: Mapping[str, object]) -> str:
-    """Name of a model, with the parameters that were stated: "pan-hamrock(thickness=central)"."""
-    stated = {key: _label(v) if isinstance(v, Mapping) else v for key, v in table.items() if key != "model"}
-    return str(table.get("model")) + (f"({', '.join(f'{key}={v}' for key, v in stated.items())})" if stated else "")
 
 
 def _by_kind(reference: Model | Mapping[str, Model], problems: list[str], unknown: list[str]) -> dict[str, Model]:

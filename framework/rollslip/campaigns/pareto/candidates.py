@@ -22,7 +22,7 @@ import attrs
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution, finest
-from rollslip.campaigns.comparison.comparison import choice_of
+from rollslip.campaigns.comparison.choices import choice_of
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError, nearest

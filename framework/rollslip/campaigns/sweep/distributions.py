@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rollslip.errors import nearest
 from rollslip.fields import FieldError, in_range, parameter, positive
-from rollslip.planning.quantities import Quantity, unknown
+from rollslip.scene.changes import Quantity, unknown
 from rollslip.structure import Location, structure
 from rollslip.units import UnitError, as_written, format_quantity, quantity
 

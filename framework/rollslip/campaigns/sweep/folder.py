@@ -12,8 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
+from rollslip.campaigns.sweep.definition import Sweep
 from rollslip.campaigns.sweep.journal import (
+    FAILED,
     LOCK,
+    STATUSES,
     check_owner,
     copied,
     journals,
@@ -23,10 +26,9 @@ from rollslip.campaigns.sweep.journal import (
     sessions,
     states,
 )
-from rollslip.campaigns.sweep.point import FAILED, STATUSES
 from rollslip.campaigns.sweep.result import collect
 from rollslip.campaigns.sweep.run import asked_engine, run_sweep
-from rollslip.campaigns.sweep.sweep import FILE, Sweep, open_sweep, plan_sweep, store_sweep
+from rollslip.campaigns.sweep.sweep import FILE, open_sweep, plan_sweep, store_sweep
 from rollslip.errors import BusyError, OutputError
 from rollslip.results.dataset import save
 from rollslip.scene.values import Scene

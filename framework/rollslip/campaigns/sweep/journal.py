@@ -24,7 +24,6 @@ from zlib import crc32
 
 import attrs
 
-from rollslip.campaigns.sweep.point import STATUSES, Row
 from rollslip.errors import BusyError, OutputError
 
 __all__ = [
@@ -56,6 +55,43 @@ create table point (
 _WAIT = 60.0  # s, for a reader that holds a file
 LOCK: Final = "sweep.lock"
 _KNOWN = 1000  # layouts that a writer remembers; every point may have its own
+
+
+#: How a point ends.
+STATUSES: Final = ("ok", "not-converged", "outside-domain", "crashed", "timed-out")
+FAILED: Final = STATUSES[1:]
+
+
+@attrs.frozen(eq=False)
+class Row:
+    """What became of a point.
+
+    Attributes
+    ----------
+    number : int
+        Which point it is.
+    key : str
+        SHA-256 of its scene, study, outputs, resolution and the versions of the packages; empty if there was no scene.
+    status, message : str
+        One of `STATUSES`, and why it is not "ok".
+    seconds : float
+        Time it took.
+    layout : str
+        Names, dimensions and coordinates of the values, as JSON; empty without values.
+    numbers : bytes
+        Values that are numbers, 64-bit floats, one variable after the other.
+    texts : str
+        Values that are words, as JSON.
+    """
+
+    number: int
+    key: str
+    status: str
+    message: str
+    seconds: float
+    layout: str = ""
+    numbers: bytes = b""
+    texts: str = "[]"
 
 
 def journals(folder: Path) -> list[Path]:

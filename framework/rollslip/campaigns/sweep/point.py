@@ -15,7 +15,6 @@ import hashlib
 import importlib
 import importlib.metadata
 import json
-import sys
 import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,6 +27,8 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
+from rollslip.campaigns.sweep.definition import SweepWork, here
+from rollslip.campaigns.sweep.journal import Row
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError, in_words
 from rollslip.fields import FieldError
 from rollslip.scene.changes import evolve
@@ -36,104 +37,10 @@ from rollslip.studies.answers import Variables
 from rollslip.studies.outputs import evaluate, evaluate_together
 from rollslip.studies.study import Study, settings
 
-__all__ = ["FAILED", "STATUSES", "Done", "Row", "SweepWork", "compute", "greet", "here", "unpacked"]
+__all__ = ["Done", "compute", "greet", "unpacked"]
 
 #: Points that are evaluated together, some 20 ms without the GIL; their tables take 4 MB.
 _TOGETHER: Final = 16
-
-#: How a point ends.
-STATUSES: Final = ("ok", "not-converged", "outside-domain", "crashed", "timed-out")
-FAILED: Final = STATUSES[1:]
-
-
-@attrs.frozen(kw_only=True)
-class Resolutions:
-    """The resolutions of a sweep.
-
-    Attributes
-    ----------
-    deciding : tuple of str
-        Keys whose values decide which one a point takes.
-    chosen : mapping
-        Values of these keys, as JSON -> resolution. A point whose values are not here is computed as its scene states.
-    """
-
-    deciding: tuple[str, ...] = ()
-    chosen: Mapping[str, Resolution] = attrs.field(factory=dict)
-
-    def of(self, changes: Mapping[str, object]) -> Resolution | None:
-        """Return the resolution of a point, None if it is computed as the scene states."""
-        return self.chosen.get(name_of([changes.get(key) for key in self.deciding]))
-
-    @property
-    def facts(self) -> dict[str, dict[str, object]]:
-        """The resolutions as plain values."""
-        return {name: attrs.asdict(one) for name, one in self.chosen.items()}
-
-
-def name_of(values: Sequence[object]) -> str:
-    """Return the name that a resolution has by the values of its keys."""
-    return json.dumps(values, default=dict)
-
-
-@attrs.frozen(eq=False, kw_only=True)
-class SweepWork:
-    """What all points of a sweep share.
-
-    Attributes
-    ----------
-    scene : Scene
-        The scene that every point changes.
-    study : str
-        The study.
-    outputs : tuple of str
-        Variables to keep.
-    packages : tuple of str
-        Distributions whose versions belong to the key of a point.
-    resolutions : Resolutions
-        How finely the points are computed.
-    time_limit : float or None
-        Longest time for one point [s].
-    """
-
-    scene: Scene
-    study: str
-    outputs: tuple[str, ...]
-    packages: tuple[str, ...]
-    resolutions: Resolutions = attrs.field(factory=Resolutions)
-    time_limit: float | None = None
-
-
-@attrs.frozen(eq=False)
-class Row:
-    """What became of a point.
-
-    Attributes
-    ----------
-    number : int
-        Which point it is.
-    key : str
-        SHA-256 of its scene, study, outputs, resolution and the versions of the packages; empty if there was no scene.
-    status, message : str
-        One of `STATUSES`, and why it is not "ok".
-    seconds : float
-        Time it took.
-    layout : str
-        Names, dimensions and coordinates of the values, as JSON; empty without values.
-    numbers : bytes
-        Values that are numbers, 64-bit floats, one variable after the other.
-    texts : str
-        Values that are words, as JSON.
-    """
-
-    number: int
-    key: str
-    status: str
-    message: str
-    seconds: float
-    layout: str = ""
-    numbers: bytes = b""
-    texts: str = "[]"
 
 
 @attrs.frozen(eq=False)
@@ -163,18 +70,6 @@ def _import_all() -> None:
 def greet(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     """Return the versions of packages where this is called: the first task that an engine is given."""
     return here(packages)
-
-
-@cache
-def here(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
-    """Return names and versions of packages in this process, and that of Python."""
-    versions = []
-    for name in packages:
-        try:
-            versions.append((name, importlib.metadata.version(name)))
-        except importlib.metadata.PackageNotFoundError:
-            versions.append((name, "not installed"))
-    return (*versions, ("python", sys.version.split()[0]))
 
 
 class _TimeLimit(BaseException):

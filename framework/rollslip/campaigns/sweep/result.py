@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.campaigns.sweep.journal import check_owner, layouts, records
-from rollslip.campaigns.sweep.point import STATUSES, unpacked
-from rollslip.campaigns.sweep.sweep import Sweep
+from rollslip.campaigns.sweep.definition import Sweep
+from rollslip.campaigns.sweep.journal import STATUSES, check_owner, layouts, records
+from rollslip.campaigns.sweep.point import unpacked
 from rollslip.planning.provenance import origin, scene_told
 from rollslip.results.dataset import about
 

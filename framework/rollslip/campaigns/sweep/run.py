@@ -30,9 +30,9 @@ from typing import Any, Final
 import attrs
 
 from rollslip.bearing.assembly import assemble
-from rollslip.campaigns.sweep.journal import Journal, check_owner, died, only_writer, states
-from rollslip.campaigns.sweep.point import STATUSES, Done, Row, compute, greet, here
-from rollslip.campaigns.sweep.sweep import Sweep
+from rollslip.campaigns.sweep.definition import Sweep, here
+from rollslip.campaigns.sweep.journal import STATUSES, Journal, Row, check_owner, died, only_writer, states
+from rollslip.campaigns.sweep.point import Done, compute, greet
 from rollslip.catalogue.registry import get_model, structure_model
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, SceneError, in_words

@@ -26,8 +26,7 @@ from numpy.typing import NDArray
 from rollslip.campaigns.sweep.distributions import Distribution, LogUniform, Uniform
 from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
-from rollslip.planning.quantities import Quantity
-from rollslip.scene.changes import parse_set
+from rollslip.scene.changes import Quantity, parse_set
 from rollslip.units import as_written, evenly, format_quantity
 
 __all__ = [

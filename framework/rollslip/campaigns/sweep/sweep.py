@@ -1,15 +1,16 @@
-"""What a sweep is: the points of a study, checked as a whole before anything runs, and kept so that it can go on.
+"""Lays out a sweep: checked as a whole before anything runs, and kept in its folder so that it can go on.
 
 - What is swept comes from the scene's tables ``[sweep]`` and ``[uncertainty]``; a call or the command line adds to it.
-- A sweep is told from another by its facts: the resolved scene, the study, its outputs, the design, its
-  resolution and the versions of the packages. A folder belongs to one sweep; who goes on with it under other facts is
-  told what has changed.
+- A folder belongs to one sweep; who goes on with it under other facts is told what has changed.
 - Values are checked one by one, and every value of an axis once in the scene, so that a wrong one in the middle of a
   grid is found before the first point. What goes wrong only for a combination ends that point as "outside-domain".
-- Neither engine nor time limit belong to the facts: they change when a result is there, not what it is.
+- How finely points are computed is chosen once for all of them. A point that nobody planned takes 101 slices and
+  doubles its instants; a plan of its own would cost several points. So the plan's choice is made for the scene and for
+  some points that lie far apart, and the finest of these serves all: it follows from scene and design alone, and is one
+  of the facts. Laws stay as they are named: what is left out under a bound would have to be watched in every point.
+  Only of studies that say so (`Study.shares_resolution`): steady slips cost more at the plan's choice than by doubling.
 """
 
-import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -19,21 +20,23 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.raceway import Array
+from rollslip.bearing.resolution import Resolution
+from rollslip.campaigns.sweep.definition import Resolutions, Sweep, SweepTable, name_of
 from rollslip.campaigns.sweep.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip.campaigns.sweep.journal import died, journals
-from rollslip.campaigns.sweep.point import Resolutions, SweepWork, here
-from rollslip.campaigns.sweep.resolutions import chosen_resolutions
-from rollslip.campaigns.sweep.sampling import SAMPLINGS, Axis, Design, probabilities, read_axis
+from rollslip.campaigns.sweep.sampling import Axis, Design, probabilities, read_axis
 from rollslip.catalogue.discovery import THIS_PROCESS, named_data
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError, RollslipError, SceneError
-from rollslip.fields import FieldError, at_least, non_negative, one_of, parameter, positive
+from rollslip.fields import FieldError
 from rollslip.files import whole_file
+from rollslip.planning.plan import estimate
 from rollslip.planning.provenance import references_of
-from rollslip.planning.quantities import Quantity, quantities, unknown
+from rollslip.planning.quantities import quantities
 from rollslip.references import KLEBANOV
-from rollslip.scene.changes import evolve
+from rollslip.scene.changes import Quantity, evolve, unknown
 from rollslip.scene.reading import from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved
 from rollslip.structure import FrozenTable, Location, structure
@@ -41,124 +44,20 @@ from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
 from rollslip.units import as_written
 
-__all__ = ["FILE", "Sweep", "SweepTable", "open_sweep", "plan_sweep", "store_sweep", "with_engine"]
+__all__ = ["FILE", "open_sweep", "plan_sweep", "store_sweep", "with_engine"]
 
 #: Values of an axis that are tried in the scene, each with all others as they are; those of a longer one lie between.
 _TRIED = 1000
 _MOST_POINTS = 10_000_000
 #: What the sweep is, in its folder.
 FILE: Final = "sweep.json"
+#: Points besides the scene itself for which a choice is made; a choice costs about six points.
+_SPREAD: Final = 8
+#: Points of a combination from which on that is worth it.
+_WORTH: Final = 100
+#: Points among which those far apart are looked for.
+_CANDIDATES: Final = 512
 _AGAIN = "the same command as before, with --out {}, makes it again and takes up the journals"
-
-
-@attrs.frozen(kw_only=True)
-class SweepTable:
-    """The table ``[sweep]`` of a scene."""
-
-    study: str | None = parameter(default=None, doc="study to sweep; by default the first one of the scene")
-    output: tuple[str, ...] = parameter(default=(), doc="variables of the study to keep; by default its main ones")
-    over: FrozenTable = parameter(
-        default=FrozenTable(),
-        doc="what is varied, by the key of the scene: a list, or a range 'LOW:HIGH:COUNT', 'LOW:HIGH:COUNT:log'",
-    )
-    samples: int | None = parameter(
-        default=None,
-        doc="samples of ranges without a count and of what is uncertain",
-        validator=attrs.validators.optional(at_least(1)),
-    )
-    sampling: str = parameter(default="sobol", doc="how samples are drawn", validator=one_of(*SAMPLINGS))
-    seed: int = parameter(default=0, doc="seed of the samples", validator=non_negative)
-    time_limit: float | None = parameter(
-        default=None, unit="s", doc="longest time for one point", validator=attrs.validators.optional(positive)
-    )
-    engine: Any = parameter(default=None, doc="engine, by name or as a table with its parameters; by default chosen")
-
-
-@attrs.frozen(eq=False, kw_only=True)
-class Sweep:
-    """The points of a study and what they share.
-
-    Attributes
-    ----------
-    scene : Scene
-        What every point changes; without the tables of the sweep.
-    study : str
-        Its study.
-    outputs : tuple of str
-        Variables that are kept.
-    design : Design
-        The points.
-    uncertainty : Uncertainty
-        What the samples are of.
-    resolutions : Resolutions
-        How finely the points are computed.
-    packages : tuple of str
-        Distributions that the points need.
-    local : tuple of str
-        Models that are registered in this process only.
-    citations : tuple of str
-        What to cite for models and oils.
-    table : SweepTable
-        What was asked for, all together.
-    given : Scene
-        The scene as it was given.
-    shard : tuple of int
-        Which piece of how many this is, (1, 1) for all.
-    first : int or None
-        How many of the samples are computed in this run, None for all; the design has the others all the same.
-    """
-
-    scene: Scene
-    study: str
-    outputs: tuple[str, ...]
-    design: Design
-    uncertainty: Uncertainty
-    resolutions: Resolutions
-    packages: tuple[str, ...]
-    local: tuple[str, ...]
-    citations: tuple[str, ...]
-    table: SweepTable
-    given: Scene
-    shard: tuple[int, int] = (1, 1)
-    first: int | None = None
-
-    @property
-    def work(self) -> SweepWork:
-        """What all points share."""
-        return SweepWork(
-            scene=self.scene,
-            study=self.study,
-            outputs=self.outputs,
-            packages=self.packages,
-            resolutions=self.resolutions,
-            time_limit=self.table.time_limit,
-        )
-
-    @property
-    def numbers(self) -> Sequence[int]:
-        """Numbers of the points of this piece."""
-        own = range(self.shard[0] - 1, self.design.size, self.shard[1])
-        if self.first is None:
-            return own
-        return [number for number in own if number % len(self.design.samples) < self.first]
-
-    @property
-    def facts(self) -> dict[str, Any]:
-        """What tells this sweep from another, as plain values."""
-        facts = {
-            "scene": resolved(self.scene),
-            "study": self.study,
-            "outputs": list(self.outputs),
-            **self.design.facts,
-            "resolutions": self.resolutions.facts,
-            "packages": dict(here(self.packages)),
-        }
-        return json.loads(json.dumps(facts))  # type: ignore[no-any-return]
-
-    @property
-    def hash(self) -> str:
-        """SHA-256 of the facts."""
-        return hashlib.sha256(json.dumps(self.facts, sort_keys=True).encode()).hexdigest()
 
 
 def plan_sweep(
@@ -250,7 +149,7 @@ def plan_sweep(
         outputs=names,
         design=design,
         uncertainty=uncertainty,
-        resolutions=chosen_resolutions(base, name, design),
+        resolutions=_chosen_resolutions(base, name, design),
         packages=packages,
         local=local,
         citations=_citations(tried, name),
@@ -442,6 +341,82 @@ def _checked_shard(shard: tuple[int, int]) -> tuple[int, int]:
     if not 1 <= shard[0] <= shard[1]:
         raise SceneError([f"shard {shard[0]}/{shard[1]}: write I/N with I from 1 to N, such as 3/8"])
     return shard
+
+
+# Resolutions ----------------------------------------------------------------------------------------------------------
+
+
+def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
+    """Choose the resolutions of a sweep.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene that the points change.
+    study : str
+        Their study.
+    design : Design
+        The points.
+    """
+    deciding = [k for k, axis in enumerate(design.axes) if _decides(axis)]
+    combinations = np.stack(np.unravel_index(np.arange(design.size), design.shape), axis=-1)[:, deciding]
+    if not study_class(study).shares_resolution:
+        return Resolutions()
+    resolutions = dict[str, Resolution]()
+    for places in np.unique(combinations, axis=0):
+        numbers = np.flatnonzero((combinations == places).all(axis=1))
+        if numbers.size < _WORTH:
+            continue
+        values = {
+            design.axes[k].key: design.axes[k].values[int(place)] for k, place in zip(deciding, places, strict=True)
+        }
+        points = [values, *(design.changes(int(number)) for number in _far_apart(design, numbers))]
+        chosen = [one for one in (_resolution_at(scene, study, changes) for changes in points) if one is not None]
+        if chosen:
+            resolutions[name_of(list(values.values()))] = _finest(chosen)
+    return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=resolutions)
+
+
+def _decides(axis: Axis) -> bool:
+    number = axis.quantity.unit is not None or axis.quantity.whole
+    return not number or axis.key.startswith(("accuracy.", "study."))
+
+
+def _resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> Resolution | None:
+    """Return the plan's choice at a point, None if it has none: the point will say why."""
+    try:
+        at = evolve(scene, changes) if changes else scene
+        estimated = estimate(study_class(study).of(at), assemble(at))
+    except RollslipError:
+        return None
+    return None if estimated.failed else estimated.resolution
+
+
+def _finest(chosen: Sequence[Resolution]) -> Resolution:
+    """Return the finest of some resolutions, part by part, with the laws as they are named."""
+    most = max(chosen, key=lambda resolution: resolution.slices)
+    return Resolution(
+        slices=most.slices,
+        quadrature=most.quadrature,
+        instants=max(resolution.instants or 1 for resolution in chosen),
+        table_tolerance=min(resolution.table_tolerance for resolution in chosen),
+    )
+
+
+def _far_apart(design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> list[int]:
+    """Numbers of some points, each as far as can be from those before it, in shares of the ranges of their values."""
+    some = numbers[np.unique(np.linspace(0, numbers.size - 1, _CANDIDATES).astype(int))]
+    rows = [[v for v in design.changes(int(number)).values() if isinstance(v, int | float)] for number in some]
+    values: Array = np.array(rows, dtype=float)
+    width = np.ptp(values, axis=0)
+    values = (values - values.min(axis=0)) / np.where(width > 0.0, width, 1.0)
+    taken, distance = list[int](), np.linalg.norm(values - 0.5, axis=1)
+    for _ in range(min(_SPREAD, some.size)):
+        k = int(np.argmax(distance))
+        apart = np.linalg.norm(values - values[k], axis=1)
+        distance = np.minimum(distance, apart) if taken else apart
+        taken.append(k)
+    return [int(some[k]) for k in taken]
 
 
 # Folders -------------------------------------------------------------------------------------------------------------

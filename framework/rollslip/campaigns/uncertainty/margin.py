@@ -30,12 +30,13 @@ import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS, Array
+from rollslip.campaigns.sweep.definition import Sweep
 from rollslip.campaigns.sweep.folder import begin
 from rollslip.campaigns.sweep.point import compute
 from rollslip.campaigns.sweep.result import collect
 from rollslip.campaigns.sweep.run import Progress, run_sweep
 from rollslip.campaigns.sweep.sampling import REPLICATES
-from rollslip.campaigns.sweep.sweep import FILE, Sweep, plan_sweep
+from rollslip.campaigns.sweep.sweep import FILE, plan_sweep
 from rollslip.campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
 from rollslip.errors import OutputError, SceneError
 from rollslip.planning.provenance import origin, scene_told
