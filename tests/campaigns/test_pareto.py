@@ -551,6 +551,7 @@ def stopped(tmp_path, how):
     return process, *process.communicate(timeout=60)
 
 
+@pytest.mark.faults
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT], ids=["killed", "interrupted"])
 def test_a_run_goes_on_where_it_was_stopped(how, tmp_path, capsys, monkeypatch):
     process, _, err = stopped(tmp_path, how)

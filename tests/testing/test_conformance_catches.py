@@ -61,6 +61,7 @@ def installed(tmp_path, monkeypatch):
     discovery._installed.cache_clear()
 
 
+@pytest.mark.faults
 @pytest.mark.parametrize("name", FATAL)
 def test_what_ends_the_process_is_a_finding_and_the_other_checks_run(installed, name):
     _, check, message, source = FATAL[name]
@@ -74,7 +75,7 @@ def test_what_ends_the_process_is_a_finding_and_the_other_checks_run(installed, 
         assert sorted(finding.check for finding in findings) == sorted(rules)
 
 
-@pytest.mark.slow  # it is waited for
+@pytest.mark.faults
 def test_a_model_that_hangs_in_every_check_is_given_up(installed):
     source = FATAL["hangs"][3].replace("if caller is not None and caller.f_code.co_name in", "if caller is not None or")
     installed("hangs", source)
