@@ -147,40 +147,31 @@ def _value(cell: str, unit: str, column: "attrs.Attribute[Any]", where: str, fau
 
 
 @contextmanager
-def whole(target: Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Give a new empty folder that becomes ``target`` when the block ends well, and vanishes when it does not.
+def whole(target: Path) -> Iterator[Path]:
+    """Give an empty folder that becomes the new folder ``target`` when the block ends well, else vanishes.
 
     Raises
     ------
     OutputError
-        If the target exists and holds something, or cannot be written.
+        If it cannot be written.
     """
     try:
-        if target.exists() and not (target.is_dir() and (overwrite or not any(target.iterdir()))):
-            what = "is not a folder" if not target.is_dir() else "exists and holds files"
-            remedy = "name another --out" + (", or --overwrite it" if target.is_dir() else "")
-            raise OutputError(f"{target}: {what}; {remedy}")
         target.parent.mkdir(parents=True, exist_ok=True)
         partial = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
     except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror}); name another --out") from error
+        raise OutputError(f"{target}: cannot be written ({error.strerror}); name another place") from error
     try:
         yield partial
-        partial.chmod(0o777 & ~_umask())
-        if target.exists():
-            old = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
-            os.replace(target, old)  # an empty folder may be replaced by a folder
-            os.replace(partial, target)
-            shutil.rmtree(old)
-        else:
-            os.replace(partial, target)
+        partial.chmod(0o777 & ~umask())
+        os.replace(partial, target)
     except OSError as error:
         raise OutputError(f"{target}: cannot be written ({error.strerror or error}); nothing was left there") from error
     finally:
         shutil.rmtree(partial, ignore_errors=True)
 
 
-def _umask() -> int:
+def umask() -> int:
+    """Return the mask that new files get their rights by."""
     mask = os.umask(0)
     os.umask(mask)
     return mask

@@ -214,8 +214,31 @@ def test_a_folder_that_holds_files_is_left_alone(tmp_path):
     assert "o: exists and holds files; name another --out, or --overwrite it" in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["o"]
     assert (target / "mine.txt").read_text() == "precious"
-    command("run", "1032930-70C", *QUICK, "--out", "o", "--overwrite", cwd=tmp_path)
-    assert {path.name for path in target.iterdir()} == {"friction-curve.nc"}
+    done = command("run", "1032930-70C", *QUICK, "--out", "o", "--overwrite", cwd=tmp_path, code=2)
+    assert "o: has no manifest.json that says which of its files rollslip wrote" in done.stderr
+    assert (target / "mine.txt").read_text() == "precious"
+
+
+def test_results_are_replaced_and_nothing_beside_them(tmp_path):
+    run = ["run", "1032930-70C", *QUICK, "--out", "o", "--overwrite"]
+    command(*run, cwd=tmp_path)
+    command(*run, cwd=tmp_path)
+    assert {path.name for path in (tmp_path / "o").iterdir()} == {"friction-curve.nc", "manifest.json"}
+    (tmp_path / "o" / "thesis.tex").write_text("precious")
+    done = command(*run, cwd=tmp_path, code=2)
+    assert "o: holds what rollslip did not write there, or what was changed since: thesis.tex" in done.stderr
+    assert (tmp_path / "o" / "thesis.tex").read_text() == "precious"
+    assert [path.name for path in tmp_path.iterdir()] == ["o"]
+
+
+def test_a_report_replaces_reports_only(tmp_path):
+    command("run", "1032930-70C", *QUICK, "--out", "o", cwd=tmp_path)
+    report = ["report", "o/friction-curve.nc", "--out", "r.html", "--overwrite"]
+    command(*report, cwd=tmp_path)
+    command(*report, cwd=tmp_path)
+    (tmp_path / "r.html").write_text("<html>mine</html>")
+    assert "r.html: is no report of rollslip" in command(*report, cwd=tmp_path, code=2).stderr
+    assert (tmp_path / "r.html").read_text() == "<html>mine</html>"
 
 
 def test_an_empty_folder_is_used_and_a_file_is_not(tmp_path):

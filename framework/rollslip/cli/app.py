@@ -89,7 +89,17 @@ def results_options(
     """
     options = [
         click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help=folder),
-        *([click.option("--overwrite", is_flag=True, help="Replace what is in the folder.")] if overwrite else []),
+        *(
+            [
+                click.option(
+                    "--overwrite",
+                    is_flag=True,
+                    help="Replace what rollslip wrote there, and nothing else.",
+                )
+            ]
+            if overwrite
+            else []
+        ),
         *([resume_option] if resume else []),
         *([click.option("--report", is_flag=True, help="Write a report in HTML too.")] if report else []),
         click.option("--no-plots", is_flag=True, help=plots),
@@ -148,9 +158,9 @@ class Results:
     @contextmanager
     def folder(self) -> Iterator[Path]:
         """Give a folder that becomes the one of the results when all is done, whole or not at all."""
-        from rollslip.files import whole
+        from rollslip.results.folder import results_folder
 
-        with whole(self.target, overwrite=self._overwrite or self._resume) as folder:
+        with results_folder(self.target, overwrite=self._overwrite or self._resume) as folder:
             yield folder
 
     def show(self, datasets: "Mapping[str, xr.Dataset]", folder: Path) -> None:
@@ -165,7 +175,7 @@ class Results:
             from rollslip.results.report import write_report
 
             write_report(datasets, figures, folder / "report.html")
-        self._files = sorted(path.name for path in folder.iterdir() if path.is_file())
+        self._files = sorted(path.name for path in folder.iterdir() if path.is_file() and path.name[0] != ".")
 
     def as_dict(self) -> dict[str, Any]:
         """Return where everything was written to, as plain values."""

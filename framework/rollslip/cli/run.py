@@ -110,7 +110,7 @@ def plan(scene: str, study: str | None, changes: Sequence[str], other: str | Non
 @click.command()
 @click.argument("results", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--out", default="report.html", show_default=True, type=click.Path(path_type=Path), help="File.")
-@click.option("--overwrite", is_flag=True, help="Replace the file.")
+@click.option("--overwrite", is_flag=True, help="Replace the file, if it is a report.")
 def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
     """Write one HTML report from stored RESULTS (.nc files)."""
     import tempfile
@@ -119,10 +119,12 @@ def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
     from rollslip.files import whole_file
     from rollslip.results.dataset import open_result
     from rollslip.results.figures import plot
-    from rollslip.results.report import write_report
+    from rollslip.results.report import is_report, write_report
 
     if out.exists() and not overwrite:
         raise OutputError(f"{out}: exists; name another --out, or --overwrite it")
+    if out.exists() and not is_report(out):
+        raise OutputError(f"{out}: is no report of rollslip, so it is not replaced; name another --out")
     datasets = {}
     for path in results:
         dataset = open_result(path)

@@ -1,13 +1,17 @@
 """Results: what a dataset and its variables say of themselves, and files that hold it without loss.
 
 - A result is an xarray Dataset; its attributes make it reproducible (`rollslip.planning.provenance`).
+- A file ends with a checksum of all before it, which netCDF does not read, and which is checked when it is opened.
 - A file appears whole or not at all (`rollslip.files`). It is made in memory: where a disk is full, HDF5 leaves a
   file that cannot be closed and takes the process down.
 """
 
+import io
 import os
+import re
+from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from rollslip.errors import OutputError
 from rollslip.files import whole_file
@@ -17,6 +21,12 @@ if TYPE_CHECKING:
 
 #: Attributes that may differ between two runs of the same scene.
 VOLATILE = ("created", "cost", "plan", "wall_time", "integration_time", "real_time_factor")
+
+
+#: Version of what stands in a file of a result, and what its last line says.
+FORMAT: Final = 1
+_SEAL: Final = b"\nrollslip result %d sha256 %s\n"
+_SEALED: Final = re.compile(rb"\nrollslip result (\d+) sha256 ([0-9a-f]{64})\n\Z")
 
 
 def about(unit: str, long_name: str) -> dict[str, Any]:
@@ -32,9 +42,9 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     OutputError
         If it cannot be written.
     """
-    content = dataset.to_netcdf(engine="h5netcdf")
+    content = bytes(dataset.to_netcdf(engine="h5netcdf"))
     with whole_file(path) as partial:
-        partial.write_bytes(content)
+        partial.write_bytes(content + _SEAL % (FORMAT, sha256(content).hexdigest().encode()))
 
 
 def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
@@ -43,7 +53,8 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
     Raises
     ------
     OutputError
-        If the file does not exist or is not a result of rollslip.
+        If the file does not exist, is not a result of rollslip, is not what was written, or was written by a newer
+        version.
     """
     import xarray as xr
 
@@ -51,10 +62,29 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
     if not path.is_file():
         raise OutputError(f"{path}: there is no such file")
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as stored:
+        content = path.read_bytes()
+        _check_seal(content, path)
+        with xr.open_dataset(io.BytesIO(content), engine="h5netcdf") as stored:
             dataset = stored.load()
     except (OSError, ValueError, KeyError, RuntimeError) as error:
         raise OutputError(f"{path}: is not a netCDF file that can be read ({error})") from error
     if "study" not in dataset.attrs or "scene_hash" not in dataset.attrs:
         raise OutputError(f"{path}: is a netCDF file but not a result of rollslip; it names no study and no scene")
     return dataset
+
+
+def _check_seal(content: bytes, path: Path) -> None:
+    """Refuse what is not what was written; a file without a checksum, of an older version, is taken as it is."""
+    seal = _SEALED.search(content, max(0, len(content) - 200))
+    if seal is None:
+        return
+    if int(seal[1]) > FORMAT:
+        raise OutputError(
+            f"{path}: was written by a newer version of rollslip (format {int(seal[1])}; this one reads up to "
+            f"{FORMAT}); update rollslip"
+        )
+    if sha256(content[: seal.start()]).hexdigest().encode() != seal[2]:
+        raise OutputError(
+            f"{path}: is not what rollslip wrote, its checksum is another: it was damaged or changed; run the scene "
+            "again, or take a copy"
+        )

@@ -433,6 +433,7 @@ _PAGE: Final = Template(
 <html lang="en" xmlns="http://www.w3.org/1999/xhtml">
 <head>
 <meta charset="utf-8"/>
+<meta name="generator" content="rollslip"/>
 <meta name="viewport" content="width=device-width, initial-scale=1"/>
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'"/>
 <title>$title</title>
@@ -450,3 +451,12 @@ $sections</main>
 </html>
 """
 )
+
+
+def is_report(path: Path) -> bool:
+    """Return whether a file is a report of ours, which another one may replace."""
+    try:
+        with path.open("rb") as file:
+            return b'<meta name="generator" content="rollslip"' in file.read(1000)
+    except OSError:
+        return False
