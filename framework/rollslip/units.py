@@ -7,7 +7,9 @@ Decisions:
 - A field declares its SI unit, and the dimension of what was written has to agree. The angle counts as a dimension of
   its own, so that 1/s never passes for rad/s.
 - Conversion is done with fractions and rounded once: "15 mm" is the same float as 0.015.
-- A field in K is an absolute temperature. Only there is degC read, because an offset means nothing in a product.
+- A field in K is an absolute temperature. Only there are degC, C and degF read: an offset means nothing in a product.
+- Catalogues give speeds as 1/min, min-1 or Hz and mean turns. So these are turns in a field of rad/s, and only there;
+  1/s stays refused, which some take for turns and some for radians.
 - Nothing is guessed: a decimal comma, a missing unit or an unknown one is an error that shows what to write.
 """
 
@@ -42,6 +44,9 @@ _PREFIXES = {
     "G": Fraction(10**9),
 }
 
+#: A pound by the acceleration of free fall, both by definition [N].
+_POUND = Fraction("0.45359237") * Fraction("9.80665")
+
 # symbol: size in SI units, dimension, prefixes in use
 _SYMBOLS: dict[str, tuple[Fraction, Dimension, str]] = {
     "1": (Fraction(1), (0, 0, 0, 0, 0), ""),
@@ -56,6 +61,11 @@ _SYMBOLS: dict[str, tuple[Fraction, Dimension, str]] = {
     "deg": (Fraction(math.pi) / 180, (0, 0, 0, 0, 1), ""),
     "rpm": (Fraction(math.pi) / 30, (0, 0, -1, 0, 1), ""),
     "N": (Fraction(1), (1, 1, -2, 0, 0), "mkM"),
+    "in": (Fraction(254, 10**4), (1, 0, 0, 0, 0), ""),
+    "micron": (Fraction(1, 10**6), (1, 0, 0, 0, 0), ""),
+    "lbf": (_POUND, (1, 1, -2, 0, 0), ""),
+    "psi": (_POUND / Fraction(254, 10**4) ** 2, (-1, 1, -2, 0, 0), ""),
+    "Hz": (Fraction(1), (0, 0, -1, 0, 0), "kM"),
     "Pa": (Fraction(1), (-1, 1, -2, 0, 0), "mkMG"),
     "bar": (Fraction(10**5), (-1, 1, -2, 0, 0), ""),
     "J": (Fraction(1), (2, 1, -2, 0, 0), "mk"),
@@ -69,6 +79,13 @@ _ATOMS: dict[str, tuple[Fraction, Dimension]] = {
     for symbol, (size, dimension, prefixes) in _SYMBOLS.items()
     for prefix in ("", *prefixes)
 }
+
+#: How rotational speeds are written besides, and what they mean in a field of rad/s.
+_TURNS = {
+    **dict.fromkeys(("1/min", "min-1", "r/min", "rev/min", "RPM"), "rpm"),
+    **dict.fromkeys(("Hz", "r/s", "rev/s"), "turns"),
+}
+_ATOMS["turns"] = (2 * Fraction(math.pi), (0, 0, -1, 0, 1))
 
 # SI unit: what it measures, an example, the units in which people read it (small to large)
 _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
@@ -106,10 +123,15 @@ _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
 _LONGEST = 80  # characters of a value that a message repeats
 _MOST_FACTORS = 8  # above or below the line; exact fractions of thousands take minutes
 _CELSIUS_ZERO = Fraction("273.15")
+#: Scales of temperature: size of a degree, and their zero [K].
+_OFFSETS = {
+    **dict.fromkeys(("degC", "C"), (Fraction(1), _CELSIUS_ZERO)),
+    "degF": (Fraction(5, 9), Fraction("459.67") * Fraction(5, 9)),
+}
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+)([^\d,][^,]*)?", re.ASCII)
-_FACTOR = re.compile(r"([A-Za-z%]+|1)([2-4])?")
-_SPELLINGS = str.maketrans({"µ": "u", "μ": "u", "°": "deg", "²": "2", "³": "3", "^": "", "·": " ", "*": " "})
+_FACTOR = re.compile(r"([A-Za-z%]+)(-?[1-4])?")
+_SPELLINGS = str.maketrans("µμ⁻¹²³·*", "uu-123  ", "^") | {ord("°"): "deg"}
 
 
 @lru_cache
@@ -128,11 +150,13 @@ def _unit(text: str) -> tuple[Fraction, Dimension]:
 def _product(factors: str, unit: str) -> tuple[Fraction, Dimension]:
     size, dimension = _ATOMS["1"]
     words = factors.split() or [""]
+    if words == ["1"]:
+        return size, dimension
     if len(words) > _MOST_FACTORS:
         raise UnitError(f"{as_written(unit)} is not a unit, it has {len(words)} factors")
     for word in words:
         factor = _FACTOR.fullmatch(word)
-        if factor is None or factor[1] not in _ATOMS:
+        if factor is None or factor[1] not in _ATOMS or factor[1] == "turns":
             raise UnitError(f"{as_written(unit)} is not a unit that is known here")
         one, exponents = _ATOMS[factor[1]]
         power = int(factor[2] or 1)
@@ -270,11 +294,14 @@ def _from_text(text: str, unit: str) -> Fraction:
         if unit == "1":
             return value
         raise UnitError(f"{as_written(text)} has no unit, here {expectation(unit)}")
-    celsius = symbol.translate(_SPELLINGS) == "degC"
-    if celsius and unit == "K":
-        return value + _CELSIUS_ZERO
+    spelled = symbol.translate(_SPELLINGS)
+    if spelled in _OFFSETS:
+        size, zero = _OFFSETS[spelled]
+        if unit == "K":
+            return value * size + zero
+        symbol = "K"
     try:
-        size, dimension = _unit("K" if celsius else symbol)
+        size, dimension = _ATOMS[_TURNS[spelled]] if unit == "rad/s" and spelled in _TURNS else _unit(symbol)
     except UnitError as error:
         raise UnitError(f"{as_written(text)}: {error}; here {expectation(unit)}") from None
     if dimension != _unit(unit)[1]:
