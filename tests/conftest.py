@@ -7,11 +7,16 @@ A quick run imports only files that have quick tests: importing all would take l
 """
 
 import os
+import signal
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from hypothesis import settings
+
+# a shell starts its jobs in the background with SIGINT ignored, and what tests start would ignore it too
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 settings.register_profile("short", max_examples=40)
 settings.register_profile("thorough", max_examples=1000)

@@ -149,3 +149,16 @@ def test_an_exact_result_takes_the_finer_way():
     found = choose_motion(Dynamics(duration=1e-6), bearing(accuracy__tolerance="exact"), ())
     assert found.settings == {"friction": "conventional", "level": "pocket"}
     assert found.reasons["level"] == "an exact result is asked for"
+
+
+@pytest.mark.parametrize("setting", ["friction", "level", "integrator"])
+def test_an_interrupt_while_a_choice_is_tried_is_one(setting, monkeypatch):
+    """It is no fault of what is tried, after which something else would be chosen."""
+
+    def interrupted(*given, **options):
+        raise KeyboardInterrupt
+
+    scene = open_scene(setting)
+    monkeypatch.setattr("rollslip.motion.time_integration._Run._stretch", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        plan(scene, "dynamics")

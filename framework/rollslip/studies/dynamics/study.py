@@ -366,7 +366,10 @@ class Dynamics(Study):
             jacobian=moving.system.jacobian,
             breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
         )
-        return integrate(problem, self.method(moving.assembly), times, rtol=tolerance)
+        found = integrate(problem, self.method(moving.assembly), times, rtol=tolerance)
+        if found.outcome == "interrupted":  # else what is chosen by trials would take it for a fault of one
+            raise KeyboardInterrupt
+        return found
 
     def moving(
         self, assembly: Assembly, loads: LoadMap | None = None, *, critical_slip: float = math.nan
