@@ -30,6 +30,7 @@ PROMISED = {
     "rollslip.models": """ContactModel Domain Drag DragModel FINITE FilmModel IntegratorModel NON_NEGATIVE NO_LIMITS
         POSITIVE PocketFriction ResistanceModel SCENE_VALUES SliceModel TractionModel evaluate_arrays from_scene in_unit
         interval left_to_scene submodel""",
+    "rollslip.references": "Citation Reference as_bibtex",
     "rollslip.scene": """Accuracy Bearing FrozenTable LubricantTable Material ModelChoice Models Operation Plugins
         Profile Scene Surface resolved scene_hash""",
     "rollslip.testing": """Conformance Finding Nonconformance all_checks as_dict check_in_subprocess checks_of

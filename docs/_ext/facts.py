@@ -86,11 +86,17 @@ def models():
             thing = get_class(kind, name)
             lines += ["", f".. rubric:: {name}", "", *(model(kind, name) if isinstance(thing, type) else data(thing))]
             if thing.references:
-                lines += ["", "References:", "", *(f"- {literal_markup(text)}" for text in thing.references)]
+                lines += ["", "References:", "", *(f"- {citation(one)}" for one in thing.references)]
             lines.append("")
         if not available(kind):
             lines += ["None is in the box; a plugin can offer them.", ""]
     return lines
+
+
+def citation(one):
+    """How a citation reads, its DOI as a link."""
+    text, link = literal_markup(str(one)), getattr(one, "link", "")
+    return text.replace(literal_markup(f"doi:{one.doi}"), f"`doi:{one.doi} <{link}>`__") if link else text
 
 
 def model(kind, name):

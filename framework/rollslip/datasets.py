@@ -5,6 +5,7 @@ import math
 import attrs
 
 from rollslip.fields import FieldError, at_least, field, in_range, non_negative, one_of, positive
+from rollslip.references import Citation
 from rollslip.units import format_quantity
 
 __all__ = ["Bearing", "BearingData", "Material", "Profile", "Surface", "SurfaceData"]
@@ -136,8 +137,8 @@ class BearingData:
         Where the values come from, and which are assumed.
     validity : str
         What they hold for: whether the clearance is one in operation, for example.
-    references : tuple of str
-        One citation each.
+    references : tuple of Reference or str
+        One citation each, see `rollslip.references`.
     bearing : Bearing
         The values.
     """
@@ -146,7 +147,7 @@ class BearingData:
     description: str
     source: str
     validity: str
-    references: tuple[str, ...] = ()
+    references: tuple[Citation, ...] = ()
     bearing: Bearing
 
     @property
@@ -171,7 +172,7 @@ class SurfaceData:
     description: str
     source: str
     validity: str
-    references: tuple[str, ...] = ()
+    references: tuple[Citation, ...] = ()
     surface: Surface
 
     @property

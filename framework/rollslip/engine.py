@@ -14,6 +14,8 @@ from concurrent.futures import BrokenExecutor, Executor
 from types import MappingProxyType
 from typing import ClassVar
 
+from rollslip.references import Citation
+
 __all__ = ["Engine", "cores"]
 
 
@@ -26,7 +28,7 @@ class Engine(abc.ABC):
     """Where the points of a sweep are computed."""
 
     name: ClassVar[str]
-    references: ClassVar[tuple[str, ...]] = ()
+    references: ClassVar[tuple[Citation, ...]] = ()
     #: Rule of the conformance kit that the engine breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Whether points run in other processes: one that dies takes no sweep along, and models must be importable there.

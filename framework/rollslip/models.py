@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import attrs
 
 from rollslip.errors import DomainError
+from rollslip.references import Citation
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -106,8 +107,8 @@ class SliceModel(abc.ABC):
     name: ClassVar[str]
     #: The law in one line, in the symbols of its docstring.
     equation: ClassVar[str]
-    #: Where it comes from, one citation each.
-    references: ClassVar[tuple[str, ...]]
+    #: Where it comes from: values of `rollslip.references.Reference`, or texts, one citation each.
+    references: ClassVar[tuple[Citation, ...]]
     reads: frozenset[str]
     writes: frozenset[str]
     #: Member -> (low, high), both included, in SI units: where the law is defined.
@@ -299,7 +300,7 @@ class Drag(abc.ABC):
 
     name: ClassVar[str]
     equation: ClassVar[str]
-    references: ClassVar[tuple[str, ...]]
+    references: ClassVar[tuple[Citation, ...]]
 
     def check_given(self) -> None:
         """Refuse to go on while a parameter is left to a scene.
@@ -359,7 +360,7 @@ class IntegratorModel(abc.ABC):
     explicit: ClassVar[bool] = False
     name: ClassVar[str]
     equation: ClassVar[str]
-    references: ClassVar[tuple[str, ...]]
+    references: ClassVar[tuple[Citation, ...]]
 
     @abc.abstractmethod
     def solver(self) -> type[Any]:

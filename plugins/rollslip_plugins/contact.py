@@ -11,15 +11,11 @@ from rollslip.errors import DomainError
 from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, ContactModel, SliceModel
+from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import contact as compiled
+from rollslip_plugins.bibliography import HARRIS_2006, ISO_16281, JOHNSON_1985, LUNDBERG_1939
 
-HARRIS = "Harris T.A., Kotzalas M.N. Essential Concepts of Bearing Technology, 5th ed. CRC Press, 2006."
-JOHNSON = "Johnson K.L. Contact Mechanics. Cambridge University Press, 1985. doi:10.1017/CBO9781139171731"
-ISO16281 = (
-    "ISO/TS 16281:2008 Rolling bearings: methods for calculating the modified reference rating life "
-    "for universally loaded bearings."
-)
 MPA = 1e6  # Pa, the unit of the published coefficients, N/mm2
 
 
@@ -49,7 +45,7 @@ class PowerDeflection(SliceModel):
 
     name: ClassVar[str] = "power-deflection"
     equation: ClassVar[str] = "w = k l^(8/9) delta^(10/9)/l"
-    references: ClassVar[tuple[str, ...]] = (HARRIS,)
+    references: ClassVar[tuple[Reference, ...]] = (HARRIS_2006,)
     reads = frozenset({"approach", "length"})
     writes = frozenset({"load", "stiffness"})
     domain = MappingProxyType({"approach": FINITE, "length": POSITIVE})
@@ -99,10 +95,7 @@ class LundbergDeflection(SliceModel):
 
     name: ClassVar[str] = "lundberg-deflection"
     equation: ClassVar[str] = "delta = 4 w/(pi E') (1/2 + ln(2 l/b))"
-    references: ClassVar[tuple[str, ...]] = (
-        "Lundberg G. Elastische Berührung zweier Halbräume. Forsch. Geb. Ingenieurwes. 10, 1939, 201-211. "
-        "doi:10.1007/BF02584950",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (LUNDBERG_1939,)
     reads = frozenset({"approach", "length", "radius", "modulus"})
     writes = frozenset({"load", "stiffness"})
     domain = MappingProxyType({"approach": FINITE, "length": POSITIVE, "radius": POSITIVE, "modulus": POSITIVE})
@@ -190,7 +183,7 @@ class Palmgren(_HertzLine):
     """
 
     name: ClassVar[str] = "palmgren"
-    references: ClassVar[tuple[str, ...]] = (HARRIS, JOHNSON)
+    references: ClassVar[tuple[Reference, ...]] = (HARRIS_2006, JOHNSON_1985)
 
     def deflection(self) -> SliceModel:
         """Return the stage approach -> load, stiffness."""
@@ -233,7 +226,7 @@ class Iso16281(_HertzLine):
     """
 
     name: ClassVar[str] = "iso16281"
-    references: ClassVar[tuple[str, ...]] = (ISO16281, JOHNSON)
+    references: ClassVar[tuple[Reference, ...]] = (ISO_16281, JOHNSON_1985)
 
     def deflection(self) -> SliceModel:
         """Return the stage approach -> load, stiffness."""
@@ -273,7 +266,7 @@ class Lundberg(_HertzLine):
     """
 
     name: ClassVar[str] = "lundberg"
-    references: ClassVar[tuple[str, ...]] = (*LundbergDeflection.references, JOHNSON)
+    references: ClassVar[tuple[Reference, ...]] = (*LundbergDeflection.references, JOHNSON_1985)
 
     def deflection(self) -> SliceModel:
         """Return the stage approach -> load, stiffness."""

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pybtex.database import parse_string
 
 import rollslip
 from rollslip.results.dataset import VOLATILE
@@ -109,7 +110,12 @@ def test_cite_names_the_sources_of_a_scene_and_of_its_result(tmp_path):
     command("run", "1032930-30C", *QUICK, "--out", "o", cwd=tmp_path)
     assert command("cite", "o/friction-curve.nc", cwd=tmp_path).stdout == of_scene
     changed = json.loads(command("cite", "1032930-30C", "--set", "models.film=blok", "--json", cwd=tmp_path).stdout)
-    assert any("Blok" in text for text in changed)
+    assert any(one.get("authors") == ["Blok, H."] and "Blok H." in one["text"] for one in changed)
+    bibtex = command("cite", "1032930-30C", "--bibtex", cwd=tmp_path).stdout
+    assert list(parse_string(bibtex, "bibtex").entries)[:2] == ["klebanov2022", "rollslip"]
+    assert len(parse_string(bibtex, "bibtex").entries) == len(of_scene.splitlines())
+    assert command("cite", "o/friction-curve.nc", "--bibtex", cwd=tmp_path).stdout == bibtex
+    assert "take one" in command("cite", "1032930-30C", "--bibtex", "--json", cwd=tmp_path, code=2).stderr
     done = command("cite", "o/friction-curve.nc", "--set", "a.b=1", cwd=tmp_path, code=2)
     assert "a result cannot be changed" in done.stderr
 

@@ -12,11 +12,11 @@ import rollslip
 from plan_scenes import STUDY, TRACTIONS, judge, pick, points, scene
 from rollslip import Conditions, Slices, evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.resolution import Resolution, finest
+from rollslip.bearing.resolution import BoundBrokenError, Resolution, finest
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import changed, plan
 from rollslip.planning.verification import verify
-from rollslip.studies.bounds import BoundaryFriction, BoundBrokenError, ExactLaw, Extremes
+from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.estimates import Bound, difference
 

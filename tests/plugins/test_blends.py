@@ -141,7 +141,7 @@ def test_zhou_and_hoeprichs_share_is_as_printed(form, film_parameter, factor, ex
 
 
 def test_zhou_and_hoeprichs_share_has_the_published_numbers():
-    """Aihara on his fit: for Lambda over 2 almost all of the load is on the film. Schwarz et al.: B 2.32, C 0.97."""
+    """Aihara: for Lambda over 2 almost all of the load is on the film. Wingertszahn et al.: B 2.32, C 0.97."""
     default, raceway = ZhouHoeprich(), get_model("traction", "zhou-hoeprich", factor=2.32, exponent=0.97)
     assert share_of(default, 2.0) == pytest.approx(0.016, abs=5e-4)
     assert share_of(raceway, 1.0) == pytest.approx(np.exp(-2.32))

@@ -75,7 +75,7 @@ def faults(law, text, *, equation=None):
     examples = doctest.DocTestParser().get_examples(text)
     if "\nExamples\n--------\n" not in text or not any(example.want for example in examples):
         found.append("example")
-    if law.name not in NO_LAW and not any(re.search(r"\b(1[89]|20)\d\d\b|:20\d\d", one) for one in law.references):
+    if law.name not in NO_LAW and not any(re.search(r"\b(1[89]|20)\d\d\b|:20\d\d", str(one)) for one in law.references):
         found.append("source")
     return found
 

@@ -13,6 +13,7 @@ from rollslip.catalogue.discovery import origin
 from rollslip.errors import DomainError, PluginError, RollslipError, in_words
 from rollslip.fields import parameter
 from rollslip.models import FINITE, Domain, Drag, DragModel, PocketFriction, ResistanceModel
+from rollslip.references import Reference
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_kernels.stages import drag as compiled
 
@@ -23,7 +24,9 @@ class TotalResistance(ResistanceModel):
 
     name: ClassVar[str] = "total-resistance"
     equation: ClassVar[str] = "F = sum(F_k)"
-    references: ClassVar[tuple[str, ...]] = ("The sum of the resistances that the scene names.",)
+    references: ClassVar[tuple[Reference, ...]] = (
+        Reference(kind="remark", title="The sum of the resistances that the scene names."),
+    )
 
     terms: tuple[ResistanceModel, ...] = parameter(doc="what is added, at most eight")
 

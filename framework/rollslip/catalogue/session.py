@@ -15,6 +15,7 @@ from rollslip.catalogue import discovery
 from rollslip.catalogue.kinds import get_kind, kind_of, kinds
 from rollslip.errors import PluginError
 from rollslip.models import FINITE, FilmModel
+from rollslip.references import Citation
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 
 __all__ = ["model", "register"]
@@ -65,7 +66,7 @@ def model(
     reads: Collection[str] | None = None,
     domain: Mapping[str, tuple[float, float]] | None = None,
     equation: str = "",
-    references: Collection[str] = (),
+    references: Collection[Citation] = (),
     replace: bool = False,
 ) -> Callable[[F], F]:
     """Offer a function of the slices as a film or traction model in this process.
@@ -84,8 +85,8 @@ def model(
         and for a film what every film model takes.
     equation : str
         The law in one line.
-    references : collection of str
-        Where it comes from, one citation each.
+    references : collection of Reference or str
+        Where it comes from, one citation each, see `rollslip.references`.
     replace : bool
         Whether it may take the place of one with its name, for this process.
 

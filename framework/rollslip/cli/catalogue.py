@@ -1,6 +1,5 @@
 """Commands about what there is: models, packages, keys of a scene, results, citations, this installation."""
 
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -48,23 +47,27 @@ def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
 @click.command()
 @click.argument("target", metavar="SCENE|RESULT.nc")
 @set_option
+@click.option("--bibtex", is_flag=True, help="Print BibTeX instead.")
 @json_option
-def cite(target: str, changes: Sequence[str], as_json: bool) -> None:
-    """Print what to cite for the models and the oil of a SCENE or a RESULT."""
+def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> None:
+    """Print what to cite for the models and the oil of a SCENE or a RESULT, rollslip and its paper first."""
     from rollslip.planning.plan import plan
     from rollslip.planning.provenance import citations
-    from rollslip.results.dataset import open_result
+    from rollslip.references import as_bibtex, as_dict
+    from rollslip.results.dataset import citations_of, open_result
 
+    if bibtex and as_json:
+        raise click.UsageError("--bibtex and --json are two forms of the same; take one")
     if target.endswith(".nc"):
         if changes:
             raise click.UsageError("--set changes a scene; a result cannot be changed")
-        texts = json.loads(open_result(target).attrs["citations"])
+        found = citations_of(open_result(target))
     else:
-        texts = citations(plan(scene_of(target, changes)))
+        found = citations(plan(scene_of(target, changes)))
     if as_json:
-        print_json(texts)
+        print_json(list(map(as_dict, found)))
     else:
-        click.echo("\n".join(texts))
+        click.echo(as_bibtex(found) if bibtex else "\n".join(map(str, found)))
 
 
 @click.command()

@@ -93,7 +93,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         about |= {
             "description": thing.description,
             "source": thing.source,
-            "references": list(thing.references),
+            "references": list(map(str, thing.references)),
         }
         if kind == "lubricant":
             limits = (thing.minimum_temperature, thing.maximum_temperature)
@@ -114,7 +114,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         "description": "\n".join(_doc(thing)),
         "equation": getattr(thing, "equation", ""),  # an engine has none
         "parameters": parameters,
-        "references": list(thing.references),
+        "references": list(map(str, thing.references)),
     }
     if outputs := getattr(thing, "outputs", None):  # of a study
         about["outputs"] = [

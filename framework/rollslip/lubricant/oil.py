@@ -15,6 +15,7 @@ from rollslip.errors import DomainError
 from rollslip.fields import FieldError, field, positive
 from rollslip.lubricant.pressure import Barus, PressureViscosity
 from rollslip.lubricant.temperature import TemperatureLaw
+from rollslip.references import Citation
 from rollslip.structure import FrozenTable
 from rollslip.units import format_quantity
 
@@ -114,8 +115,8 @@ class Lubricant:
         Range in which the data hold [K].
     source : str
         Origin of each datum, with its grade where it is not a published value.
-    references : tuple of str
-        Keys of the bibliography.
+    references : tuple of Reference or str
+        One citation each, see `rollslip.references`.
     viscosity_factor, pressure_viscosity_factor, pressure_thermoviscosity_factor : float
         Factors on eta0, alpha and gamma [-].
     scatter : tuple of Scatter
@@ -138,7 +139,7 @@ class Lubricant:
     minimum_temperature: float = positive_field("K", "lowest temperature at which the data hold")
     maximum_temperature: float = positive_field("K", "highest temperature at which the data hold")
     source: str
-    references: tuple[str, ...] = ()
+    references: tuple[Citation, ...] = ()
     viscosity_factor: float = positive_field("1", "factor on the viscosity", 1.0)
     pressure_viscosity_factor: float = positive_field("1", "factor on the pressure-viscosity coefficient", 1.0)
     pressure_thermoviscosity_factor: float = positive_field("1", "factor on the slope of that coefficient", 1.0)

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from rollslip.errors import DomainError
 from rollslip.fields import field, non_negative, positive
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, SliceModel
+from rollslip.references import BARUS, EHRET, ROELANDS, YASUTOMI, Reference
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_kernels.stages import viscosity as compiled
 
@@ -58,9 +59,7 @@ class Barus(PressureViscosity):
 
     name: ClassVar[str] = "barus"
     equation: ClassVar[str] = "eta = eta0 exp(alpha p)"
-    references: ClassVar[tuple[str, ...]] = (
-        "Barus C. Isothermals, isopiestics and isometrics relative to viscosity. Am. J. Sci. 45, 1893, 87-96.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (BARUS,)
     reads = frozenset({"pressure", "viscosity", "pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity"})
     domain = MappingProxyType(
         {
@@ -103,10 +102,7 @@ class Roelands(PressureViscosity):
 
     name: ClassVar[str] = "roelands"
     equation: ClassVar[str] = "eta = eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/6.315e-5), z = alpha p0/k"
-    references: ClassVar[tuple[str, ...]] = (
-        "Roelands C.J.A. Correlational aspects of the viscosity-temperature-pressure relationship of lubricating oils. "
-        "Thesis, Delft, 1966.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (ROELANDS,)
     reads = Barus.reads
     domain = MappingProxyType({**Barus.domain, "viscosity": (math.nextafter(POLE_VISCOSITY, 1.0), FINITE[1])})
 
@@ -140,12 +136,7 @@ class Yasutomi(PressureViscosity):
 
     name: ClassVar[str] = "yasutomi"
     equation: ClassVar[str] = "log10(eta/eta_g) = -C1 x/(C2 + x), x = (T - Tg0 - A1 ln(1 + A2 p)) (1 - B1 ln(1 + B2 p))"
-    references: ClassVar[tuple[str, ...]] = (
-        "Yasutomi S., Bair S., Winer W.O. An application of a free volume model to lubricant rheology: "
-        "I - dependence of viscosity on temperature and pressure. J. Tribol. 106, 1984, 291-302.",
-        "Ehret P., Dowson D., Taylor C.M. On lubricant transport conditions in elastohydrodynamic conjuctions. "
-        "Proc. R. Soc. Lond. A 454, 1998, 763-787.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (YASUTOMI, EHRET)
     reads = frozenset({"pressure", "temperature", "viscosity", "thermoviscosity"})
     domain = MappingProxyType(
         {

@@ -19,7 +19,8 @@ from rollslip.catalogue.discovery import named_data
 from rollslip.catalogue.registry import Offer, find
 from rollslip.models import SliceModel
 from rollslip.planning.plan import Plan, part_as_dict
-from rollslip.references import KLEBANOV
+from rollslip.references import KLEBANOV, Citation, as_dict, once, rollslip_itself
+from rollslip.results.dataset import CITED
 from rollslip.scene.values import Scene, resolved, scene_hash
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "citations",
+    "citations_told",
     "cited",
     "lubricant_told",
     "models_told",
@@ -74,7 +76,7 @@ def run_origin(plan: Plan, study: str, warnings: list[str], evaluations: int, wa
         conditions={raceway.ring: attrs.asdict(raceway.conditions) for raceway in assembly.raceways},
         plan=[part_as_dict(part) for part in plan.parts if part.study in ("", study)],
         warnings=warnings,
-        citations=citations(plan),
+        **citations_told(citations(plan)),
         evaluations=evaluations,
         wall_time=wall_time,
     )
@@ -116,7 +118,7 @@ def models_told(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:
             "package": offer.package,
             "version": offer.version,
             "equation": model.equation,
-            "references": references_of(model),
+            "references": list(map(str, references_of(model))),
             "parameters": repr(model),
         }
         for kind, model, offer in ((kind, model, find(kind, model.name)) for kind, model in models)
@@ -128,18 +130,25 @@ def lubricant_told(oil: "Lubricant") -> dict[str, Any]:
     return {"name": oil.name, "source": oil.source, "pressure_viscosity_law": repr(oil.pressure_viscosity_law)}
 
 
-def citations(plan: Plan) -> list[str]:
+def citations(plan: Plan) -> list[Citation]:
     """Return what to cite for the models and the oil of a plan, the paper that rollslip follows first."""
     oil = plan.assembly.lubricant
     return cited([model for _, model in plan.models], [*oil.references, *oil.pressure_viscosity_law.references])
 
 
-def cited(models: Iterable[SliceModel], others: Iterable[str]) -> list[str]:
-    """Return what to cite for models, and other texts, each once, the paper that rollslip follows first."""
-    return list(dict.fromkeys([KLEBANOV, *(text for model in models for text in references_of(model)), *others]))
+def cited(models: Iterable[SliceModel], others: Iterable[Citation]) -> list[Citation]:
+    """Return what to cite for models, and others, each once: the paper that rollslip follows and rollslip first."""
+    used = (one for model in models for one in references_of(model))
+    return once([KLEBANOV, rollslip_itself(), *used, *others])
 
 
-def references_of(model: SliceModel) -> list[str]:
+def citations_told(found: Iterable[Citation]) -> dict[str, list[Any]]:
+    """Return the attributes `CITED` of a dataset."""
+    found = list(found)
+    return dict(zip(CITED, (list(map(str, found)), list(map(as_dict, found))), strict=True))
+
+
+def references_of(model: SliceModel) -> list[Citation]:
     """Citations of a model and of the models it is composed of."""
     children = [getattr(model, a.name) for a in getattr(model, "__attrs_attrs__", ()) if "kind" in a.metadata]
-    return list(dict.fromkeys([*model.references, *(text for child in children for text in references_of(child))]))
+    return list(dict.fromkeys([*model.references, *(one for child in children for one in references_of(child))]))

@@ -7,6 +7,7 @@
 """
 
 import io
+import json
 import os
 import re
 from hashlib import sha256
@@ -15,12 +16,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rollslip.errors import OutputError
 from rollslip.files import whole_file
+from rollslip.references import Citation, from_dict, once
 
 if TYPE_CHECKING:
     import xarray as xr
 
 #: Attributes that may differ between two runs of the same scene.
 VOLATILE = ("created", "cost", "plan", "wall_time", "integration_time", "real_time_factor")
+#: Attributes that say what to cite: as it reads, and as data.
+CITED = ("citations", "bibliography")
 
 
 #: Version of what stands in a file of a result, and what its last line says.
@@ -88,3 +92,13 @@ def _check_seal(content: bytes, path: Path) -> None:
             f"{path}: is not what rollslip wrote, its checksum is another: it was damaged or changed; run the scene "
             "again, or take a copy"
         )
+
+
+def citations_of(*datasets: "xr.Dataset") -> list[Citation]:
+    """Return what results say is to be cited, each once; texts only, where a result is older than the data."""
+    texts, data = CITED
+    return once(
+        from_dict(one) if isinstance(one, dict) else one
+        for dataset in datasets
+        for one in json.loads(dataset.attrs.get(data, dataset.attrs.get(texts, "[]")))
+    )

@@ -21,6 +21,7 @@ from rollslip.bearing.resolution import Resolution, finest
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.errors import SceneError, nearest
+from rollslip.references import Citation
 from rollslip.results.curves import Curves
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import Location, structure
@@ -62,7 +63,7 @@ class Study(abc.ABC):
     in_time: ClassVar[bool] = False
     #: Whether one resolution, chosen for a few points of a sweep, serves all of them.
     shares_resolution: ClassVar[bool] = False
-    references: ClassVar[tuple[str, ...]] = ()
+    references: ClassVar[tuple[Citation, ...]] = ()
     #: Rule of the conformance kit that the study breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 

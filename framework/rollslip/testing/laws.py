@@ -27,7 +27,18 @@ from rollslip.models import (
     SliceModel,
     TractionModel,
 )
-from rollslip.testing.rules import DENORMAL, Inapplicable, Nonconformance, changed, drawn, refuse_unless, rule, same
+from rollslip.testing.rules import (
+    CITATIONS_WANTED,
+    DENORMAL,
+    Inapplicable,
+    Nonconformance,
+    changed,
+    drawn,
+    is_citation,
+    refuse_unless,
+    rule,
+    same,
+)
 from rollslip.testing.samples import BEARING, copy_of, evaluate, for_all, forms_of, picked, shown, signed, table
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag as compiled
@@ -363,8 +374,8 @@ def check_says_what_it_is_and_what_vouches_for_it(oil: Lubricant) -> None:
     refuse_unless(len(oil.description.split()) >= 3, f"its description is {oil.description!r}; say what it is")
     refuse_unless(len(oil.source.split()) >= 3, f"its source is {oil.source!r}; say where its data come from")
     refuse_unless(
-        isinstance(oil.references, tuple) and oil.references and all(oil.references),
-        f"its references are {oil.references!r}; give a tuple of citations, or of keys of the bibliography",
+        isinstance(oil.references, tuple) and oil.references and all(map(is_citation, oil.references)),
+        f"its references are {oil.references!r}; {CITATIONS_WANTED}",
     )
 
 

@@ -24,6 +24,7 @@ from rollslip.models import (
     SliceModel,
     TractionModel,
 )
+from rollslip.references import Reference
 from rollslip.studies.study import Study
 from rollslip.testing.samples import copy_of, drawn_tables, evaluate, for_all, forms_of, shown, with_scene
 from rollslip_kernels.slices import Slices
@@ -91,6 +92,17 @@ def refuse_unless(holds: object, message: str) -> None:
     """Raise the verdict with its message; not by assert, which python -O leaves out."""
     if not holds:
         raise Nonconformance(message)
+
+
+#: What is asked of references.
+CITATIONS_WANTED: Final = (
+    "give a tuple of citations, each a text that says who, what, where and when, or a rollslip.references.Reference"
+)
+
+
+def is_citation(one: object) -> bool:
+    """Whether it can be told as a citation."""
+    return isinstance(one, Reference) or (isinstance(one, str) and len(one.split()) >= 3)
 
 
 def same(

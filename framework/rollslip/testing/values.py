@@ -16,7 +16,15 @@ from rollslip.catalogue.registry import catalogue, get_class
 from rollslip.engine import Engine
 from rollslip.errors import PluginError
 from rollslip.models import FilmModel
-from rollslip.testing.rules import MODELS, Inapplicable, Nonconformance, refuse_unless, rule
+from rollslip.testing.rules import (
+    CITATIONS_WANTED,
+    MODELS,
+    Inapplicable,
+    Nonconformance,
+    is_citation,
+    refuse_unless,
+    rule,
+)
 from rollslip.units import UnitError, check_unit
 
 #: What a change of units may do to a result: some hundred roundings, most of them in powers.
@@ -176,10 +184,8 @@ def check_says_what_it_is_and_where_it_comes_from(model: Any) -> None:
     )
     references = getattr(cls, "references", None)
     refuse_unless(
-        isinstance(references, tuple)
-        and references
-        and all(isinstance(one, str) and len(one.split()) >= 3 for one in references),
-        f"its references are {references!r}; give a tuple of citations: who, what, where, when",
+        isinstance(references, tuple) and references and all(map(is_citation, references)),
+        f"its references are {references!r}; {CITATIONS_WANTED}",
     )
 
 

@@ -20,13 +20,14 @@ from rollslip.lubricant import (
     Table,
     Walther,
 )
+from rollslip_plugins.bibliography import GUPTA_1984
 
 _EYRING_STRESS = 4e6  # Pa
 _SHEAR_MODULUS = 0.3e9  # Pa
 _SHEAR_SOURCE = (
     "Eyring stress 4 MPa (D), published traction curves give 1 to 10 MPa; shear modulus 0.3 GPa (C), 0.05 to 1 GPa."
 )
-_REFERENCES = ("Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984.",)
+_REFERENCES = (GUPTA_1984,)
 _ATTRIBUTION = "as in the lubricant library of the bearing code ADORE (Gupta, 1984; attribution C)"
 _NO_CONDUCTIVITY = "No conductivity with a source was found."
 _LOWEST, _HIGHEST = 273.15, 473.15  # K

@@ -9,8 +9,10 @@ import numpy as np
 from rollslip.fields import in_range, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.models import NON_NEGATIVE, POSITIVE, Drag, ResistanceModel
+from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import drag as compiled
+from rollslip_plugins.bibliography import GOKSEM_1978, GREENWOOD_1961, JOHNSON_1985, MARTIN_1916
 
 #: F = RIGID sqrt(eta u w): int h dp/2 of the half-open parabolic gap that Reynolds's condition ends.
 RIGID: Final = 2.0796226511
@@ -59,11 +61,7 @@ class RollingResistance(ResistanceModel):
     equation: ClassVar[str] = (
         "F = (a^-5 + b^-5)^(-1/5), a = 2.0796 sqrt(eta0 u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126"
     )
-    references: ClassVar[tuple[str, ...]] = (
-        "Goksem P.G., Hargreaves R.A. The effect of viscous shear heating on both film thickness and rolling traction "
-        "in an EHL line contact. J. Lubr. Technol. 100, 1978, 346-358 (two parts). doi:10.1115/1.3453183",
-        "Martin H.M. Lubrication of gear teeth. Engineering 102, 1916, 119-121.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (GOKSEM_1978, MARTIN_1916)
     reads = frozenset({"load", "rolling_speed", "radius", "modulus", "viscosity", "pressure_viscosity"})
     domain = MappingProxyType({**dict.fromkeys(sorted(reads), POSITIVE), "pressure_viscosity": NON_NEGATIVE})
 
@@ -114,11 +112,7 @@ class Hysteresis(ResistanceModel):
 
     name: ClassVar[str] = "hysteresis"
     equation: ClassVar[str] = "F = k w b/(3 pi R)"
-    references: ClassVar[tuple[str, ...]] = (
-        "Johnson K.L. Contact Mechanics. Cambridge University Press, 1985, chapter 9. doi:10.1017/CBO9781139171731",
-        "Greenwood J.A., Minshall H., Tabor D. Hysteresis losses in rolling and sliding friction. "
-        "Proc. R. Soc. Lond. A 259, 1961, 480-507.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (JOHNSON_1985.at("chapter 9"), GREENWOOD_1961)
     reads = frozenset({"load", "half_width", "radius"})
     domain = MappingProxyType(dict.fromkeys(sorted(reads), POSITIVE))
 

@@ -8,9 +8,9 @@ import attrs
 from rollslip.fields import in_range, non_negative, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import Drag, DragModel, PocketFriction, from_scene
+from rollslip.references import Reference
 from rollslip_kernels.stages import drag as compiled
-
-HARRIS = "Harris T.A., Kotzalas M.N. Advanced Concepts of Bearing Technology. 5th ed., CRC Press, 2007."
+from rollslip_plugins.bibliography import HARRIS_2007, PARKER_1984, PETROFF_1883
 
 
 @attrs.frozen(kw_only=True)
@@ -38,7 +38,9 @@ class ConstantTorque(DragModel):
 
     name: ClassVar[str] = "constant-torque"
     equation: ClassVar[str] = "T = -T0 w_c/sqrt(w_c^2 + w_s^2)"
-    references: ClassVar[tuple[str, ...]] = ("No law: a number that is given, made smooth where the cage stands.",)
+    references: ClassVar[tuple[Reference, ...]] = (
+        Reference(kind="remark", title="No law: a number that is given, made smooth where the cage stands."),
+    )
 
     size: float = parameter(default=0.1, unit="N m", validator=non_negative, doc="size T0 of the torque")
     transition: float = parameter(
@@ -90,10 +92,7 @@ class PetroffLand(DragModel):
 
     name: ClassVar[str] = "petroff-land"
     equation: ClassVar[str] = "T = 2 pi eta W R^3 (w_ring - w_c)/c"
-    references: ClassVar[tuple[str, ...]] = (
-        "Petroff N.P. Friction in machines and the effect of the lubricant. Inzh. Zh., St. Petersburg, 1883.",
-        HARRIS,
-    )
+    references: ClassVar[tuple[Reference, ...]] = (PETROFF_1883, HARRIS_2007)
 
     ring: str = from_scene("guiding_ring", validator=one_of("inner", "outer"), doc="ring whose land guides the cage")
     viscosity: float = from_scene("viscosity", validator=positive, doc="viscosity eta of the oil on the land")
@@ -155,11 +154,7 @@ class Churning(DragModel):
 
     name: ClassVar[str] = "churning"
     equation: ClassVar[str] = "T = -Z R_m C_D phi rho l D |w_c R_m| w_c R_m/2"
-    references: ClassVar[tuple[str, ...]] = (
-        HARRIS,
-        "Parker R.J. Comparison of predicted and experimental thermal performance of angular-contact ball bearings. "
-        "NASA TP-2275, 1984.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (HARRIS_2007, PARKER_1984)
 
     coefficient: float = parameter(
         default=0.5, unit="1", validator=non_negative, doc="drag coefficient C_D of a roller"
@@ -213,7 +208,7 @@ class CoulombPocket(PocketFriction):
 
     name: ClassVar[str] = "pocket-friction"
     equation: ClassVar[str] = "M = mu_p |P| r"
-    references: ClassVar[tuple[str, ...]] = (HARRIS,)
+    references: ClassVar[tuple[Reference, ...]] = (HARRIS_2007,)
 
     coefficient: float = parameter(default=0.1, unit="1", validator=in_range(0, 1), doc="friction coefficient mu_p")
 

@@ -17,8 +17,10 @@ from rollslip.errors import DomainError
 from rollslip.fields import FieldError, in_range, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Domain, FilmModel, evaluate_arrays, submodel
+from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import film as compiled
+from rollslip_plugins.bibliography import GUPTA_1992, MURCH_1975, WILSON_1983, ZHOU_1991
 from rollslip_plugins.film.formulas import Moes
 
 if TYPE_CHECKING:
@@ -93,16 +95,7 @@ class InletCorrection(FilmModel):
         "h = C_T C_S h_film; murch-wilson: C_T = 3.94/(3.94 + Lt^0.62); "
         "gupta: C_T = [1 - 13.2 (p_H/E') Lt^0.42]/[1 + 0.213 (1 + 2.23 S^0.83) Lt^0.64]"
     )
-    references: ClassVar[tuple[str, ...]] = (
-        "Murch L.E., Wilson W.R.D. A thermal elastohydrodynamic inlet zone analysis. "
-        "J. Lubr. Technol. 97, 1975, 212-216. doi:10.1115/1.3452559",
-        "Wilson W.R.D., Sheu S. Effect of inlet shear heating due to sliding on elastohydrodynamic film thickness. "
-        "J. Lubr. Technol. 105, 1983, 187-188.",
-        "Gupta P.K., Cheng H.S., Zhu D., Forster N.H., Schrand J.B. Viscoelastic effects in MIL-L-7808-type lubricant, "
-        "part I: analytical formulation. Tribol. Trans. 35, 1992, 269-274. doi:10.1080/10402009208982117",
-        "Zhou R.S., Hoeprich M.R. Torque of tapered roller bearings. J. Tribol. 113, 1991, 590-597. "
-        "doi:10.1115/1.2920664",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (MURCH_1975, WILSON_1983, GUPTA_1992, ZHOU_1991)
 
     film: FilmModel = submodel("film", factory=Moes, doc="film model of an isothermal, fully flooded inlet")
     thermal: str = parameter(

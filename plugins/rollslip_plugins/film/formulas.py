@@ -16,8 +16,21 @@ from rollslip.bearing.regimes import BLOK, DOWSON_1968, HERREBRUGH, MARTIN, Powe
 from rollslip.fields import one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, FilmModel
+from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import film as compiled
+from rollslip_plugins.bibliography import (
+    BLOK_1963,
+    DOWSON_EHD_1968,
+    DOWSON_HIGGINSON_1966,
+    DOWSON_TOYODA_1979,
+    HERREBRUGH_1968,
+    JOHNSON_1970,
+    MARTIN_1916,
+    MOES_1992,
+    PAN_1989,
+    WEBER_1954,
+)
 
 #: Where the piezoviscous fits are defined: without pressure viscosity they would give no film at all.
 PIEZOVISCOUS = MappingProxyType({**FilmModel.domain, "pressure_viscosity": POSITIVE})
@@ -65,7 +78,7 @@ class Martin(_PowerLaw):
 
     name: ClassVar[str] = "martin"
     equation: ClassVar[str] = "h/R = 4.89497 U/W"
-    references: ClassVar[tuple[str, ...]] = ("Martin H.M. Lubrication of gear teeth. Engineering 102, 1916, 119-121.",)
+    references: ClassVar[tuple[Reference, ...]] = (MARTIN_1916,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "IR"
     law = MARTIN
@@ -101,10 +114,7 @@ class Blok(_PowerLaw):
 
     name: ClassVar[str] = "blok"
     equation: ClassVar[str] = "h/R = 1.66630 (G U)^(2/3)"
-    references: ClassVar[tuple[str, ...]] = (
-        "Weber C., Saalfeld K. Schmierfilm bei Walzen mit Verformung. ZAMM 34, 1954, 54-64.",
-        "Blok H. Inverse problems in hydrodynamic lubrication. Proc. Int. Symp. Lubrication and Wear, Houston, 1963.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (WEBER_1954, BLOK_1963)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VR"
     domain = PIEZOVISCOUS
@@ -139,10 +149,7 @@ class Herrebrugh(_PowerLaw):
 
     name: ClassVar[str] = "herrebrugh"
     equation: ClassVar[str] = "h/R = 3.10 U^0.6 W^-0.2"
-    references: ClassVar[tuple[str, ...]] = (
-        "Herrebrugh K. Solving the incompressible and isothermal problem in elastohydrodynamic lubrication "
-        "through an integral equation. J. Lubr. Technol. 90, 1968, 262-270.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (HERREBRUGH_1968,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "IE"
     law = HERREBRUGH
@@ -178,9 +185,7 @@ class DowsonHigginson(_PowerLaw):
 
     name: ClassVar[str] = "dowson-higginson"
     equation: ClassVar[str] = "h/R = 1.6 G^0.6 U^0.7 W^-0.13"
-    references: ClassVar[tuple[str, ...]] = (
-        "Dowson D., Higginson G.R. Elasto-hydrodynamic Lubrication. Pergamon, 1966.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (DOWSON_HIGGINSON_1966,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VE"
     domain = PIEZOVISCOUS
@@ -218,9 +223,7 @@ class Dowson1968(_PowerLaw):
     name: ClassVar[str] = "dowson-1968"
     on_fronts: ClassVar[bool] = True
     equation: ClassVar[str] = "h/R = 2.65 U^0.7 G^0.54 W^-0.13"
-    references: ClassVar[tuple[str, ...]] = (
-        "Dowson D. Elastohydrodynamics. Proc. Inst. Mech. Eng. 182 (3A), 1968, 151-167.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (DOWSON_EHD_1968,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VE"
     domain = PIEZOVISCOUS
@@ -257,10 +260,7 @@ class DowsonToyoda(_PowerLaw):
 
     name: ClassVar[str] = "dowson-toyoda"
     equation: ClassVar[str] = "h/R = 3.06 U^0.69 G^0.56 W^-0.10"
-    references: ClassVar[tuple[str, ...]] = (
-        "Dowson D., Toyoda S. A central film thickness formula for elastohydrodynamic line contacts. "
-        "Proc. 5th Leeds-Lyon Symp. Tribology, 1979, 60-65.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (DOWSON_TOYODA_1979,)
     location: ClassVar[str] = "central"
     regime: ClassVar[str] = "VE"
     domain = PIEZOVISCOUS
@@ -303,10 +303,7 @@ class PanHamrock(FilmModel):
     name: ClassVar[str] = "pan-hamrock"
     on_fronts: ClassVar[bool] = True
     equation: ClassVar[str] = "h/R = 1.714 W^-0.128 U^0.694 G^0.568 (minimum); 2.922 W^-0.166 U^0.692 G^0.470 (central)"
-    references: ClassVar[tuple[str, ...]] = (
-        "Pan P., Hamrock B.J. Simple formulas for performance parameters used in elastohydrodynamically "
-        "lubricated line contacts. J. Tribol. 111, 1989, 246-251. doi:10.1115/1.3261900",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (PAN_1989,)
     location: ClassVar[str] = "minimum or central, as chosen"
     regime: ClassVar[str] = "VE"
     domain = PIEZOVISCOUS
@@ -370,10 +367,7 @@ class Moes(FilmModel):
     name: ClassVar[str] = "moes"
     on_fronts: ClassVar[bool] = True
     equation: ClassVar[str] = "H = [(H_RI^(7/3) + H_EI^(7/3))^(3s/7) + (H_RP^(-7/2) + H_EP^(-7/2))^(-2s/7)]^(1/s)"
-    references: ClassVar[tuple[str, ...]] = (
-        "Moes H. Optimum similarity analysis with applications to elastohydrodynamic lubrication. "
-        "Wear 159, 1992, 57-66.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (MOES_1992,)
     location: ClassVar[str] = "dp/dx = 0"
 
     def evaluate(self, slices: Slices) -> None:
@@ -432,8 +426,8 @@ class Regime(FilmModel):
     name: ClassVar[str] = "regime"
     on_fronts: ClassVar[bool] = True
     equation: ClassVar[str] = "h = max(max(h_IR, h_IE), min(h_VR, h_VE))"
-    references: ClassVar[tuple[str, ...]] = (
-        "Johnson K.L. Regimes of elastohydrodynamic lubrication. J. Mech. Eng. Sci. 12, 1970, 9-16.",
+    references: ClassVar[tuple[Reference, ...]] = (
+        JOHNSON_1970,
         *Martin.references,
         *Blok.references,
         *Herrebrugh.references,

@@ -14,7 +14,9 @@ from rollslip.fields import in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import PressureViscosity, from_oil
 from rollslip.models import Domain, FilmModel
+from rollslip.references import Reference
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
+from rollslip_plugins.bibliography import DOWSON_HIGGINSON_1966, HAIRER_1996, MOES_1992
 from rollslip_plugins.film.line_contact import ACCURACIES, LOCATIONS, solve_line_contact
 
 Array = NDArray[np.float64]
@@ -63,13 +65,7 @@ class ReynoldsLine(FilmModel):
         "d/dx [rho h^3/(12 eta) dp/dx] = u d(rho h)/dx, h = h0 + x^2/(2 R) - 4/(pi E') int p(s) ln|x - s| ds, "
         "w = int p dx, p >= 0"
     )
-    references: ClassVar[tuple[str, ...]] = (
-        "Dowson D., Higginson G.R. Elasto-hydrodynamic Lubrication. Pergamon, 1966.",
-        "Moes H. Optimum similarity analysis with applications to elastohydrodynamic lubrication. "
-        "Wear 159, 1992, 57-66.",
-        "Hairer E., Wanner G. Solving Ordinary Differential Equations II. 2nd ed., Springer, 1996, section IV.5. "
-        "doi:10.1007/978-3-642-05221-7",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (DOWSON_HIGGINSON_1966, MOES_1992, HAIRER_1996.at("section IV.5"))
     location: ClassVar[str] = "minimum, central or dp/dx = 0, as chosen"
 
     thickness: str = parameter(

@@ -8,6 +8,8 @@ import attrs
 
 from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
+from rollslip.references import Reference
+from rollslip_plugins.bibliography import HAIRER_1996, STEINEBACH_2023
 
 
 @attrs.frozen
@@ -38,12 +40,7 @@ class Rodas5p(IntegratorModel):
         }
     )
     equation: ClassVar[str] = "dy/dt = f(t, y); linearly implicit, L-stable, order 5, error estimate of order 4"
-    references: ClassVar[tuple[str, ...]] = (
-        "Steinebach G. Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia "
-        "Differential Equations package. BIT Numer. Math. 63, 2023, 27. doi:10.1007/s10543-023-00967-x",
-        "Hairer E., Wanner G. Solving Ordinary Differential Equations II, 2nd ed. Springer, 1996. "
-        "doi:10.1007/978-3-642-05221-7",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (STEINEBACH_2023, HAIRER_1996)
 
     def solver(self) -> type[Any]:
         """Return the OdeSolver class."""

@@ -8,14 +8,14 @@ import attrs
 
 from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
-
-HAIRER = (
-    "Hairer E., Nørsett S.P., Wanner G. Solving Ordinary Differential Equations I, 2nd ed. Springer, 1993. "
-    "doi:10.1007/978-3-540-78862-1"
-)
-WANNER = (
-    "Hairer E., Wanner G. Solving Ordinary Differential Equations II, 2nd ed. Springer, 1996. "
-    "doi:10.1007/978-3-642-05221-7"
+from rollslip.references import Reference
+from rollslip_plugins.bibliography import (
+    BOGACKI_1989,
+    DORMAND_1980,
+    HAIRER_1993,
+    HAIRER_1996,
+    PETZOLD_1983,
+    SHAMPINE_1997,
 )
 
 
@@ -52,10 +52,7 @@ class Rk23(_SciPy):
     explicit: ClassVar[bool] = True
     solver_name: ClassVar[str] = "RK23"
     equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 3, error estimate of order 2"
-    references: ClassVar[tuple[str, ...]] = (
-        "Bogacki P., Shampine L.F. A 3(2) pair of Runge-Kutta formulas. Appl. Math. Lett. 2, 1989, 321-325. "
-        "doi:10.1016/0893-9659(89)90079-7",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (BOGACKI_1989,)
 
 
 @attrs.frozen
@@ -79,10 +76,7 @@ class Rk45(_SciPy):
     explicit: ClassVar[bool] = True
     solver_name: ClassVar[str] = "RK45"
     equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 5, error estimate of order 4"
-    references: ClassVar[tuple[str, ...]] = (
-        "Dormand J.R., Prince P.J. A family of embedded Runge-Kutta formulae. J. Comp. Appl. Math. 6, 1980, 19-26. "
-        "doi:10.1016/0771-050X(80)90013-3",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (DORMAND_1980,)
 
 
 @attrs.frozen
@@ -106,7 +100,7 @@ class Dop853(_SciPy):
     explicit: ClassVar[bool] = True
     solver_name: ClassVar[str] = "DOP853"
     equation: ClassVar[str] = "dy/dt = f(t, y); explicit, order 8, error estimates of order 5 and 3"
-    references: ClassVar[tuple[str, ...]] = (HAIRER,)
+    references: ClassVar[tuple[Reference, ...]] = (HAIRER_1993,)
 
 
 @attrs.frozen
@@ -129,7 +123,7 @@ class Radau(_SciPy):
     order: ClassVar[int] = 5
     solver_name: ClassVar[str] = "Radau"
     equation: ClassVar[str] = "dy/dt = f(t, y); implicit, L-stable, order 5"
-    references: ClassVar[tuple[str, ...]] = (WANNER,)
+    references: ClassVar[tuple[Reference, ...]] = (HAIRER_1996,)
 
 
 @attrs.frozen
@@ -151,10 +145,7 @@ class Bdf(_SciPy):
     name: ClassVar[str] = "bdf"
     solver_name: ClassVar[str] = "BDF"
     equation: ClassVar[str] = "dy/dt = f(t, y); implicit, order 1 to 5"
-    references: ClassVar[tuple[str, ...]] = (
-        "Shampine L.F., Reichelt M.W. The MATLAB ODE suite. SIAM J. Sci. Comput. 18, 1997, 1-22. "
-        "doi:10.1137/S1064827594276424",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (SHAMPINE_1997,)
 
 
 @attrs.frozen
@@ -179,10 +170,7 @@ class Lsoda(_SciPy):
         {"check_says_when_it_fails": "SciPy's LSODA steps on the spot before a singularity and reports no failure"}
     )
     equation: ClassVar[str] = "dy/dt = f(t, y); Adams where it is not stiff, BDF where it is"
-    references: ClassVar[tuple[str, ...]] = (
-        "Petzold L. Automatic selection of methods for solving stiff and nonstiff systems of ordinary differential "
-        "equations. SIAM J. Sci. Stat. Comput. 4, 1983, 136-148. doi:10.1137/0904010",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (PETZOLD_1983,)
 
 
 @hookimpl

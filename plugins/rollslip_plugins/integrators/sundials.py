@@ -7,6 +7,8 @@ import attrs
 from rollslip.errors import PluginError
 from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
+from rollslip.references import Reference
+from rollslip_plugins.bibliography import COHEN_1996, HINDMARSH_2005
 
 
 @attrs.frozen
@@ -29,12 +31,7 @@ class Cvode(IntegratorModel):
 
     name: ClassVar[str] = "cvode"
     equation: ClassVar[str] = "dy/dt = f(t, y); implicit, order 1 to 5, variable coefficients"
-    references: ClassVar[tuple[str, ...]] = (
-        "Cohen S.D., Hindmarsh A.C. CVODE, a stiff/nonstiff ODE solver in C. Comput. Phys. 10, 1996, 138-143. "
-        "doi:10.1063/1.4822377",
-        "Hindmarsh A.C. et al. SUNDIALS: suite of nonlinear and differential/algebraic equation solvers. ACM Trans. "
-        "Math. Softw. 31, 2005, 363-396. doi:10.1145/1089014.1089020",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (COHEN_1996, HINDMARSH_2005)
 
     def solver(self) -> type[Any]:
         """Return the OdeSolver class.

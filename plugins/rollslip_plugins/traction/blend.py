@@ -20,8 +20,17 @@ from rollslip.bearing.chain import stage
 from rollslip.fields import FieldError, in_range, non_negative, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, Domain, TractionModel, submodel
+from rollslip.references import Reference
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_kernels.stages import blend as compiled
+from rollslip_plugins.bibliography import (
+    AIHARA_1987,
+    GREENWOOD_TRIPP_1970,
+    GUPTA_1984,
+    SAKAGUCHI_2003,
+    WINGERTSZAHN_2023,
+    ZHOU_1991,
+)
 from rollslip_plugins.traction.boundary import Kragelsky
 from rollslip_plugins.traction.eyring import Muraki
 
@@ -165,10 +174,7 @@ class LambdaBlend(_BetweenLimits):
 
     name: ClassVar[str] = "lambda-blend"
     equation: ClassVar[str] = "mu = mu_hd + (mu_bd - mu_hd) ((Lambda - Lambda_hd)/(Lambda_bd - Lambda_hd))^m"
-    references: ClassVar[tuple[str, ...]] = (
-        "Sakaguchi T., Ueno K. Dynamic analysis of cage behavior in a cylindrical roller bearing. "
-        "NTN Technical Review 71, 2003, 8-17.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (SAKAGUCHI_2003,)
 
     exponent: float = parameter(default=6.0, unit="1", validator=positive, doc="power m of the blend")
 
@@ -218,9 +224,7 @@ class LinearBlend(_BetweenLimits):
 
     name: ClassVar[str] = "linear-blend"
     equation: ClassVar[str] = "mu = mu_hd + (mu_bd - mu_hd) (Lambda_hd - Lambda)/(Lambda_hd - Lambda_bd)"
-    references: ClassVar[tuple[str, ...]] = (
-        "Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (GUPTA_1984,)
 
 
 @attrs.frozen(kw_only=True)
@@ -229,7 +233,7 @@ class ZhouHoeprich(_Blend):
 
     mu = share mu_bd + (1 - share) mu_hd. Zhou and Hoeprich, and Aihara, take the central film; and they add the whole
     friction of the film to that of the asperities, where here the film's is in proportion to its share of the load, as
-    Schwarz et al. have it.
+    Wingertszahn et al. have it.
 
     Symbols:
 
@@ -244,8 +248,8 @@ class ZhouHoeprich(_Blend):
     Range: that of the fit of B and C; the share does not know the pressure. Zhou and Hoeprich plot a ground and a
     finely finished pair and print no constants. Defaults are Aihara's B = 1.8, C = 1.2, fitted to Patir and Cheng's
     solution of a partial elastohydrodynamic contact with lengthwise roughness below 0.4 GPa; after it the film carries
-    "almost all" from Lambda = 2 on (here 98.4 %). For the raceway of a ground tapered roller bearing Schwarz et al.
-    (2023) give B = 2.32, C = 0.97.
+    "almost all" from Lambda = 2 on (here 98.4 %). For the raceway of a ground tapered roller bearing Wingertszahn
+    et al. (2023) give B = 2.32, C = 0.97.
 
     Examples
     --------
@@ -262,15 +266,7 @@ class ZhouHoeprich(_Blend):
 
     name: ClassVar[str] = "zhou-hoeprich"
     equation: ClassVar[str] = "mu = share mu_bd + (1 - share) mu_hd, share = exp(-B Lambda^C)"
-    references: ClassVar[tuple[str, ...]] = (
-        "Zhou R.S., Hoeprich M.R. Torque of tapered roller bearings. J. Tribol. 113, 1991, 590-597. "
-        "doi:10.1115/1.2920664",
-        "Aihara S. A new running torque formula for tapered roller bearings under axial load. "
-        "J. Tribol. 109, 1987, 471-477. doi:10.1115/1.3261475",
-        "Schwarz et al. Predicting friction of tapered roller bearings with detailed multi-body simulation models. "
-        "Lubricants 11, 2023, 369. "
-        "doi:10.3390/lubricants11090369",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (ZHOU_1991, AIHARA_1987, WINGERTSZAHN_2023)
 
     factor: float = parameter(default=1.8, unit="1", validator=positive, doc="B of the asperities' share of the load")
     exponent: float = parameter(default=1.2, unit="1", validator=positive, doc="C of the asperities' share of the load")
@@ -367,10 +363,7 @@ class GreenwoodTripp(_Blend):
         "mu = share mu_bd + (1 - share) mu_hd, "
         "share = (16 sqrt(2) pi/15) (sigma beta eta)^2 sqrt(sigma/beta) (E'/2) F_5/2(Lambda)/p <= 1"
     )
-    references: ClassVar[tuple[str, ...]] = (
-        "Greenwood J.A., Tripp J.H. The contact of two nominally flat rough surfaces. "
-        "Proc. Inst. Mech. Eng. 185, 1970-71, 625-633.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (GREENWOOD_TRIPP_1970,)
     share_domain: ClassVar[Domain] = MappingProxyType(
         {**_Blend.share_domain, "pressure": POSITIVE, "modulus": POSITIVE}
     )

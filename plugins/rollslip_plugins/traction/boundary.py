@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
-from rollslip.references import KLEBANOV
+from rollslip.references import KLEBANOV, Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
+from rollslip_plugins.bibliography import KRAGELSKII_1965
 
 Array = NDArray[np.float64]
 
@@ -48,10 +49,7 @@ class Kragelsky(TractionModel):
 
     name: ClassVar[str] = "kragelsky"
     equation: ClassVar[str] = "mu = sign(V) [(-A + B s) exp(-C s) + A], s = |V|/u"
-    references: ClassVar[tuple[str, ...]] = (
-        "Kragelskii I.V. Friction and Wear. Butterworth, 1965; as cited by Klebanov et al. (2022).",
-        KLEBANOV,
-    )
+    references: ClassVar[tuple[Reference, ...]] = (KRAGELSKII_1965, KLEBANOV)
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = SLIDE_ROLL
 
@@ -101,7 +99,9 @@ class Constant(TractionModel):
 
     name: ClassVar[str] = "constant"
     equation: ClassVar[str] = "mu = f clip(s/s0, -1, 1), s = V/u"
-    references: ClassVar[tuple[str, ...]] = ("Coulomb friction, regularised by a linear ramp.",)
+    references: ClassVar[tuple[Reference, ...]] = (
+        Reference(kind="remark", title="Coulomb friction, regularised by a linear ramp."),
+    )
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = SLIDE_ROLL
 

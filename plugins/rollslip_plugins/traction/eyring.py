@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from rollslip.fields import in_range, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, Domain, TractionModel
-from rollslip.references import KLEBANOV
+from rollslip.references import KLEBANOV, Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
+from rollslip_plugins.bibliography import EYRING_1936, JOHNSON_TEVAARWERK_1977, MURAKI_1987, MURAKI_1992
 from rollslip_plugins.traction.heating import HEATED, flash_factor
 from rollslip_plugins.traction.stress import eyring_stress, maxwell_eyring_stress, muraki_stress
 
@@ -22,10 +23,6 @@ Array = NDArray[np.float64]
 
 #: Relative error of the exact law by short series.
 _SHORT_SERIES = 1e-6
-MURAKI = (
-    "Muraki M. Tribol. Int. 20 (6), 1987, 347-354, and J. Synth. Lubr. 9 (1), 1992, 29-43; as Eq. (8) of Klebanov et "
-    "al. (2022)."
-)
 
 
 class _EyringFluid(TractionModel, abc.ABC):
@@ -116,7 +113,7 @@ class Muraki(_EyringFluid):
     equation: ClassVar[str] = (
         "mu = tau0 S/p, S = y - D y^2/(4 sigma), (D Phi/4) y^2 - (1 + Phi sigma) y + asinh(sigma) = 0"
     )
-    references: ClassVar[tuple[str, ...]] = (KLEBANOV, MURAKI)
+    references: ClassVar[tuple[Reference, ...]] = (KLEBANOV, MURAKI_1987, MURAKI_1992)
     solved_by: ClassVar[str | None] = "maxwell-eyring"
     flash: float = flash_factor()
 
@@ -172,11 +169,7 @@ class MaxwellEyring(_EyringFluid):
 
     name: ClassVar[str] = "maxwell-eyring"
     equation: ClassVar[str] = "mu = tau0 S/p, S = mean of S(X) with D dS/dX + exp(Phi sigma S) sinh S(X) = sigma"
-    references: ClassVar[tuple[str, ...]] = (
-        "Johnson K.L., Tevaarwerk J.L. Shear behaviour of elastohydrodynamic oil films. "
-        "Proc. R. Soc. Lond. A 356, 1977, 215-236.",
-        KLEBANOV,
-    )
+    references: ClassVar[tuple[Reference, ...]] = (JOHNSON_TEVAARWERK_1977, KLEBANOV)
     closed_form: ClassVar[str | None] = "muraki"
     flash: float = flash_factor()
     accuracy: float = parameter(
@@ -241,11 +234,7 @@ class Eyring(_EyringFluid):
 
     name: ClassVar[str] = "eyring"
     equation: ClassVar[str] = "mu = tau0 S/p, S = asinh(sigma exp(-Phi sigma S))"
-    references: ClassVar[tuple[str, ...]] = (
-        "Eyring H. Viscosity, plasticity, and diffusion as examples of absolute reaction rates. "
-        "J. Chem. Phys. 4, 1936, 283-291.",
-        KLEBANOV,
-    )
+    references: ClassVar[tuple[Reference, ...]] = (EYRING_1936, KLEBANOV)
     solved_by: ClassVar[str | None] = "maxwell-eyring"
     reads = _EyringFluid.reads - {"shear_modulus"}
     domain = MappingProxyType({k: v for k, v in _EyringFluid.domain.items() if k != "shear_modulus"})

@@ -31,8 +31,9 @@ from rollslip.fields import in_range, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import Barus, PressureViscosity, from_oil
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
-from rollslip.references import KLEBANOV
+from rollslip.references import KLEBANOV, Reference
 from rollslip_kernels.slices import COLUMNS, Slices
+from rollslip_plugins.bibliography import CARSLAW_1959, JOHNSON_TEVAARWERK_1977
 from rollslip_plugins.traction.conduction import (
     Cells,
     ConductedHeat,
@@ -516,12 +517,7 @@ class MaxwellEyringField(TractionModel):
         "mu = mean(tau)/p, V/h = (u/Gamma) dtau/dx + mean_z[(tau0/eta) sinh(tau/tau0)], eta = eta(p(x)) "
         "exp(-beta(p(x)) theta(x, z)), rho_f c_f u dtheta/dx = K_f d2theta/dz2 + tau dgamma/dt"
     )
-    references: ClassVar[tuple[str, ...]] = (
-        "Johnson K.L., Tevaarwerk J.L. Shear behaviour of elastohydrodynamic oil films. "
-        "Proc. R. Soc. Lond. A 356, 1977, 215-236.",
-        "Carslaw H.S., Jaeger J.C. Conduction of Heat in Solids. 2nd ed., Oxford, 1959, section 2.9.",
-        KLEBANOV,
-    )
+    references: ClassVar[tuple[Reference, ...]] = (JOHNSON_TEVAARWERK_1977, CARSLAW_1959.at("section 2.9"), KLEBANOV)
     #: what is left when Newton's method ends in other company
     tolerance: ClassVar[float] = 1e-7
 

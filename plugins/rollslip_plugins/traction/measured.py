@@ -23,9 +23,11 @@ from rollslip.fields import FieldError, field, non_negative, one_of, parameter, 
 from rollslip.files import read_columns
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
+from rollslip.references import Reference
 from rollslip.units import as_written, format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
+from rollslip_plugins.bibliography import GUPTA_1984
 
 Array = NDArray[np.float64]
 
@@ -70,9 +72,7 @@ class Gupta(TractionModel):
 
     name: ClassVar[str] = "gupta"
     equation: ClassVar[str] = "mu = sign(V) [(A + B s) exp(-C s) + D - (A + D) max(0, 1 - s/s0)], s = |V|/u"
-    references: ClassVar[tuple[str, ...]] = (
-        "Gupta P.K. Advanced Dynamics of Rolling Elements. Springer, New York, 1984.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (GUPTA_1984,)
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
 
@@ -180,7 +180,9 @@ class Tabulated(TractionModel):
 
     name: ClassVar[str] = "tabulated"
     equation: ClassVar[str] = "mu = sign(V) table(|V|/u, p, u, T)"
-    references: ClassVar[tuple[str, ...]] = ("The measurement that the file holds, as its own comments cite it.",)
+    references: ClassVar[tuple[Reference, ...]] = (
+        Reference(kind="remark", title="The measurement that the file holds, as its own comments cite it."),
+    )
 
     file: str = parameter(
         default=KRAGELSKY, doc=f"full path of a CSV file with units in its header; '{KRAGELSKY}' is in the box"

@@ -9,8 +9,10 @@ import numpy as np
 from rollslip.fields import in_range, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, TractionModel
+from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import shear_thinning as compiled
+from rollslip_plugins.bibliography import BAIR_2002, BAIR_2019, BAIR_WINER_1979, CARREAU_1972
 from rollslip_plugins.traction.heating import (
     HEATED,
     MAX_STEPS,
@@ -75,13 +77,7 @@ class Carreau(HeatedFilm):
     equation: ClassVar[str] = (
         "mu = eta_N g/p [1 + (eta_N g/G)^2]^((n - 1)/2), g = V/h, eta_N = eta exp(-beta zeta mu p V)"
     )
-    references: ClassVar[tuple[str, ...]] = (
-        "Carreau P.J. Rheological equations from molecular network theories. Trans. Soc. Rheol. 16, 1972, 99-127. "
-        "doi:10.1122/1.549276",
-        "Bair S. High-Pressure Rheology for Quantitative Elastohydrodynamics, 2nd ed. Elsevier, 2019.",
-        "Bair S., McCabe C., Cummings P.T. Comparison of nonequilibrium molecular dynamics with experimental "
-        "measurements in the nonlinear shear-thinning regime. Phys. Rev. Lett. 88, 2002, 058302.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (CARREAU_1972, BAIR_2019, BAIR_2002)
     expected_failures = MappingProxyType(
         {
             "check_friction_is_below_one_in_a_bearing": "a power law has no limiting stress, and an oil whose "
@@ -163,10 +159,7 @@ class LimitingShear(HeatedFilm):
         "mu = mean(tau)/p, V/h = (1/Gamma) dtau/dt - (tau_L/eta_N) ln(1 - tau/tau_L), tau_L = lambda p, "
         "eta_N = eta exp(-beta zeta mu p V)"
     )
-    references: ClassVar[tuple[str, ...]] = (
-        "Bair S., Winer W.O. A rheological model for elastohydrodynamic contacts based on primary laboratory data. "
-        "J. Lubr. Technol. 101, 1979, 258-265. doi:10.1115/1.3453342",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (BAIR_WINER_1979,)
     reads = HeatedFilm.reads | {"shear_modulus"}
     domain = MappingProxyType({**HEATED, "shear_modulus": POSITIVE})
 

@@ -18,8 +18,10 @@ import numpy as np
 
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, TractionModel
+from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import thermal_couette as compiled
+from rollslip_plugins.bibliography import CROOK_1961, JOHNSON_GREENWOOD_1980, NAHME_1940
 from rollslip_plugins.traction.heating import (
     HEATED,
     NO_EFFECT,
@@ -77,11 +79,7 @@ class NewtonianThermal(HeatedFilm):
         "mu = eta_s V/(h p) asinh(x)/(x sqrt(1 + x^2)), x^2 = beta eta_s V^2/(8 K_f), eta_s = eta exp(-beta T_s), "
         "T_s = flash sqrt(b/(pi u))/sqrt(K rho c) mu p V"
     )
-    references: ClassVar[tuple[str, ...]] = (
-        "Crook A.W. The lubrication of rollers III. A theoretical discussion of friction and the temperatures in the "
-        "oil film. Phil. Trans. R. Soc. Lond. A 254, 1961, 237-258.",
-        "Nahme R. Beiträge zur hydrodynamischen Theorie der Lagerreibung. Ingenieur-Archiv 11, 1940, 191-209.",
-    )
+    references: ClassVar[tuple[Reference, ...]] = (CROOK_1961, NAHME_1940)
     expected_failures = MappingProxyType(
         {
             "check_friction_is_below_one_in_a_bearing": "a Newtonian oil whose viscosity does not fall with "
@@ -148,11 +146,7 @@ class EyringThermal(HeatedFilm):
         "mu = eta_e V/(h p) asinh(x)/(x sqrt(1 + x^2)), x^2 = beta eta_e V^2/(8 K_f), tau = mu p, "
         "eta_e = eta exp(-beta T_s) (tau/tau0)/sinh(tau/tau0), T_s = flash sqrt(b/(pi u))/sqrt(K rho c) tau V"
     )
-    references: ClassVar[tuple[str, ...]] = (
-        "Johnson K.L., Greenwood J.A. Thermal analysis of an Eyring fluid in elastohydrodynamic traction. "
-        "Wear 61, 1980, 353-374.",
-        *NewtonianThermal.references,
-    )
+    references: ClassVar[tuple[Reference, ...]] = (JOHNSON_GREENWOOD_1980, *NewtonianThermal.references)
     reads = HeatedFilm.reads | {"eyring_stress"}
     domain = MappingProxyType({**HEATED, "eyring_stress": POSITIVE})
 

@@ -36,7 +36,7 @@ from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import origin, together
 from rollslip.results.curves import Curves
-from rollslip.results.dataset import about
+from rollslip.results.dataset import CITED, about
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash
@@ -449,7 +449,7 @@ def _origin(
         scene_resolved=resolved(scene),
         scene_hash=scene_hash(scene),
         packages=packages,
-        **{key: together(runs.values(), key) for key in ("models", "plan", "citations")},
+        **{key: together(runs.values(), key) for key in ("models", "plan", *CITED)},
         warnings=[f"{label} {text}" for label, text in failed.items()]
         + [text if len(who) == len(done) else f"{', '.join(who)}: {text}" for text, who in warned.items()],
         evaluations=sum(int(attributes["evaluations"]) for attributes in runs.values()),

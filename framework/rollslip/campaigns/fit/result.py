@@ -23,7 +23,7 @@ from rollslip.campaigns.fit.problem import Array, Indices, Parameter, RigProblem
 from rollslip.catalogue.registry import find
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel, TractionModel
-from rollslip.planning.provenance import cited, lubricant_told, models_told, origin, packages_of
+from rollslip.planning.provenance import citations_told, cited, lubricant_told, models_told, origin, packages_of
 from rollslip.results.dataset import about
 from rollslip.scene.values import resolved
 from rollslip.units import format_quantity
@@ -385,7 +385,7 @@ def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
         packages=packages_of(offers),
         models=described,
         lubricant=lubricant_told(oil),
-        citations=cited([*models.values(), oil.pressure_viscosity_law], oil.references),
+        **citations_told(cited([*models.values(), oil.pressure_viscosity_law], oil.references)),
         evaluations=problem.evaluated,
         **_tables(fitted, dataset),
     )

@@ -26,7 +26,7 @@ from rollslip.errors import OutputError, RollslipError, in_words
 from rollslip.files import whole_file
 from rollslip.planning.plan import Plan
 from rollslip.planning.provenance import run_origin, together
-from rollslip.results.dataset import about
+from rollslip.results.dataset import CITED, about
 from rollslip.scene.values import Scene, scene_hash
 
 if TYPE_CHECKING:
@@ -411,7 +411,7 @@ def _origin(
         "studies": json.dumps(list(family.studies)),
         "rounds": family.rounds,
         "notes": json.dumps(family.notes),
-        **{key: json.dumps(together(origins, key)) for key in ("models", "citations")},
+        **{key: json.dumps(together(origins, key)) for key in ("models", *CITED)},
         "packages": json.dumps(packages),
     }
 

@@ -18,6 +18,7 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.sweep.distributions import Uncertainty
 from rollslip.campaigns.sweep.sampling import SAMPLINGS, Design
 from rollslip.fields import at_least, non_negative, one_of, parameter, positive
+from rollslip.references import Citation
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable
 
@@ -139,7 +140,7 @@ class Sweep:
         Distributions that the points need.
     local : tuple of str
         Models that are registered in this process only.
-    citations : tuple of str
+    citations : tuple of Reference or str
         What to cite for models and oils.
     table : SweepTable
         What was asked for, all together.
@@ -159,7 +160,7 @@ class Sweep:
     resolutions: Resolutions
     packages: tuple[str, ...]
     local: tuple[str, ...]
-    citations: tuple[str, ...]
+    citations: tuple[Citation, ...]
     table: SweepTable
     given: Scene
     shard: tuple[int, int] = (1, 1)

@@ -19,7 +19,7 @@ import numpy as np
 from rollslip.campaigns.sweep.definition import Sweep
 from rollslip.campaigns.sweep.journal import STATUSES, check_owner, layouts, records
 from rollslip.campaigns.sweep.point import unpacked
-from rollslip.planning.provenance import origin, scene_told
+from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.results.dataset import about
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
         shard=f"{sweep.shard[0]}/{sweep.shard[1]}",
         counts=counts,
         packages=facts["packages"],
-        citations=list(sweep.citations),
+        **citations_told(sweep.citations),
         warnings=warnings,
     )
 

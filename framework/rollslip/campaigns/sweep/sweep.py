@@ -33,9 +33,9 @@ from rollslip.errors import OutputError, RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.files import whole_file
 from rollslip.planning.plan import estimate
-from rollslip.planning.provenance import references_of
+from rollslip.planning.provenance import cited
 from rollslip.planning.quantities import quantities
-from rollslip.references import KLEBANOV
+from rollslip.references import Citation
 from rollslip.scene.changes import Quantity, evolve, unknown
 from rollslip.scene.reading import from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved
@@ -319,14 +319,13 @@ def _packages(assemblies: Sequence[Assembly], study: str) -> tuple[tuple[str, ..
     return tuple(sorted(packages | {"rollslip", "numpy", "scipy"})), tuple(local)
 
 
-def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[str, ...]:
-    texts = [KLEBANOV]
+def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[Citation, ...]:
+    models, others = list[Any](), list[Citation]()
     for assembly in assemblies:
-        used = [*assembly.models.values(), *(one for _, one in settings(assembly.scene, study)[study].models(assembly))]
-        oil = assembly.lubricant
-        texts += [text for model in used for text in references_of(model)]
-        texts += [*oil.references, *oil.pressure_viscosity_law.references]
-    return tuple(dict.fromkeys(texts))
+        models += assembly.models.values()
+        models += (model for _, model in settings(assembly.scene, study)[study].models(assembly))
+        others += [*assembly.lubricant.references, *assembly.lubricant.pressure_viscosity_law.references]
+    return tuple(cited(models, others))
 
 
 def _with_children(kind: str, model: Any) -> Iterator[tuple[str, str]]:

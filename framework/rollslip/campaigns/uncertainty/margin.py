@@ -39,7 +39,7 @@ from rollslip.campaigns.sweep.sampling import REPLICATES
 from rollslip.campaigns.sweep.sweep import FILE, plan_sweep
 from rollslip.campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
 from rollslip.errors import OutputError, SceneError
-from rollslip.planning.provenance import origin, scene_told
+from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, resolved
@@ -527,6 +527,6 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], values: M
         resolutions=sweep.resolutions.facts,
         points=failed,
         packages=sweep.facts["packages"],
-        citations=list(sweep.citations),
+        **citations_told(sweep.citations),
         warnings=warnings,
     )
