@@ -7,9 +7,11 @@ from collections import Counter
 from html.parser import HTMLParser
 from urllib.parse import urlsplit
 
+import attrs
 import pytest
 
 from rollslip.bearing.assembly import assemble
+from rollslip.references import KLEBANOV, as_dict
 from rollslip.results.curves import percent
 from rollslip.results.figures import plot
 from rollslip.results.report import write_report
@@ -136,7 +138,9 @@ def test_it_has_no_script_and_loads_nothing(page):
     for tag, attributes in elements:
         for name, value in attributes.items():
             assert not name.startswith("on")
-            if name in ("src", "href", "xlink:href", "srcset", "data", "action"):
+            if name in ("src", "href", "xlink:href", "srcset", "data", "action") and not (
+                tag == "a" and value.startswith("https://doi.org/10.")  # which a reader has to follow
+            ):
                 assert value.startswith("#"), (tag, name, value)
     assert not re.search(r"@import|url\((?!#)", page)
     assert not re.search(r"https?:", page.split("<style>")[1].split("</style>")[0])
@@ -144,11 +148,11 @@ def test_it_has_no_script_and_loads_nothing(page):
     assert policy.startswith("default-src 'none'")
 
 
-def test_addresses_are_only_namespaces_and_text(page):
+def test_addresses_are_only_namespaces_text_and_dois(page):
     for attributes in (attributes for _, attributes in Page(page).elements):
         for name, value in attributes.items():
             if urlsplit(value or "").scheme in ("http", "https"):
-                assert name.startswith("xmlns")
+                assert name.startswith("xmlns") or (name == "href" and value.startswith("https://doi.org/10."))
 
 
 def test_ids_are_unique_and_every_reference_has_its_target(page):
@@ -242,6 +246,18 @@ def test_what_all_say_alike_is_said_once(page):
     for words in ("mind the load < 2", "nobody asked", "Another 1993.", "some handbook", "<verbatim>"):
         assert text.count(words) == 1
     assert text.count("Moes 1992.") == 2  # once with the model, once to be cited
+
+
+def test_a_citation_that_is_data_has_its_doi_as_a_link(results, figures, tmp_path):
+    hostile = attrs.evolve(KLEBANOV, title=HOSTILE, doi="10.1234/<a>&(b)")
+    data = json.dumps([as_dict(KLEBANOV), as_dict(hostile), "Moes 1992."])
+    page = written(results, figures, tmp_path, **provenance(bibliography=data))
+    links = [a["href"] for tag, a in Page(page).elements if tag == "a" and a["href"].startswith("https")]
+    assert links == ["https://doi.org/10.3103/S1068366622010068", "https://doi.org/10.1234/%3Ca%3E%26(b)"]
+    assert str(KLEBANOV) in Page(page).text
+    assert "Klebanov 2022." not in Page(page).text  # the data stand for the texts
+    test_it_has_no_script_and_loads_nothing(page)
+    test_addresses_are_only_namespaces_text_and_dois(page)
 
 
 def test_what_differs_is_said_of_each(results, figures, tmp_path):

@@ -27,8 +27,10 @@ from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.registry import get_class
 from rollslip.errors import PluginError
 from rollslip.lubricant.table import OilTable
+from rollslip.references import Citation
 from rollslip.results.account import Table, account_of, capital
 from rollslip.results.curves import percent
+from rollslip.results.dataset import citations_of
 from rollslip.scene.schema import schema
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS
@@ -313,8 +315,17 @@ def _provenance(datasets: "Datasets") -> str:
 
 
 def _citations(datasets: "Datasets") -> str:
-    texts = [text for _, found in _distinct(datasets, "citations") for text in json.loads(found)]
-    return _list(dict.fromkeys(texts))
+    items = "".join(f"<li>{_linked(one)}</li>" for one in citations_of(*datasets.values()))
+    return f"<ul>{items}</ul>" if items else ""
+
+
+def _linked(citation: Citation) -> str:
+    """Return how a citation reads, its DOI as a link."""
+    text = escape(str(citation))
+    if isinstance(citation, str) or not citation.doi:
+        return text
+    doi = f"doi:{escape(citation.doi)}"
+    return text.replace(doi, f'<a href="{escape(citation.link)}">{doi}</a>')
 
 
 def _scene(datasets: "Datasets") -> str:
