@@ -24,7 +24,7 @@ from scipy.optimize import curve_fit
 import rollslip
 from rollslip import Chain, Conditions, Slices, get_model
 from rollslip.campaigns.fit import least_squares
-from rollslip.campaigns.fit.findings import parameter_rows, record
+from rollslip.campaigns.fit.findings import notes, parameter_rows, record
 from rollslip.campaigns.fit.fit import fit_parameters
 from rollslip.campaigns.fit.least_squares import LEVELS, estimate
 from rollslip.campaigns.fit.oil import write_oil
@@ -513,6 +513,70 @@ def test_parameters_that_stand_for_each_other_are_named_together():
     )
     assert np.isnan(found["standard_error"]).all()
     assert found["spread"][-1] > 10 * found["spread"][0]
+
+
+#: Two pressures so near that alpha and eta0 are told apart by the noise alone.
+NEAR = {"points": ((343.15,), (1.1e9, 1.2e9)), "slips": SLIPS[:8], "film_thickness": np.full(16, 1.5e-7)}
+
+
+def test_a_limit_that_is_hidden_by_the_bound_of_another_is_not_said_to_be_none():
+    data, names = noisy(noise=0.003, **NEAR), "viscosity_factor,pressure_viscosity"
+    found = rollslip.fit(data, parameters=names, rig=RIG)
+    low, high = found["interval"].to_numpy()[1, 1]
+    assert low > 0.0
+    assert np.isnan(high)
+    own, others = found["status"].to_numpy().tolist()
+    assert own == "the data give no lower limit, searched to 0.01"  # the end of its own range
+    said = re.fullmatch(
+        r"the upper limit is not known: searched to (16\.\d+) 1/GPa, beyond which viscosity_factor \(searched from "
+        r"0\.01 to 100\) would have to leave its range; start viscosity_factor elsewhere, or fit without it",
+        others,
+    )
+    assert said is not None
+    assert re.fullmatch(r"9\.\d+ 1/GPa to \?", parameter_rows(found)[1][4])
+    assert record(found)["parameters"]["pressure_viscosity"]["interval 95 %"] == [low, None]
+    # what is said to do helps: from a start below which the range goes on, the limit is found, and beyond that place
+    lower = attrs.evolve(RIG, lubricant=attrs.evolve(OIL, data={"viscosity_factor": 0.2}))
+    again = rollslip.fit(data, parameters=names, rig=lower)
+    assert again["interval"].to_numpy()[1, 1, 1] > 1e-9 * float(said[1])
+
+
+@pytest.mark.parametrize(
+    ("residuals", "bounds", "stops"),
+    [
+        (lambda x: np.array([x[0] + x[1], 0.1 * x[0], 0.1]), ([-5, -0.5], [5, 0.5]), ((1,), (1,))),
+        (lambda x: np.array([1e-3 * x[0], x[1], 0.1]), ([-1, -5], [1, 5]), ((), ())),
+        (
+            lambda x: np.array([1e-3 * x[0], x[1], 0.1]) if x[0] > -0.3 else np.full(3, np.nan),
+            ([-1, -5], [1, 5]),
+            (None, ()),
+        ),
+        (lambda x: np.array([10 * x[0], x[1], 0.1]), ([-5, -5], [5, 5]), ((), ())),
+    ],
+    ids=["another's bound", "own bound", "no value", "found"],
+)
+def test_a_profile_says_why_it_ended(residuals, bounds, stops):
+    first = estimate(residuals, *map(np.array, bounds), known=True).profiles[0]
+    assert first.stops == stops
+    assert np.isfinite(first.limits[-1]).all() == (bounds[1] == [5, 5])
+
+
+def test_a_correlation_near_one_is_said_in_words_with_what_it_costs():
+    points = {**NEAR, "points": ((343.15,), (0.9e9, 1.2e9)), "noise": 0.002}
+    data = noisy(**points)
+    data = attrs.evolve(data, columns=data.columns | {"friction_uncertainty": np.full(16, 1e-4)})
+    names = "viscosity_factor,pressure_viscosity"
+    found = rollslip.fit(data, parameters=names, rig=RIG)
+    said = " ".join(notes(found))
+    factor = float(re.findall(r"stand for each other: .* error of either is (\S+) times", said)[0])
+    table = dict(OIL.data) | {"pressure_viscosity_factor": float(found["value"][1] / found["start_value"][1])}
+    alone = rollslip.fit(
+        data, parameters="viscosity_factor", rig=attrs.evolve(RIG, lubricant=attrs.evolve(OIL, data=table))
+    )
+    assert float(found["standard_error"][0] / alone["standard_error"][0]) == pytest.approx(factor, rel=0.03)
+    assert "stand for each other" not in " ".join(
+        notes(rollslip.fit(noisy(), parameters="eyring_stress,flash", rig=RIG))
+    )
 
 
 def test_data_that_the_model_does_not_describe_are_not_called_random():

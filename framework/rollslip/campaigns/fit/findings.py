@@ -5,6 +5,7 @@ There is no number without a meaning: what the data do not determine is null, wi
 
 import json
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -17,6 +18,11 @@ if TYPE_CHECKING:
 
 __all__ = ["HEAD", "headline", "notes", "parameter_rows", "record", "topics"]
 
+#: What a side without a limit says, unless the data themselves give none.
+UNKNOWN: Final = "is not known"
+#: Correlation from which on two parameters are told to stand for each other: the error of either is seven times what it
+#: would be if the other was known.
+_ALIKE: Final = 0.99
 #: What the columns of the parameters are.
 HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data tell")
 
@@ -37,7 +43,8 @@ def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:
         parameter = dataset.sel(parameter=name)
         unit, value, error = parameter["unit"].item(), float(parameter["value"]), float(parameter["standard_error"])
         share = f"{100 * error / abs(value):.2g} %" if value else format_quantity(error, unit, 2)
-        intervals = (_interval(limits, unit) for limits in parameter["interval"].values)
+        unknown = [UNKNOWN in status for status in parameter["limit_status"].values]
+        intervals = (_interval(limits, unit, unknown) for limits in parameter["interval"].values)
         rows.append(
             (
                 str(name),
@@ -50,8 +57,15 @@ def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:
     return rows
 
 
-def _interval(limits: NDArray[np.float64], unit: str) -> str:
-    low, high = ("" if math.isnan(limit) else format_quantity(float(limit), unit, 4) for limit in limits)
+def _interval(limits: NDArray[np.float64], unit: str, unknown: Sequence[bool]) -> str:
+    low, high = (
+        format_quantity(float(limit), unit, 4) if math.isfinite(limit) else "?" * open_
+        for limit, open_ in zip(limits, unknown, strict=True)
+    )
+    if low == high == "?":
+        return "not known"
+    if "?" in (low, high):
+        return f"{low or 'none'} to {high or 'none'}"
     if low and high:
         number, _, same = low.partition(" ")
         return f"{number if high.endswith(f' {same}') else low} to {high}"
@@ -66,7 +80,7 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
 
 
 def notes(dataset: "xr.Dataset") -> list[str]:
-    """Return what the table does not say: the scatter and the strongest correlations."""
+    """Return what the table does not say: the scatter, the strongest correlations, and what they mean."""
     a = dataset.attrs
     largest = float(np.abs(dataset["friction"]).max())
     chi2 = f", chi2 {a['chi2']:.4g}" if "chi2" in a else ""
@@ -81,9 +95,22 @@ def notes(dataset: "xr.Dataset") -> list[str]:
     if pairs:
         strongest = sorted(pairs, key=lambda pair: -abs(correlation[pair]))[:3]
         said.append(
-            "correlation: " + ", ".join(f"{names[j]} with {names[i]} {correlation[i, j]:.3f}" for i, j in strongest)
+            "correlation: "
+            + ", ".join(f"{names[j]} with {names[i]} {_correlation(correlation[i, j])}" for i, j in strongest)
         )
+    for i, j in pairs:
+        if (r := abs(correlation[i, j])) >= _ALIKE:
+            factor = 1.0 / math.sqrt(max(1.0 - r**2, 1e-24))
+            said.append(
+                f"{names[j]} and {names[i]} stand for each other: the data tell a combination of them, and the error "
+                f"of either is {factor:.2g} times what it would be if the other was known; leave out the one that is "
+                "known from elsewhere, or measure where they act differently, at other pressures, temperatures or slips"
+            )
     return said
+
+
+def _correlation(r: float) -> str:
+    return f"{r:.3f}" if abs(r) < 0.999 else f"{r:.6f}"
 
 
 def record(dataset: "xr.Dataset") -> dict[str, Any]:

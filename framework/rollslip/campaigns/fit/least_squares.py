@@ -5,7 +5,8 @@ Decisions:
 - Coordinates are such that 1 is a large step (`rollslip.campaigns.fit.fit` takes the logarithm over the start), and the
   search is bounded: a parameter that the data do not see must not run away.
 - The covariance of the Jacobian takes the law for linear. The profile does not: it follows one parameter, with all
-  others fitted anew at each of its values, until chi2 has risen by the quantile. Where it does not, there is no limit.
+  others fitted anew at each of its values, until chi2 has risen by the quantile. Where it does not, there is no limit,
+  or none is known, because another has met a bound or the law has no value there.
 - A residual function returns NaN where the law has no value; the search turns back there.
 - Nothing here knows of oil.
 """
@@ -14,7 +15,7 @@ import math
 from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
-from typing import Final
+from typing import Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -23,7 +24,9 @@ from numpy.typing import NDArray
 from rollslip.errors import ConvergenceError
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 Residuals = Callable[[Array], Array]
+Stop: TypeAlias = tuple[int, ...] | None
 
 #: Of the intervals: one standard deviation of a normal distribution, and 95 %.
 LEVELS: Final = (math.erf(math.sqrt(0.5)), 0.95)
@@ -62,12 +65,16 @@ class LikelihoodProfile:
         Shape (level, side), NaN where there is none.
     ends : tuple of float
         Lowest and highest x looked at.
+    stops : tuple
+        Why each side ended there without a limit: the other parameters that were held by a bound of theirs, none where
+        x itself met its bound; None where the law has no value beyond.
     """
 
     x: Array
     rise: Array
     limits: Array
     ends: tuple[float, float]
+    stops: tuple[Stop, Stop] = ((), ())
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -245,11 +252,11 @@ def _quantiles(freedom: int, *, known: bool) -> tuple[float, ...]:
     return tuple(float(ndtri(p) if known else stdtrit(freedom, p)) ** 2 for p in upper)
 
 
-def _bound_holds(minimum: Minimum, low: Array, high: Array, scale: float) -> bool:
-    """Whether chi2 would fall by more than a tenth of a variance for each unit of x beyond a bound."""
+def _held(minimum: Minimum, low: Array, high: Array, scale: float) -> Indices:
+    """Parameters at a bound, beyond which chi2 would fall by more than a tenth of a variance for each unit of x."""
     fall = np.abs(minimum.jacobian.T @ minimum.residuals) * 2 / scale**2
     at_bound = (minimum.x - low < 1e-6) | (high - minimum.x < 1e-6)
-    return bool(np.any(at_bound & (fall > 0.1)))
+    return np.flatnonzero(at_bound & (fall > 0.1))
 
 
 def _crossing(rise: Callable[[float], float], quantile: float, near: float, far: float) -> float:
@@ -272,7 +279,7 @@ def _profile(
     """Follow parameter k to both sides, until chi2 has risen by the largest quantile or the search ends."""
     rest = np.delete(best.x, k)
     at = {float(best.x[k]): rest}  # the others, where they were fitted last
-    bounded = set[float]()  # where chi2 rises only because the search of another ends
+    bounded = dict[float, Stop]()  # where chi2 rises only because the search of others ends
 
     def rise(value: float) -> float:
         """Rise of chi2 over the variance; infinite where the law has no value."""
@@ -284,13 +291,15 @@ def _profile(
         if risen < -1e-3:
             raise _LowerFoundError(np.insert(lowest.x, k, value))
         at[value] = lowest.x
-        if _bound_holds(lowest, np.delete(low, k), np.delete(high, k), scale):
-            bounded.add(value)
+        held = _held(lowest, np.delete(low, k), np.delete(high, k), scale)
+        if held.size:
+            bounded[value] = tuple(int(j) for j in held + (held >= k))
         return max(risen, 0.0)
 
-    limits, ends, sides = np.full((len(quantiles), 2), np.nan), [], []
+    limits, ends, stops, sides = np.full((len(quantiles), 2), np.nan), [], list[Stop](), []
     for side, (sign, bound) in enumerate(((-1.0, low[k]), (1.0, high[k]))):
         inside, last = float(best.x[k]), 0.0
+        stop: Stop = ()
         step = min(math.sqrt(quantiles[-1]) * error / 2, 0.25) if error > 0.0 else 0.05
         least = 1e-3 * step
         # the parts of the walk, between which chi2 rises through a quantile
@@ -299,7 +308,7 @@ def _profile(
             outside = float(np.clip(inside + sign * step, low[k], high[k]))
             risen = rise(outside)
             if math.isinf(risen) or outside in bounded:
-                step /= 4
+                step, stop = step / 4, bounded.get(outside)
                 continue
             inside, last, step = outside, risen, 1.5 * step
             walk.append((inside, last))
@@ -309,6 +318,7 @@ def _profile(
                     limits[level, side] = _crossing(rise, quantile, near, far)
                     break
         ends.append(inside)
+        stops.append(() if inside == bound or last >= quantiles[-1] else stop)
         # drawn a little beyond the limit, and to a tenth or ten times where there is none
         shown = limits[-1, side]
         reach = 1.2 * abs(shown - best.x[k]) if np.isfinite(shown) else math.log(10.0)
@@ -316,4 +326,6 @@ def _profile(
         x = np.linspace(best.x[k], edge, PROFILE_POINTS + 1)[1:]
         sides.append(np.column_stack((x, [rise(float(value)) for value in x])))
     curve = np.concatenate((sides[0][::-1], [[best.x[k], 0.0]], sides[1]))
-    return LikelihoodProfile(x=curve[:, 0], rise=curve[:, 1], limits=limits, ends=(ends[0], ends[1]))
+    return LikelihoodProfile(
+        x=curve[:, 0], rise=curve[:, 1], limits=limits, ends=(ends[0], ends[1]), stops=(stops[0], stops[1])
+    )

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups
-from rollslip.campaigns.fit.findings import parameter_rows
-from rollslip.campaigns.fit.least_squares import LEVELS, PROFILE_POINTS, LeastSquaresEstimate
+from rollslip.campaigns.fit.findings import UNKNOWN, parameter_rows
+from rollslip.campaigns.fit.least_squares import LEVELS, PROFILE_POINTS, LeastSquaresEstimate, Stop
 from rollslip.campaigns.fit.problem import Array, Indices, Parameter, RigProblem, friction_at, with_values
 from rollslip.catalogue.registry import find
 from rollslip.lubricant.oil import Lubricant
@@ -222,8 +222,8 @@ def _words(fitted: Fit) -> list[tuple[str, list[str]]]:
     for parameter, profile in zip(fitted.parameters, estimate.profiles, strict=True):
         given = np.isfinite(profile.limits[-1])
         sides = [
-            "found" if limit else f"the data give no {side} limit, searched to {parameter.shown(parameter.value(end))}"
-            for side, limit, end in zip(("lower", "upper"), given, profile.ends, strict=True)
+            "found" if limit else _no_limit(fitted, side, parameter.shown(parameter.value(end)), stop)
+            for side, limit, end, stop in zip(("lower", "upper"), given, profile.ends, profile.stops, strict=True)
         ]
         if given.all():
             status = "determined"
@@ -236,6 +236,20 @@ def _words(fitted: Fit) -> list[tuple[str, list[str]]]:
             status = f"not determined: {together if len(partners) > 1 else '; '.join(sides)}"
         said.append((status, sides))
     return said
+
+
+def _no_limit(fitted: Fit, side: str, end: str, stop: Stop) -> str:
+    """Say of a side without a limit how far was looked, and whether that is what the data say."""
+    if stop is None:
+        return f"the {side} limit {UNKNOWN}: searched to {end}, the law has no value beyond"
+    if not stop:
+        return f"the data give no {side} limit, searched to {end}"
+    held = [fitted.parameters[j] for j in stop]
+    ranges = " and ".join(f"{p.name} (searched from {p.shown(p.low)} to {p.shown(p.high)})" for p in held)
+    return (
+        f"the {side} limit {UNKNOWN}: searched to {end}, beyond which {ranges} would have to leave its range; start "
+        f"{' or '.join(p.name for p in held)} elsewhere, or fit without it"
+    )
 
 
 def _operating_points(problem: RigProblem) -> list[Indices]:
