@@ -106,7 +106,7 @@ def _shown(value: object, attribute: "attrs.Attribute[Any]") -> str:
     unit = attribute.metadata.get("unit")
     if unit is None or isinstance(value, bool) or not isinstance(value, int | float):
         return as_written(value)
-    return format_quantity(value, unit)
+    return format_quantity(value, unit, given=attribute.metadata.get("given"))
 
 
 @attrs.frozen

@@ -18,7 +18,7 @@ import attrs
 from rollslip.errors import nearest
 from rollslip.fields import FieldError
 from rollslip.toml import DEEPEST, KeyPath, split_key
-from rollslip.units import UnitError, as_written, expectation, quantity
+from rollslip.units import UnitError, as_written, expectation, quantity, unit_given
 
 __all__ = [
     "FrozenTable",
@@ -226,10 +226,23 @@ def _checked(kind: Any, raw: object, attribute: "attrs.Attribute[Any]", where: L
         try:
             attribute.validator(None, attribute, value)
         except FieldError as error:
-            faults.append(where.says(error.reason))
+            faults.append(where.says(_in_the_unit_given(attribute, raw, value) or error.reason))
         except (TypeError, ValueError) as error:
             faults.append(where.says(str(error.args[0] if error.args else error)))
     return value
+
+
+def _in_the_unit_given(attribute: "attrs.Attribute[Any]", raw: object, value: object) -> str:
+    """Say what a validator says of a value, in the unit in which it was written; nothing where there is none."""
+    unit = attribute.metadata.get("unit")
+    if unit is None or isinstance(raw, bool) or not isinstance(raw, str | Real) or attribute.validator is None:
+        return ""
+    told = attribute.evolve(metadata={**attribute.metadata, "given": unit_given(raw, unit)})
+    try:
+        attribute.validator(None, told, value)
+    except FieldError as error:
+        return error.reason
+    return ""
 
 
 def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[str]) -> object:

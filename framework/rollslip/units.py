@@ -23,7 +23,16 @@ from typing import TypeAlias
 
 from rollslip.errors import RollslipError
 
-__all__ = ["UnitError", "as_written", "check_unit", "evenly", "expectation", "format_quantity", "quantity"]
+__all__ = [
+    "UnitError",
+    "as_written",
+    "check_unit",
+    "evenly",
+    "expectation",
+    "format_quantity",
+    "quantity",
+    "unit_given",
+]
 
 
 class UnitError(RollslipError, ValueError):
@@ -321,7 +330,21 @@ def _without_comma(text: str, unit: str) -> str:
     return f"write '{whole}.{digits}{rest}'{thousands}"
 
 
-def format_quantity(value: float, unit: str, digits: int = 6) -> str:
+def unit_given(value: object, unit: str) -> str:
+    """Return the unit in which a quantity was given: that of its text, the SI unit of a number.
+
+    Examples
+    --------
+    >>> unit_given("20 deg", "rad"), unit_given(0.35, "rad")
+    ('deg', 'rad')
+    """
+    if not isinstance(value, str):
+        return unit
+    number = _NUMBER.match(value.strip())
+    return (" ".join(value.strip()[number.end() :].split()) if number else "") or unit
+
+
+def format_quantity(value: float, unit: str, digits: int = 6, given: str | None = None) -> str:
     """Show an SI value to people: with the prefix that suits its size, temperatures in degC, speeds in rpm.
 
     Parameters
@@ -332,12 +355,17 @@ def format_quantity(value: float, unit: str, digits: int = 6) -> str:
         Its SI unit, as in `quantity`.
     digits
         Significant digits.
+    given
+        The unit in which a person gave it, see `unit_given`, to be told in that.
 
     Examples
     --------
     >>> format_quantity(0.015, "m"), format_quantity(343.15, "K"), format_quantity(667.17, "rad/s")
     ('15 mm', '70 degC', '6371 rpm')
     """
+    celsius = given is not None and given.translate(_SPELLINGS) == "degC"
+    if given is not None and not celsius and given != "1":
+        return f"{value / float(_unit(given)[0]):.{digits}g} {given}"
     if unit == "1":
         return f"{value:.{digits}g}"
     if unit == "K":

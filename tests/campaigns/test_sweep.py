@@ -14,6 +14,7 @@ from types import MappingProxyType
 import attrs
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -22,6 +23,8 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.sweep import run as sweep_run
 from rollslip.campaigns.sweep.definition import Resolutions, here
+from rollslip.campaigns.sweep.findings import record as sweep_record
+from rollslip.campaigns.sweep.findings import sentences
 from rollslip.campaigns.sweep.folder import begin, finish, merge, status
 from rollslip.campaigns.sweep.journal import STATUSES, Journal, Row, journals, states
 from rollslip.campaigns.sweep.point import Done, _packed, compute
@@ -346,6 +349,17 @@ def test_a_result_is_stored_whole_and_comes_back(tmp_path):
     assert dataset.attrs["scene"] == SCENE.text
     assert json.loads(dataset.attrs["packages"])["rollslip"]
     assert any("Muraki" in text for text in json.loads(dataset.attrs["citations"]))
+
+
+def test_ranges_are_told_in_the_units_of_people_and_kept_in_si():
+    speeds = ("point", np.pi / 30 * np.array([4000.0, 5000.0, 6371.0]), {"units": "rad/s", "long_name": "cage speed"})
+    other = ("point", np.array([1.0, 2.0, np.nan]), {"units": "kg/s", "long_name": "no unit in which people read"})
+    found = xr.Dataset({"cage_speed": speeds, "flow": other}, attrs={"counts": '{"ok": 3}', "axes": '["point"]'})
+    assert sentences(found)[1:] == [
+        "cage_speed: 4000 rpm to 6371 rpm, median 5000 rpm; 3 values, 0 without one",
+        "flow: 1 kg/s to 2 kg/s, median 1.5 kg/s; 2 values, 1 without one",
+    ]
+    assert sweep_record(found)["outputs"]["cage_speed"]["largest"] == pytest.approx(6371 * np.pi / 30)
 
 
 def test_single_values_words_and_ragged_ones_come_together(tmp_path):

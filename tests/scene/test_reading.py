@@ -157,6 +157,34 @@ def test_a_wrong_value_is_reported_with_its_line(key: str, written: str, message
 
 
 @pytest.mark.parametrize(
+    ("key", "written", "said"),
+    [
+        ("radial_load", '"-0.5 kN"', "must be at least 0, not -0.5 kN"),
+        ("radial_load", '"-500 N"', "must be at least 0, not -500 N"),
+        ("radial_load", "-3", "must be at least 0, not -3 N"),
+        ("misalignment", '"20 deg"', "must be from -5.72958 deg to 5.72958 deg, not 20 deg"),
+        ("misalignment", '"200 mrad"', "must be from -100 mrad to 100 mrad, not 200 mrad"),
+        ("misalignment", "0.2", "must be from -0.1 rad to 0.1 rad, not 0.2 rad"),
+        ("temperature", '"0 K"', "must be above 0, not 0 K"),
+        ("temperature", '"-273.15 °C"', "must be above 0, not -273.15 degC"),
+    ],
+)
+def test_a_value_is_told_in_the_unit_in_which_it_was_given(key: str, written: str, said: str) -> None:
+    text = (
+        scene_with(**{key: f"{key} = {written}"})
+        if key in SCENE
+        else scene_with(temperature=(f'temperature = "70 degC"\n{key} = {written}'))
+    )
+    [problem] = problems_of(text)
+    assert problem.endswith(f"operation.{key}: {said}")
+
+
+def test_rings_that_turn_alike_are_told_in_rpm() -> None:
+    [problem] = problems_of(scene_with(temperature='temperature = "70 degC"\nouter_speed = "6371 rpm"'))
+    assert "both rings turn at 6371 rpm" in problem
+
+
+@pytest.mark.parametrize(
     ("lines", "message"),
     [
         (["[accuracy]", "tolerance = 0"], "accuracy.tolerance: must be between 0 and 1, without the ends, not 0"),

@@ -49,7 +49,7 @@ def test_a_class_is_made_from_raw_values() -> None:
         ({"modulus": 1, "span": 5}, "law.span: a list is expected, not 5"),
         ({"modulus": 1, "span": [0, "x"]}, "law.span[1]: 'x' is not a number with a unit"),
         ({"modulus": 1, "span": [1, 0]}, "law: the range runs backwards"),
-        ({"modulus": 1, "limit": 0}, "law.limit: must be above 0, not -273.15 degC"),
+        ({"modulus": 1, "limit": 0}, "law.limit: must be above 0, not 0 K"),
         ({"modulus": 1, "_hidden": 0}, "law._hidden: unknown key"),
         ({"modulus": 1, "moduls": 0}, "law.moduls: unknown key, did you mean 'modulus'?"),
         ({"modulus": 1, "a b": 0}, "law.'a b': unknown key"),

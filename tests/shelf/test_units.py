@@ -12,7 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rollslip.errors import RollslipError
-from rollslip.units import UnitError, as_written, check_unit, expectation, format_quantity, quantity
+from rollslip.units import UnitError, as_written, check_unit, expectation, format_quantity, quantity, unit_given
 
 pytestmark = pytest.mark.quick
 
@@ -199,6 +199,26 @@ def test_what_is_shown_can_be_read_again(unit: str, size: float, sign: int, digi
 )
 def test_people_are_shown_the_unit_in_use(value: float, unit: str, shown: str) -> None:
     assert format_quantity(value, unit) == shown
+
+
+@pytest.mark.parametrize(
+    ("given", "unit", "said_in", "shown"),
+    [
+        ("0.5 kN", "N", "kN", "0.5 kN"),
+        ("20 deg", "rad", "deg", "20 deg"),
+        ("667 rad/s", "rad/s", "rad/s", "667 rad/s"),
+        ("5 W/(m  K)", "W/(m K)", "W/(m K)", "5 W/(m K)"),
+        ("343 K", "K", "K", "343 K"),
+        ("70 °C", "K", "°C", "70 degC"),
+        ("5 %", "1", "%", "5 %"),
+        ("0.05", "1", "1", "0.05"),
+        (0.015, "m", "m", "0.015 m"),
+        (343.15, "K", "K", "343.15 K"),
+    ],
+)
+def test_a_quantity_is_told_in_the_unit_in_which_it_was_given(given, unit: str, said_in: str, shown: str) -> None:
+    assert unit_given(given, unit) == said_in
+    assert format_quantity(quantity(given, unit), unit, given=said_in) == shown
 
 
 @pytest.mark.parametrize("unit", SI_UNITS)

@@ -30,7 +30,8 @@ from rollslip.studies.dynamics.study import Dynamics
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.steady_slip.figures import steady_figures
 from rollslip.studies.steady_slip.findings import record, topics
-from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip.studies.steady_slip.study import SteadySlip, _branches
+from rollslip.units import quantity
 
 SHIPPED = load_scene("1032930-50C")
 STRAIGHT = evolve(SHIPPED, {"bearing.profile": "none"})
@@ -541,10 +542,19 @@ def test_the_smallest_load_is_that_at_which_the_largest_drag_is_the_drag(followe
         assert (balance.excess(on[k] * 1.001) > balance.excess(on[k] * 0.999)) == found.radial_load_stable[k]
 
 
+def test_a_range_of_speeds_is_told_in_rpm():
+    status = str(
+        _branches("inner_speed", (quantity("5000 rpm", "rad/s"), quantity("7000 rpm", "rad/s")), [])[
+            "inner_speed_limit_status"
+        ][1]
+    )
+    assert status.endswith("neither at 5000 rpm nor at 7000 rpm")
+
+
 def test_a_range_without_a_fold_says_so():
     found = run(dragged(STRAIGHT, brake(0.05)), points=8, max_cage_slip=0.2, temperature=(318.15, 328.15))
     assert np.isnan(found.temperature_limit)
-    assert "no fold between 318.15 and 328.15 K" in str(found.temperature_limit_status.item())
+    assert "no fold between 45 degC and 55 degC" in str(found.temperature_limit_status.item())
     assert (np.diff(found.temperature_slip[np.argsort(found.temperature.to_numpy())]) > 0.0).all(), (
         "thinner oil slips more"
     )

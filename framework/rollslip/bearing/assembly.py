@@ -23,6 +23,7 @@ from rollslip.lubricant.table import lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
+from rollslip.units import format_quantity
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
 _PIECE = 2048  # slices whose deflection is found at a time
@@ -85,8 +86,9 @@ class Assembly:
         force = self.roller_mass * self.kinematics.orbit_radius * (cage_speed * cage_speed)  # a power would raise
         if not force < math.inf:
             raise DomainError(
-                f"the centrifugal force of a roller of {self.roller_mass:g} kg overflows at a cage speed of "
-                f"{cage_speed:g} rad/s; lower operation.inner_speed and operation.outer_speed, or the mass"
+                f"the centrifugal force of a roller of {format_quantity(self.roller_mass, 'kg')} overflows at a cage "
+                f"speed of {format_quantity(cage_speed, 'rad/s')}; lower operation.inner_speed and "
+                "operation.outer_speed, or the mass"
             )
         return force
 

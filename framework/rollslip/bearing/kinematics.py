@@ -8,6 +8,7 @@ from attrs.validators import and_, gt, lt
 from numpy.typing import ArrayLike, NDArray
 
 from rollslip.errors import DomainError
+from rollslip.units import format_quantity
 
 Floats = NDArray[np.float64]
 
@@ -90,11 +91,12 @@ class Kinematics:
     def __attrs_post_init__(self) -> None:
         if self.outer_radius <= max(self.inner_radius, self.roller_radius):
             raise ValueError(
-                f"the outer raceway's radius is {self.outer_radius} m: it must exceed that of the inner raceway, "
-                f"{self.inner_radius} m, and of the roller, {self.roller_radius} m"
+                f"the outer raceway's radius is {format_quantity(self.outer_radius, 'm')}: it must exceed that of the "
+                f"inner raceway, {format_quantity(self.inner_radius, 'm')}, and of the roller, "
+                f"{format_quantity(self.roller_radius, 'm')}"
             )
         if self.inner_speed == self.outer_speed:
-            raise DomainError(f"nothing rolls: both rings turn at {self.inner_speed} rad/s")
+            raise DomainError(f"nothing rolls: both rings turn at {format_quantity(self.inner_speed, 'rad/s')}")
 
     @property
     def direction(self) -> int:

@@ -20,6 +20,7 @@ from rollslip.errors import DomainError
 from rollslip.fields import field, non_negative, positive
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, SliceModel
 from rollslip.references import BARUS, EHRET, ROELANDS, YASUTOMI, Reference
+from rollslip.units import format_quantity
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_kernels.stages import viscosity as compiled
 
@@ -165,8 +166,8 @@ class Yasutomi(PressureViscosity):
         if np.any(glass):
             at = int(np.flatnonzero(glass)[0])
             raise DomainError(
-                f"{self.name}: slice {at} is outside its domain: at {np.ravel(p)[at]:g} Pa and {c.temperature:g} K the "
-                "oil is a glass"
+                f"{self.name}: slice {at} is outside its domain: at {format_quantity(np.ravel(p)[at], 'Pa')} and "
+                f"{format_quantity(c.temperature, 'K')} the oil is a glass"
             )
         k = np.log(10) * self.c1 * self.c2
         return (

@@ -18,6 +18,7 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import DomainError, RollslipError
 from rollslip.motion.moving_bearing import MovingBearing, pocket_contact
 from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
+from rollslip.units import format_quantity
 from rollslip_kernels.motion.carried import LEDGER, Carried
 from rollslip_kernels.motion.system import System
 
@@ -94,8 +95,8 @@ class CarriedMotion(MovingBearing):
             a = self.assembly
             top = math.sqrt(self.loads.centrifugal[-1] / (a.roller_mass * a.kinematics.orbit_radius))
             return DomainError(
-                f"roller {what} is carried round faster than {top:.4g} rad/s, up to which its loads were worked out; "
-                "check what drives the cage"
+                f"roller {what} is carried round faster than {format_quantity(top, 'rad/s', 4)}, up to which its loads "
+                "were worked out; check what drives the cage"
             )
         return super().error(refusal)
 

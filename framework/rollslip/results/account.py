@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["ACCOUNT", "Account", "Contact", "PlainAccount", "Story", "Table", "account_of", "capital"]
+__all__ = ["ACCOUNT", "Account", "Contact", "PlainAccount", "Story", "Table", "account_of", "capital", "with_unit"]
 
 
 @attrs.frozen
@@ -205,7 +205,7 @@ def _single_values(dataset: "xr.Dataset") -> dict[str, str]:
             if isinstance(value, float):
                 status = None if said_by is None else dataset[said_by]
                 missing = "no value" if status is None else str(status.isel(at if status.ndim else {}).item())
-                said = _with_unit(value, one.attrs.get("units", "1")) if math.isfinite(value) else missing
+                said = with_unit(value, one.attrs.get("units", "1")) if math.isfinite(value) else missing
             elif name.endswith("_status") and name.removesuffix("_status") in dataset:
                 continue  # said where the value is missing
             else:
@@ -231,7 +231,8 @@ def _places(dataset: "xr.Dataset", name: str) -> "list[tuple[str, dict[Hashable,
     return [(f", {value} {dim}", {dim: k}) for k, value in enumerate(dataset[dim].to_numpy())]
 
 
-def _with_unit(value: float, unit: str) -> str:
+def with_unit(value: float, unit: str) -> str:
+    """Return a value of a result as people read it."""
     try:
         return format_quantity(value, unit, 4)
     except UnitError:  # a unit for which there is no other way to write it

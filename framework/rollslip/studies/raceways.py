@@ -28,6 +28,7 @@ from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Output
+from rollslip.units import format_quantity
 
 #: Error of a map's loads relative to the tolerance.
 _MAP_SHARE = 1e-3
@@ -296,8 +297,9 @@ def unloaded(scene: Scene, so: str) -> SceneError:
     return SceneError(
         [
             Location(scene.origins, ("operation", "radial_load")).says(
-                f"no roller is loaded on the inner ring with {scene.operation.radial_load:g} N and "
-                f"bearing.radial_clearance = {clearance:g} m, so {so}; give a radial load or a negative clearance"
+                f"no roller is loaded on the inner ring with {format_quantity(scene.operation.radial_load, 'N')} and "
+                f"bearing.radial_clearance = {format_quantity(clearance, 'm')}, so {so}; give a radial load or a "
+                "negative clearance"
             )
         ]
     )

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollslip.results.account import with_unit
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -16,10 +18,10 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
     counts = json.loads(dataset.attrs["counts"])
     lines = [", ".join(f"{count} {name}" for name, count in counts.items() if count) or "no points"]
     for name, row in _ranges(dataset).items():
-        unit = "" if row["unit"] == "1" else f" {row['unit']}"
-        where = (
-            f"{row['least']:.4g} to {row['largest']:.4g}{unit}, median {row['median']:.4g}" if row["values"] else "none"
-        )
+        where = "none"
+        if row["values"]:
+            least, largest, median = (with_unit(row[which], row["unit"]) for which in ("least", "largest", "median"))
+            where = f"{least} to {largest}, median {median}"
         lines.append(
             f"{name}: {where}; {row['values']} value{'s' * (row['values'] != 1)}, {row['missing']} without one"
         )

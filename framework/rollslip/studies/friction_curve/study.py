@@ -21,6 +21,7 @@ from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Output, Some
 from rollslip.studies.study import Study
 from rollslip.studies.timing import POINTS, onwards, timed
+from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -185,8 +186,9 @@ def balanced_load(assembly: Assembly, raceway: Raceway, force: float) -> Array:
     load = _balanced(lambda approach: assembly.deflect(approach - drop, raceway.ring), assembly.widths, force)
     if not np.any(load > 0.0):
         raise DomainError(
-            f"a normal force of {force:g} N is lost along a roller of {assembly.scene.bearing.roller_length:g} m: "
-            "its load per length is below all floats; give more of it"
+            f"a normal force of {force:g} N is lost along a roller of "
+            f"{format_quantity(assembly.scene.bearing.roller_length, 'm')}: its load per length is below all floats; "
+            "give more of it"
         )
     return load
 

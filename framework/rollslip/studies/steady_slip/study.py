@@ -37,6 +37,7 @@ from rollslip.studies.answers import Compared, Estimated, Keep, Output, Some
 from rollslip.studies.raceways import REGIMES, regime_variables, unloaded
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
+from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -486,15 +487,15 @@ def _status(balance: TorqueBalance, curve: TorqueCurve, largest: Critical, slips
 
 def _branches(name: str, limits: tuple[float, float], branches: list[Branch]) -> dict[str, Any]:
     unit, what = VARIED[name]
+    low, high = (format_quantity(end, unit) for end in limits)
     limit = branches[0].nearest_fold() if branches else None
     value, slip, status = np.nan, np.nan, "found"
     if limit is not None:
         value, slip = float(branches[0].parameter[limit]), float(branches[0].slip[limit])
     elif branches:
-        status = f"no limit of the {what}: the steady slips have no fold between {limits[0]:g} and {limits[1]:g} {unit}"
+        status = f"no limit of the {what}: the steady slips have no fold between {low} and {high}"
     else:
-        ends = f"{limits[0]:g} nor at {limits[1]:g} {unit}"
-        status = f"no limit of the {what}: the cage carries its drag neither at {ends}"
+        status = f"no limit of the {what}: the cage carries its drag neither at {low} nor at {high}"
     along: dict[str, list[Any]] = {
         name: [b.parameter for b in branches],
         f"{name}_slip": [b.slip for b in branches],
