@@ -4,14 +4,18 @@ import attrs
 import pytest
 
 from packages import install, python
-from rollslip import evolve, load_scene
+from rollslip import evolve, load_scene, plan
+from rollslip.campaigns.sweep.sweep import plan_sweep
 from rollslip.catalogue import discovery
 from rollslip.catalogue.registry import get_model
 from rollslip.datasets import BearingData, SurfaceData
 from rollslip.errors import PluginError, SceneError
+from rollslip.planning.provenance import citations
+from rollslip.references import KLEBANOV
 from rollslip.scene import Bearing, Material, Profile, Surface, resolved, scene_hash
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.schema import schema
+from rollslip_plugins.bibliography import MARTIN_1916
 from rollslip_plugins.data.bearings import bearing_1032930, bearings
 
 SHIPPED = load_scene("1032930-70C")
@@ -20,6 +24,7 @@ CROWNED = BearingData(
     description="a bearing of a test",
     source="none",
     validity="nothing",
+    references=("Nobody N. On crowned rollers. J. None 1, 2000.",),
     bearing=Bearing(
         rollers=20,
         roller_diameter=0.01,
@@ -36,6 +41,7 @@ POLISHED = SurfaceData(
     description="surfaces of a test",
     source="none",
     validity="nothing",
+    references=(MARTIN_1916,),
     surface=Surface(inner_raceway_roughness=2e-8, outer_raceway_roughness=3e-8, roller_roughness=1e-8),
 )
 
@@ -74,6 +80,15 @@ def test_a_name_stands_for_all_values():
     assert read.bearing == CROWNED.bearing
     assert read.surface == POLISHED.surface
     assert read.raw["bearing"] == {"name": "crowned"}
+
+
+def test_what_a_scene_takes_by_its_name_is_cited():
+    by_name = citations(plan(scene("name = 'crowned'", "name = 'polished'")))
+    assert {*CROWNED.references, MARTIN_1916} <= set(by_name)
+    assert not {*CROWNED.references, MARTIN_1916} & set(citations(plan(scene("name = '1032930'"))))
+    sweep = plan_sweep(scene("name = 'crowned'"), over={"operation.radial_load": [500.0, 1000.0]})
+    assert {*CROWNED.references} <= set(sweep.citations)
+    assert sweep.citations[0] == KLEBANOV
 
 
 def test_a_scene_with_a_name_is_the_scene_with_its_values():

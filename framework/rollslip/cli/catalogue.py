@@ -50,7 +50,7 @@ def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
 @click.option("--bibtex", is_flag=True, help="Print BibTeX instead.")
 @json_option
 def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> None:
-    """Print what to cite for the models and the oil of a SCENE or a RESULT, rollslip and its paper first."""
+    """Print what to cite for models, oil and named data of a SCENE or a RESULT, rollslip and its paper first."""
     from rollslip.planning.plan import plan
     from rollslip.planning.provenance import citations
     from rollslip.references import as_bibtex, as_dict

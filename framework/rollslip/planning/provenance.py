@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from rollslip.catalogue.discovery import named_data
-from rollslip.catalogue.registry import Offer, find
+from rollslip.catalogue.registry import Offer, find, get_class
 from rollslip.models import SliceModel
 from rollslip.planning.plan import Plan, part_as_dict
 from rollslip.references import KLEBANOV, Citation, as_dict, once, rollslip_itself
@@ -24,12 +24,14 @@ from rollslip.results.dataset import CITED
 from rollslip.scene.values import Scene, resolved, scene_hash
 
 if TYPE_CHECKING:
+    from rollslip.bearing.assembly import Assembly
     from rollslip.lubricant.oil import Lubricant
 
 __all__ = [
     "citations",
     "citations_told",
     "cited",
+    "data_references",
     "lubricant_told",
     "models_told",
     "origin",
@@ -131,15 +133,23 @@ def lubricant_told(oil: "Lubricant") -> dict[str, Any]:
 
 
 def citations(plan: Plan) -> list[Citation]:
-    """Return what to cite for the models and the oil of a plan, the paper that rollslip follows first."""
-    oil = plan.assembly.lubricant
-    return cited([model for _, model in plan.models], [*oil.references, *oil.pressure_viscosity_law.references])
+    """Return what to cite for the models, studies and data of a plan, the paper that rollslip follows first."""
+    studies = (one for study in plan.studies.values() for one in study.references)
+    return cited([model for _, model in plan.models], [*studies, *data_references(plan.assembly)])
 
 
 def cited(models: Iterable[SliceModel], others: Iterable[Citation]) -> list[Citation]:
     """Return what to cite for models, and others, each once: the paper that rollslip follows and rollslip first."""
     used = (one for model in models for one in references_of(model))
     return once([KLEBANOV, rollslip_itself(), *used, *others])
+
+
+def data_references(assembly: "Assembly") -> list[Citation]:
+    """Citations of the oil and of all else that the scene takes by its name."""
+    named = (get_class(offer.kind, offer.name) for offer in named_data(assembly.scene.raw or {}))
+    oil = assembly.lubricant
+    used = (one for data in named for one in data.references)
+    return [*used, *oil.references, *oil.pressure_viscosity_law.references]
 
 
 def citations_told(found: Iterable[Citation]) -> dict[str, list[Any]]:

@@ -33,7 +33,7 @@ from rollslip.errors import OutputError, RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.files import whole_file
 from rollslip.planning.plan import estimate
-from rollslip.planning.provenance import cited
+from rollslip.planning.provenance import cited, data_references
 from rollslip.planning.quantities import quantities
 from rollslip.references import Citation
 from rollslip.scene.changes import Quantity, evolve, unknown
@@ -324,7 +324,7 @@ def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[Citation, ..
     for assembly in assemblies:
         models += assembly.models.values()
         models += (model for _, model in settings(assembly.scene, study)[study].models(assembly))
-        others += [*assembly.lubricant.references, *assembly.lubricant.pressure_viscosity_law.references]
+        others += [*settings(assembly.scene, study)[study].references, *data_references(assembly)]
     return tuple(cited(models, others))
 
 
