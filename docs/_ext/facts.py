@@ -269,6 +269,14 @@ def from_table(name):
     return table([column.replace("_", " ") for column in header], rows)
 
 
+def sentences():
+    """How many sentences of each kind each root can say."""
+    with (ROOT / "docs" / "tables" / "sentences.csv").open(newline="", encoding="utf-8") as file:
+        count = Counter((row["module"].partition("/")[0], row["kind"]) for row in csv.DictReader(file))
+    kinds_, roots = ("told", "error", "meaning", "source"), sorted({root for root, _ in count})
+    return table(("root", *kinds_), [(f"``{root}``", *(str(count[root, kind]) for kind in kinds_)) for root in roots])
+
+
 PARTS = {
     "scene-keys": scene_keys,
     "oil-keys": oil_keys,
@@ -283,6 +291,7 @@ PARTS = {
     "changelog": changelog,
     "folders": folders,
     "imports-picture": imports_picture,
+    "sentences": sentences,
     "table": from_table,
 }
 

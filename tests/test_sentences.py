@@ -1,0 +1,105 @@
+"""Every sentence that the program can say has been read, and what it tells one to type exists."""
+
+import re
+
+import attrs
+import pytest
+
+import sentences
+from rollslip.bearing.cage import Cage
+from rollslip.campaigns.sweep.sweep import SweepTable
+from rollslip.catalogue.registry import available, get_class
+from rollslip.cli.main import cli
+from rollslip.lubricant import OilTable
+from rollslip.scene.schema import schema
+from rollslip.studies.study import study_class
+
+pytestmark = pytest.mark.quick
+
+FOUND = sentences.sentences()
+
+
+def test_the_list_of_all_sentences_is_up_to_date():
+    stored = sentences.LIST.read_text(encoding="utf-8").splitlines()
+    now = sentences.as_csv(FOUND).splitlines()
+    new, gone = sorted(set(now) - set(stored)), sorted(set(stored) - set(now))
+    assert not new, "read them, then write the list by: python tests/support/sentences.py"
+    assert not gone, "write the list by: python tests/support/sentences.py"
+
+
+SAMPLE = '''
+"""A docstring is not said."""
+names = {"key_of_a_table": "what it means"}
+def told(value: "a type") -> "another type":
+    """Nor is this."""
+    if not re.match("a pattern or two", value):
+        raise DomainError(f"{value:.3g} is too {'small' if value < 0 else 'large'}; lower {key!r}")
+    return [f"it was {value}", "one"] + [parameter(doc="the first of all")]
+'''
+
+
+def test_what_is_said_is_found_in_any_form_and_code_is_not():
+    found = sorted((one.where, one.kind, one.text) for one in sentences.of_python(SAMPLE, "module"))
+    assert found == [
+        ("", "told", "what it means"),
+        ("told", "error", "{value:.3g} is too {'small' if value < 0 else 'large'}; lower {key!r}"),
+        ("told", "meaning", "the first of all"),
+        ("told", "told", "it was {value}"),
+    ]
+    cython = '"""Not said."""\ncdef int f() except -1:\n    raise ValueError(f"the state is {n} long, " "not {m}")\n'
+    assert [one.text for one in sentences.of_cython(cython, "module")] == ["the state is {n} long, not {m}"]
+
+
+# What they tell one to type -------------------------------------------------------------------------------------------
+
+TABLES = "operation|bearing|lubricant|surface|accuracy|study|models|cage|uncertainty|sweep|plugins"
+KEY = re.compile(rf"(?<![\w./-])(?:{TABLES})\.[a-z][\w.-]*\w")
+OPTION = re.compile(r"(?<![\w-])--[a-z][\w-]*")
+
+
+def known_keys():
+    """Every key of a scene as it is typed, and of the tables in it."""
+    tables = {"lubricant": OilTable, "cage": Cage, "sweep": SweepTable}
+    tables |= {f"study.{name}": study_class(name) for name in available("study")}
+    keys = {f"{table}.{field.name}" for table, cls in tables.items() for field in attrs.fields(cls)}
+    stages = {
+        f"models.{kind}.{field.name}"
+        for kind in ("contact", "film", "traction")
+        for name in available(kind)
+        for field in attrs.fields(get_class(kind, name))
+    }
+    # tables as a whole can be given, too
+    return keys | stages | {row.key for row in schema()} | {"uncertainty.lubricant", "uncertainty.correlation"}
+
+
+def known_options(command=cli):
+    own = {option for parameter in command.params for option in parameter.opts}
+    return own.union(*(known_options(below) for below in getattr(command, "commands", {}).values()))
+
+
+def bare(text):
+    """A sentence without its gaps and without commands of other programs."""
+    return re.sub(r"\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}", "", re.sub(r"pip install .*", "", text))
+
+
+def names_nothing(text):
+    """Keys and options in a sentence that nobody could type."""
+    keys = {key for key in KEY.findall(bare(text)) if key not in KEYS and not key.startswith("plugins.require")}
+    return keys | {option for option in OPTION.findall(bare(text)) if option not in OPTIONS}
+
+
+KEYS, OPTIONS = known_keys(), known_options()
+
+
+def test_every_key_and_option_that_a_sentence_names_exists():
+    assert [(one, wrong) for one in FOUND if one.kind != "source" and (wrong := names_nothing(one.text))] == []
+    assert sum(bool(KEY.search(bare(one.text))) for one in FOUND) > 30
+
+
+def test_a_key_or_an_option_that_does_not_exist_is_found():
+    said = (
+        "raise accuracy.tolerances, study.dynamics.durations or lubricant.{name}, by --sets or --set accuracy.tolerance"
+    )
+    assert names_nothing(said) == {"accuracy.tolerances", "study.dynamics.durations", "--sets"}
+    assert {"study.dynamics.duration", "cage.drag", "models.traction.hydrodynamic"} <= KEYS
+    assert {"--set", "--resume", "--overwrite"} <= OPTIONS
