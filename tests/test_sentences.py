@@ -89,6 +89,12 @@ def names_nothing(text):
 
 
 KEYS, OPTIONS = known_keys(), known_options()
+#: Settings of studies whose names are no plain words; of others it cannot be told whether they are meant as a key.
+SETTINGS = sorted(
+    {key.rpartition(".")[2] for key in KEYS if key.startswith("study.") and "_" in key.rpartition(".")[2]}
+)
+#: A setting without the table that it stands in, or written as no command takes it.
+UNTYPABLE = re.compile(rf"(?<![\w.])(?:{'|'.join(SETTINGS)})\b|(?:take|with|set) (?:inertia|closure|level|friction) = ")
 
 
 def test_every_key_and_option_that_a_sentence_names_exists():
@@ -103,3 +109,12 @@ def test_a_key_or_an_option_that_does_not_exist_is_found():
     assert names_nothing(said) == {"accuracy.tolerances", "study.dynamics.durations", "--sets"}
     assert {"study.dynamics.duration", "cage.drag", "models.traction.hydrodynamic"} <= KEYS
     assert {"--set", "--resume", "--overwrite"} <= OPTIONS
+
+
+def test_no_sentence_names_a_setting_without_its_table():
+    """A key can be typed as it stands: ``study.friction-curve.max_slip``, not ``max_slip``."""
+    # what a study says of its own setting stands behind the place of that setting
+    told = [one for one in FOUND if one.kind in ("told", "error") and "__attrs_post_init__" not in one.where]
+    assert [one for one in told if UNTYPABLE.search(bare(one.text))] == []
+    assert UNTYPABLE.search("raise max_cage_slip") and UNTYPABLE.search("take inertia = true")
+    assert not UNTYPABLE.search("with --set study.steady-slip.inertia=true, or study.friction-curve.max_slip")

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
-from rollslip.bearing.critical import locate
+from rollslip.bearing.critical import locate, look_further, slip_grid
 
 pytestmark = pytest.mark.quick
 
@@ -62,3 +62,54 @@ def test_locate_is_as_good_as_the_library(peak, power, width):
     off = (2e-8 * (high - low) / width) ** power
     assert found.friction >= -want.fun * (1.0 - max(off, 1e-12))
     assert len(calls) <= 60
+
+
+@pytest.mark.parametrize("first", [0.1, 0.4, 0.6])
+@pytest.mark.parametrize("end", [0.5, 1.0])
+def test_a_first_maximum_is_located_beside_a_larger_one_or_a_rise_to_the_end(first, end):
+    """Two parabolas, whose tops are known by hand: of 1 near the start, of 2 at 0.5."""
+    top = 0.2 * first
+
+    def friction(s):
+        return np.maximum(1.0 - ((s - top) / top) ** 2, 2.0 - ((s - 0.5) / 0.2) ** 2)
+
+    slip = slip_grid(end, 81)
+    found = locate(lambda s: float(friction(s)), slip, friction(slip), "study.a.b")
+    assert found.first_slip == pytest.approx(top, rel=1e-6)
+    assert found.first_friction == pytest.approx(1.0, rel=1e-12)
+    if end > 0.5:
+        assert (found.slip, found.friction) == (pytest.approx(0.5, rel=1e-6), pytest.approx(2.0, rel=1e-12))
+    else:
+        assert np.isnan(found.slip)
+
+
+def test_a_single_maximum_is_the_first_too_and_a_ripple_is_none():
+    slip = np.linspace(0.0, 1.0, 101)
+    ripple = 1e-5 * (np.arange(101) % 2)
+
+    def friction(s):
+        return s / 0.5 * np.exp(1.0 - s / 0.5) + np.interp(s, slip, ripple)
+
+    found = locate(lambda s: float(friction(s)), slip, friction(slip), "")
+    assert (found.first_slip, found.first_friction) == (found.slip, found.friction)
+    assert found.slip == pytest.approx(0.5, abs=0.02)
+    rising = locate(lambda s: s, slip, slip, "")
+    assert np.isnan([rising.first_slip, rising.first_friction]).all()
+
+
+@pytest.mark.parametrize(
+    ("largest", "most", "value"),
+    [
+        (0.05, 0.99, "0.5"),
+        (0.3, 0.99, "0.99"),
+        (0.99, 0.99, ""),
+        (1.0 - 1e-9, 0.99, ""),
+        (0.3, 2.0, "2"),
+        (2.0, 2.0, ""),
+        (30.0, 2.0, ""),
+    ],
+)
+def test_a_range_that_is_at_its_end_is_not_advised_to_go_further(largest, most, value):
+    said = look_further("study.a.b", largest, most)
+    assert said == (f"; look further with --set study.a.b={value}" if value else "")
+    assert look_further("", 0.1, 0.99) == "", "there is no key"

@@ -151,7 +151,7 @@ def test_without_a_maximum_words_say_why(tmp_path):
     written = words(path)
     assert "no critical slip: friction still rises at the end of the range" in written
     assert not any(THERMAL in text for text in written)
-    assert "raise max_slip" in metadata(path, "description")
+    assert "--set study.friction-curve.max_slip=0.1" in metadata(path, "description")
 
 
 def test_words_name_the_curves_they_are_true_of(tmp_path):

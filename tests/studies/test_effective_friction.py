@@ -12,7 +12,8 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.regimes import film_by_regime, groups, moes_groups, regime_limits
 from rollslip.errors import SceneError
-from rollslip.scene.changes import evolve
+from rollslip.planning.execution import run
+from rollslip.scene.changes import evolve, parse_set
 from rollslip.scene.reading import load_scene
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.friction_curve.study import FrictionCurve, balanced_load
@@ -144,6 +145,20 @@ def test_a_critical_slip_outside_the_range_is_said_in_words():
     result = curve(STRAIGHT, max_cage_slip=0.3)
     assert np.isnan(result.critical_cage_slip).all()
     assert all("still rises at the end of the range, 0.3" in str(text) for text in result.critical_status.to_numpy())
+
+
+@pytest.mark.quick
+def test_what_a_status_tells_one_to_type_finds_what_was_not_found():
+    scene = evolve(STRAIGHT, {"study.effective-friction": {"points": 21, "map_points": 0, "max_cage_slip": 0.3}})
+    short = run(scene, "effective-friction").critical_status.to_numpy()[0]
+    key, value = parse_set(str(short).rpartition(" --set ")[2])
+    assert np.isfinite(run(evolve(scene, {key: value}), "effective-friction").critical_cage_slip[0])
+
+
+@pytest.mark.quick
+def test_nobody_is_told_to_look_beyond_the_end_of_the_range():
+    words = str(curve(STRAIGHT, points=9, max_cage_slip=0.995).critical_status.to_numpy()[1])
+    assert words == "no critical slip: friction still rises at the end of the range, 0.995"
 
 
 @given(load=st.floats(500.0, 5e3), factor=st.floats(1.2, 3.0))

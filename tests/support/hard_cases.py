@@ -1439,7 +1439,7 @@ CASES = [
         judge=several(
             judge_result,
             [{"operation.inner_speed": W, "operation.outer_speed": 0.999 * W}],
-            refused="lower max_cage_slip",
+            refused=".max_cage_slip",
         ),
     ),
     Case(

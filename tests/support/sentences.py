@@ -41,8 +41,10 @@ _ERROR = re.compile(
     r"\w*(Error|Nonconformance|Inapplicable)|raise|says|refuse_unless|same|add_note|_fault|_Stuck|BrokenExecutor|fault"
 )
 _SOURCE = re.compile(r"references =|equation =|[A-Z0-9]+ =|Template")
-#: A type, a query or a path of a page is no sentence.
-_CODE = re.compile(r"\w\[\w.* \| |^\w+(\.\w+)* \| \w|^(select|insert|create|update|delete|pragma) |^<|^:root|^import ")
+#: A type, a query, a page or names of dimensions are no sentences.
+_CODE = re.compile(
+    r"\w\[\w.* \| |^\w+(\.\w+)* \| \w|^(select|insert|create|update|delete|pragma) |^<|^:root|^import |^(?=.*_)[a-z_ ]+$"
+)
 _GAP = re.compile(r"\{.*?\}")
 
 

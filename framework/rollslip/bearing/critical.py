@@ -13,6 +13,10 @@ Array = NDArray[np.float64]
 
 #: A maximum that the rest of the curve undercuts by less than this share is rounding, not a falling branch.
 _FLAT = 1e-9
+#: Up to which slip of a cage it is advised to look, whose range is open at 1; and slide-roll ratio of pure sliding.
+MOST_CAGE_SLIP, PURE_SLIDING = 0.99, 2.0
+#: Share of a maximum by which friction has to fall behind it so that it is told beside a larger one further on.
+_FALL = 1e-3
 #: Where a search ends, relative to its interval: the root of the rounding of a value that is 1.
 _PLACE = 1e-8
 _GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))
@@ -27,16 +31,42 @@ def slip_grid(largest: float, points: int) -> Array:
 class Critical:
     """The largest friction of a curve: ``slip`` and ``friction``, both NaN unless it lies inside the range.
 
-    ``status`` says in words what was found.
+    ``status`` says in words what was found. ``first_slip`` and ``first_friction`` are the first maximum, from which
+    friction falls: the largest one too, unless friction rises once more. NaN if friction falls nowhere in the range.
     """
 
     slip: float
     friction: float
     status: str
+    first_slip: float = math.nan
+    first_friction: float = math.nan
 
 
-def locate(curve: Callable[[float], float], slip: Array, friction: Array, allow: str) -> Critical:
-    """Locate the largest friction on the continuous curve, not on its grid.
+def look_further(key: str, largest: float, most: float) -> str:
+    """Return what to type so that a range of slips goes further: ten times as far, but not beyond the most.
+
+    Empty where the range is at its end already.
+
+    Examples
+    --------
+    >>> look_further("study.friction-curve.max_slip", 0.3, 2.0)
+    '; look further with --set study.friction-curve.max_slip=2'
+    """
+    to = min(10.0 * largest, most)
+    return f"; look further with --set {key}={to:.3g}" if key and to > largest else ""
+
+
+def locate(
+    curve: Callable[[float], float],
+    slip: Array,
+    friction: Array,
+    allow: str,
+    *,
+    most: float = MOST_CAGE_SLIP,
+    sought: str = "critical slip",
+    of: str = "friction",
+) -> Critical:
+    """Locate the largest friction on the continuous curve, not on its grid, and the first maximum before it.
 
     Parameters
     ----------
@@ -45,13 +75,18 @@ def locate(curve: Callable[[float], float], slip: Array, friction: Array, allow:
     slip, friction : ndarray
         The curve on a grid, slip ascending, shape (n,).
     allow : str
-        Setting that widens the range, for the status.
+        Key of the setting that widens the range, as it is typed, for the status; empty if there is none.
+    most : float
+        Largest slip to look for: of a cage one that still turns.
+    sought, of : str
+        What the status calls the slip that is sought, and what is largest there.
 
     Returns
     -------
     Critical
         The maximum after Brent's method on the two grid intervals around the best point; the first of equal ones. Its
         place is known to the root of the rounding of the friction, some 1e-8 of the interval, since a maximum is flat.
+        A first maximum is one behind which friction falls by a thousandth on the grid before it is larger again.
 
     Raises
     ------
@@ -60,28 +95,39 @@ def locate(curve: Callable[[float], float], slip: Array, friction: Array, allow:
     """
     if not np.all(np.isfinite(friction)):
         bad = int(np.argmin(np.isfinite(friction)))
-        raise DomainError(f"the friction is {friction[bad]} at a slip of {slip[bad]:.4g}: it must be finite all along")
+        raise DomainError(f"the {of} is {friction[bad]} at a slip of {slip[bad]:.4g}: it must be finite all along")
     best = int(np.argmax(friction))
     if not friction[best] > 0.0:
-        return Critical(np.nan, np.nan, "no critical slip: there is no friction in the range")
-    first, last = max(best - 1, 0), min(best + 1, slip.size - 1)
+        return Critical(np.nan, np.nan, f"no {sought}: there is no {of} in the range")
+    at, largest = _around(curve, slip, friction, best)
+    found = largest - friction[-1] > _FLAT * largest
+    before = np.maximum.accumulate(friction)
+    fallen = (before > 0.0) & (friction < (1.0 - _FALL) * before)
+    top = int(np.argmax(friction[: int(np.argmax(fallen))])) if np.any(fallen) else best
+    first = _around(curve, slip, friction, top) if top < best else (at, largest) if found else (math.nan, math.nan)
+    if found:
+        return Critical(at, largest, "found", *first)
+    rises = friction[-1] - friction[-2] > _FLAT * largest
+    what = "still rises at the end of" if rises else "stays at its largest value up to the end of"
+    status = f"no {sought}: {of} {what} the range, {slip[-1]:.4g}{look_further(allow, float(slip[-1]), most)}"
+    return Critical(np.nan, np.nan, status, *first)
+
+
+def _around(curve: Callable[[float], float], slip: Array, friction: Array, top: int) -> tuple[float, float]:
+    """Place and value of the largest friction on the two intervals around a point of the grid that tops both."""
+    first, last = max(top - 1, 0), min(top + 1, slip.size - 1)
     low, high = float(slip[first]), float(slip[last])
-    at, largest = float(slip[best]), float(friction[best])
+    at, largest = float(slip[top]), float(friction[top])
 
     # relative to the interval and to the best value, so that no size of either is lost in a tolerance
     def relative(share: float) -> float:
-        return curve(low + share * (high - low)) / float(friction[best])
+        return curve(low + share * (high - low)) / float(friction[top])
 
-    known = [((float(slip[k]) - low) / (high - low), float(friction[k]) / largest) for k in (best, first, last)]
+    known = [((float(slip[k]) - low) / (high - low), float(friction[k]) / largest) for k in (top, first, last)]
     share, value = _peak(relative, known)
     if value > 1.0:  # else a kink or a plateau, which the search did not hit
         at, largest = low + share * (high - low), value * largest
-    if largest - friction[-1] > _FLAT * largest:
-        return Critical(at, largest, "found")
-    rises = friction[-1] - friction[-2] > _FLAT * largest
-    what = "still rises at the end of" if rises else "stays at its largest value up to the end of"
-    status = f"no critical slip: friction {what} the range, {slip[-1]:.4g}; raise {allow} to look further"
-    return Critical(np.nan, np.nan, status)
+    return at, largest
 
 
 def _peak(curve: Callable[[float], float], known: list[tuple[float, float]]) -> tuple[float, float]:

@@ -158,6 +158,9 @@ class TorqueBalance:
         Friction curves of inner and outer raceway in place of the whole chain; `effective_curves`.
     inertia : bool
         False for rollers without inertia of their spin, whose contacts balance at every position.
+    settings : str
+        Table of the scene with the settings of the study that asks, for what messages tell one to type; empty if there
+        is none.
     """
 
     def __init__(
@@ -168,9 +171,10 @@ class TorqueBalance:
         instants: int,
         effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
         inertia: bool = True,
+        settings: str = "",
     ) -> None:
         self.assembly, self.drags, self.instants = assembly, drags, instants
-        self._effective, self._inertia = effective, inertia
+        self._effective, self._inertia, self._settings = effective, inertia, settings
         self._sense = 1.0 if assembly.kinematics.epicyclic_cage_speed > 0.0 else -1.0
         self._known: dict[float, Orbit] = {}
 
@@ -252,10 +256,14 @@ class TorqueBalance:
             )
             frictions = inner, outer
         spin = _Spin(self, cage_slip, frictions)
-        if self._inertia:
-            roller_slip, multiplier = spin.held(self._nearest(cage_slip))
-        else:
-            roller_slip, multiplier = spin.balanced(), 0.0
+        try:
+            held = spin.held(self._nearest(cage_slip)) if self._inertia else (spin.balanced(), 0.0)
+        except ConvergenceError as error:
+            if not self._settings:
+                raise
+            other = f"--set {self._settings}.inertia={'false' if self._inertia else 'true'}"
+            raise ConvergenceError(f"{error}; take {other}, or lower {self._settings}.max_cage_slip") from error
+        roller_slip, multiplier = held
         tractions, _ = spin.forces(roller_slip)
         return Orbit(
             cage_slip=cage_slip,
@@ -354,8 +362,7 @@ class _Spin:
                 damping = max(4.0 * damping, _LEAST_DAMPING * steepest)
         raise ConvergenceError(
             f"the rollers' spin at a cage slip of {self._slip:.4g} found no motion that repeats after an orbit in "
-            f"{_STEPS} steps: torques of up to {np.abs(residual).max():.1e} N m are left; take inertia = false, or "
-            "lower max_cage_slip"
+            f"{_STEPS} steps: torques of up to {np.abs(residual).max():.1e} N m are left"
         )
 
     def _scale(self, slip: Array) -> float:
@@ -446,7 +453,7 @@ class _Spin:
         if not np.all(spin.success):
             raise ConvergenceError(
                 f"no spin balances {np.count_nonzero(~spin.success)} of {self._positions} rollers without inertia at "
-                f"a cage slip of {self._slip:.4g}; take inertia = true"
+                f"a cage slip of {self._slip:.4g}"
             )
         return np.asarray(spin.x)
 

@@ -66,10 +66,14 @@ def regime_variables(share: Array, load_parameter: Array, light: Array, where: s
 
 
 class LoadedRaceways:
-    """Both raceways under one load distribution of a pitch, and the closure that gives the rollers their spin."""
+    """Both raceways under one load distribution of a pitch, and the closure that gives the rollers their spin.
 
-    def __init__(self, assembly: Assembly, distribution: LoadDistribution, closure: str) -> None:
-        self.assembly, self.distribution, self.closure = assembly, distribution, closure
+    ``settings`` is the table of the scene with the settings of the study that asks, for what messages tell one to type;
+    empty if there is none.
+    """
+
+    def __init__(self, assembly: Assembly, distribution: LoadDistribution, closure: str, settings: str = "") -> None:
+        self.assembly, self.distribution, self.closure, self.settings = assembly, distribution, closure, settings
         orbit = float(np.sign(assembly.kinematics.epicyclic_cage_speed))
         # instants m and rollers j are positions j M + m of the orbit, of which k and -k carry the same
         positions = distribution.psi.size
@@ -142,7 +146,7 @@ class LoadedRaceways:
             raise ConvergenceError(
                 f"closure 'free-roller' found no spin for {np.count_nonzero(~spin.success)} of {loaded.size} rollers "
                 f"at a cage slip of {cage_slip:g}, where friction rises within the rounding of the speeds or has no "
-                "balance; take closure 'epicyclic' or 'outer-rolling'"
+                "balance" + (f"; take --set {self.settings}.closure=epicyclic" if self.settings else "")
             )
         result[loaded] = spin.x
         return result
@@ -181,9 +185,10 @@ class LoadedRaceways:
             if not np.all(rolling > 0.0):
                 row = np.unravel_index(np.argmin(rolling > 0.0), rolling.shape)[0]
                 slip = 1.0 - float(speeds.cage_speed[row].flat[0]) / self.assembly.kinematics.epicyclic_cage_speed
+                remedy = f"; lower {self.settings}.max_cage_slip" if self.settings else ""
                 raise DomainError(
                     f"at a cage slip of {slip:.3g} a contact of the {ring} ring has the entrainment speed "
-                    f"{np.min(rolling[row]):.3g} m/s, which draws no oil in; lower max_cage_slip"
+                    f"{np.min(rolling[row]):.3g} m/s, which draws no oil in{remedy}"
                 )
 
     def evaluated(self, speeds: SurfaceSpeeds) -> tuple[Array, Array]:
@@ -204,7 +209,7 @@ class LoadedRaceways:
                 ((pull, _),) = along([contacts.job(u, V)])
                 return float(contacts.mean(pull)[0])
 
-            return locate(at, slip, friction[ring], "max_cage_slip")
+            return locate(at, slip, friction[ring], self.settings and f"{self.settings}.max_cage_slip")
 
         return of(0), of(1)
 
@@ -214,7 +219,7 @@ class LoadedRaceways:
             return 0.0
         assembly = self.assembly.coarser()
         loads = assembly.load_distribution(self.distribution.psi.shape[0])
-        return largest_change(LoadedRaceways(assembly, loads, self.closure).curve(slip), friction)
+        return largest_change(LoadedRaceways(assembly, loads, self.closure, self.settings).curve(slip), friction)
 
     def means(self, speeds: SurfaceSpeeds) -> dict[str, Array]:
         """Roller slip, sliding and rolling speed of both rings' contacts, means by force, (2, n) each."""

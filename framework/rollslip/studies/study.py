@@ -102,6 +102,11 @@ class Study(abc.ABC):
         return study
 
     @property
+    def table(self) -> str:
+        """The table of a scene with its settings: what stands before their names where they are typed."""
+        return f"study.{self.name}"
+
+    @property
     def attributes(self) -> dict[str, Any]:
         """The attributes by which a result is told from others."""
         return {"study": self.name} | ({} if self.curves_of is None else {"curves": self.curves_of.attribute})

@@ -521,7 +521,7 @@ class Dynamics(Study):
     def _film_status(self) -> str:
         if self.friction == "conventional":
             return "of the loaded slices"
-        return f"friction is {self.friction}, which knows no film; run with friction = 'conventional' to know it"
+        return f"friction is {self.friction}, which knows no film; --set {self.table}.friction=conventional does"
 
 
 def _critical(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:

@@ -252,7 +252,8 @@ class EffectiveFriction(Study):
 
     def loaded(self, assembly: Assembly, instants: int, known: LoadDistribution | None = None) -> LoadedRaceways:
         """Return the loaded contacts at a number of instants of a pitch; those at half as many may be known."""
-        return LoadedRaceways(assembly, assembly.load_distribution(instants, known=known), self.closure)
+        loads = assembly.load_distribution(instants, known=known)
+        return LoadedRaceways(assembly, loads, self.closure, self.table)
 
     def _converged(
         self, assembly: Assembly, slip: Array

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.chain import along
-from rollslip.bearing.critical import locate, slip_grid
+from rollslip.bearing.critical import PURE_SLIDING, locate, slip_grid
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError
@@ -164,7 +164,11 @@ class FrictionCurve(Study):
 
     def _found(self, slip: Array, u: float, contacts: list[LoadedContacts], friction: list[Array]) -> Some:
         """Variables of the curves and their maxima, and their coordinates."""
-        critical = [locate(_at(one, u), slip, curve, "max_slip") for one, curve in zip(contacts, friction, strict=True)]
+        key = f"{self.table}.max_slip"
+        critical = [
+            locate(_at(one, u), slip, curve, key, most=PURE_SLIDING)
+            for one, curve in zip(contacts, friction, strict=True)
+        ]
         return self.variables(
             friction=np.stack(friction),
             critical_slip=np.array([c.slip for c in critical]),

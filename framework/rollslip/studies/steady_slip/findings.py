@@ -49,11 +49,16 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         "steady slip": _steady(dataset),
         "largest drag": [_largest(dataset)],
         **{f"limit of the {_what(dataset, name)}": [_limit(dataset, name)] for name in varied(dataset)},
-        "inertia of the rollers": [
-            "without inertia of their spin the rollers would drive the cage with a torque that differs by up to "
-            f"{_percent(dataset.attrs['inertia_effect'])}"
-        ],
+        "inertia of the rollers": [_inertia(dataset)],
     }
+
+
+def _inertia(dataset: "xr.Dataset") -> str:
+    effect, inert = float(dataset.attrs["inertia_effect"]), bool(dataset.attrs["inertia"])
+    way = "without" if inert else "with"
+    if math.isnan(effect):
+        return f"what inertia of their spin does is not known: {way} it no steady motion of the rollers was found"
+    return f"{way} inertia of their spin the rollers would drive the cage with a torque that differs by up to {_percent(effect)}"
 
 
 def _percent(share: float) -> str:

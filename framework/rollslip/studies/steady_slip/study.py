@@ -11,6 +11,7 @@
   meet: the smallest load that still carries the drag.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
@@ -246,7 +247,7 @@ class SteadySlip(Study):
         balance, errors = self._converged(assembly)
         instants = balance.instants
         curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
-        largest = locate(balance.torque, curve.slip, curve.torque, "max_cage_slip")
+        largest = self._largest(balance, curve)
         slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
         states = [balance.orbit(slip) for slip in slips or [share * self.max_cage_slip for share in _JUDGED]]
         variables, coords = self._curve(balance, curve, largest)
@@ -291,7 +292,7 @@ class SteadySlip(Study):
         balance = self._balance(assembly, instants) if instants is not None else self._doubled(assembly)[0]
         curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
         slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
-        largest = locate(balance.torque, curve.slip, curve.torque, "max_cage_slip")
+        largest = self._largest(balance, curve)
         status = _status(balance, curve, largest, slips)
         return self.variables(status=status, steady_slip=np.array(slips)), {
             "steady": ("steady", np.arange(len(slips)), about("1", "steady cage slip"))
@@ -304,7 +305,13 @@ class SteadySlip(Study):
             instants=instants,
             effective=effective_curves(assembly, instants) if self.friction == "effective" else None,
             inertia=self.inertia,
+            settings=self.table,
         )
+
+    def _largest(self, balance: TorqueBalance, curve: TorqueCurve) -> Critical:
+        """Largest torque with which the rollers drive the cage, which is the largest drag that it can carry."""
+        key = f"{self.table}.max_cage_slip"
+        return locate(balance.torque, curve.slip, curve.torque, key, sought="largest drag", of="driving torque")
 
     def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
         """Balance at the instants of the resolution, or at those that settle it, then with the errors that are left."""
@@ -334,8 +341,15 @@ class SteadySlip(Study):
         return np.array([balance.torque(share * self.max_cage_slip) for share in _JUDGED])
 
     def _inertia_effect(self, balance: TorqueBalance) -> float:
-        """Largest relative difference of the torque without inertia of the rollers from that with it."""
-        torques = [self._judged(balance), self._judged(balance.with_inertia(not self.inertia))]
+        """Largest relative difference of the torque without inertia of the rollers from that with it.
+
+        NaN if the rollers find no motion by the other way.
+        """
+        own = self._judged(balance)
+        try:
+            torques = [own, self._judged(balance.with_inertia(not self.inertia))]
+        except ConvergenceError:
+            return math.nan
         inert, free = torques if self.inertia else reversed(torques)
         scale = np.abs(inert)
         return float((np.abs(free - inert) / np.where(scale > 0.0, scale, 1.0)).max())
