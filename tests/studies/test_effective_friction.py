@@ -13,6 +13,8 @@ from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.regimes import film_by_regime, groups, moes_groups, regime_limits
 from rollslip.errors import SceneError
 from rollslip.planning.execution import run
+from rollslip.results.account import account_of
+from rollslip.results.curves import percent
 from rollslip.scene.changes import evolve, parse_set
 from rollslip.scene.reading import load_scene
 from rollslip.studies.effective_friction.study import EffectiveFriction
@@ -153,6 +155,40 @@ def test_what_a_status_tells_one_to_type_finds_what_was_not_found():
     short = run(scene, "effective-friction").critical_status.to_numpy()[0]
     key, value = parse_set(str(short).rpartition(" --set ")[2])
     assert np.isfinite(run(evolve(scene, {key: value}), "effective-friction").critical_cage_slip[0])
+
+
+@pytest.mark.quick
+def test_the_first_of_two_maxima_is_told_where_the_critical_slip_is():
+    """Rough surfaces at 90 degC: boundary friction has its maximum at 1 % of slip, the film one far beyond."""
+    rough = dict.fromkeys(("inner_raceway_roughness", "outer_raceway_roughness", "roller_roughness"), "0.5 um")
+    scene = evolve(STRAIGHT, {"operation.radial_load": 500.0, "operation.temperature": "90 degC", "surface": rough})
+    result = curve(scene, points=61, max_cage_slip=0.95)
+    inner = result.sel(ring="inner")
+    first, critical = float(inner.first_maximum_slip), float(inner.critical_cage_slip)
+    assert first < 0.02 < 0.7 < critical
+    fine = np.linspace(0.8 * first, 1.2 * first, 41)
+    raceways = EffectiveFriction(map_points=0).loaded(assemble(scene), result.attrs["instants"])
+    friction = raceways.curve(fine)[0]
+    assert fine[np.argmax(friction)] == pytest.approx(first, rel=0.01)
+    assert float(inner.first_maximum_friction) == pytest.approx(friction.max(), rel=1e-5)
+    dip = raceways.curve(np.linspace(first, critical, 50))[0].min()
+    assert dip < 0.999 * friction.max() < float(inner.critical_friction)
+    told, lines = account_of(result).sentences(result)[0], account_of(result).lines(result)[0]
+    assert f"it falls with slip already from {percent(first)} on, a first maximum of" in told
+    assert f"friction falls already from a slip of {first:.2%} on, then rises again" in lines
+    assert account_of(result).record(result)["inner ring"]["first_maximum_slip"] == first
+    outer = account_of(result).sentences(result)[1]
+    assert "no critical slip" in outer
+    assert "falls with slip already from" in outer, "also where friction rises to the end of the range"
+
+
+@pytest.mark.quick
+def test_a_single_maximum_is_told_once():
+    result = curve(STRAIGHT)
+    assert float(result.first_maximum_slip[0]) == float(result.critical_cage_slip[0])
+    assert not any(
+        "already" in text for text in account_of(result).sentences(result) + account_of(result).lines(result)
+    )
 
 
 @pytest.mark.quick

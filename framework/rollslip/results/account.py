@@ -132,11 +132,16 @@ class PlainAccount(Account):
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return critical slip and largest friction of each curve, and every single value."""
         slips = {
-            name: row["status"]
-            if row["critical_slip"] is None
-            else f"critical slip {row['critical_slip']:.2%}, largest friction {row['critical_friction']:.4g}"
-            for name, row in critical_rows(dataset).items()
+            curve.name: f"critical slip {curve.critical_slip:.2%}, largest friction {curve.critical_friction:.4g}"
+            if curve.has_critical
+            else curve.status
+            for curve in curves(dataset)
         }
+        for curve in curves(dataset):
+            if curve.falls_before:
+                slips[curve.name] += (
+                    f"; friction falls already from a slip of {curve.first_slip:.2%} on, then rises again"
+                )
         return _named(slips | _single_values(dataset))
 
     def record(self, dataset: "xr.Dataset") -> dict[str, Any]:

@@ -5,7 +5,7 @@ A dataset of friction over slip says in its attribute ``curves`` what makes them
 
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 import numpy as np
@@ -21,6 +21,9 @@ __all__ = ["Curve", "Curves", "critical_rows", "curve_names", "curves", "digits"
 
 Array = NDArray[np.float64]
 
+#: What a dataset may tell of the first maximum of its curves: place and value.
+FIRST: Final = ("first_maximum_slip", "first_maximum_friction")
+
 
 @attrs.frozen(kw_only=True)
 class Curves:
@@ -31,7 +34,8 @@ class Curves:
     variable, over, slip : str
         Friction, the dimension with one curve for each value, and the slip that it is plotted against.
     critical : str
-        Slip of the largest friction of each curve; ``critical_friction`` and ``critical_status`` belong to it.
+        Slip of the largest friction of each curve; ``critical_friction`` and ``critical_status`` belong to it, and
+        ``first_maximum_slip`` and ``first_maximum_friction`` where friction falls before, if a study tells of them.
     """
 
     variable: str
@@ -67,6 +71,8 @@ class Curve:
         NaN if there is none; `status` says why.
     regime : str
         Film regime in words, empty if it is not a matter of one contact.
+    first_slip, first_friction : float
+        The first maximum, from which friction falls; NaN if there is none, or if the dataset does not tell.
     """
 
     name: str
@@ -79,11 +85,18 @@ class Curve:
     critical_friction: float
     status: str
     regime: str = ""
+    first_slip: float = math.nan
+    first_friction: float = math.nan
 
     @property
     def has_critical(self) -> bool:
         """Whether the largest friction lies inside the range."""
         return not np.isnan(self.critical_slip)
+
+    @property
+    def falls_before(self) -> bool:
+        """Whether friction falls with slip already before it is largest."""
+        return bool(self.first_slip < (self.critical_slip if self.has_critical else math.inf))
 
     def branches(self) -> tuple[Array, Array, int, int]:
         """Return the curve through its maximum, and where in it the thermal branch begins and ends.
@@ -105,13 +118,21 @@ class Curve:
         if self.has_critical:
             return (
                 f"{self.name}: critical {quantity} {percent(self.critical_slip)}, where the {self.of} is largest, "
-                f"{digits(self.critical_friction, 3)}"
+                f"{digits(self.critical_friction, 3)}{self._first()}"
             )
         finite = np.flatnonzero(np.isfinite(self.friction))
         if not finite.size or not np.any(self.friction > 0.0):
             return f"{self.name}: {self.status}"
         most = self.friction[finite[np.argmax(self.friction[finite])]]
-        return f"{self.name}: {self.status}. In this range the {self.of} reaches {digits(most, 3)}"
+        return f"{self.name}: {self.status}. In this range the {self.of} reaches {digits(most, 3)}{self._first()}"
+
+    def _first(self) -> str:
+        if not self.falls_before:
+            return ""
+        return (
+            f"; it falls with slip already from {percent(self.first_slip)} on, a first maximum of "
+            f"{digits(self.first_friction, 3)}, before it rises once more"
+        )
 
 
 def percent(share: float) -> str:
@@ -144,6 +165,7 @@ def curves(dataset: "xr.Dataset") -> list[Curve]:
     for position, name in enumerate(curve_names(dataset)):
         one = dataset.isel({of.over: position})
         slip = one[of.slip]
+        first = [float(one[name]) if name in one else math.nan for name in FIRST]
         film = one["film_parameter"] if "film_parameter" in one else slip.copy(data=np.full(slip.shape, np.nan))
         found.append(
             Curve(
@@ -157,6 +179,8 @@ def curves(dataset: "xr.Dataset") -> list[Curve]:
                 critical_friction=float(one["critical_friction"]),
                 status=str(one["critical_status"].item()),
                 regime=_regime(one["regime"].to_numpy()) if "regime" in one and one["regime"].dims == slip.dims else "",
+                first_slip=first[0],
+                first_friction=first[1],
             )
         )
     return found
@@ -168,13 +192,18 @@ def _regime(codes: NDArray[Any]) -> str:
 
 
 def critical_rows(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
-    """Return critical slip, its friction and its status of each curve by name; what has no value is None."""
+    """Return critical slip, its friction and its status of each curve by name; what has no value is None.
+
+    With the first maximum where the dataset tells of it.
+    """
+    told = all(name in dataset for name in FIRST)
     return {
         curve.name: {
             "critical_slip": _or_none(curve.critical_slip),
             "critical_friction": _or_none(curve.critical_friction),
             "status": curve.status,
         }
+        | (dict(zip(FIRST, map(_or_none, (curve.first_slip, curve.first_friction)), strict=True)) if told else {})
         for curve in curves(dataset)
     }
 

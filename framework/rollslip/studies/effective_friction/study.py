@@ -26,7 +26,7 @@ from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.results.curves import Curves
+from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Output, Some
 from rollslip.studies.raceways import REGIMES, LoadedRaceways, evaluated_together, largest_change, regime_variables
@@ -46,6 +46,10 @@ _MAP: Final = (3, 6)
 #: Evaluations in the search for the critical slips of both rings, each of one ring.
 _SEARCH: Final = 40
 
+#: What the curves and their maxima give.
+_OF_CURVES: Final = frozenset(
+    {"effective_friction", "critical_cage_slip", "critical_friction", "critical_status", *FIRST}
+)
 _CURVE: Final = "ring cage_slip"
 OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
@@ -57,6 +61,10 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "ring", "1", "largest effective friction coefficient", status="critical_status", default=True
         ),
         "critical_status": Output("ring", "1", "what was found of the critical slip"),
+        "first_maximum_slip": Output(
+            "ring", "1", "cage slip from which effective friction first falls", status="critical_status"
+        ),
+        "first_maximum_friction": Output("ring", "1", "effective friction coefficient there", status="critical_status"),
         "roller_slip": Output(_CURVE, "1", "roller slip, mean over the loaded contacts"),
         "sliding_speed": Output(_CURVE, "m/s", "sliding speed, mean over them"),
         "rolling_speed": Output(_CURVE, "m/s", "rolling speed, mean over them"),
@@ -166,9 +174,10 @@ class EffectiveFriction(Study):
         -------
         xarray.Dataset
             Dimensions (ring, cage_slip): effective_friction, sliding_speed, rolling_speed, film_parameter (smallest),
-            roller_slip; (ring,): critical_cage_slip, critical_friction, critical_status; (ring, map_cage_slip,
-            map_roller_slip): friction_map; (ring, roller): normal_force at the first instant and, on request,
-            (ring, roller, cage_slip): roller_friction, NaN where the roller is not loaded.
+            roller_slip; (ring,): critical_cage_slip, critical_friction, critical_status, first_maximum_slip,
+            first_maximum_friction; (ring, map_cage_slip, map_roller_slip): friction_map; (ring, roller): normal_force
+            at the first instant and, on request, (ring, roller, cage_slip): roller_friction, NaN where the roller is
+            not loaded.
 
         Raises
         ------
@@ -191,7 +200,7 @@ class EffectiveFriction(Study):
         cls, cases: "Sequence[tuple[EffectiveFriction, Assembly]]", outputs: frozenset[str]
     ) -> list[Some] | None:
         """Return what `run` does of curves and critical slips, for several bearings at once; None if more is asked."""
-        if not outputs <= {"effective_friction", "critical_cage_slip", "critical_friction", "critical_status"}:
+        if not outputs <= _OF_CURVES:
             return None
         found = dict[int, tuple[Array, Array, tuple[Critical, Critical]]]()
         begun = list[tuple[int, Array, LoadedRaceways, SurfaceSpeeds]]()
@@ -324,6 +333,8 @@ def _curves(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -
         critical_cage_slip=np.array([c.slip for c in critical]),
         critical_friction=np.array([c.friction for c in critical]),
         critical_status=np.array([c.status for c in critical]),
+        first_maximum_slip=np.array([c.first_slip for c in critical]),
+        first_maximum_friction=np.array([c.first_friction for c in critical]),
     ), {
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),

@@ -16,7 +16,7 @@ from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError
 from rollslip.fields import at_least, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
-from rollslip.results.curves import Curves
+from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Output, Some
 from rollslip.studies.study import Study
@@ -37,6 +37,10 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             _OF_FORCE, "1", "largest friction coefficient", status="critical_status", default=True
         ),
         "critical_status": Output(_OF_FORCE, "1", "what was found of the critical slip"),
+        "first_maximum_slip": Output(
+            _OF_FORCE, "1", "slide-roll ratio from which friction first falls", status="critical_status"
+        ),
+        "first_maximum_friction": Output(_OF_FORCE, "1", "friction coefficient there", status="critical_status"),
         "film_thickness": Output(_OF_CURVE, "m", "film thickness"),
         "film_parameter": Output(_OF_CURVE, "1", "film parameter Lambda"),
         "regime": Output(_OF_CURVE, "1", "film regime"),
@@ -125,7 +129,8 @@ class FrictionCurve(Study):
         -------
         xarray.Dataset
             Dimensions (normal_force, slip): friction, film_thickness, film_parameter, regime; per normal force
-            half_width, pressure, critical_slip with critical_friction and critical_status.
+            half_width, pressure, critical_slip with critical_friction and critical_status, first_maximum_slip and
+            first_maximum_friction.
         """
         import xarray as xr
 
@@ -153,7 +158,7 @@ class FrictionCurve(Study):
     @classmethod
     def together(cls, cases: "Sequence[tuple[FrictionCurve, Assembly]]", outputs: frozenset[str]) -> list[Some] | None:
         """Return what `run` does of curves and critical slips, for several contacts at once; None if more is asked."""
-        if not outputs <= {"friction", "critical_slip", "critical_friction", "critical_status"}:
+        if not outputs <= {"friction", "critical_slip", "critical_friction", "critical_status", *FIRST}:
             return None
         made = [
             (study, slip_grid(study.max_slip, study.points), study.rolling_speed(assembly), study.contacts(assembly))
@@ -174,6 +179,8 @@ class FrictionCurve(Study):
             critical_slip=np.array([c.slip for c in critical]),
             critical_friction=np.array([c.friction for c in critical]),
             critical_status=np.array([c.status for c in critical]),
+            first_maximum_slip=np.array([c.first_slip for c in critical]),
+            first_maximum_friction=np.array([c.first_friction for c in critical]),
         ), {
             "normal_force": ("normal_force", np.array(self.normal_force), about("N", "normal force of the contact")),
             "slip": ("slip", slip, about("1", "slide-roll ratio V/u")),
