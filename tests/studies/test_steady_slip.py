@@ -6,6 +6,7 @@ import json
 import attrs
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -28,6 +29,7 @@ from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.studies.dynamics.study import Dynamics
 from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.steady_slip import findings
 from rollslip.studies.steady_slip.figures import steady_figures
 from rollslip.studies.steady_slip.findings import record, topics
 from rollslip.studies.steady_slip.study import SteadySlip, _branches
@@ -214,7 +216,7 @@ def test_branches_of_a_peaked_law_are_those_by_hand():
         assert float(found.largest_drag_slip) == pytest.approx(fold, rel=1e-3)
         assert (np.abs(found.multiplier) < 1.0).all()
     above = run(dragged(MASSLESS, brake(1.001 * most)), law, points=12)
-    assert "steady" not in above.sizes
+    assert np.isnan(above.steady_slip).all()
     assert "slip runs away" in str(above.status.item())
 
 
@@ -493,7 +495,13 @@ def test_no_drag_no_slip():
 
 def test_a_drag_beyond_the_fold_runs_away_in_words_and_is_stored(tmp_path):
     found = run(dragged(STRAIGHT, brake(5.0)), points=8)
-    assert "steady" not in found.sizes
+    assert found.steady_slip.dims == ("steady",)
+    assert np.isnan(found.steady_slip).all(), "an output that is declared is there"
+    lost = {name for name in SteadySlip.outputs if name not in found}
+    assert all(name.startswith(("radial_load", "inner_speed", "temperature")) for name in lost), "not followed"
+    assert record(found)["steady"] == []
+    assert topics(found)["steady slip"] == [str(found.status.item())]
+    assert [name for name, _, _ in steady_figures(found)] == ["steady-slip"]
     assert "the drag is larger than the cage can carry" in str(found.status.item())
     assert "(5 N m where" in str(found.status.item())
     assert (found.driving_torque < found.drag_torque).all()
@@ -557,11 +565,84 @@ def test_a_range_of_speeds_is_told_in_rpm():
 def test_a_range_without_a_fold_says_so():
     found = run(dragged(STRAIGHT, brake(0.05)), points=8, max_cage_slip=0.2, temperature=(318.15, 328.15))
     assert np.isnan(found.temperature_limit)
-    assert "no fold between 45 degC and 55 degC" in str(found.temperature_limit_status.item())
+    status = str(found.temperature_limit_status.item())
+    assert status == "no limit of the temperature: the least steady slip has no fold between 45 degC and 55 degC"
     assert (np.diff(found.temperature_slip[np.argsort(found.temperature.to_numpy())]) > 0.0).all(), (
         "thinner oil slips more"
     )
     assert sorted(found.temperature.to_numpy()[[0, -1]].tolist()) == pytest.approx([318.15, 328.15])
+
+
+def test_a_slip_that_leaves_its_range_says_at_which_load_and_is_no_missing_limit():
+    """The range of the loads ends at 20 N, that of the slips far above: nothing is known of loads below that."""
+    scene = dragged(STRAIGHT, brake(0.05))
+    found = run(scene, points=8, max_cage_slip=0.2, radial_load=(20.0, 2000.0))
+    left = float(found.radial_load.to_numpy().min())
+    assert np.isnan(found.radial_load_limit)
+    assert str(found.radial_load_limit_status.item()) == (
+        f"no limit of the radial load is known: at {left:.4g} N the steady slip leaves the range, 0.2; look further "
+        "with --set study.steady-slip.max_cage_slip=0.99"
+    )
+    there = run(evolve(scene, {"operation.radial_load": left}), points=8)
+    assert float(there.steady_slip[0]) == pytest.approx(0.2, rel=1e-4), "a balance of its own at that load"
+
+
+def test_a_drag_that_is_carried_at_neither_load_has_no_limit_that_is_known():
+    found = run(dragged(STRAIGHT, brake(5.0)), points=8, max_cage_slip=0.2, radial_load=(20.0, 200.0))
+    assert str(found.radial_load_limit_status.item()) == (
+        "no limit of the radial load is known: no steady slip at 20 N and none at 200 N; none was sought between them"
+    )
+    status = str(found.status.item())
+    assert "0.196 N m at a slip of 0.2, where it still rises): slip leaves the range" in status
+    assert "runs away" not in status, "beyond the range a balance may be"
+    free = run(dragged(STRAIGHT), points=8, max_cage_slip=0.2, radial_load=(20.0, 200.0))
+    assert str(free.radial_load_limit_status.item()) == "no limit of the radial load: without drag there is no slip"
+
+
+@pytest.mark.parametrize(("values", "which"), [([1.2, 1.0, 1.1], "least"), ([0.8, 1.0, 0.9], "largest")])
+def test_a_limit_is_the_least_or_the_largest_after_the_side_of_its_branch(values, which):
+    """A second branch far on the other side does not turn it."""
+    other = [-3.0, -2.0] if which == "least" else [5.0, 6.0]
+    dataset = xr.Dataset(
+        {
+            "radial_load": ("radial_load_point", np.array(values + other), {"units": "N"}),
+            "radial_load_branch": ("radial_load_point", np.array([0, 0, 0, 1, 1])),
+            "radial_load_limit": 1.0,
+            "radial_load_limit_slip": 0.4,
+        }
+    )
+    assert findings._limit(dataset, "radial_load").startswith(f"the {which} radial load at which")
+
+
+@attrs.frozen
+class TwoHumps(TractionModel):
+    """A small maximum of mu at V = 1, of 0.004, and a larger one at V = 10, of 0.01."""
+
+    name, equation, references = "two-humps", "mu = sum of two humps", ()
+    reads, domain = frozenset({"sliding_speed"}), NO_LIMITS
+
+    def evaluate(self, slices):
+        V = slices.sliding_speed
+        slices.friction[:] = np.sign(V) * np.maximum(_hump(np.abs(V), 1.0, 0.004), _hump(np.abs(V), 10.0, 0.01))
+
+
+def _hump(V, at, most):
+    return most * np.clip(1.0 - ((V - at) / (0.95 * at)) ** 2, 0.0, None) * (2.0 * at > V)
+
+
+def test_the_first_of_two_maxima_of_the_torque_is_told():
+    """Rollers without mass roll freely at half the sliding speed each, so that places follow from kinematics alone."""
+    found = run(dragged(MASSLESS, brake(0.1)), TwoHumps(), points=40, max_cage_slip=0.9)
+    k = bearing(MASSLESS, TwoHumps()).kinematics
+    half = 0.5 * (k.inner_radius + k.outer_radius) * k.epicyclic_cage_speed  # V at each ring over the slip
+    assert float(found.first_maximum_slip) == pytest.approx(1.0 / half, rel=1e-3)
+    assert float(found.largest_drag_slip) == pytest.approx(10.0 / half, rel=1e-3)
+    assert float(found.first_maximum_torque / found.largest_drag) == pytest.approx(0.4, rel=1e-3)
+    (said,) = topics(found)["largest drag"]
+    assert f"falls with slip already from {100 / half:.3g} % on" in said
+    one = run(dragged(MASSLESS, brake(0.1)), Peaked(), points=12, max_cage_slip=0.9)
+    assert float(one.first_maximum_slip) == float(one.largest_drag_slip)
+    assert "already" not in topics(one)["largest drag"][0]
 
 
 @pytest.mark.slow

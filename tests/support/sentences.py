@@ -43,7 +43,8 @@ _ERROR = re.compile(
 _SOURCE = re.compile(r"references =|equation =|[A-Z0-9]+ =|Template")
 #: A type, a query, a page or names of dimensions are no sentences.
 _CODE = re.compile(
-    r"\w\[\w.* \| |^\w+(\.\w+)* \| \w|^(select|insert|create|update|delete|pragma) |^<|^:root|^import |^(?=.*_)[a-z_ ]+$"
+    r"\w\[\w.* \| |^\w+(\.\w+)* \| \w|^(select|insert|create|update|delete|pragma) |^<|^:root|^import "
+    r"|^(?=.*_)[a-z_ ]+$"
 )
 _GAP = re.compile(r"\{.*?\}")
 

@@ -45,7 +45,7 @@ from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable
 from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip.studies.steady_slip.study import LEAVES, RUNS_AWAY, SteadySlip
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -378,7 +378,7 @@ def _lowest(points: "xr.Dataset") -> Array:
 
 
 def _operating(points: "xr.Dataset") -> Array:
-    """Smallest steady slip, (n,): infinite where slip runs away, NaN where it is not known."""
+    """Smallest steady slip, (n,): infinite where slip runs away or leaves the range, NaN where it is not known."""
     status = points["status"].to_numpy()
     found = np.full(status.size, np.nan)
     if "steady_slip" in points:
@@ -386,7 +386,8 @@ def _operating(points: "xr.Dataset") -> Array:
         some = np.isfinite(slips).any(axis=1)
         found[some] = np.nanmin(slips[some], axis=1)
     if "study_status" in points:
-        away = np.char.endswith(points["study_status"].to_numpy().astype(str), "slip runs away")
+        words = points["study_status"].to_numpy().astype(str)
+        away = (np.char.find(words, RUNS_AWAY) >= 0) | (np.char.find(words, LEAVES) >= 0)
         found[(status == "ok") & np.isnan(found) & away] = np.inf
     return found
 

@@ -20,7 +20,7 @@ from rollslip.results.style import (
     axis_label,
     plain_ticks,
 )
-from rollslip.studies.steady_slip.findings import varied
+from rollslip.studies.steady_slip.findings import has_steady, varied
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,7 +42,7 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
         f"Torque with which the rollers drive the cage and drag over cage slip, {which}.",
         _torques(dataset),
     )
-    if "steady" in dataset.sizes:
+    if has_steady(dataset):
         caption = f"Normal force and roller slip over the orbit at the steady cage slips, {which}."
         yield "steady-slip-orbit", caption, _orbit(dataset)
     for name in varied(dataset):
@@ -72,7 +72,7 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
         words = f"largest drag, {largest:.3g} N m"
         handles += axes.plot(*place, linestyle="none", color="black", marker="^", markersize=4, label=words)
     for stable, style, words in ((1, MARKER, "steady slip"), (0, _OPEN, "steady slip that is not held")):
-        if "steady" in dataset.sizes and (chosen := dataset["stable"].to_numpy() == stable).any():
+        if has_steady(dataset) and (chosen := dataset["stable"].to_numpy() == stable).any():
             at = 100 * dataset["steady_slip"].to_numpy()[chosen]
             of = ", ".join(f"{value:.3g} %" for value in at)
             torque = dataset["torque"].to_numpy()[chosen]

@@ -18,9 +18,15 @@ def varied(dataset: "xr.Dataset") -> list[str]:
     return [str(name).removesuffix("_limit_status") for name in dataset if str(name).endswith("_limit_status")]
 
 
+def has_steady(dataset: "xr.Dataset") -> bool:
+    """Whether there is a steady slip."""
+    return "steady_slip" in dataset and bool(np.isfinite(dataset["steady_slip"]).any())
+
+
 def record(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return the single values; what has no value is None."""
     numbers = ["largest_drag", "largest_drag_slip"]
+    numbers += [name for name in ("first_maximum_torque", "first_maximum_slip") if name in dataset]
     numbers += [f"{name}_limit{of}" for name in varied(dataset) for of in ("", "_slip")]
     texts = ["status", "largest_drag_status", *(f"{name}_limit_status" for name in varied(dataset))]
     states = [
@@ -31,7 +37,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
             "stable": bool(dataset["stable"][k]),
             "stability": str(dataset["stability"][k].item()),
         }
-        for k in range(dataset.sizes.get("steady", 0))
+        for k in range(dataset.sizes["steady"] if has_steady(dataset) else 0)
     ]
     values = {name: float(dataset[name]) for name in numbers}
     known = ("inertia_effect", "instants_error", "slices_error")
@@ -58,7 +64,8 @@ def _inertia(dataset: "xr.Dataset") -> str:
     way = "without" if inert else "with"
     if math.isnan(effect):
         return f"what inertia of their spin does is not known: {way} it no steady motion of the rollers was found"
-    return f"{way} inertia of their spin the rollers would drive the cage with a torque that differs by up to {_percent(effect)}"
+    what = "inertia of their spin the rollers would drive the cage with a torque that differs by up to"
+    return f"{way} {what} {_percent(effect)}"
 
 
 def _percent(share: float) -> str:
@@ -70,7 +77,7 @@ def _what(dataset: "xr.Dataset", name: str) -> str:
 
 
 def _steady(dataset: "xr.Dataset") -> list[str]:
-    if "steady" not in dataset.sizes or str(dataset["status"].item()) != "found":
+    if not has_steady(dataset) or str(dataset["status"].item()) != "found":
         return [str(dataset["status"].item())]
     return [
         f"steady cage slip {_percent(float(one['steady_slip']))} ({one['stability'].item()}): the cage runs at "
@@ -84,17 +91,33 @@ def _largest(dataset: "xr.Dataset") -> str:
     if math.isnan(largest):
         reached = format_quantity(float(dataset["driving_torque"].max()), "N m", 3)
         reached = f"in this range the rollers drive the cage with up to {reached}"
-        return f"{dataset['largest_drag_status'].item()}; {reached}"
+        return f"{dataset['largest_drag_status'].item()}; {reached}{_first(dataset)}"
     most = format_quantity(largest, "N m", 3)
-    return f"the largest drag that the cage can carry is {most}, at a cage slip of {_percent(slip)}"
+    return f"the largest drag that the cage can carry is {most}, at a cage slip of {_percent(slip)}{_first(dataset)}"
+
+
+def _first(dataset: "xr.Dataset") -> str:
+    """Say where the torque of the rollers falls with slip before it is largest; nothing where it does not."""
+    if "first_maximum_slip" not in dataset:
+        return ""
+    slip, largest = float(dataset["first_maximum_slip"]), float(dataset["largest_drag_slip"])
+    if not slip < (math.inf if math.isnan(largest) else largest):
+        return ""
+    torque = format_quantity(float(dataset["first_maximum_torque"]), "N m", 3)
+    return (
+        f"; their torque falls with slip already from {_percent(slip)} on, a first maximum of {torque}, before it "
+        "rises once more: a larger drag takes the cage to slips beyond"
+    )
 
 
 def _limit(dataset: "xr.Dataset", name: str) -> str:
     limit = float(dataset[f"{name}_limit"])
     if math.isnan(limit):
         return str(dataset[f"{name}_limit_status"].item())
-    values = dataset[name].to_numpy()
-    which = "least" if np.abs(values - limit).max() == values.max() - limit else "largest"
+    values, branch = dataset[name].to_numpy(), dataset[f"{name}_branch"].to_numpy()
+    on = values[branch == branch[np.argmin(np.abs(values - limit))]]
+    beside = on[max(int(np.argmin(np.abs(on - limit))) - 1, 0)]
+    which = "least" if beside > limit else "largest"
     value = format_quantity(limit, dataset[name].attrs["units"], 4)
     return (
         f"the {which} {_what(dataset, name)} at which a stable steady slip goes on is {value}, where the slip is "

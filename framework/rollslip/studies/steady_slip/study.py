@@ -20,7 +20,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.critical import Critical, locate
+from rollslip.bearing.critical import MOST_CAGE_SLIP, Critical, locate, look_further
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.bearing.resolution import Resolution, refined
@@ -51,6 +51,10 @@ _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 _STEP = 1e-4
 #: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
 _LEVEL = 1e-3
+#: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.
+RUNS_AWAY, LEAVES = "slip runs away", "slip leaves the range"
+#: What a branch may miss of a range that it goes through, relative.
+_THROUGH = 1e-3
 #: What the slips can be followed against -> (unit, what a fold is in words).
 VARIED: Final = {
     "radial_load": ("N", "radial load"),
@@ -92,11 +96,17 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         ),
         "largest_drag_slip": Output("", "1", "cage slip of the largest drag torque", status="largest_drag_status"),
         "largest_drag_status": Output("", "1", "what was found of the largest drag torque"),
-        "cage_speed": Output("steady", "rad/s", "cage speed"),
-        "torque": Output("steady", "N m", "drag torque that is carried"),
+        "first_maximum_torque": Output(
+            "", "N m", "driving torque from which it first falls with slip", status="largest_drag_status"
+        ),
+        "first_maximum_slip": Output("", "1", "cage slip there", status="largest_drag_status"),
+        "cage_speed": Output("steady", "rad/s", "cage speed", status="status"),
+        "torque": Output("steady", "N m", "drag torque that is carried", status="status"),
         "stable": Output("steady", "1", "held"),
         "stability": Output("steady", "1", "stability in words"),
-        "multiplier": Output("steady", "1", "what an orbit leaves of a disturbance of the rollers' spin"),
+        "multiplier": Output(
+            "steady", "1", "what an orbit leaves of a disturbance of the rollers' spin", status="status"
+        ),
         "effective_friction": Output("ring steady", "1", "effective friction coefficient, mean over the orbit"),
         "film_parameter": Output("ring steady", "1", "smallest film parameter Lambda"),
         "roller_slip": Output("steady angle", "1", "roller slip"),
@@ -230,9 +240,10 @@ class SteadySlip(Study):
         xarray.Dataset
             Dimensions (cage_slip,): driving_torque, drag_torque; (steady,): steady_slip, cage_speed, torque, stable,
             stability, multiplier; (ring, steady): effective_friction, film_parameter; (steady, angle): roller_slip;
-            (ring, steady, angle): normal_force, all of these only if there is a steady slip; scalars: status,
-            largest_drag, largest_drag_slip, largest_drag_status. For each varied quantity X, if a branch was found,
-            (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit, X_limit_slip, X_limit_status.
+            (ring, steady, angle): normal_force, all of these one NaN where there is no steady slip; scalars: status,
+            largest_drag, largest_drag_slip, largest_drag_status, first_maximum_torque, first_maximum_slip. For each
+            varied quantity X, if a branch was found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars
+            X_limit, X_limit_slip, X_limit_status.
 
         Raises
         ------
@@ -251,20 +262,18 @@ class SteadySlip(Study):
         slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
         states = [balance.orbit(slip) for slip in slips or [share * self.max_cage_slip for share in _JUDGED]]
         variables, coords = self._curve(balance, curve, largest)
-        if slips:
-            variables |= self._steady(balance, curve, states)
-            angle = 2.0 * np.pi * np.arange(states[0].roller_slip.size) / states[0].roller_slip.size
-            coords["angle"] = (
-                "angle",
-                angle,
-                about("rad", "position from the line of load, in the sense of the orbit"),
-            )
+        positions = states[0].roller_slip.size
+        variables |= self._steady(balance, curve, states) if slips else self._unsteady(positions)
+        angle = 2.0 * np.pi * np.arange(positions) / positions
+        coords["angle"] = "angle", angle, about("rad", "position from the line of load, in the sense of the orbit")
         variables |= _films(balance, states, steady=bool(slips))
         variables |= self.variables(status=_status(balance, curve, largest, slips))
         for name in VARIED:
             if limits := getattr(self, name):
                 found = self._followed(assembly, instants, name, limits, slips)
-                variables |= _branches(name, limits, found)
+                variables |= _branches(
+                    name, limits, found, _no_fold(name, limits, found, self, free=balance.rolls_freely)
+                )
         import xarray as xr
 
         return xr.Dataset(
@@ -294,8 +303,9 @@ class SteadySlip(Study):
         slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
         largest = self._largest(balance, curve)
         status = _status(balance, curve, largest, slips)
-        return self.variables(status=status, steady_slip=np.array(slips)), {
-            "steady": ("steady", np.arange(len(slips)), about("1", "steady cage slip"))
+        known = np.array(slips or [np.nan])
+        return self.variables(status=status, steady_slip=known), {
+            "steady": ("steady", np.arange(known.size), about("1", "steady cage slip"))
         }
 
     def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
@@ -368,6 +378,8 @@ class SteadySlip(Study):
             largest_drag=largest.friction,
             largest_drag_slip=largest.slip,
             largest_drag_status=largest.status,
+            first_maximum_torque=largest.first_friction,
+            first_maximum_slip=largest.first_slip,
         ), {
             "cage_slip": ("cage_slip", curve.slip, about("1", "cage slip")),
             "ring": ("ring", np.array(RINGS), about("1", "ring")),
@@ -390,6 +402,22 @@ class SteadySlip(Study):
             effective_friction=friction,
             roller_slip=np.stack([s.roller_slip for s in states]),
             normal_force=force,
+        )
+
+    def _unsteady(self, positions: int) -> dict[str, Any]:
+        """What `_steady` gives where there is no steady slip: nothing, whose status says why."""
+        none = np.full(1, np.nan)
+        return self.variables(
+            steady_slip=none,
+            cage_speed=none,
+            torque=none,
+            stable=np.zeros(1, np.int8),
+            stability=np.array(["no steady slip"]),
+            multiplier=none,
+            effective_friction=np.full((len(RINGS), 1), np.nan),
+            film_parameter=np.full((len(RINGS), 1), np.nan),
+            roller_slip=np.full((1, positions), np.nan),
+            normal_force=np.full((len(RINGS), 1, positions), np.nan),
         )
 
     def _stability(self, balance: TorqueBalance, curve: TorqueCurve, state: Orbit) -> str:
@@ -492,24 +520,50 @@ def _status(balance: TorqueBalance, curve: TorqueCurve, largest: Critical, slips
         if np.isnan(largest.slip)
         else (largest.slip, largest.friction)
     )
-    return (
+    carried = (
         f"the drag is larger than the cage can carry up to a cage slip of {curve.slip[-1]:g} "
-        f"({-balance.drag(slip):.3g} N m where the rollers drive it with most, {torque:.3g} N m at a slip of "
-        f"{slip:.3g}): slip runs away"
+        f"({-balance.drag(slip):.3g} N m where the rollers drive it with most, {torque:.3g} N m at a slip of {slip:.3g}"
     )
+    if best < curve.slip.size - 1:
+        return f"{carried}): {RUNS_AWAY}"
+    further = look_further(f"study.{SteadySlip.name}.max_cage_slip", float(curve.slip[-1]), MOST_CAGE_SLIP)
+    return f"{carried}, where it still rises): {LEAVES}{further}"
 
 
-def _branches(name: str, limits: tuple[float, float], branches: list[Branch]) -> dict[str, Any]:
+def _no_fold(
+    name: str, limits: tuple[float, float], branches: list[Branch], study: SteadySlip, *, free: bool = False
+) -> str:
+    """Say why the least steady slip has no fold: it goes through, leaves the range of slips, or is not there.
+
+    Examples
+    --------
+    >>> _no_fold("radial_load", (100.0, 200.0), [], SteadySlip())
+    'no limit of the radial load is known: no steady slip at 100 N and none at 200 N; none was sought between them'
+    """
     unit, what = VARIED[name]
-    low, high = (format_quantity(end, unit) for end in limits)
+    low, high = (format_quantity(value, unit) for value in limits)
+    if free:
+        return f"no limit of the {what}: without drag there is no slip"
+    unknown = f"no limit of the {what} is known"
+    if not branches:
+        return f"{unknown}: no steady slip at {low} and none at {high}; none was sought between them"
+    slip, value = branches[0].slip, branches[0].parameter
+    if np.isclose(slip[[0, -1]], study.max_cage_slip).any():
+        at, key = format_quantity(float(value[np.argmax(slip)]), unit, 4), f"{study.table}.max_cage_slip"
+        further = look_further(key, study.max_cage_slip, MOST_CAGE_SLIP)
+        return f"{unknown}: at {at} the steady slip leaves the range, {study.max_cage_slip:g}{further}"
+    if np.ptp(value) < (1.0 - _THROUGH) * (limits[1] - limits[0]):
+        ends = " and ".join(format_quantity(float(end), unit, 4) for end in np.sort(value[[0, -1]]))
+        return f"{unknown}: the least steady slip has no fold between {ends}, and ends there"
+    return f"no limit of the {what}: the least steady slip has no fold between {low} and {high}"
+
+
+def _branches(name: str, limits: tuple[float, float], branches: list[Branch], no_fold: str) -> dict[str, Any]:
     limit = branches[0].nearest_fold() if branches else None
-    value, slip, status = np.nan, np.nan, "found"
+    value, slip, status = np.nan, np.nan, no_fold
     if limit is not None:
+        status = "found"
         value, slip = float(branches[0].parameter[limit]), float(branches[0].slip[limit])
-    elif branches:
-        status = f"no limit of the {what}: the steady slips have no fold between {low} and {high}"
-    else:
-        status = f"no limit of the {what}: the cage carries its drag neither at {low} nor at {high}"
     along: dict[str, list[Any]] = {
         name: [b.parameter for b in branches],
         f"{name}_slip": [b.slip for b in branches],
