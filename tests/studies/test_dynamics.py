@@ -113,14 +113,36 @@ def test_steady_is_said_where_the_slip_is_within_the_tolerance_of_its_end(durati
         assert mean == pytest.approx(0.05, rel=1e-3)
     else:
         assert np.isnan(mean)
-        assert float(status.split()[-1]) == pytest.approx(0.05, rel=0.05)
+        told = re.fullmatch(r"not settled yet: it was (.*) % over the last orbit and goes to about (.*) %", status)
+        assert float(told[1]) == pytest.approx(100.0 * slip[t > duration - 0.02].mean(), rel=1e-3)
+        assert float(told[2]) == pytest.approx(5.0, rel=0.05)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-5])
+def test_what_is_not_settled_is_told_with_digits_that_show_it(tolerance):
+    """A slip of 7.136 % that would end 3 tolerances further, as one that 'goes to about' itself."""
+    t = np.linspace(0.0, 1.0, 2001)
+    end = 0.07136 * (1.0 + 3.0 * tolerance)
+    # over the orbits of 20 ms at the end the rest falls by half every 120 ms, the length of a span
+    slip = end - (end - 0.07136) * 0.5 ** ((t - 0.99) / 0.12)
+    mean, status = steady_slip_of(t, slip, np.full(t.size, 2 * np.pi / 0.02), tolerance, lambda s: f"; take {s:g} s")
+    assert np.isnan(mean)
+    told = re.fullmatch(
+        r"not settled yet: it was (.*) % over the last orbit and goes to about (.*) %; take 2 s", status
+    )
+    assert float(told[1]) < float(told[2])
+    assert float(told[2]) == pytest.approx(100.0 * end, rel=tolerance)
 
 
 def test_steady_is_not_said_of_short_sparse_or_growing_slip():
     t, turning = np.linspace(0.0, 1.0, 501), np.full(501, 2 * np.pi / 0.02)
     assert "shorter than three orbits" in steady_slip_of(0.05 * t, 0.0 * t, turning, 1e-3)[1]
     assert "too few instants" in steady_slip_of(t[::100], 0.0 * t[::100], turning[::100], 1e-3)[1]
-    assert steady_slip_of(t, 0.01 * np.exp(t), turning, 1e-3)[1].startswith("not steady: slip moves from")
+    assert steady_slip_of(t, 0.01 * np.exp(t), turning, 1e-3)[1].startswith("not steady: it moves from")
+    assert "stands still" in steady_slip_of(t, 1.0 + 0.0 * t, 0.0 * t, 1e-3)[1]
+    assert steady_slip_of(0.05 * t, 0.0 * t, turning, 1e-3, lambda s: f"; take {s:g} s")[1].endswith(
+        "three orbits of the rollers, which take 0.06 s; take 0.08 s"
+    )
     assert steady_slip_of(t, 0.0 * t, turning, 1e-3) == (0.0, "steady")
 
 
@@ -298,7 +320,8 @@ def test_film_is_known_to_conventional_friction_alone():
     loaded = known.normal_force > 0.0
     assert np.array_equal(np.isfinite(known.film_parameter), loaded)
     assert np.all(np.isnan(unknown.film_parameter))
-    assert "knows no film; run with friction = 'conventional'" in unknown.film_parameter.attrs["film_status"]
+    status = unknown.film_parameter.attrs["film_status"]
+    assert status == "friction is effective, which knows no film; --set study.dynamics.friction=conventional does"
     with pytest.raises(FieldError, match="film_limit: only known to friction = 'conventional', not to 'effective'"):
         Dynamics(friction="effective", film_limit=1.0)
 

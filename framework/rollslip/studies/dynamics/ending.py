@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+from collections.abc import Callable
 from typing import Any, Final
 
 import attrs
@@ -86,27 +87,47 @@ def regimes_of(raceways: LoadedRaceways, slip: Array, found: Trajectory) -> tupl
     return regime_variables(*shares), found
 
 
-def steady_slip_of(t: Array, slip: Array, speed: Array, tolerance: float) -> tuple[float, str]:
+def steady_slip_of(
+    t: Array,
+    slip: Array,
+    speed: Array,
+    tolerance: float,
+    longer: Callable[[float], str] = lambda seconds: "",
+    more: str = "",
+) -> tuple[float, str]:
     """Mean slip over the last orbit, and whether it would stay.
 
     Means over three equal spans of whole orbits, the last three eighths of the run or so, give by Aitken's rule where
-    the slip is going.
+    the slip is going. ``longer`` says what to type for a run of so many seconds, ``more`` for more instants.
     """
-    orbit = 2.0 * math.pi / abs(float(speed[-1])) if speed[-1] != 0.0 else math.inf
-    if t[-1] - t[0] < 3.0 * orbit:
-        return math.nan, "the run is shorter than three orbits of the rollers"
-    span = orbit * max(1.0, (t[-1] - t[0]) // (8.0 * orbit))
+    if speed[-1] == 0.0:
+        return (
+            math.nan,
+            "not known to be steady: the cage stands still at the end, and no orbit of the rollers can be told",
+        )
+    orbit, lasted = 2.0 * math.pi / abs(float(speed[-1])), float(t[-1] - t[0])
+    if lasted < 3.0 * orbit:
+        needed = f"three orbits of the rollers, which take {3.0 * orbit:.3g} s"
+        return math.nan, f"not known to be steady: the run is shorter than {needed}{longer(4.0 * orbit)}"
+    span = orbit * max(1.0, lasted // (8.0 * orbit))
     spans = [(t > t[-1] - k * span) & (t <= t[-1] - (k - 1) * span) for k in (3, 2, 1)]
     if not all(map(np.any, (*spans, last := t > t[-1] - orbit))):
-        return math.nan, "too few instants are stored to tell; raise study.dynamics.points"
+        return math.nan, f"not known to be steady: too few instants are stored to tell{more}"
     mean, (first, second, third) = float(slip[last].mean()), (float(slip[one].mean()) for one in spans)
     allowed = tolerance * max(abs(mean), 1e-2)
     before, moved = second - first, third - second
     if max(abs(before), abs(moved), abs(mean - third)) <= allowed:
         return mean, "steady"
+    digits = 2 + max(1, math.ceil(-math.log10(tolerance)))  # so that what the tolerance tells apart looks different
+
+    def shown(value: float) -> str:
+        return f"{100.0 * value:.{digits}g} %"
+
     if not 0.0 <= moved < 0.95 * before and not before * 0.95 < moved <= 0.0:
-        return math.nan, f"not steady: slip moves from {first:.4g} over {second:.4g} to {third:.4g}"
+        went = f"from {shown(first)} over {shown(second)} to {shown(third)}"
+        return math.nan, f"not steady: it moves {went}, the means of the last three spans{longer(2.0 * lasted)}"
     end = third + moved**2 / (before - moved)
     if abs(end - mean) <= allowed:
         return mean, "steady"
-    return math.nan, f"not steady: cage slip is {mean:.4g} and goes to about {end:.3g}"
+    goes = f"it was {shown(mean)} over the last orbit and goes to about {shown(end)}"
+    return math.nan, f"not settled yet: {goes}{longer(2.0 * lasted)}"

@@ -240,8 +240,9 @@ def _steady(dataset: "xr.Dataset") -> str:
     a = dataset.attrs
     if _is_steady(dataset):
         return f"steady cage slip {_share(float(a['steady_cage_slip']))}, the mean of the last orbit"
-    why = str(a["steady_status"]).removeprefix("not steady: ")
-    return f"no steady cage slip: {why}; at the end it is {_share(float(dataset['cage_slip'][-1]))}"
+    why = str(a["steady_status"])
+    what = f"cage slip is {why}" if why.startswith("not ") else f"no steady cage slip: {why}"
+    return f"{what}; at the end it is {_share(float(dataset['cage_slip'][-1]))}"
 
 
 def _critical(dataset: "xr.Dataset") -> list[str]:
@@ -263,9 +264,11 @@ def _critical(dataset: "xr.Dataset") -> list[str]:
         elif _is_steady(dataset):
             sentence += "but the cage settled beyond it"
         elif a["outcome"] == "stopped":
-            sentence += "so that the cage would run away from its rollers' drive"
+            sentence += "and the cage was beyond it when the run was stopped"
+        elif slip[-1] >= slip.max():
+            sentence += "and the cage still runs away from its rollers' drive at the end"
         else:
-            sentence += "the cage runs away from its rollers' drive"
+            sentence += "and the cage was still beyond it at the end"
         said.append(sentence)
     if len(said) > _KINDS:
         between = f"it passed {value} {len(said) - 2} more times in between"
@@ -310,7 +313,7 @@ def _film_status(dataset: "xr.Dataset") -> str:
 def _cage(dataset: "xr.Dataset") -> list[str]:
     drags = json.loads(dataset.attrs["drag"])
     named = "; ".join(f"{one['name']}, {one['equation']}" for one in drags)
-    said = [f"drag on the cage: {named}" if drags else "no drag on the cage: nothing makes it slip"]
+    said = [f"drag on the cage: {named}" if drags else "no drag on the cage: nothing holds it back"]
     if "pocket_force" in dataset:
         largest = format_quantity(float(np.abs(dataset["pocket_force"]).max()), "N", 3)
         said.append(f"largest force between a roller and the cage {largest}")

@@ -482,7 +482,15 @@ class Dynamics(Study):
             if assembly.cage.guidance == "inner":
                 x, y = x - of["inner_ring_x"], y - of["inner_ring_y"]
             variables |= self.variables(land_eccentricity=np.hypot(x, y) / clearance)
-        steady, steady_status = steady_slip_of(t, cage_slip, cage, assembly.scene.accuracy.tolerance)
+        ended = found.outcome == "finished"  # else a longer run would end there too
+        steady, steady_status = steady_slip_of(
+            t,
+            cage_slip,
+            cage,
+            assembly.scene.accuracy.tolerance,
+            lambda seconds: f"; run longer with --set {self.table}.duration={seconds:.2g}" if ended else "",
+            f"; store more with --set {self.table}.points={4 * self.points}",
+        )
         return xr.Dataset(
             variables,
             {
