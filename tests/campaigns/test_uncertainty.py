@@ -1,6 +1,7 @@
 """Allowable slip and margin: what is asked for, what samples give, what failed ones do, and going on."""
 
 import json
+import re
 from collections import Counter
 
 import attrs
@@ -20,6 +21,7 @@ from rollslip.campaigns.uncertainty.findings import failed, record, sentences
 from rollslip.campaigns.uncertainty.margin import expected_seconds, plan_margin, run_margin, uncertainty
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
+from rollslip.results.account import account_of
 from rollslip.results.figures import plot
 from rollslip.scene import FrozenTable
 from rollslip.scene.reading import load_scene
@@ -156,6 +158,91 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
         assert found.allowable_low <= exact.low
         assert exact.high <= found.allowable_high
     assert np.isfinite(found.allowable_slip)
+
+
+def _of_points(points, monkeypatch, folder, **options):
+    """A result of points that nobody computes, and what was said on the way."""
+    said = []
+    monkeypatch.setattr(
+        allowable, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+    )
+    monkeypatch.setattr(allowable, "collect", points)
+    return run_margin(plan_margin(uncertain(**ALPHA), **options), folder, said=said.append), said
+
+
+@pytest.mark.parametrize("count", [8, 64])
+def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(count, tmp_path, monkeypatch):
+    """The quantile is infinite on the upper side: every slip of the range is allowable; warnings are errors here."""
+
+    def points(sweep, folder):
+        n = len(sweep.design.samples)
+        return _points(["ok"] * n, np.full(n, np.nan))
+
+    options = {"samples": count, "steady": 0, "probability": 0.9, "indices": 4}
+    found, said = _of_points(points, monkeypatch, tmp_path / "made", **options)
+    assert float(found.allowable_slip) == np.inf
+    first, *_, indices = sentences(found)
+    begin = (
+        "the allowable slip lies beyond the range of slips, 95 %: so does the critical slip with probability 0.9"
+        + ("; 8 samples are too few to tell how much less" if count == 8 else " (95 % interval: beyond the range too")
+    )
+    assert first.startswith(begin)
+    assert first.endswith("look further with --set study.effective-friction.max_cage_slip=0.99")
+    assert indices.startswith("no Sobol indices: ")
+    assert said[0] == f"{count} samples: allowable slip beyond the range, " + (
+        "too few for the low end of its interval" if count == 8 else "95 %: from beyond the range on"
+    )
+    assert record(found)["allowable_slip"] == {"value": None, "low": None, "high": None, "status": first}
+    assert not any(word in text for text in [*sentences(found), *said] for word in ("inf", "nan", "at most more"))
+    files = plot(found, tmp_path)
+    assert [path.name for path in files] == ["uncertainty.svg"], "no figure of indices that are not there"
+    assert f"critical slip: all {count} samples beyond the range or without end" in _words(files[0])
+    told = account_of(found).paragraph(found)
+    assert "inf" not in re.findall(r"\w+", told)
+
+
+def _words(path):
+    return " ".join(re.findall(r"<!-- (.*?) -->", path.read_text()))
+
+
+@pytest.mark.parametrize(
+    ("status", "said"), [("ok", " to more than the range, 64 samples)"), ("crashed", "; 64 samples")]
+)
+def test_an_interval_that_ends_beyond_the_range_says_so_and_failed_points_do_not(status, said, tmp_path, monkeypatch):
+    every_other = np.arange(64) % 2 == 1
+    slips = np.where(every_other, np.nan, np.linspace(0.1, 0.2, 64))
+
+    def points(sweep, folder):
+        return _points(np.where(every_other, status, "ok"), slips)
+
+    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, steady=0, probability=0.5)
+    (first, *_) = sentences(found)
+    assert first.startswith("a cage that slips by at most ")
+    assert said in first
+
+
+def test_batches_end_where_more_samples_say_nothing_more(tmp_path, monkeypatch):
+    monkeypatch.setattr(allowable, "_FIRST", 64)
+
+    def points(sweep, folder):
+        n = sweep.first
+        return _points(["ok"] * n, np.full(n, np.nan))
+
+    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=512, steady=0, probability=0.9, until=0.01)
+    assert found.batch_samples.values.tolist() == [64]
+
+
+def test_an_interval_of_a_figure_that_is_not_known_draws_without_a_warning(tmp_path, monkeypatch):
+    monkeypatch.setattr(allowable, "_FIRST", 16)
+
+    def points(sweep, folder):
+        n = sweep.first
+        values = np.linspace(0.1, 0.2, n)
+        return _points(["ok"] * n, values if n > 32 else np.full(n, np.nan))
+
+    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, steady=0, probability=0.9)
+    assert np.isinf(found.batch_allowable.values).tolist() == [True, True, False]
+    assert [path.name for path in plot(found, tmp_path)] == ["uncertainty.svg"]
 
 
 @settings(deadline=None, max_examples=15)

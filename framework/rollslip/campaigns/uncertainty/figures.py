@@ -24,10 +24,10 @@ __all__ = ["uncertainty_figures"]
 def uncertainty_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Draw the figures; give name, caption and figure."""
     yield "uncertainty", f"Margin of cage slip: {sentences(dataset)[0]}.", _margin(dataset)
-    if "indexed" in dataset.coords:
+    if dataset.sizes.get("indexed"):
         caption = "Sobol indices: shares of the variance that each uncertain quantity makes, with 95 % intervals."
         yield "uncertainty-indices", caption, _indices(dataset)
-    if dataset.sizes["batch"] > 1:
+    if np.isfinite(dataset["batch_allowable"].to_numpy()).sum() > 1:
         caption = "Allowable slip by the number of samples, with its 95 % interval."
         yield "uncertainty-convergence", caption, _convergence(dataset)
 
@@ -51,6 +51,8 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
         values = one["value"].to_numpy()[:n]
         known, unknown = np.sort(values[np.isfinite(values)]), int(one["unknown"])
         if not known.size:
+            where = "beyond the range or without end" if int(one["beyond"]) == n else "beyond the range, or failed"
+            axes.plot([], [], color=colour, label=f"{name}: all {n} samples {where}")
             continue
         known = np.append(known[0], known)  # from no sample on
         ends += [float(known[0]), float(known[-1])]
@@ -75,6 +77,8 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
         axes.set_xscale("log")
         axes.set_xlim(100 * min(ends) / 1.5, min(100.0, 150 * max(ends)))
         _plain_decades(axes)
+    if not ends:  # an axis from 0 to 1 % would say that there is nothing there alone
+        axes.set_xlim(0.0, 100.0)
     axes.set_ylim(0.0, 103.0)
     axes.set_xlabel("Cage slip [%]")
     axes.set_ylabel("Share of samples [%]")
@@ -123,11 +127,12 @@ def _indices(dataset: "xr.Dataset") -> "Figure":
 
 def _convergence(dataset: "xr.Dataset") -> "Figure":
     figure, axes = _new()
-    count, value, low, high = (dataset[f"batch_{name}"].to_numpy() for name in ("samples", "allowable", "low", "high"))
+    known = dataset.isel(batch=np.isfinite(dataset["batch_allowable"].to_numpy()))
+    count, value, low, high = (known[f"batch_{name}"].to_numpy() for name in ("samples", "allowable", "low", "high"))
     told = np.isfinite(low) & np.isfinite(high)
     axes.set_xscale("log", base=2)
     axes.errorbar(
-        count[told], 100 * value[told], yerr=100 * np.array([value - low, high - value])[:, told],
+        count[told], 100 * value[told], yerr=100 * np.array([(value - low)[told], (high - value)[told]]),
         color=MODEL_COLOURS[0], marker="o", markersize=3.5, capsize=2, elinewidth=0.8,
     )  # fmt: skip
     if (~told).any():

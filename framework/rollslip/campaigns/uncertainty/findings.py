@@ -12,6 +12,12 @@ if TYPE_CHECKING:
 __all__ = ["failed", "margin", "record", "sentences", "topics"]
 
 
+_NO_INDICES = (
+    "no Sobol indices: what was asked for varies in no sample, as where all lie beyond the range, or fewer than four "
+    "rows of the design have all their points"
+)
+
+
 def failed(dataset: "xr.Dataset") -> int:
     """Return how many points have no result."""
     points = json.loads(dataset.attrs["points"])
@@ -30,7 +36,8 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
         found["margin"] = [margin(dataset)]
     found["distributions"] = [_distribution(dataset.sel(quantity=name)) for name in dataset["quantity"].to_numpy()]
     if "indexed" in dataset.coords:
-        found["indices"] = [_shares(dataset.sel(indexed=name)) for name in dataset["indexed"].to_numpy()]
+        of = dataset["indexed"].to_numpy()
+        found["indices"] = [_shares(dataset.sel(indexed=name)) for name in of] or [_NO_INDICES]
     return found
 
 
@@ -56,7 +63,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
     }
     found: dict[str, Any] = {
         "probability": float(dataset.attrs["probability"]),
-        "allowable_slip": _ends(dataset, "allowable", "_slip"),
+        "allowable_slip": _ends(dataset, "allowable", "_slip") | {"status": _allowable(dataset)},
         "margin": _ends(dataset, "margin") if "margin" in dataset else None,
         "points": json.loads(dataset.attrs["points"]),
         "quantities": quantities,
@@ -85,13 +92,23 @@ def _allowable(dataset: "xr.Dataset") -> str:
     value, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
     p, n = float(dataset.attrs["probability"]), int(dataset["samples"].sel(quantity="critical slip"))
     if math.isnan(value):
-        return "there is no allowable slip: no sample has a critical slip"
-    what = f"a cage that slips by at most {_percent(value)} is below its critical slip with probability {p:g}"
-    if math.isinf(low):
-        return (
-            f"{what}; {n} samples are too few to tell how much less it may be, which takes "
-            f"{dataset.attrs['fewest_samples']} and more where all points have a result"
+        return f"the allowable slip is not known: none of {n} samples has a result"
+    few = (
+        f"{n} samples are too few to tell how much less it may be, which takes {dataset.attrs['fewest_samples']} and "
+        "more where all points have a result"
+    )
+    if value == math.inf:
+        end = f", {_percent(float(dataset.attrs['slip_range']))}" if "slip_range" in dataset.attrs else ""
+        what = (
+            f"the allowable slip lies beyond the range of slips{end}: so does the critical slip with probability {p:g}"
         )
+        sure = "beyond the range too" if low == math.inf else f"from {_percent(low)} on"
+        sure = f"; {few}" if low == -math.inf else f" (95 % interval: {sure}, {n} samples)"
+        return f"{what}{sure}{dataset.attrs.get('look_further', '')}"
+    what = f"a cage that slips by at most {_percent(value)} is below its critical slip with probability {p:g}"
+    if low == -math.inf:
+        return f"{what}; {few}"
+    # a high end is infinite where samples beyond the range say so: failed ones leave the low end unknown first
     return f"{what} (95 % interval of this slip: {_percent(low)} to {_percent(high)}, {n} samples)"
 
 
@@ -116,7 +133,8 @@ def _distribution(one: "xr.Dataset") -> str:
         return f"{name}: no values{said}"
     shown = _percent if "slip" in name else lambda value: f"{value:.4g}"
     low, middle, high = (one["quantile_value"].sel(probability=p).item() for p in (0.05, 0.5, 0.95))
-    return f"{name}: median {shown(middle)}, 5 to 95 %: {shown(low)} to {shown(high)}; {int(one['known'])} values{said}"
+    of = " of those with one" if counts["unknown"] else ""  # the others may lie anywhere
+    return f"{name}: median{of} {shown(middle)}, 5 to 95 %: {shown(low)} to {shown(high)}; {int(one['known'])} values{said}"
 
 
 def _shares(one: "xr.Dataset") -> str:

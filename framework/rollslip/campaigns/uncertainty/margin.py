@@ -29,6 +29,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
+from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.campaigns.sweep.definition import Sweep
 from rollslip.campaigns.sweep.folder import begin
@@ -215,7 +216,8 @@ def plan_margin(
     for name, count in (("steady", steady), ("steady_indices", steady_indices)):
         if count and scene.cage is None:
             problems.append(
-                f"{name}: the scene has no table [cage], so there is no steady slip; give one, or {name} = 0"
+                f"{name}: the scene has no table [cage], so there is no steady slip; give one, or "
+                f"--{name.replace(chr(95), chr(45))} 0"
             )
     if problems:
         raise SceneError(problems)
@@ -327,10 +329,9 @@ def run_margin(
         critical = computed("critical", count)
         allowed = made.quantile(_lowest(critical), 1.0 - made.probability)
         batches.append((count, allowed))
-        both = math.isfinite(allowed.half_width)
-        ends = f"95 %: {allowed.low:.4g} to {allowed.high:.4g}" if both else "too few for both ends of its interval"
-        said(f"{count} samples: allowable slip {allowed.value:.4g}, {ends}")
-        if count == total or (made.until is not None and allowed.half_width <= made.until):
+        said(f"{count} samples: {_so_far(allowed)}")
+        # more samples make no end known that lies beyond the range
+        if count == total or (made.until is not None and (allowed.low == math.inf or allowed.half_width <= made.until)):
             break
         count = min(2 * count, total)
     points = {"critical": critical}
@@ -340,6 +341,21 @@ def run_margin(
     dataset = _dataset(made, batches, points)
     save(dataset, folder / RESULT)
     return dataset
+
+
+def _so_far(allowed: Estimate) -> str:
+    """Tell an allowable slip of some samples in short, on whichever side of its range its ends are."""
+    if math.isnan(allowed.value):
+        return "none has a result"
+    value, low, high = (f"{100.0 * end:.4g} %" for end in attrs.astuple(allowed))
+    if allowed.value == math.inf:
+        value = "beyond the range"
+    if allowed.low == -math.inf:
+        return f"allowable slip {value}, too few for the low end of its interval"
+    if allowed.high == math.inf:
+        low = "beyond the range" if allowed.low == math.inf else low
+        return f"allowable slip {value}, 95 %: from {low} on"
+    return f"allowable slip {value}, 95 %: {low} to {high}"
 
 
 def _place(sweep: Sweep, folder: Path) -> Path:
@@ -503,7 +519,7 @@ def _failures(points: "xr.Dataset") -> dict[str, int]:
 
 
 def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], values: Mapping[str, Array]) -> dict[str, Any]:
-    sweep = made.critical
+    sweep, study = made.critical, EffectiveFriction.of(made.critical.scene)
     warnings = [
         f"{name}: {count} of {sum(counts.values())} points are {status}; they count as the worst and as the best"
         for name, counts in failed.items()
@@ -519,6 +535,8 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], values: M
         study="uncertainty",
         **scene_told(sweep.scene, sweep.given),
         probability=made.probability,
+        slip_range=study.slip_range,
+        look_further=look_further(f"{study.table}.max_cage_slip", study.slip_range, MOST_CAGE_SLIP),
         confidence=CONFIDENCE,
         fewest_samples=fewest(made.probability, REPLICATES, made.confidence),
         until=made.until if made.until is not None else "",
