@@ -102,6 +102,15 @@ def test_every_key_and_option_that_a_sentence_names_exists():
     assert sum(bool(KEY.search(bare(one.text))) for one in FOUND) > 10
 
 
+def test_every_command_that_a_sentence_names_exists():
+    words = re.compile(r"(?:by: |'|`|take )rollslip ([a-z]+)(?: ([a-z]+))?")
+    named = {pair for one in FOUND for pair in words.findall(one.text)}
+    assert {command for command, _ in named} - cli.commands.keys() == set()
+    groups = {pair for pair in named if hasattr(cli.commands[pair[0]], "commands")}
+    assert {pair for pair in groups if pair[1] not in cli.commands[pair[0]].commands} == set()
+    assert ("sweep", "merge") in groups
+
+
 def test_a_key_or_an_option_that_does_not_exist_is_found():
     said = (
         "raise accuracy.tolerances, study.dynamics.durations or lubricant.{name}, by --sets or --set accuracy.tolerance"

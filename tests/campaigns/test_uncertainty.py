@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rollslip
+from rollslip.campaigns.sweep.figures import models_apart
 from rollslip.campaigns.sweep.journal import FAILED, STATUSES
 from rollslip.campaigns.sweep.run import Progress, Settled
 from rollslip.campaigns.uncertainty import estimators
@@ -332,6 +333,26 @@ def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
     (file,) = plot(models, tmp_path)
     assert file.name == "sweep-models.svg"
     assert "the medians are up to" in file.read_text()
+
+
+@pytest.mark.parametrize(
+    ("beyond", "said"),
+    [
+        (0, "the medians are up to 5 percentage points apart, the middle half of one is up to 4 wide"),
+        (6, "the medians are up to 5 percentage points apart, the middle half of 1 ends beyond the range"),
+        (16, "the medians of 1 are not known, the middle half of 1 ends beyond the range"),
+    ],
+)
+def test_models_whose_samples_lie_beyond_the_range_are_not_told_apart_by_numbers(beyond, said):
+    """Slips of 0.5 % steps from 10 % on, and of another model 5 % further, of which the largest lie beyond."""
+    slips = 0.10 + 0.005 * np.arange(16) + np.array([[0.0], [0.05]])
+    slips[1, 16 - beyond :] = np.nan
+    dataset = xr.Dataset(
+        {"critical_cage_slip": (("models.film", "sample", "ring"), slips[..., None])},
+        {"ring": ["inner"], "models.film": ["a", "b"]},
+        {"axes": json.dumps(["models.film"])},
+    )
+    assert models_apart(dataset).endswith(f": {said}.")
 
 
 def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):

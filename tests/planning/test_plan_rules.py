@@ -220,7 +220,17 @@ def test_a_broken_word_is_told():
     made = plan(BASE, STUDY)
     coarse = made.at(STUDY, Resolution(slices=5, instants=1))
     result = verify(coarse, STUDY, execute(coarse, STUDY))
-    assert "more than the tolerance of 0.001" in json.loads(result.attrs["warnings"])[0]
+    (said, *_) = json.loads(result.attrs["warnings"])
+    assert "more than the tolerance of 0.001; run with a smaller accuracy." in said
+
+
+def test_a_critical_slip_that_only_one_of_both_results_has_is_a_broken_word():
+    """Its error is no number, so that it would be left out among those that are."""
+    made = plan(BASE, STUDY)
+    result = execute(made, STUDY)
+    result["critical_cage_slip"][:] = np.nan
+    (said, *_) = json.loads(verify(made, STUDY, result).attrs["warnings"])
+    assert said.startswith("critical slip has a value either here or in the finest result, but not in both")
 
 
 @pytest.mark.quick

@@ -23,7 +23,7 @@ from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.friction_curve.study import FrictionCurve
 
 COLD = evolve(load_scene("1032930-30C"), {"bearing.profile": "none"})
-THERMAL = "beyond it the thermal branch"
+FALLING = "critical slip; friction falls beyond it"
 
 
 def dataset(study, scene=COLD):
@@ -140,7 +140,7 @@ def test_a_thermal_branch_is_shown_exactly_where_there_is_a_maximum(tmp_path, sc
     result = effective(scene, closure=closure, max_cage_slip=0.2)
     path = only(plot(result, tmp_path))
     written, found = " ".join(words(path)), np.isfinite(result.critical_cage_slip.to_numpy())
-    assert (THERMAL in written) == found.any()
+    assert (FALLING in written) == found.any()
     assert ("no critical slip" in written) == (not found.all())
     dashed = r"stroke-dasharray: [^;]*; stroke-dashoffset: 0; stroke: #(?:0072b2|e69f00); stroke-width: 1\.4"
     assert len(re.findall(dashed, path.read_text())) == found.sum()
@@ -150,7 +150,7 @@ def test_without_a_maximum_words_say_why(tmp_path):
     path = only(plot(contact(normal_force=(100.0, 300.0), max_slip=0.01), tmp_path))
     written = words(path)
     assert "no critical slip: friction still rises at the end of the range" in written
-    assert not any(THERMAL in text for text in written)
+    assert not any(FALLING in text for text in written)
     assert "--set study.friction-curve.max_slip=0.1" in metadata(path, "description")
 
 

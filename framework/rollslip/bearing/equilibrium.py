@@ -36,7 +36,10 @@ from rollslip_kernels.slices import Conditions, Slices
 Floats: TypeAlias = NDArray[np.float64]
 
 _REQUIRED = 1e-10  # relative residual a result must keep
-_REMEDY = "check the load, the clearance, the misalignment and the speed: rollers and rings must be able to bear them"
+_REMEDY = (
+    "check operation.radial_load, operation.misalignment, operation.inner_speed and bearing.radial_clearance: rollers "
+    "and rings must be able to bear them"
+)
 
 
 class Contacts(Protocol):

@@ -198,7 +198,7 @@ class Kinematics:
         rounding = 4.0 * math.ulp(1.0) * (abs(Ri * self.inner_speed) + abs(Ro * self.outer_speed)) / (Ri + Ro)
         if abs(speed) <= rounding:
             raise DomainError(
-                "the epicyclic cage speed is zero: cage slip, which is relative to it, has no meaning; change the "
-                "speed of a ring"
+                "the epicyclic cage speed is zero: cage slip, which is relative to it, has no meaning; change "
+                "operation.inner_speed or operation.outer_speed"
             )
         return speed

@@ -122,7 +122,7 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
         instants *= 2
     raise ConvergenceError(
         f"{_MOST_INSTANTS} positions a pitch leave {orbits.over_position:.1e} of the load at the wrong place; "
-        f"raise accuracy.tolerance, which is {tolerance:g}"
+        f"its table may leave {tolerance:.1e}; raise accuracy.tolerance"
     )
 
 
@@ -171,7 +171,7 @@ class _Orbits:
             if len(nodes) > _MOST_FORCES:
                 raise ConvergenceError(
                     f"{_MOST_FORCES} centrifugal forces leave {error:.1e} of the load at the wrong place between "
-                    f"{low:g} and {high:g} N; raise accuracy.tolerance, which is {2.0 * tolerance:g}"
+                    f"{low:g} and {high:g} N; its table may leave {2.0 * tolerance:.1e}; raise accuracy.tolerance"
                 )
         loads = np.stack([self.at(force)[:, ::2] for force in sorted(nodes)])
         return LoadMap(np.array(sorted(nodes)), loads, self.assembly.widths, self.over_position + over_force)

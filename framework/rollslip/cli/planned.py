@@ -89,7 +89,7 @@ def sweep_planned(sweep: "Sweep") -> list[str]:
         )
         lines.append(f"{n} samples, {sweep.table.sampling}, seed {sweep.table.seed}{balance}")
     elif sweep.given.uncertainty:
-        lines.append("the table [uncertainty] of the scene is not used: no samples are asked for")
+        lines.append("the table [uncertainty] of the scene is not used: no samples are asked for; --samples N does")
     for name, resolution in sweep.resolutions.chosen.items():
         laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""
         lines.append(

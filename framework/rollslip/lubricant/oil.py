@@ -157,7 +157,7 @@ class Lubricant:
             raise FieldError(
                 "minimum_temperature",
                 f"the viscosity does not fall from {_celsius(low)} to {_celsius(high)} after {self.viscosity}; "
-                "narrow the range",
+                "narrow the range from lubricant.minimum_temperature to lubricant.maximum_temperature",
             )
         factors = (self.pressure_viscosity_factor, self.pressure_thermoviscosity_factor)
         if factors != (1.0, 1.0) and not math.isnan(self.pressure_viscosity_law.coefficient(low)):

@@ -82,7 +82,7 @@ def torque_curve(torque: Callable[[float], float], largest: float, points: int, 
         if slip.size > _MOST_POINTS:
             raise ConvergenceError(
                 f"the driving torque still bends by {error.max():.1e} (relative) between {slip.size} slips, most at a "
-                f"cage slip of {slip[np.argmax(error)]:.4g}; raise accuracy.tolerance, which is {tolerance:g}"
+                f"cage slip of {slip[np.argmax(error)]:.4g}, which may leave {tolerance:.1e}; raise accuracy.tolerance"
             )
         intervals = np.unique(np.concatenate((bad - 1, bad)))
         middles = 0.5 * (slip[intervals] + slip[intervals + 1])
@@ -307,7 +307,7 @@ class _Path:
         slip, parameter = z[0] * self._largest, self._limits[0] + z[1] * (self._limits[1] - self._limits[0])
         raise ConvergenceError(
             f"the steady slip cannot be followed beyond a cage slip of {slip:.4g} at {parameter:.6g}: it turns within "
-            f"{step:.0e} of the range, where rollers change their motion at once; narrow the range"
+            f"{step:.0e} of the range, where rollers change their motion at once"
         )
 
     def _across(self, z: Array, across: Array, slope: float, reach: float) -> tuple[Array, float] | None:
@@ -340,8 +340,7 @@ class _Path:
             if balance is None:
                 raise ConvergenceError(
                     f"the fold of the steady slips between cage slips of {left[0] * self._largest:.4g} and "
-                    f"{right[0] * self._largest:.4g} cannot be located, where rollers change their motion at once; "
-                    "narrow the range"
+                    f"{right[0] * self._largest:.4g} cannot be located, where rollers change their motion at once"
                 )
             best, slope = balance
             return sign * float(best[1])

@@ -191,7 +191,11 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> list[str]:
         )
     accuracy = plan.scene.accuracy
     if (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
-        remedy = "it is the most that a plan takes" if accuracy.slices is None else "raise accuracy.slices"
+        remedy = (
+            "it is the most that a plan takes"
+            if accuracy.slices is None
+            else "raise accuracy.slices, or let a plan choose by --set accuracy.slices=auto"
+        )
         found.append(
             f"{plan.estimated[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
             f"accuracy.tolerance = {accuracy.tolerance:g}; {remedy}"

@@ -55,12 +55,19 @@ def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
     running = running.without(frozenset(running.outputs.keys() - set(running.judged.values())))
     resolution, how = running.finer(plan.scene, plan.estimated[study].resolution)
     fine = running.at(resolution).run(assemble(plan.scene, resolution))
-    rows = accuracy_rows(plan, study, errors_between(running.judged, dataset, fine), how)
+    found = errors_between(running.judged, dataset, fine)
+    rows = accuracy_rows(plan, study, found, how)
     broken = [
         f"{row['result'].replace('_', ' ')} is off by {row['found']:.1e} of the finest result, more than the "
-        f"tolerance of {row['tolerance']:g}"
+        f"tolerance of {row['tolerance']:g}; run with a smaller accuracy.{row['result']}"
         for row in rows
         if row["found"] is not None and row["found"] > row["tolerance"]
+    ]
+    broken += [
+        f"{result.replace('_', ' ')} has a value either here or in the finest result, but not in both; run with a "
+        f"smaller accuracy.{result}"
+        for result, error in found.items()
+        if error == math.inf
     ]
     told = json.dumps([*broken, *json.loads(dataset.attrs["warnings"])])
     return dataset.assign_attrs(accuracy=json.dumps(rows), warnings=told)

@@ -96,7 +96,8 @@ class LoadedRaceways:
         if unbalanced > max(assembly.scene.accuracy.tolerance, 1e-9) * inner:
             raise ConvergenceError(
                 f"the forces on the inner ring, at most {inner:.2g} N, are lost beside those of up to {outer:.2g} N on "
-                f"the outer ring, which balance to {unbalanced:.1g} N; give more radial load or less speed"
+                f"the outer ring, which balance to {unbalanced:.1g} N; raise operation.radial_load, or lower "
+                "operation.inner_speed and operation.outer_speed"
             )
 
     def speeds(self, cage_slip: Array) -> SurfaceSpeeds:
@@ -303,8 +304,8 @@ def unloaded(scene: Scene, so: str) -> SceneError:
         [
             Location(scene.origins, ("operation", "radial_load")).says(
                 f"no roller is loaded on the inner ring with {format_quantity(scene.operation.radial_load, 'N')} and "
-                f"bearing.radial_clearance = {format_quantity(clearance, 'm')}, so {so}; give a radial load or a "
-                "negative clearance"
+                f"bearing.radial_clearance = {format_quantity(clearance, 'm')}, so {so}; raise operation.radial_load, "
+                "or give bearing.radial_clearance below zero"
             )
         ]
     )

@@ -180,7 +180,9 @@ def plan_comparison(
     products.append({kind: named.get(kind, choices[kind][0]) for kind in KINDS})
     shown = [kind for kind in KINDS if len({product[kind].label for product in products}) > 1]
     if not shown:
-        raise SceneError(["there is nothing to compare: name two models of a kind, or one and another --reference"])
+        raise SceneError(
+            ["there is nothing to compare: name two models of a kind, as by --film A,B, or one and another --reference"]
+        )
     labels = [" + ".join(product[kind].label for kind in shown) for product in products]
     combinations = {
         label: _combination(scene, study, product)

@@ -57,13 +57,18 @@ def models_apart(dataset: "xr.Dataset") -> str:
     (key,) = json.loads(dataset.attrs["axes"])
     quantiles = _quantiles(dataset[_RESULT].sel(ring="inner"), key)
     medians = quantiles[:, 2]
-    apart = f"{100 * np.ptp(medians):.2g} percentage points" if np.isfinite(medians).all() else "more than the range"
-    middle = (quantiles[:, 3] - quantiles[:, 1]).max()
-    scatter = f"{100 * middle:.2g}" if np.isfinite(middle) else "more than the range"
+    beyond, known = np.isinf(medians), np.isfinite(quantiles[:, [1, 3]]).all(axis=1)
+    if beyond.any():
+        apart = f"the medians of {beyond.sum()} are not known"
+    else:
+        apart = f"the medians are up to {100 * np.ptp(medians):.2g} percentage points apart"
+    if known.all():
+        scatter = f"the middle half of one is up to {100 * (quantiles[:, 3] - quantiles[:, 1]).max():.2g} wide"
+    else:
+        scatter = f"the middle half of {(~known).sum()} ends beyond the range"
     return (
         f"Critical cage slip of the inner ring for {len(quantiles)} choices of {key}: median, middle half, and 5 to "
-        f"95 % of the samples (100 % where they lie beyond the range): the medians are up to {apart} apart, the middle "
-        f"half of one is up to {scatter} wide."
+        f"95 % of the samples (100 % where they lie beyond the range, or their point failed): {apart}, {scatter}."
     )
 
 

@@ -134,7 +134,8 @@ def _distribution(one: "xr.Dataset") -> str:
     shown = _percent if "slip" in name else lambda value: f"{value:.4g}"
     low, middle, high = (one["quantile_value"].sel(probability=p).item() for p in (0.05, 0.5, 0.95))
     of = " of those with one" if counts["unknown"] else ""  # the others may lie anywhere
-    return f"{name}: median{of} {shown(middle)}, 5 to 95 %: {shown(low)} to {shown(high)}; {int(one['known'])} values{said}"
+    most = f"5 to 95 %: {shown(low)} to {shown(high)}"
+    return f"{name}: median{of} {shown(middle)}, {most}; {int(one['known'])} values{said}"
 
 
 def _shares(one: "xr.Dataset") -> str:

@@ -282,9 +282,13 @@ class EffectiveFriction(Study):
                 if moved <= tolerance:
                     return raceways, curves, critical, moved
             before, instants = (friction, critical), 2 * instants
+        what = f"effective friction still moves by {moved:.1e} (relative)"
+        if np.isinf(moved):
+            what = "whether there is a critical slip still changes"
         raise ConvergenceError(
-            f"effective friction still moves by {moved:.1e} (relative) from {_MOST_INSTANTS // 2} to {_MOST_INSTANTS} "
-            f"instants of a pitch; raise accuracy.tolerance, which is {tolerance:g}"
+            f"{what} from {_MOST_INSTANTS // 2} to {_MOST_INSTANTS} instants of a pitch; raise accuracy.tolerance, "
+            f"which is {tolerance:g}"
+            + (f", or move the end of the range, {self.table}.max_cage_slip" if np.isinf(moved) else "")
         )
 
     def _dataset(

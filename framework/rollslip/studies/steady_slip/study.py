@@ -461,7 +461,12 @@ class SteadySlip(Study):
         found: list[Branch] = []
         for slip, value in starts:
             if not any(branch.passes(slip, value) for branch in found):
-                found.append(follow(lambda s, p: balance(p).excess(s), (slip, value), limits, self.max_cage_slip))
+                try:
+                    branch = follow(lambda s, p: balance(p).excess(s), (slip, value), limits, self.max_cage_slip)
+                except ConvergenceError as error:
+                    of = f"followed against {VARIED[name][1]} [{VARIED[name][0]}]"
+                    raise ConvergenceError(f"{of}: {error}; narrow {self.table}.{name}") from error
+                found.append(branch)
         return found
 
 
