@@ -11,7 +11,7 @@ import pytest
 import rollslip
 from rollslip import evolve, get_model, load_scene, open_result, run
 from rollslip.campaigns.comparison.comparison import compare, plan_comparison
-from rollslip.campaigns.comparison.findings import bin_tables, findings, members, records, tables
+from rollslip.campaigns.comparison.findings import _in_words, bin_tables, findings, members, records, tables
 from rollslip.catalogue import discovery
 from rollslip.cli import main
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError
@@ -610,3 +610,10 @@ def test_a_figure_is_the_same_bytes_each_time(tmp_path):
     assert [path.name for path in first] == ["comparison.svg"]
     assert first[0].read_bytes() == again[0].read_bytes()
     assert list(account_of(found).topics(found)) == ["muraki, 300 N", "eyring, 300 N"]
+
+
+@pytest.mark.parametrize(
+    ("difference", "said"), [(0.0, "0 % off"), (-0.25, "25 % below"), (0.25, "25 % above"), (1.5, "2.5 times")]
+)
+def test_a_mean_difference_of_nothing_is_neither_above_nor_below(difference, said):
+    assert _in_words(difference) == said

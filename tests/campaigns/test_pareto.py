@@ -371,6 +371,10 @@ def test_nothing_is_called_faster_unless_all_its_rounds_are(contact):
     clear["error"][k] = 0.0
     clear["on_front"][k] = 1
     assert any("11 slices (1 us" in sentence and "times as fast" in sentence for sentence in findings(clear))
+    assert "no choice is faster in every round than the plan" in " ".join(findings(equal))
+    single = " ".join(findings(equal.assign_attrs(rounds=1)))
+    assert "no choice is faster" not in single, "of one round nothing is told of that"
+    assert "in a single round: none is called faster than another" in single
 
 
 @pytest.fixture(scope="module")

@@ -165,6 +165,8 @@ def _explanation(one: Mapping[str, Any], reference: str) -> str:
 
 
 def _in_words(difference: float) -> str:
+    if difference == 0.0:
+        return "0 % off"
     if difference >= 1.0:
         return f"{1.0 + difference:.3g} times"
     return f"{100 * abs(difference):.3g} % {'above' if difference > 0.0 else 'below'}"

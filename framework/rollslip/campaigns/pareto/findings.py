@@ -183,11 +183,12 @@ def _of_result(one: "xr.Dataset", name: str, rounds: int) -> list[str]:
             f"{name}: {point(best)} is {low:.2g} to {high:.2g} times as fast as "
             f"{point(planned, 'the plan')} and no less exact"
         )
-    else:
-        sentences.append(f"{name}: no choice is faster than {point(planned, 'the plan')} and no less exact")
+    elif rounds > 1:
+        plan = point(planned, "the plan")
+        sentences.append(f"{name}: no choice is faster in every round than {plan} and no less exact")
     within = [k for k in numerical if error[k] <= tolerance and not np.isnan(time[k])]
     sentences.append(
-        f"{name}: within the scene's tolerance of {_percent(tolerance)} the fastest is {point(within[0])}"
+        f"{name}: within the scene's tolerance of {_percent(tolerance)} the least time has {point(within[0])}"
         if within
         else f"{name}: no numerical choice is within the scene's tolerance of {_percent(tolerance)}"
     )
