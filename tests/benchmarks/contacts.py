@@ -24,7 +24,7 @@ from rollslip.lubricant.pressure import Barus
 FILMS = ("moes", "regime")
 CONTACT = get_model("contact", "palmgren")
 OIL = Barus()
-TRACTION = get_model("traction", "lambda-blend")
+TRACTION = get_model("traction", "lambda-blend", hydrodynamic="muraki")  # the law that the tables are of
 MURAKI, KRAGELSKY = TRACTION.hydrodynamic, TRACTION.boundary
 
 #: Inner contact of the bearing 1032930 with MIL-L-7808 at 50 degC.

@@ -344,7 +344,7 @@ def test_without_a_blend_in_the_scene_the_whole_traction_is_exchanged():
     scene = evolve(SCENE, {"models.traction": "muraki"})
     made = plan_comparison(scene, traction=["eyring", "lambda-blend"], study="friction-curve")
     assert traction_of(made, "eyring").name == "eyring"
-    assert traction_of(made, "lambda-blend").hydrodynamic.name == "muraki"
+    assert traction_of(made, "lambda-blend").hydrodynamic.name == "maxwell-eyring"
     assert made.exchanged == ""
 
 

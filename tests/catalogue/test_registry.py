@@ -25,7 +25,7 @@ from rollslip.references import Reference
 from rollslip.studies.study import Study
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
-from rollslip_plugins.traction.eyring import MaxwellEyring, Muraki
+from rollslip_plugins.traction.eyring import MaxwellEyring
 
 PROMISED = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]["entry-points"]
 KINDS = PROMISED.pop("rollslip.kind")
@@ -401,7 +401,7 @@ def test_models_can_be_nested_by_name_by_table_and_as_objects():
     assert blend.boundary == Constant(coefficient=0.1)
     assert blend.hydrodynamic.boundary == Kragelsky()
     assert blend.hydrodynamic.hydrodynamic == MaxwellEyring(flash=1.0)
-    assert get_model("traction", "lambda-blend").hydrodynamic == Muraki()
+    assert get_model("traction", "lambda-blend").hydrodynamic == MaxwellEyring()
 
 
 @pytest.mark.parametrize("child", ["moes", "kragelski"])

@@ -32,7 +32,7 @@ from rollslip_plugins.bibliography import (
     ZHOU_1991,
 )
 from rollslip_plugins.traction.boundary import Kragelsky
-from rollslip_plugins.traction.eyring import Muraki
+from rollslip_plugins.traction.eyring import MaxwellEyring
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ class _Blend(TractionModel, abc.ABC):
     share_domain: ClassVar[Domain] = MappingProxyType({"film_thickness": POSITIVE, "roughness": POSITIVE})
 
     boundary: TractionModel = submodel("traction", factory=Kragelsky, doc="traction model of boundary friction")
-    hydrodynamic: TractionModel = submodel("traction", factory=Muraki, doc="traction model of the full film")
+    hydrodynamic: TractionModel = submodel("traction", factory=MaxwellEyring, doc="traction model of the full film")
 
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]
