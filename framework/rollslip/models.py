@@ -36,6 +36,136 @@ NON_NEGATIVE: Final = (0.0, sys.float_info.max)
 NO_LIMITS: Final[Domain] = MappingProxyType({})
 
 
+#: Beyond its bound a law is judged up to so many times it where nothing was evaluated: in tables of the catalogue.
+_FARTHER: Final = 10.0
+
+
+@attrs.frozen(kw_only=True)
+class Validity:
+    """One thing that a law was made for: a bound of a quantity, and what it costs to leave it.
+
+    Outside of it there is a number and a warning, where outside of the domain there is an error. All warnings about
+    models are made of these (`rollslip.studies.validity`).
+
+    Attributes
+    ----------
+    quantity : str
+        What is bounded: one of the law's own `SliceModel.quantities`, one that all laws know
+        (`rollslip.bearing.regimes.QUANTITIES`), or a member of the slices, in SI units.
+    low, high : float
+        Least and largest value that the law was made for.
+    called : str, optional
+        What the quantity is called in sentences, by default its name and its symbol.
+    made_for : str, optional
+        The bound in words, where a number says little: "the rigid-isoviscous regime".
+    consequence : str
+        What is so outside, a clause; ``{error}`` in it stands for per cent.
+    error : callable, optional
+        Per cent, not negative, at a value of the quantity outside; None where nobody knows it.
+    remedy : str
+        What to take or to do instead.
+    source : str
+        What bound and consequence rest on.
+
+    Examples
+    --------
+    >>> thin = Validity(quantity="film_parameter", low=3.0, consequence="roughness changes the film by {error}",
+    ...                 error=lambda value: 30.0 / value, remedy="measure", source="an example")
+    >>> thin.bound, thin.consequence_at(3.0, 1.5)
+    ('>= 3', 'roughness changes the film by 10 to 20 %')
+    """
+
+    quantity: str
+    low: float = -math.inf
+    high: float = math.inf
+    called: str = ""
+    made_for: str = ""
+    consequence: str
+    error: Callable[[float], float] | None = None
+    remedy: str
+    source: str
+
+    @property
+    def bound(self) -> str:
+        """The bound, in words or as in ">= 2 and <= 5"."""
+        if self.made_for:
+            return self.made_for
+        ends = (
+            f">= {self.low:.3g}" if self.low > -math.inf else "",
+            f"<= {self.high:.3g}" if self.high < math.inf else "",
+        )
+        return " and ".join(filter(None, ends))
+
+    def excess(self, values: "NDArray[Any]") -> "NDArray[Any]":
+        """Return how far values lie outside, 0 inside; NaN for what is not known."""
+        import numpy as np
+
+        return np.maximum(np.maximum(self.low - values, values - self.high), 0.0)
+
+    def consequence_at(self, *values: float) -> str:
+        """Return the consequence, with the error that it has at values outside, from the least to the largest."""
+        if self.error is None:
+            return self.consequence
+        errors = [self.error(value) for value in values]
+        ends = min(errors), max(errors)
+        low, high = (f"{end:.0f}" if end >= 1.0 or end == 0.0 else f"{end:.1g}" for end in ends)
+        return self.consequence.replace("{error}", f"{high} %" if low == high else f"{low} to {high} %")
+
+    @property
+    def told(self) -> str:
+        """The consequence from the bound to ten times beyond it, for tables of the catalogue."""
+        edge, beyond = (self.high, _FARTHER) if self.high < math.inf else (self.low, 1.0 / _FARTHER)
+        text = self.consequence_at(edge, edge * beyond)
+        return text if self.error is None else f"{text} (at {edge:.3g} to {edge * beyond:.3g})"
+
+
+@attrs.frozen
+class Tabled:
+    """Per cent over a quantity by points that rise, (value, per cent), linear in its logarithm; beyond them the ends.
+
+    Examples
+    --------
+    >>> Tabled(((0.1, 90.0), (10.0, 10.0)))(1.0)
+    50.0
+    """
+
+    points: tuple[tuple[float, float], ...]
+
+    def __call__(self, value: float) -> float:
+        """Return the per cent at a value."""
+        import numpy as np
+
+        at, percent = zip(*self.points, strict=True)
+        return float(np.interp(math.log(value), np.log(at), percent)) if value > 0.0 else percent[0]
+
+
+#: Film regime -> what it is called. Its number, 0 to 3, is its place here.
+FILM_REGIMES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "IR": "rigid-isoviscous",
+        "VR": "rigid-piezoviscous",
+        "IE": "elastic-isoviscous",
+        "VE": "elastic-piezoviscous",
+    }
+)
+#: Validities that film models share: no heat in the inlet, and no roughness.
+ISOTHERMAL: Final = Validity(
+    quantity="thermal_load",
+    high=0.1,
+    consequence="shear heats the inlet and the film is {error} too thick",
+    error=lambda load: 100.0 * load**0.62 / 3.94,
+    remedy="film 'inlet-correction' with thermal = 'murch-wilson'",
+    source="Murch and Wilson (1975), C_T = 3.94/(3.94 + Lt^0.62), for pure rolling (grade B)",
+)
+SMOOTH: Final = Validity(
+    quantity="film_parameter",
+    low=3.0,
+    consequence="roughness, of which the film knows nothing, changes it",
+    remedy="none in the box; smoother surfaces or a thicker oil avoid it",
+    source="Patir and Cheng (1978), by whom roughness matters below Lambda of about 3 (grade B)",
+)
+
+
 def submodel(kind: str, *, factory: Callable[[], object], doc: str) -> Any:
     """Declare a parameter that is itself a model of ``kind``: in a scene a name, or a table with ``model``."""
     return attrs.field(factory=factory, metadata={"doc": doc, "unit": None, "kind": kind})
@@ -113,10 +243,18 @@ class SliceModel(abc.ABC):
     writes: frozenset[str]
     #: Member -> (low, high), both included, in SI units: where the law is defined.
     domain: Domain
+    #: What it was made for: outside of it a warning.
+    validity: ClassVar[tuple[Validity, ...]] = ()
+    #: Quantities of the validity of its submodels that it takes care of, so that they need not be told.
+    covers: ClassVar[frozenset[str]] = frozenset()
     #: Rule of the conformance kit that the law breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Relative difference allowed between the compiled and the NumPy form.
     tolerance: ClassVar[float] = 1e-12
+
+    def quantities(self, slices: "Slices") -> "Mapping[str, NDArray[Any]]":
+        """Return dimensionless quantities of evaluated slices that the law's own `validity` is stated in."""
+        return {}
 
     @abc.abstractmethod
     def evaluate(self, slices: "Slices") -> None:
@@ -174,9 +312,39 @@ def evaluate_arrays(model: SliceModel, column: str, **members: "ArrayLike") -> "
     return columns[column]
 
 
+#: Least Moes load parameter M at which the pressure in the film is taken for Hertz's.
+HERTZIAN_FROM: Final = 2.0
+
+
 class ContactModel(SliceModel):
     """Half width and mean pressure from the load per length, and the deflection law behind the load."""
 
+    validity: ClassVar[tuple[Validity, ...]] = (
+        Validity(
+            quantity="load_parameter",
+            low=HERTZIAN_FROM,
+            consequence="the pressure in the film is far from Hertz's, on which traction is based: its mean by load is "
+            "up to {error} lower",
+            error=Tabled(((0.1, 95.0), (0.2, 90.0), (0.5, 76.0), (1.0, 58.0), (2.0, 36.0))),
+            remedy="none with a source is known; take what these contacts decide for a trend",
+            source="the isoviscous contact, the worst of L = 0 to 15, by reynolds-line (docs/scripts/validity.py)",
+        ),
+        Validity(
+            quantity="width_ratio",
+            high=0.1,
+            consequence="a circle is no parabola over the width of the contact: the gap is {error} off at its edge",
+            error=lambda ratio: 25.0 * ratio**2,
+            remedy="a law of conforming surfaces; there is none in the box",
+            source="next term of the circle's series, (b/R)^2/4",
+        ),
+        Validity(
+            quantity="pressure",
+            high=0.25 * math.pi * 4e9,
+            consequence="hard bearing steel yields, and an elastic law has nothing to say",
+            remedy="a lower load, or a plastic law of contact",
+            source="ISO 76: a largest Hertz pressure of 4 GPa leaves a dent of 1e-4 of the roller's diameter (grade B)",
+        ),
+    )
     reads = frozenset({"load", "radius", "modulus"})
     writes = frozenset({"half_width", "pressure"})
     domain = MappingProxyType({"load": POSITIVE, "radius": POSITIVE, "modulus": POSITIVE})
@@ -184,6 +352,28 @@ class ContactModel(SliceModel):
     @abc.abstractmethod
     def deflection(self) -> SliceModel:
         """Return the stage that fills load and stiffness from the approach."""
+
+
+def in_regime(name: str, elsewhere: tuple[float, float] | None) -> tuple[Validity, ...]:
+    """Return the validity of a film that holds in a regime, and is off by per cent in others; nothing for "all"."""
+    if name not in FILM_REGIMES:
+        return ()
+    code = float(list(FILM_REGIMES).index(name))
+    off, source = "may be far off", "what regime a contact is in: Johnson (1970), the law's own word for the rest"
+    if elsewhere is not None:
+        off = f"is off by {elsewhere[0]:+.0f} to {elsewhere[1]:+.0f} % there, over M of 0.1 to 200 and L of 0 to 15"
+        source = "reynolds-line: docs/scripts/film_error_map.py"
+    return (
+        Validity(
+            quantity="film_regime",
+            low=code,
+            high=code,
+            made_for=f"the {FILM_REGIMES[name]} regime",
+            consequence=f"its film {off}",
+            remedy="film 'moes', which covers all regimes",
+            source=source,
+        ),
+    )
 
 
 class FilmModel(SliceModel):
@@ -205,8 +395,15 @@ class FilmModel(SliceModel):
     location: ClassVar[str]
     #: Film regime it holds in: "IR", "VR", "IE", "VE", or "all".
     regime: ClassVar[str] = "all"
+    #: Per cent that its film is off in other regimes, least and largest; None where nobody knows.
+    elsewhere: ClassVar[tuple[float, float] | None] = None
     #: Whether fronts of error against cost hold it against others where nobody names films.
     on_fronts: ClassVar[bool] = False
+
+    @property
+    def validity(self) -> tuple[Validity, ...]:  # type: ignore[override]
+        """Its regime, an isothermal inlet and smooth surfaces."""
+        return (*in_regime(self.regime, self.elsewhere), ISOTHERMAL, SMOOTH)
 
     @property
     def inlet_heating(self) -> str:
@@ -275,6 +472,10 @@ class TractionModel(SliceModel):
         there are no groups, it does not take it.
         """
         return {}
+
+    def quantities(self, slices: "Slices") -> "Mapping[str, NDArray[Any]]":
+        """Return the groups of the law, in which its validity may be stated."""
+        return self.groups(slices)
 
     @property
     def full_film_from(self) -> float | None:

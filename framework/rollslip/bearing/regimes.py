@@ -6,11 +6,14 @@ The boundaries are where two of them meet, with g_V = W^1.5 G/U^0.5 and g_E = W/
 g_E = 1.770 (IR/IE), g_V = 38.97 g_E^0.4737 (VR/VE) and g_V = 1.337 g_E^1.3704 (IE/VE).
 """
 
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rollslip.models import FILM_REGIMES, HERTZIAN_FROM
 from rollslip_kernels.slices import Slices
 
 Array = NDArray[np.float64]
@@ -35,15 +38,10 @@ HERREBRUGH: Final = PowerLaw(3.10, 0.6, 0.0, -0.2)
 DOWSON_1968: Final = PowerLaw(2.65, 0.70, 0.54, -0.13)
 
 #: Code in the column ``regime`` -> name.
-NAMES: Final = ("IR", "VR", "IE", "VE")
+NAMES: Final = tuple(FILM_REGIMES)
 #: Below this Moes load parameter M the pressure in the film is far from Hertz's.
-LIGHT: Final = 2.0
-LONG_NAMES: Final = {
-    "IR": "rigid-isoviscous",
-    "VR": "rigid-piezoviscous",
-    "IE": "elastic-isoviscous",
-    "VE": "elastic-piezoviscous",
-}
+LIGHT: Final = HERTZIAN_FROM
+LONG_NAMES: Final = FILM_REGIMES
 
 
 def groups(slices: Slices) -> tuple[Array, Any, Array]:
@@ -83,3 +81,41 @@ def regime_limits(U: ArrayLike, G: ArrayLike) -> tuple[Array, Array, Array]:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         piezoviscous = [beyond(thick, thin) for thick in (BLOK, DOWSON_1968) for thin in (MARTIN, HERREBRUGH)]
         return beyond(HERREBRUGH, MARTIN), np.maximum.reduce(piezoviscous), beyond(BLOK, DOWSON_1968)
+
+
+class Quantity(NamedTuple):
+    """A dimensionless quantity of evaluated slices, by which laws say what they were made for."""
+
+    symbol: str
+    meaning: str
+    of: Callable[[Slices], Array]
+
+
+def _thermal_load(slices: Slices) -> Array:
+    c = slices.conditions
+    return np.asarray(c.viscosity * c.thermoviscosity * slices.rolling_speed**2 / c.conductivity)
+
+
+#: What every law may state its validity in, beside its own quantities and the members of the slices.
+QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
+    {
+        "load_parameter": Quantity("M", "Moes load parameter W/sqrt(2 U)", lambda s: moes_groups(s)[0]),
+        "lubricant_parameter": Quantity("L", "Moes lubricant parameter G (2 U)^(1/4)", lambda s: moes_groups(s)[1]),
+        "film_regime": Quantity(
+            "", "film regime after Johnson, in the order of FILM_REGIMES", lambda s: film_by_regime(*groups(s))[1]
+        ),
+        "film_parameter": Quantity(
+            "Lambda", "film over composite roughness", lambda s: s.film_thickness / s.conditions.roughness
+        ),
+        "pressure_exponent": Quantity(
+            "ln(eta/eta0)",
+            "logarithm of what pressure makes of the viscosity, alpha p after Barus",
+            lambda s: np.log(s.film_viscosity / s.conditions.viscosity),
+        ),
+        "width_ratio": Quantity("b/R", "half width over radius", lambda s: s.half_width / s.conditions.radius),
+        "slide_roll_ratio": Quantity(
+            "|V|/u", "sliding over rolling speed", lambda s: np.abs(s.sliding_speed) / s.rolling_speed
+        ),
+        "thermal_load": Quantity("Lt", "heating of the inlet eta0 beta0 u^2/K_f", _thermal_load),
+    }
+)

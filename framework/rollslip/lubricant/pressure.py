@@ -18,13 +18,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from rollslip.errors import DomainError
 from rollslip.fields import field, non_negative, positive
-from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, SliceModel
+from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, SliceModel, Validity
 from rollslip.references import BARUS, EHRET, ROELANDS, YASUTOMI, Reference
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_kernels.stages import viscosity as compiled
 
 Array = NDArray[np.float64]
+
+#: Where all isotherms, and all isobars, of Roelands's law meet: 6.315e-5 Pa s is exp(-9.67).
+POLE_VISCOSITY: Final = math.exp(-9.67)
+POLE_PRESSURE: Final = 1 / 5.1e-9
 
 
 class PressureViscosity(SliceModel):
@@ -51,6 +55,13 @@ class PressureViscosity(SliceModel):
         slices.film_viscosity[...], slices.film_thermoviscosity[...] = self.at(slices.conditions, slices.pressure)
 
 
+def _above_roelands(pressure: float) -> float:
+    """Per cent by which Barus is above Roelands, for MIL-L-7808 at 50 degC: 8.58 mPa s and alpha = 10.74 /GPa."""
+    k, rise = math.log(8.58e-3 / POLE_VISCOSITY), 10.74e-9 * pressure
+    roelands = k * math.expm1(10.74e-9 * POLE_PRESSURE / k * math.log1p(pressure / POLE_PRESSURE))
+    return 100.0 * math.expm1(min(rise - roelands, 700.0))
+
+
 @attrs.frozen
 class Barus(PressureViscosity):
     """Barus's law: eta = eta0 exp(alpha p), -dln(eta)/dT = beta0 + gamma p.
@@ -58,6 +69,16 @@ class Barus(PressureViscosity):
     Range: some 0.1 GPa; beyond it is too steep for most oils (at 0.4 GPa four times Roelands).
     """
 
+    validity: ClassVar[tuple[Validity, ...]] = (
+        Validity(
+            quantity="pressure",
+            high=0.1e9,
+            consequence="the viscosity is {error} above Roelands's (for 8.6 mPa s and an alpha of 10.7 /GPa)",
+            error=_above_roelands,
+            remedy="lubricant.pressure_viscosity_law = 'roelands', or 'yasutomi' with constants of the oil",
+            source="Barus against Roelands at the same alpha; the range is that of most oils (grade C)",
+        ),
+    )
     name: ClassVar[str] = "barus"
     equation: ClassVar[str] = "eta = eta0 exp(alpha p)"
     references: ClassVar[tuple[Reference, ...]] = (BARUS,)
@@ -83,11 +104,6 @@ class Barus(PressureViscosity):
     def kernel(self) -> object:
         """Return the compiled form."""
         return compiled.barus()
-
-
-#: Where all isotherms, and all isobars, of Roelands's law meet: 6.315e-5 Pa s is exp(-9.67).
-POLE_VISCOSITY: Final = math.exp(-9.67)
-POLE_PRESSURE: Final = 1 / 5.1e-9
 
 
 @attrs.frozen

@@ -81,6 +81,7 @@ class Martin(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (MARTIN_1916,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "IR"
+    elsewhere: ClassVar[tuple[float, float] | None] = (-99.7, -31.2)
     law = MARTIN
 
 
@@ -117,6 +118,7 @@ class Blok(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (WEBER_1954, BLOK_1963)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VR"
+    elsewhere: ClassVar[tuple[float, float] | None] = (-92.2, 62.4)
     domain = PIEZOVISCOUS
     law = BLOK
 
@@ -152,6 +154,7 @@ class Herrebrugh(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (HERREBRUGH_1968,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "IE"
+    elsewhere: ClassVar[tuple[float, float] | None] = (-87.3, -33.2)
     law = HERREBRUGH
 
 
@@ -188,6 +191,7 @@ class DowsonHigginson(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (DOWSON_HIGGINSON_1966,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VE"
+    elsewhere: ClassVar[tuple[float, float] | None] = (-85.9, 2.5)
     domain = PIEZOVISCOUS
     law = PowerLaw(1.6, 0.7, 0.6, -0.13)
 
@@ -226,6 +230,7 @@ class Dowson1968(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (DOWSON_EHD_1968,)
     location: ClassVar[str] = "minimum"
     regime: ClassVar[str] = "VE"
+    elsewhere: ClassVar[tuple[float, float] | None] = (-85.4, 6.3)
     domain = PIEZOVISCOUS
     law = DOWSON_1968
 
@@ -263,6 +268,7 @@ class DowsonToyoda(_PowerLaw):
     references: ClassVar[tuple[Reference, ...]] = (DOWSON_TOYODA_1979,)
     location: ClassVar[str] = "central"
     regime: ClassVar[str] = "VE"
+    elsewhere: ClassVar[tuple[float, float] | None] = (-83.9, 24.3)
     domain = PIEZOVISCOUS
     law = PowerLaw(3.06, 0.69, 0.56, -0.10)
 
@@ -306,6 +312,7 @@ class PanHamrock(FilmModel):
     references: ClassVar[tuple[Reference, ...]] = (PAN_1989,)
     location: ClassVar[str] = "minimum or central, as chosen"
     regime: ClassVar[str] = "VE"
+    elsewhere: ClassVar[tuple[float, float] | None] = (-86.5, 14.6)
     domain = PIEZOVISCOUS
 
     thickness: str = parameter(

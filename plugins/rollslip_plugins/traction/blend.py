@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rollslip.bearing.chain import stage
 from rollslip.fields import FieldError, in_range, non_negative, parameter, positive
 from rollslip.hookspecs import hookimpl
-from rollslip.models import POSITIVE, Domain, TractionModel, submodel
+from rollslip.models import POSITIVE, Domain, TractionModel, Validity, submodel
 from rollslip.references import Reference
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_kernels.stages import blend as compiled
@@ -43,6 +43,7 @@ class _Blend(TractionModel, abc.ABC):
 
     #: What the share reads.
     share_domain: ClassVar[Domain] = MappingProxyType({"film_thickness": POSITIVE, "roughness": POSITIVE})
+    covers: ClassVar[frozenset[str]] = frozenset({"film_parameter"})
 
     boundary: TractionModel = submodel("traction", factory=Kragelsky, doc="traction model of boundary friction")
     hydrodynamic: TractionModel = submodel("traction", factory=MaxwellEyring, doc="traction model of the full film")
@@ -267,6 +268,15 @@ class ZhouHoeprich(_Blend):
     name: ClassVar[str] = "zhou-hoeprich"
     equation: ClassVar[str] = "mu = share mu_bd + (1 - share) mu_hd, share = exp(-B Lambda^C)"
     references: ClassVar[tuple[Reference, ...]] = (ZHOU_1991, AIHARA_1987, WINGERTSZAHN_2023)
+    validity: ClassVar[tuple[Validity, ...]] = (
+        Validity(
+            quantity="pressure",
+            high=0.4e9,
+            consequence="the share of the asperities, which does not know the pressure, is outside the fit of B and C",
+            remedy="B and C of the surfaces at hand, or traction 'greenwood-tripp', which knows the pressure",
+            source="Aihara (1987): fitted below 0.4 GPa",
+        ),
+    )
 
     factor: float = parameter(default=1.8, unit="1", validator=positive, doc="B of the asperities' share of the load")
     exponent: float = parameter(default=1.2, unit="1", validator=positive, doc="C of the asperities' share of the load")

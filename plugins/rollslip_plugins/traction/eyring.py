@@ -1,6 +1,7 @@
 """Hydrodynamic traction of an Eyring fluid: Muraki's closed form, the exact Maxwell-Eyring stress, no elasticity."""
 
 import abc
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
@@ -11,16 +12,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from rollslip.fields import in_range, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.models import POSITIVE, Domain, TractionModel
+from rollslip.models import POSITIVE, Domain, Tabled, TractionModel, Validity
 from rollslip.references import KLEBANOV, Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.bibliography import EYRING_1936, JOHNSON_TEVAARWERK_1977, MURAKI_1987, MURAKI_1992
-from rollslip_plugins.traction.heating import HEATED, flash_factor
+from rollslip_plugins.traction.heating import (
+    HEATED,
+    MEAN_PRESSURE,
+    NO_ASPERITIES,
+    SLOW_SLIDING,
+    flash_factor,
+)
 from rollslip_plugins.traction.stress import eyring_stress, maxwell_eyring_stress, muraki_stress
 
 Array = NDArray[np.float64]
 
+#: What serves in place of a law that approximates the exact one.
+EXACT = "traction 'maxwell-eyring', the exact law"
 #: Relative error of the exact law by short series.
 _SHORT_SERIES = 1e-6
 
@@ -34,6 +43,7 @@ class _EyringFluid(TractionModel, abc.ABC):
 
     domain: Domain = MappingProxyType({**HEATED, "eyring_stress": POSITIVE, "shear_modulus": POSITIVE})
     reads = frozenset(domain)
+    validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, MEAN_PRESSURE, SLOW_SLIDING)
     flash: float
 
     @abc.abstractmethod
@@ -98,8 +108,9 @@ class Muraki(_EyringFluid):
     - K_f: conductivity of the oil [W/(m K)]
     - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
 
-    Range: sigma exp(-Phi sigma S) >> 1. Heated films (Phi sigma S not small) come out 14 to 41 % low for Phi <= 1 and
-    have no Newtonian limit beyond; without heat the error is below 3 % for D <= 0.1, 7 to 32 % for D of 1 to 10.
+    Range: sigma exp(-Phi sigma S) >> 1. For Phi <= 1 heated films come out 3 % low at Phi sigma = 0.03, 8 % at 0.1 and
+    14 to 41 % beyond 0.3; for Phi > 1 the form has no Newtonian limit, and its largest S is 36, 57, 84 and 95 % low at
+    Phi = 3, 10, 100 and 1000. Without heat it is up to 3 % high for D <= 0.1, up to 36 % for D of 1 to 10.
 
     Examples
     --------
@@ -115,7 +126,53 @@ class Muraki(_EyringFluid):
     )
     references: ClassVar[tuple[Reference, ...]] = (KLEBANOV, MURAKI_1987, MURAKI_1992)
     solved_by: ClassVar[str | None] = "maxwell-eyring"
+    validity: ClassVar[tuple[Validity, ...]] = (
+        *_EyringFluid.validity,
+        Validity(
+            quantity="deborah",
+            called="Deborah number D",
+            high=0.1,
+            consequence="its linear ramp gives up to {error} too much friction without heat",
+            error=Tabled(((0.1, 2.6), (0.3, 8.8), (1.0, 32.1), (2.0, 36.0), (3.0, 25.6), (10.0, 12.0), (30.0, 7.0))),
+            remedy=EXACT,
+            source="maxwell-eyring at sigma 1e-3 to 1e4 (docs/scripts/validity.py)",
+        ),
+        Validity(
+            quantity="film_heating",
+            called="heating of a Newtonian film Phi sigma",
+            high=0.03,
+            consequence="it gives up to {error} too little friction in a heated film for Phi <= 1",
+            error=Tabled(
+                (
+                    (0.03, 2.8),
+                    (0.1, 8.2),
+                    (0.3, 16.7),
+                    (1.0, 19.8),
+                    (3.0, 17.2),
+                    (10.0, 19.1),
+                    (100.0, 27.5),
+                    (1e6, 40.6),
+                )
+            ),
+            remedy=EXACT,
+            source="maxwell-eyring at Phi 1e-4 to 1, D 0 to 0.1 (docs/scripts/validity.py)",
+        ),
+        Validity(
+            quantity="heating",
+            called="heating Phi",
+            high=1.0,
+            consequence="it has no Newtonian limit: its largest friction is {error} too low",
+            error=Tabled(((1.0, 18.2), (3.0, 36.2), (10.0, 57.3), (100.0, 84.3), (1000.0, 94.8))),
+            remedy=EXACT,
+            source="maxwell-eyring at D = 0 (docs/scripts/validity.py)",
+        ),
+    )
     flash: float = flash_factor()
+
+    def quantities(self, slices: Slices) -> Mapping[str, Array]:
+        """Return sigma, D, Phi, and film_heating = Phi sigma, by which the stress of a Newtonian film falls."""
+        found = self.groups(slices)
+        return {**found, "film_heating": np.abs(found["heating"] * found["strain_rate"])}
 
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
         """Return S of the closed form."""
@@ -236,6 +293,18 @@ class Eyring(_EyringFluid):
     equation: ClassVar[str] = "mu = tau0 S/p, S = asinh(sigma exp(-Phi sigma S))"
     references: ClassVar[tuple[Reference, ...]] = (EYRING_1936, KLEBANOV)
     solved_by: ClassVar[str | None] = "maxwell-eyring"
+    validity: ClassVar[tuple[Validity, ...]] = (
+        *_EyringFluid.validity,
+        Validity(
+            quantity="deborah",
+            called="Deborah number D",
+            high=0.05,
+            consequence="without elasticity it gives up to {error} too much friction, most at small sigma",
+            error=lambda deborah: 100.0 / (1.0 + 0.5 * deborah * math.expm1(-2.0 / deborah)) - 100.0,
+            remedy=EXACT,
+            source="small signal of maxwell-eyring, S = sigma [1 - (D/2) (1 - exp(-2/D))]",
+        ),
+    )
     reads = _EyringFluid.reads - {"shear_modulus"}
     domain = MappingProxyType({k: v for k, v in _EyringFluid.domain.items() if k != "shear_modulus"})
     flash: float = flash_factor()

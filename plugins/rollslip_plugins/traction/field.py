@@ -30,7 +30,7 @@ from rollslip.errors import DomainError
 from rollslip.fields import in_range, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import Barus, PressureViscosity, from_oil
-from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
+from rollslip.models import FINITE, POSITIVE, Domain, TractionModel, Validity
 from rollslip.references import KLEBANOV, Reference
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_plugins.bibliography import CARSLAW_1959, JOHNSON_TEVAARWERK_1977
@@ -44,7 +44,7 @@ from rollslip_plugins.traction.conduction import (
     conduction_modes,
     even_cells,
 )
-from rollslip_plugins.traction.heating import FLASH
+from rollslip_plugins.traction.heating import FLASH, NO_ASPERITIES, SLOW_SLIDING
 from rollslip_plugins.traction.relaxation import carried
 from rollslip_plugins.traction.stress import LINEAR
 
@@ -520,6 +520,7 @@ class MaxwellEyringField(TractionModel):
     references: ClassVar[tuple[Reference, ...]] = (JOHNSON_TEVAARWERK_1977, CARSLAW_1959.at("section 2.9"), KLEBANOV)
     #: what is left when Newton's method ends in other company
     tolerance: ClassVar[float] = 1e-7
+    validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, SLOW_SLIDING)
 
     accuracy: float = parameter(
         default=1e-3, unit="1", validator=in_range(1e-8, 0.1), doc="relative error of the friction that is allowed"

@@ -11,13 +11,13 @@
 import abc
 from collections.abc import Callable
 from types import MappingProxyType
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.fields import parameter, positive
-from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Domain, TractionModel
+from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, Domain, Tabled, TractionModel, Validity
 from rollslip_kernels.slices import Slices
 
 Array = NDArray[np.float64]
@@ -42,6 +42,32 @@ HEATED: Final[Domain] = MappingProxyType(
     }
 )
 
+#: Validities of laws of the full film: no asperities, the mean pressure for Hertz's, surfaces that both move with u.
+NO_ASPERITIES: Final = Validity(
+    quantity="film_parameter",
+    low=1.5,
+    consequence="asperities carry load, whose friction the law does not have",
+    remedy="the law in a blend: traction 'lambda-blend'",
+    source="limit of the full film of 'lambda-blend' (grade C)",
+)
+MEAN_PRESSURE: Final = Validity(
+    quantity="pressure_exponent",
+    high=1.0,
+    consequence="the viscosity at the mean pressure is too low: friction by up to {error} where the oil is Newtonian "
+    "(sigma < 0.3) and inelastic, by 4 % and less at sigma > 10 up to an exponent of 6",
+    error=Tabled(((1.0, 3.5), (2.0, 12.2), (3.0, 23.1), (4.0, 34.5), (6.0, 54.9), (8.0, 70.3), (12.0, 88.0))),
+    remedy="traction 'maxwell-eyring-field', which takes the local pressure",
+    source="mean of exp(alpha p) over Hertz's ellipse; at large sigma the field (docs/scripts/traction_field_error.py)",
+)
+SLOW_SLIDING: Final = Validity(
+    quantity="slide_roll_ratio",
+    high=1.0 / 3.0,
+    consequence="surfaces at u + V/2 and u - V/2 have a mean flash temperature {error} higher than at u",
+    error=lambda ratio: 100.0 * 3.0 / 32.0 * ratio**2,
+    remedy="none in the box; the film's own share of the heating is not concerned",
+    source="next term of the series in V/u, 3/32 (V/u)^2",
+)
+
 
 def flash_factor() -> float:
     """Declare the factor of the flash temperature of two surfaces that share the heat of the film."""
@@ -57,6 +83,7 @@ def flash_factor() -> float:
 class HeatedFilm(TractionModel, abc.ABC):
     """Traction mu = t eta V/(h p) with the share t of the cold Newtonian stress that a flow law keeps."""
 
+    validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, MEAN_PRESSURE, SLOW_SLIDING)
     reads = frozenset(HEATED)
     domain = HEATED
     flash: float

@@ -49,7 +49,8 @@ def muraki_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
     -----
     Error against `maxwell_eyring_stress`: without heating within 3 % for D <= 0.1 and 7 to 32 % for D = 1 to 10 at
     sigma <= 1; at Phi = 1 and small D the stress is 8 % (sigma = 0.1) to 41 % (1e6) too low, since the form assumes
-    sigma exp(-Phi sigma S) >> 1.
+    sigma exp(-Phi sigma S) >> 1. For Phi > 1 it has no Newtonian limit: its largest stress is 36, 57, 84 and 95 % too
+    low at Phi = 3, 10, 100 and 1000.
 
     References
     ----------
