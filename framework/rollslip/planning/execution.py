@@ -4,14 +4,14 @@ import json
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.regimes import LIGHT, LONG_NAMES, NAMES
 from rollslip.bearing.resolution import BoundBrokenError
+from rollslip.models import TractionModel
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import run_origin
@@ -19,6 +19,7 @@ from rollslip.planning.verification import accuracy_rows, judge
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
+from rollslip.studies import validity
 from rollslip.studies.answers import Keep, total
 
 if TYPE_CHECKING:
@@ -97,7 +98,9 @@ def execute(
         "cost": json.dumps(cost),
         "taken_back": json.dumps(taken_back),
     }
-    told = [*taken_back, *warnings(plan, study, dataset)]
+    warned, judged = warnings(plan, study, dataset)
+    dataset.attrs["validity"] = json.dumps(judged)
+    told = [*taken_back, *warned]
     dataset.attrs |= run_origin(plan, study, told, evaluated, time.perf_counter() - begin)
     return dataset
 
@@ -162,33 +165,18 @@ def load_distribution(scene: Scene | str, instants: int = 1) -> "xr.Dataset":
     )
 
 
-def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> list[str]:
-    """Return in words where the models were used outside what they were made for, and what a reader must know."""
-    found: list[str] = []
-    film = plan.assemblies[study].film
-    shares = _regime_shares(dataset)
-    outside = {name: share for name, share in shares.items() if film.regime not in ("all", name) and share > 0.0}
-    if outside:
-        where = " and ".join(f"{share:.0%} {LONG_NAMES[name]}" for name, share in outside.items())
-        found.append(
-            f"film model {film.name!r} holds in the {LONG_NAMES[film.regime]} regime, but of the contact force "
-            f"{where}; there its film may be far off: film 'moes' covers all regimes"
-        )
-    corrections = [f"shear heating of the inlet after {film.inlet_heating!r}"] if film.inlet_heating else []
-    if film.inlet_starvation < 1:
-        corrections.append(f"starvation by a factor of {film.inlet_starvation:g}")
-    if corrections:
-        found.append(f"the film is thinned for {' and '.join(corrections)}, as the scene asks")
-    light, what = 0.0, "of the normal forces"
-    if "light_share" in dataset:
-        light, what = float(dataset["light_share"].max()), "of the contact force of a ring"
-    elif "load_parameter" in dataset:
-        light = float((dataset["load_parameter"] < LIGHT).mean())
-    if light > 0.005:
-        found.append(
-            f"lightly loaded contacts: {light:.0%} {what} with a Moes load parameter M below {LIGHT:g}, where the "
-            "pressure in the film is far from Hertz's, on which traction is based"
-        )
+def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], dict[str, Any]]:
+    """Return in words where the models were used outside what they were made for and what a reader must know.
+
+    The second is what models were made for and how far that was left, as plain values (`rollslip.studies.validity`).
+    """
+    running, assembly = plan.studies[study], plan.assemblies[study]
+    assembly = assembly.with_resistance() if running.with_cage else assembly
+    contacts = running.judged_slices(assembly, dataset)
+    laws = [m for m in assembly.inner.chain.models if not isinstance(m, TractionModel)]
+    outside = validity.outside([*laws, plan.assembly.traction], validity.filled(contacts, assembly))
+    off = validity.difference(plan.assembly.traction, contacts, assembly)
+    found = validity.sentences(outside, off, running.judged_at) + validity.corrections(assembly.film)
     accuracy = plan.scene.accuracy
     if (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
         remedy = (
@@ -200,14 +188,4 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> list[str]:
             f"{plan.estimated[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
             f"accuracy.tolerance = {accuracy.tolerance:g}; {remedy}"
         )
-    return found
-
-
-def _regime_shares(dataset: "xr.Dataset") -> dict[str, float]:
-    """Share of the contact force, or of the curve's points, in each film regime."""
-    if "regime_share" in dataset:
-        return {str(name): float(dataset["regime_share"].sel(regime=name).mean()) for name in NAMES}
-    if "regime" not in dataset:
-        return {}
-    codes = dataset["regime"].to_numpy()
-    return {name: float(np.mean(codes == code)) for code, name in enumerate(NAMES)}
+    return found, validity.record(outside, off)

@@ -7,6 +7,7 @@
 """
 
 import abc
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 
 __all__ = ["CONTACT_CHOICES", "Study", "settings", "study_class"]
 
+#: Slips of a curve at which models are judged.
+_JUDGED: Final = 8
 #: Numerical and modelling choices that act on whatever evaluates contacts.
 CONTACT_CHOICES: Final = frozenset({"slices", "quadrature", "compiled", "traction", "film"})
 
@@ -270,6 +273,25 @@ class Study(abc.ABC):
             ):
                 found[f"critical slip{label}"] = Compared([[float(slip)]], str(status), "critical_slip")
         return found
+
+    #: What state `judged_slices` are at, in words.
+    judged_at: ClassVar[str] = "over the curves"
+
+    def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+        """Return the slices by which it is judged whether models were used for what they were made for.
+
+        By default those of `evaluated` at a few slips of the curves, none where a study has no curves.
+        """
+        if self.curves_of is None or type(self).evaluated is Study.evaluated:
+            return []
+        slips = dataset.sizes[self.curves_of.slip]
+        few = set(np.linspace(slips // _JUDGED, slips - 1, _JUDGED).astype(int).tolist())
+        seen, chosen = Counter[int](), []
+        for one in self.evaluated(assembly, dataset):
+            if seen[one.curve] in few:
+                chosen.append(one)
+            seen[one.curve] += 1
+        return chosen
 
     def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
         """Yield the slices that were evaluated for the curves, slip by slip; for studies that have curves.

@@ -16,7 +16,6 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups
 from rollslip.campaigns.fit.findings import UNKNOWN, parameter_rows
 from rollslip.campaigns.fit.least_squares import LEVELS, PROFILE_POINTS, LeastSquaresEstimate, Stop
 from rollslip.campaigns.fit.problem import Array, Indices, Parameter, RigProblem, friction_at, with_values
@@ -26,6 +25,7 @@ from rollslip.models import SliceModel, TractionModel
 from rollslip.planning.provenance import citations_told, cited, lubricant_told, models_told, origin, packages_of
 from rollslip.results.dataset import about
 from rollslip.scene.values import resolved
+from rollslip.studies import validity
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
 
@@ -333,14 +333,11 @@ def _warnings(fitted: Fit, sets: Sequence[Indices]) -> list[str]:
             f"the law is far from linear within the intervals of {', '.join(bent)}: what follows from the covariance, "
             "standard error and correlation, does not hold; the intervals do"
         )
-    if problem.film is not None and problem.film.regime != "all":
-        codes = np.concatenate([film_by_regime(*groups(slices))[1] for _, _, slices in problem.tables])
-        outside = float(np.mean(codes != NAMES.index(problem.film.regime)))
-        if outside > 0.0:
-            said.append(
-                f"film model {problem.film.name!r} holds in the {LONG_NAMES[problem.film.regime]} regime, in which "
-                f"{outside:.0%} of the rows are not; film 'moes' covers all regimes"
-            )
+    fitted.friction(estimate.best.x)  # the tables keep what was evaluated last
+    rows = [validity.Filled("", slices, np.ones(len(slices))) for _, _, slices in problem.tables]
+    # oil and traction are what is fitted: within the data their values make up for what the laws are off
+    given = [model for kind, model in problem.models.items() if kind != "traction"]
+    said += validity.sentences(validity.outside(given, rows), None, what="of the rows")
     return said
 
 

@@ -3,17 +3,23 @@
 import contextlib
 import math
 from collections.abc import Callable
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 import numpy as np
 
+from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import NAMES
 from rollslip.errors import DomainError, PluginError
 from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.time_integration import Trajectory
+from rollslip.studies.answers import Evaluated
+from rollslip.studies.friction_curve.study import balanced_load
 from rollslip.studies.raceways import LoadedRaceways, regime_variables
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Watched values, in the order of the systems -> what their rising through zero means, and their falling.
 WATCHED: Final = (
@@ -85,6 +91,32 @@ def regimes_of(raceways: LoadedRaceways, slip: Array, found: Trajectory) -> tupl
         unknown = np.full(len(RINGS), np.nan)
         shares = np.full((len(RINGS), len(NAMES)), np.nan), unknown, unknown
     return regime_variables(*shares), found
+
+
+def last_slices(assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+    """Loaded slices of both rings at the last instant, each roller's force spread as over an aligned one.
+
+    Nothing if a value of that instant is missing.
+    """
+    last = dataset.isel(time=-1)
+    cage, rollers, force = (last[name].to_numpy() for name in ("cage_slip", "roller_slip", "normal_force"))
+    if not all(np.isfinite(values).all() for values in (cage, rollers, force)):
+        return []
+    speeds = assembly.kinematics.surface_speeds(float(cage), rollers)
+    rings = (
+        (assembly.inner, speeds.inner_rolling, speeds.inner_sliding),
+        (assembly.outer, speeds.outer_rolling, speeds.outer_sliding),
+    )
+    found = []
+    for (raceway, rolling, sliding), carried in zip(rings, force, strict=True):
+        carries = np.flatnonzero((carried > 0.0) & (rolling > 0.0))
+        if carries.size == 0:
+            continue
+        load = np.array([balanced_load(assembly, raceway, float(carried[k])) for k in carries])
+        roller, column = np.nonzero(load > 0.0)
+        owner, some = carries[roller], load[load > 0.0]
+        found.append(Evaluated(0, raceway.ring, some, rolling[owner], sliding[owner], some * assembly.widths[column]))
+    return found
 
 
 def steady_slip_of(

@@ -41,9 +41,17 @@ from rollslip.results.dataset import about
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import Location
 from rollslip.studies import estimates
-from rollslip.studies.answers import Estimated, Keep, Output, Part
+from rollslip.studies.answers import Estimated, Evaluated, Keep, Output, Part
 from rollslip.studies.dynamics.choice import choose_motion
-from rollslip.studies.dynamics.ending import WATCHED, explained, failed_by, outputs_of, regimes_of, steady_slip_of
+from rollslip.studies.dynamics.ending import (
+    WATCHED,
+    explained,
+    failed_by,
+    last_slices,
+    outputs_of,
+    regimes_of,
+    steady_slip_of,
+)
 from rollslip.studies.dynamics.outputs import OUTPUTS
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.raceways import LoadedRaceways
@@ -285,6 +293,12 @@ class Dynamics(Study):
         """
         drags = (("drag", model) for model in assembly.cage.drags)
         return *drags, ("integrator", self.method(assembly))
+
+    judged_at: ClassVar[str] = "at the end of the motion"
+
+    def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+        """Return the slices of the rollers at the last stored instant."""
+        return last_slices(assembly, dataset)
 
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
         """Return the motion, going on from what is kept, and keeping what is computed.

@@ -34,7 +34,7 @@ from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies import estimates
-from rollslip.studies.answers import Compared, Estimated, Keep, Output, Some
+from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Some
 from rollslip.studies.raceways import REGIMES, regime_variables, unloaded
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
@@ -221,6 +221,19 @@ class SteadySlip(Study):
         bearing = assembly.with_resistance()
         balances = [self._balance(bearing, m) for m in instants]
         return np.array([[[balance.torque(float(s)) for s in slip]] for balance in balances])
+
+    judged_at: ClassVar[str] = "at the steady slip"
+
+    def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+        """Return the slices at the steady slips, or where there is none at that of the largest drag."""
+        slips = np.atleast_1d(dataset["steady_slip" if "steady_slip" in dataset else "largest_drag_slip"].to_numpy())
+        balance = self._balance(assembly, int(dataset.attrs["instants"]))
+        found = []
+        for orbit in (balance.orbit(float(slip)) for slip in slips if np.isfinite(slip)):
+            for ring, contacts in zip(RINGS, balance.evaluated(orbit), strict=True):
+                s = contacts.slices
+                found.append(Evaluated(0, ring, s.load, s.rolling_speed, s.sliding_speed, contacts.force))
+        return found
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags.

@@ -1,0 +1,325 @@
+"""What a result's models were made for, and how far it left that: the one place where warnings about models are made.
+
+- Bounds, consequences and remedies are the models' own (`rollslip.models.Validity`); nothing here knows a model by
+  name. They are held against the slices at the state that a result speaks of (`Study.judged_slices`).
+- A law that approximates another (``solved_by``) is evaluated beside it on the same slices: what it is off there is
+  known, so that its own bounds are told with it and not one by one.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.chain import Chain
+from rollslip.bearing.raceway import Array
+from rollslip.bearing.regimes import LONG_NAMES, NAMES, QUANTITIES
+from rollslip.catalogue.registry import get_class
+from rollslip.models import (
+    ContactModel,
+    FilmModel,
+    ResistanceModel,
+    SliceModel,
+    TractionModel,
+    Validity,
+)
+from rollslip.studies.answers import Evaluated
+from rollslip.units import format_quantity
+from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
+
+__all__ = [
+    "Difference",
+    "Filled",
+    "Outside",
+    "bound_of",
+    "corrections",
+    "difference",
+    "filled",
+    "outside",
+    "quantity",
+    "record",
+    "sentences",
+]
+
+#: Share of the contact force outside from which on it is told.
+TOLD_FROM: Final = 0.005
+_KINDS: Final = ((ContactModel, "contact"), (FilmModel, "film"), (TractionModel, "traction"))
+
+
+@attrs.frozen(kw_only=True)
+class Outside:
+    """How much of a ring's contact force, or of rows of data, lies outside one bound of a law.
+
+    ``law`` is kind and name, ``share`` is 1 for all, ``values`` what the quantity is outside, by force from 5 to 95 %;
+    ``known`` is False where the quantity takes data that the oil does not give.
+    """
+
+    law: str
+    validity: Validity
+    share: float
+    values: tuple[float, ...] = ()
+    ring: str = ""
+    detail: str = ""
+    known: bool = True
+
+
+@attrs.frozen(kw_only=True)
+class Difference:
+    """How far a law is off the one that it approximates, on slices that both were evaluated on.
+
+    Of each ring at each slip the friction by force, sum F (mu - mu_ref)/sum F |mu_ref|: root of the mean square over
+    them, mean, and the one of the largest size.
+    """
+
+    law: str
+    reference: str
+    rms: float
+    mean: float
+    largest: float
+
+
+@attrs.frozen
+class Filled:
+    """Evaluated slices of a ring, and the force on each."""
+
+    ring: str
+    slices: Slices
+    force: Array
+
+
+def filled(contacts: Sequence[Evaluated], assembly: Assembly) -> list[Filled]:
+    """Return slices evaluated by the laws that a result was computed with."""
+    return [_filled(one, assembly, assembly.inner.chain) for one in contacts if len(one.load)]
+
+
+def _filled(one: Evaluated, assembly: Assembly, chain: Any) -> Filled:
+    raceway = assembly.inner if one.ring == "inner" else assembly.outer
+    slices = Slices(
+        len(one.load), raceway.conditions, load=one.load, rolling_speed=one.rolling, sliding_speed=one.sliding
+    )
+    chain(slices)
+    return Filled(one.ring, slices, np.asarray(one.force, dtype=float))
+
+
+def quantity(model: SliceModel, name: str, slices: Slices) -> Array:
+    """Return a quantity in which a law states its validity, of evaluated slices; NaN where data are missing.
+
+    Raises
+    ------
+    KeyError
+        If the law states it in something that is none.
+    """
+    if name in (own := model.quantities(slices)):
+        found = own[name]
+    elif name in QUANTITIES:
+        found = QUANTITIES[name].of(slices)
+    elif name in COLUMNS:
+        found = getattr(slices, name)
+    elif name in CONDITIONS:
+        found = getattr(slices.conditions, name)
+    else:
+        raise KeyError(f"{model.name!r} states its validity in {name!r}, which is no quantity")
+    return np.broadcast_to(np.asarray(found, dtype=float), (len(slices),))
+
+
+def symbol_of(name: str) -> tuple[str, str]:
+    """Return how a quantity is written in sentences, and its unit."""
+    if name in QUANTITIES:
+        symbol = QUANTITIES[name].symbol
+        return f"{name.replace('_', ' ')} {symbol}".strip(), "1"
+    return name.replace("_", " "), {**COLUMNS, **CONDITIONS}.get(name, ("1", ""))[0]
+
+
+def laws_of(model: SliceModel, covered: frozenset[str] = frozenset()) -> Iterator[tuple[str, SliceModel, Validity]]:
+    """Yield kind and name of a law, itself and each of its validities, then those of its submodels."""
+    kind = next((name for base, name in _KINDS if isinstance(model, base)), "")
+    if isinstance(model, ResistanceModel):
+        kind = "drag"
+    label = f"{kind} {model.name!r}".strip()
+    yield from ((label, model, one) for one in model.validity if one.quantity not in covered)
+    if attrs.has(type(model)):
+        for attribute in attrs.fields(type(model)):
+            child = getattr(model, attribute.name)
+            if isinstance(child, SliceModel):
+                yield from laws_of(child, covered | model.covers)
+
+
+def outside(models: Sequence[SliceModel], tables: Sequence[Filled]) -> list[Outside]:
+    """Return where slices lie outside of what laws were made for: the ring with the larger share for each bound."""
+    found = []
+    for label, model, validity in (row for one in models for row in laws_of(one)):
+        rings = dict.fromkeys(table.ring for table in tables)
+        rows = [_outside(label, model, validity, ring, [t for t in tables if t.ring == ring]) for ring in rings]
+        if rows:
+            most = max(rows, key=lambda row: row.share)
+            alike = most.share - min(row.share for row in rows) < TOLD_FROM
+            found.append(attrs.evolve(most, ring="") if alike else most)
+    return found
+
+
+def _outside(label: str, model: SliceModel, validity: Validity, ring: str, tables: Sequence[Filled]) -> Outside:
+    with np.errstate(all="ignore"):
+        values = np.concatenate([quantity(model, validity.quantity, table.slices) for table in tables])
+    force = np.concatenate([table.force for table in tables])
+    force = force / (force.sum() or 1.0)
+    excess = validity.excess(values)
+    beyond = excess > 0.0
+    share = min(float(force[beyond].sum()), 1.0)
+    spread = tuple(_quantile(values[beyond], force[beyond], at) for at in (0.05, 0.95)) if share > 0.0 else ()
+    detail = ""
+    if validity.quantity == "film_regime" and beyond.any():
+        parts = {LONG_NAMES[name]: float(force[values == code].sum()) for code, name in enumerate(NAMES)}
+        told = (name for name in parts if parts[name] > 0.0 and name not in validity.bound)
+        detail = " and ".join(f"{_percent(parts[name])} {name}" for name in told)
+    known = not bool(np.isnan(values).all())
+    return Outside(law=label, validity=validity, share=share, values=spread, ring=ring, detail=detail, known=known)
+
+
+def _quantile(values: Array, weight: Array, at: float) -> float:
+    order = np.argsort(values)
+    below = np.cumsum(weight[order])
+    return float(values[order][np.searchsorted(below, at * below[-1])])
+
+
+def difference(traction: TractionModel, contacts: Sequence[Evaluated], assembly: Assembly) -> Difference | None:
+    """Return how far the law of the full film is off the one that it approximates, within the friction of a contact.
+
+    Parameters
+    ----------
+    traction : TractionModel
+        Traction that the scene names.
+    contacts : sequence of Evaluated
+        Slices at the state of the result.
+    assembly : Assembly
+        The bearing with that traction.
+
+    Returns
+    -------
+    Difference or None
+        None if the law approximates none, or no slice slides.
+    """
+    law = traction.full_film
+    if law.solved_by is None or assembly.resolution.traction != "named":
+        return None
+    reference = get_class("traction", law.solved_by)
+    given = {a.name for a in attrs.fields(type(law))} & {a.name for a in attrs.fields(reference)}
+    exact = reference(**{name: getattr(law, name) for name in given})
+    models = assembly.inner.chain.models
+    other = Chain(
+        *(m.with_full_film(exact) if isinstance(m, TractionModel) else m for m in models),
+        compiled=assembly.resolution.compiled,
+    )
+    both = [(_filled(c, assembly, assembly.inner.chain), _filled(c, assembly, other)) for c in contacts if len(c.load)]
+    if not both:
+        return None
+    sizes = [float(true.force @ np.abs(true.slices.friction)) for _, true in both]
+    off = np.array(
+        [
+            float(own.force @ (np.abs(own.slices.friction) - np.abs(true.slices.friction))) / size
+            for (own, true), size in zip(both, sizes, strict=True)
+            if size > 0.0
+        ]
+    )
+    if off.size == 0:
+        return None
+    return Difference(
+        law=law.name,
+        reference=exact.name,
+        rms=float(np.sqrt((off**2).mean())),
+        mean=float(off.mean()),
+        largest=float(off[np.argmax(np.abs(off))]),
+    )
+
+
+def sentences(
+    found: Sequence[Outside], off: Difference | None, where: str = "", what: str = "of the contact force"
+) -> list[str]:
+    """Return the warnings: what is outside, with share, consequence and remedy; none has its full stop.
+
+    Parameters
+    ----------
+    found : sequence of Outside
+        Where slices lie outside.
+    off : Difference, optional
+        How far the law of the full film is off.
+    where : str, optional
+        The state that was looked at: "at the steady slip".
+    what : str, optional
+        What the shares are of.
+    """
+    said = [] if off is None else [_off(off, found, where, what)]
+    for one in found:
+        if one.share < TOLD_FROM or (off is not None and _told_with(one, off)):
+            continue
+        ring = f" of the {one.ring} ring" if one.ring else ""
+        detail = f" ({one.detail})" if one.detail else ""
+        said.append(
+            f"{one.law} was made for {bound_of(one.validity)}; {_percent(one.share)} {what}{ring} is outside"
+            f"{f' {where}' if where else ''}{detail}, where {one.validity.consequence_at(*one.values)}; "
+            f"remedy: {one.validity.remedy}"
+        )
+    return said
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %"
+
+
+def bound_of(validity: Validity) -> str:
+    """Return a bound in words: "load parameter M >= 2", "pressure <= 100 MPa"."""
+    if validity.made_for:
+        return validity.made_for
+    name, unit = symbol_of(validity.quantity)
+    name = validity.called or name
+    if unit == "1":
+        return f"{name} {validity.bound}"
+    ends = ((">=", validity.low), ("<=", validity.high))
+    return f"{name} {' and '.join(f'{sign} {format_quantity(x, unit, 3)}' for sign, x in ends if np.isfinite(x))}"
+
+
+def _told_with(one: Outside, off: Difference) -> bool:
+    """Whether a bound is one of the approximation itself, whose error is known already."""
+    return one.law == f"traction {off.law!r}" and one.validity.quantity not in {*QUANTITIES, *COLUMNS, *CONDITIONS}
+
+
+def _off(off: Difference, found: Sequence[Outside], where: str, what: str) -> str:
+    bounds = [
+        f"{_percent(one.share)} at {bound_of(one.validity).replace('<=', '>').replace('>=', '<')}"
+        for one in found
+        if _told_with(one, off) and one.share >= TOLD_FROM
+    ]
+    beyond = f", with {' and '.join(bounds)} {what}" if bounds else ""
+    rms, mean, largest = (100.0 * share for share in (off.rms, off.mean, off.largest))
+    return (
+        f"the friction of {off.law!r} is {rms:.2g} % (rms) off that of {off.reference!r}, the law that it "
+        f"approximates, {where or 'on these slices'}: {mean:+.2g} % in the mean, {largest:+.2g} % at most{beyond}; "
+        f"remedy: {off.reference!r} in its place"
+    )
+
+
+def corrections(film: FilmModel) -> list[str]:
+    """Say that the film is thinned, which a reader must know who compares it with others."""
+    told = [f"shear heating of the inlet after {film.inlet_heating!r}"] if film.inlet_heating else []
+    if film.inlet_starvation < 1:
+        told.append(f"starvation by a factor of {film.inlet_starvation:g}")
+    return [f"the film is thinned for {' and '.join(told)}, as the scene asks"] if told else []
+
+
+def record(found: Sequence[Outside], off: Difference | None) -> dict[str, Any]:
+    """Return both as plain values: each bound with its share, and what the law is off; NaN is None."""
+    rows = [
+        {
+            "law": one.law,
+            "made_for": bound_of(one.validity),
+            "share_outside": one.share if one.known else None,
+            "ring": one.ring,
+            "values_outside": list(one.values),
+            "consequence": one.validity.consequence_at(*one.values) if one.values else one.validity.told,
+            "remedy": one.validity.remedy,
+            "source": one.validity.source,
+        }
+        for one in found
+    ]
+    return {"bounds": rows, "approximation": None if off is None else attrs.asdict(off)}

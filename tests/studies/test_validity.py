@@ -1,0 +1,341 @@
+"""What models were made for, and the warnings where a result left it."""
+
+import csv
+import json
+import math
+from pathlib import Path
+from types import MappingProxyType
+
+import attrs
+import numpy as np
+import pytest
+
+from rollslip import Conditions, Slices, evolve, get_model, load_scene, plan, register, run
+from rollslip.bearing.regimes import NAMES, QUANTITIES, film_by_regime
+from rollslip.catalogue import discovery
+from rollslip.catalogue.registry import available, get_class
+from rollslip.cli.models import models_as_dict
+from rollslip.lubricant.pressure import Barus, Roelands
+from rollslip.models import ISOTHERMAL, ContactModel, FilmModel, SliceModel, Tabled, TractionModel, Validity
+from rollslip.planning.execution import warnings
+from rollslip.studies.validity import Filled, difference, filled, laws_of, outside, sentences
+from rollslip_kernels.stages.stress import maxwell_eyring, muraki
+from rollslip_plugins.film.line_contact import solve_line_contact
+from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
+from rollslip_plugins.traction.heating import MEAN_PRESSURE
+
+TABLES = Path(__file__).parents[2] / "docs" / "tables"
+PAPER = load_scene("1032930-70C")
+QUICK = {"study.effective-friction.points": 9, "study.effective-friction.map_points": 0, "accuracy.slices": 5}
+
+
+def rows(name):
+    with (TABLES / f"{name}.csv").open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def bound(model, name):
+    (found,) = (one for one in model.validity if one.quantity == name)
+    return found
+
+
+def told(dataset):
+    return json.loads(dataset.attrs["warnings"])
+
+
+def tables(force=(1.0, 3.0), **columns):
+    """A table of a ring by columns, with every condition of a usual film."""
+    conditions = Conditions(
+        length=0.015, radius=6.875e-3, modulus=2.2857e11, roughness=2e-7, effusivity=1.3e4, temperature=323.15,
+        viscosity=8.58e-3, pressure_viscosity=1.074e-8, thermoviscosity=0.0284, pressure_thermoviscosity=9.3e-11,
+        conductivity=0.1425, eyring_stress=4e6, shear_modulus=3e8,
+    )  # fmt: skip
+    usual = {
+        "load": 2e4, "rolling_speed": 25.0, "sliding_speed": 0.5, "half_width": 5e-5, "pressure": 2e8,
+        "film_thickness": 1e-6, "film_viscosity": 0.07, "film_thermoviscosity": 0.047,
+    }  # fmt: skip
+    return [Filled("inner", Slices(len(force), conditions, **usual | columns), np.array(force))]
+
+
+# Bounds and errors are those of the references ------------------------------------------------------------------------
+
+
+def test_the_pressure_of_light_contacts_is_that_of_the_table():
+    error = bound(ContactModel, "load_parameter").error
+    table = {float(row["M"]): row for row in rows("validity_pressure")}
+    assert sorted(table) == [M for M, _ in error.points] == [0.1, 0.2, 0.5, 1.0, 2.0]
+    for M, row in table.items():
+        percent = [float(text) for key, text in row.items() if key != "M"]
+        assert error(M) == pytest.approx(-min(percent), abs=0.5), "the worst of all lubricant parameters"
+    contact = solve_line_contact(1.0, 0.0)
+    hertz = 8 / (3 * math.pi) * math.sqrt(contact.M / (2 * math.pi))
+    mean = np.trapezoid(contact.pressure**2, contact.x) / np.trapezoid(contact.pressure, contact.x)
+    assert 100 * (1 - mean / hertz) == pytest.approx(error(1.0), abs=0.5)
+
+
+@pytest.mark.parametrize("name", available("film"))
+def test_how_far_a_film_is_off_elsewhere_is_what_the_map_has(name):
+    model = get_class("film", name)
+    if getattr(model, "elsewhere", None) is None:
+        assert name in ("moes", "regime", "reynolds-line", "inlet-correction")
+        return
+    columns = [column for column in rows("film_error")[0] if column.split(",")[0] == name]
+    off = []
+    for row in rows("film_error"):
+        M, L = float(row["M"]), float(row["L"])
+        speeds = 2e-11  # 2 U; any serves, since the regime is a matter of M and L
+        group = L / speeds**0.25, M * math.sqrt(speeds)
+        code = int(film_by_regime(speeds / 2, max(group[0], 1e-300), group[1])[1])
+        if NAMES[code] != model.regime:
+            off += [float(row[column]) for column in columns if row[column]]
+    assert model.elsewhere == (min(off), max(off))
+
+
+def worst(points, sign):
+    """The largest error of muraki against the exact law over (sigma, D, Phi), in per cent, of a sign."""
+    return max(sign * 100 * (float(muraki(*at)) / float(maxwell_eyring(*at)) - 1) for at in points)
+
+
+def test_what_muraki_is_off_outside_is_what_it_is_off_the_exact_law():
+    for name, sign, points in (
+        ("deborah", 1, lambda D: [(sigma, D, 0.0) for sigma in np.logspace(-3, 4, 71)]),
+        (
+            "film_heating",
+            -1,
+            lambda y: [(y / phi, D, phi) for phi in np.logspace(-4, 0, 41) for D in (0.0, 1e-3, 0.1)],
+        ),
+    ):
+        error = bound(Muraki, name).error
+        for value, percent in error.points:
+            assert percent == pytest.approx(worst(points(value), sign), abs=0.1), (name, value)
+    table = {(row["group"], float(row["value"])): abs(float(row["error %"])) for row in rows("validity_muraki")}
+    said = [
+        ((group, value), percent)
+        for group, name in (("D", "deborah"), ("Phi sigma", "film_heating"), ("Phi", "heating"))
+        for value, percent in bound(Muraki, name).error.points
+    ]
+    assert dict(said) == table
+    grid = np.logspace(-3, 4, 2001)
+    for phi, percent in bound(Muraki, "heating").error.points:
+        largest = [max(float(law(sigma, 0.0, phi)) for sigma in grid) for law in (muraki, maxwell_eyring)]
+        assert percent == pytest.approx(100 * (1 - largest[0] / largest[1]), abs=0.1)
+
+
+def test_inside_its_bounds_muraki_is_within_three_per_cent():
+    inside = [
+        (sigma, D, min(1.0, 0.03 / sigma) * share)
+        for sigma in np.logspace(-3, 4, 36) for D in (0.0, 1e-3, 0.03, 0.1) for share in (0.0, 0.1, 1.0)
+    ]  # fmt: skip
+    off = [abs(float(muraki(*at)) / float(maxwell_eyring(*at)) - 1) for at in inside]
+    assert 0.02 < max(off) < 0.03
+
+
+def test_eyring_without_elasticity_is_off_as_the_small_signal_says():
+    for D in (0.05, 0.5, 5.0):
+        off = 100 * (float(Eyring().dimensionless_stress(1e-6, D, 0.0)) / float(maxwell_eyring(1e-6, D, 0.0)) - 1)
+        assert bound(Eyring, "deborah").error(D) == pytest.approx(off, rel=1e-6)
+
+
+def test_the_mean_pressure_is_off_as_the_mean_of_the_exponential_says():
+    angle = (np.arange(20000) + 0.5) * np.pi / 40000  # x = cos: p = p_max sin
+    for exponent, percent in MEAN_PRESSURE.error.points:
+        mean = float(np.mean(np.exp(4 / np.pi * exponent * np.sin(angle)) * np.sin(angle))) * np.pi / 2
+        assert percent == pytest.approx(100 * (1 - math.exp(exponent) / mean), abs=0.1)
+
+
+def test_the_inlet_is_as_much_too_thick_as_murch_and_wilson_thin_it():
+    film = {"load_per_length": 2e4, "rolling_speed": 29.8, "radius": 6.9e-3, "modulus": 2.28e11, "viscosity": 8.58e-3}
+    film |= {"pressure_viscosity": 1.074e-8}
+    heat = {"thermoviscosity": 0.0284, "conductivity": 0.1425}
+    thin = get_model("film", "inlet-correction").film_thickness(**film, **heat)
+    load = 8.58e-3 * 0.0284 * 29.8**2 / 0.1425
+    off = 100 * (get_model("film", "moes").film_thickness(**film) / thin - 1)
+    assert ISOTHERMAL.error(load) == pytest.approx(float(off), rel=1e-12)
+    assert float(QUANTITIES["thermal_load"].of(tables(rolling_speed=29.8)[0].slices)[0]) == pytest.approx(load)
+
+
+def test_barus_is_above_roelands_by_what_it_says():
+    conditions = Conditions(
+        viscosity=8.58e-3, pressure_viscosity=1.074e-8, thermoviscosity=0.0284, pressure_thermoviscosity=0.0
+    )
+    for pressure in (0.1e9, 0.4e9, 1e9):
+        off = 100 * (Barus().at(conditions, pressure)[0] / Roelands().at(conditions, pressure)[0] - 1)
+        assert bound(Barus, "pressure").error(pressure) == pytest.approx(float(off), rel=1e-9)
+
+
+# Shares, sentences ----------------------------------------------------------------------------------------------------
+
+
+def test_a_share_is_of_the_force_and_of_the_ring_that_has_more_of_it():
+    light = [2.0 * math.sqrt(2 * 8.58e-3 * 25.0 / (2.2857e11 * 6.875e-3)) * 2.2857e11 * 6.875e-3 * x for x in (0.5, 2)]
+    inner = tables(load=light)
+    outer = [Filled("outer", inner[0].slices, np.array([3.0, 1.0]))]
+    contact = get_model("contact", "palmgren")
+    (found,) = (one for one in outside([contact], [*inner, *outer]) if one.validity.quantity == "load_parameter")
+    assert (found.share, found.ring, found.values) == (0.75, "outer", (pytest.approx(1.0),) * 2)
+    (found,) = (one for one in outside([contact], inner * 2) if one.validity.quantity == "load_parameter")
+    assert (found.share, found.ring) == (0.25, ""), "both alike"
+    (said,) = sentences([found], None)
+    assert said.startswith("contact 'palmgren' was made for load parameter M >= 2; 25 % of the contact force is out")
+    assert "its mean by load is up to 58 % lower; remedy: none" in said
+
+
+def test_nothing_is_said_within_the_bounds_and_of_what_is_not_known():
+    quiet = tables(film_thickness=1e-5, pressure=5e7, film_viscosity=0.01, rolling_speed=1.0, sliding_speed=1e-4)
+    assert sentences(outside([get_model("contact", "palmgren"), get_model("film", "moes")], quiet), None) == []
+    unknown = attrs.evolve(quiet[0].slices.conditions, conductivity=math.nan)
+    quiet[0].slices.conditions = unknown
+    (heat,) = (one for one in outside([get_model("film", "moes")], quiet) if one.validity is ISOTHERMAL)
+    assert (heat.known, heat.share) == (False, 0.0)
+
+
+def test_a_blend_takes_care_of_asperities_and_its_parts_of_the_rest():
+    def names(model):
+        return {(label, one.quantity) for label, _, one in laws_of(model)}
+
+    assert ("traction 'muraki'", "film_parameter") in names(Muraki())
+    blend = names(get_model("traction", "lambda-blend", hydrodynamic="muraki"))
+    assert blend == {row for row in names(Muraki()) if row[1] != "film_parameter"}
+    assert {q for _, q in names(get_model("film", "inlet-correction"))} == {"thermal_load", "film_parameter"}
+    (heat,) = (v for _, _, v in laws_of(get_model("film", "inlet-correction")) if v.quantity == "thermal_load")
+    assert heat.high == 10.0, "the film inside it no longer speaks of heat"
+
+
+def test_a_bound_in_si_is_told_in_the_units_of_engineers():
+    (said,) = sentences(outside([Barus()], tables(pressure=4e8)), None)
+    assert said.startswith("'barus' was made for pressure <= 100 MPa; 100 % of the contact force is outside, where the")
+    assert "is 266 % above Roelands's" in said, "exp(alpha p)/exp(k [(1 + p/p0)^z - 1]) = 3.655 by hand"
+
+
+# Results --------------------------------------------------------------------------------------------------------------
+
+
+def test_a_result_says_how_far_muraki_is_off_the_exact_law_at_its_own_slips():
+    scene = evolve(PAPER, QUICK)
+    found = run(scene, "effective-friction")
+    (said,) = (text for text in told(found) if "the law that it approximates" in text)
+    off = json.loads(found.attrs["validity"])["approximation"]
+    assert (off["law"], off["reference"]) == ("muraki", "maxwell-eyring")
+    exact = run(evolve(scene, {"models.traction.hydrodynamic": "maxwell-eyring"}), "effective-friction")
+    curves = [np.asarray(one.effective_friction)[:, [1, 2, 3, 4, 5, 6, 7, 8]] for one in (found, exact)]
+    relative = curves[0] / curves[1] - 1
+    assert off["rms"] == pytest.approx(float(np.sqrt((relative**2).mean())), rel=1e-3)
+    assert off["largest"] == pytest.approx(float(relative.flat[np.abs(relative).argmax()]), rel=1e-3)
+    assert 0.10 < off["rms"] < 0.15, "12 % in a comparison over the whole curve"
+    assert said.startswith(f"the friction of 'muraki' is {100 * off['rms']:.2g} % (rms) off that of 'maxwell-eyring'")
+    assert said.endswith("remedy: 'maxwell-eyring' in its place")
+    assert "of the contact force" in said
+
+
+@pytest.mark.parametrize("study", ["friction-curve", "effective-friction", "steady-slip"])
+def test_every_study_tells_it(study):
+    drags = {"cage.drag": ["petroff-land", "rolling-resistance"]}
+    found = run(evolve(PAPER, QUICK | drags | {"accuracy.tolerance": 1e-2}), study)
+    assert sum("the law that it approximates" in text for text in told(found)) == 1
+    assert any(text.startswith("contact 'palmgren' was made for load parameter M >= 2; ") for text in told(found))
+    bounds = json.loads(found.attrs["validity"])["bounds"]
+    assert {row["law"] for row in bounds} == {"contact 'palmgren'", "film 'moes'", "'barus'", "traction 'muraki'"} | (
+        {"drag 'rolling-resistance'"} if study == "steady-slip" else set()
+    )
+    assert all(0.0 <= row["share_outside"] <= 1.0 for row in bounds)
+
+
+def test_the_end_of_a_motion_is_judged_too():
+    scene = evolve(load_scene("1032930-50C"), {"study.dynamics.duration": "2 ms", "study.dynamics.points": 5})
+    found = run(scene, "dynamics")
+    (said,) = (text for text in told(found) if "the law that it approximates" in text)
+    assert "at the end of the motion" in said
+
+
+def test_a_scene_that_names_no_law_gets_the_exact_one_and_no_word_of_approximation():
+    scene = evolve(PAPER, QUICK | {"models.traction": "lambda-blend"})
+    made = plan(scene, "effective-friction")
+    assert made.assembly.traction.hydrodynamic == MaxwellEyring()
+    found = run(scene, "effective-friction")
+    assert not any("approximates" in text for text in told(found))
+    assert json.loads(found.attrs["validity"])["approximation"] is None
+
+
+@pytest.mark.parametrize("temperature", [30, 50, 70])
+def test_the_scenes_of_the_paper_keep_its_law(temperature):
+    assert plan(load_scene(f"1032930-{temperature}C")).assembly.traction.hydrodynamic == Muraki()
+
+
+def test_a_closed_form_that_a_plan_takes_within_its_bound_is_not_held_against_the_law():
+    scene = evolve(PAPER, QUICK | {"models.traction.hydrodynamic": "maxwell-eyring", "accuracy.tolerance": 0.5})
+    made = plan(scene, "effective-friction")
+    study, assembly = made.studies["effective-friction"], made.assemblies["effective-friction"]
+    contacts = study.judged_slices(assembly, run(scene, "effective-friction"))
+    assert difference(made.assembly.traction, contacts, assembly) is None
+
+
+# Strangers ------------------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen
+class Slow(TractionModel):
+    """A law that was made for slow sliding, in a group of its own."""
+
+    name = "made-for-slow"
+    equation = "mu = 0.01"
+    references = ("Nobody N. 2000.",)
+    reads = frozenset({"sliding_speed", "rolling_speed"})
+    domain = MappingProxyType({"sliding_speed": (-1e3, 1e3), "rolling_speed": (1e-9, 1e3)})
+    validity = (
+        Validity(
+            quantity="sliding",
+            high=0.01,
+            consequence="it is {error} off",
+            error=Tabled(((0.01, 1.0), (1.0, 50.0))),
+            remedy="take another",
+            source="its author",
+        ),
+    )
+
+    def quantities(self, slices):
+        return {"sliding": np.abs(slices.sliding_speed) / slices.rolling_speed}
+
+    def evaluate(self, slices):
+        slices.friction[...] = 0.01 * np.sign(slices.sliding_speed)
+
+
+def test_a_law_of_a_stranger_states_it_the_same_way(monkeypatch):
+    monkeypatch.setattr(discovery, "_registered", {})
+    register(Slow)
+    found = run(evolve(PAPER, QUICK | {"models.traction": "made-for-slow"}), "effective-friction")
+    (said,) = (text for text in told(found) if "made-for-slow" in text)
+    assert said.startswith("traction 'made-for-slow' was made for sliding <= 0.01; ")
+    assert said.endswith("; remedy: take another")
+    (row,) = models_as_dict("made-for-slow")["traction"]["made_for"]
+    assert row["outside"] == "it is 1 to 25 % off (at 0.01 to 0.1)"
+
+
+def test_a_law_without_a_word_of_it_says_nothing():
+    class Silent(Slow):
+        validity = ()
+
+    assert SliceModel.validity == ()
+    assert outside([Silent()], tables()) == []
+
+
+def test_a_film_of_a_stranger_that_knows_its_regime_only_warns_as_before():
+    @attrs.frozen
+    class Rigid(FilmModel):
+        name = "strange-film"
+        regime = "IR"
+        location = "minimum"
+
+        def evaluate(self, slices):
+            slices.film_thickness[...] = 1e-6
+
+    (said, *_) = sentences(outside([Rigid()], tables(load=1e6)), None)
+    assert said.startswith("film 'strange-film' was made for the rigid-isoviscous regime; 100 % of the contact force ")
+    assert "where its film may be far off; remedy: film 'moes', which covers all regimes" in said
+
+
+def test_judging_changes_no_result():
+    made = plan(evolve(PAPER, QUICK), "effective-friction")
+    before = run(made.scene, "effective-friction")
+    warnings(made, "effective-friction", before)
+    assert before.equals(run(made.scene, "effective-friction"))
+    assert filled([], made.assembly) == []
