@@ -39,6 +39,7 @@ from rollslip.models import (
     ResistanceModel,
     SliceModel,
     TractionModel,
+    Validity,
 )
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_kernels.stages.drag import python_drag
@@ -408,6 +409,44 @@ class ReadsWhatItWrites(Film):
 
     reads = Film.reads | {"film_thickness"}
     domain = MappingProxyType({**Film.domain, "film_thickness": FINITE})
+
+
+def made_for(**changes):
+    """A sound validity with changes."""
+    sound = {"quantity": "slide_roll_ratio", "high": 0.1, "consequence": "it is off", "remedy": "none"}
+    return Validity(**{**sound, "source": "nobody", **changes})
+
+
+@breaks("check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated")
+@attrs.frozen(kw_only=True)
+class MadeForNothingKnown(Traction):
+    """Its validity is stated in a quantity that nobody knows."""
+
+    validity = (made_for(quantity="weissenberg"),)
+
+
+@breaks("check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated")
+@attrs.frozen(kw_only=True)
+class MadeForAnything(Traction):
+    """Its validity has no bound."""
+
+    validity = (made_for(high=math.inf),)
+
+
+@breaks("check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated")
+@attrs.frozen(kw_only=True)
+class ErrorBelowNothing(Traction):
+    """The error that it states outside its validity is negative."""
+
+    validity = (made_for(consequence="it is {error} off", error=lambda ratio: 0.1 - ratio),)
+
+
+@breaks("check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated")
+@attrs.frozen(kw_only=True)
+class NoRemedy(Traction):
+    """It was made for something and says not what to do outside."""
+
+    validity = (made_for(remedy=" "),)
 
 
 @breaks("check_can_be_bound_in_a_chain")

@@ -28,8 +28,10 @@ from hypothesis import assume
 from hypothesis import strategies as st
 
 from rollslip.bearing.chain import Chain, stage
+from rollslip.bearing.regimes import QUANTITIES
 from rollslip.errors import DomainError, PluginError
-from rollslip.models import SliceModel
+from rollslip.models import POSITIVE, SliceModel, Validity
+from rollslip.studies.validity import quantity
 from rollslip.testing.rules import MODELS, STAGES, Inapplicable, Nonconformance, bits, refuse_unless, rule, same
 from rollslip.testing.samples import (
     Unlimited,
@@ -91,6 +93,46 @@ def check_reads_and_writes_members_that_exist(model: SliceModel) -> None:
         0.0 < model.tolerance <= 1e-6,
         f"its tolerance is {model.tolerance!r}; two forms of one law agree to rounding, 1e-6 at worst",
     )
+
+
+@rule(SliceModel)
+def check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated(model: SliceModel) -> None:
+    """A validity is a bound of a quantity that slices have, with consequence, remedy and source; its error a number."""
+    if not model.validity:
+        raise Inapplicable("it states no validity")
+    conditions = Conditions(**{name: typical(name, model.domain.get(name, POSITIVE)) for name in CONDITIONS})
+    slices = Slices(4, conditions, **{name: typical(name, model.domain.get(name, POSITIVE)) for name in COLUMNS})
+    for one in model.validity:
+        refuse_unless(isinstance(one, Validity), f"validity holds {one!r}, which is no rollslip.models.Validity")
+        where = f"validity in {one.quantity!r}"
+        refuse_unless(
+            one.low <= one.high and (one.low > -math.inf or one.high < math.inf),
+            f"{where}: made for {one.low} to {one.high}; give one finite bound, or two that rise",
+        )
+        for name in ("consequence", "remedy", "source"):
+            text = getattr(one, name)
+            refuse_unless(isinstance(text, str) and text.strip(), f"{where}: {name} is {text!r}; say it in words")
+        try:
+            values = quantity(model, one.quantity, slices)
+        except Exception as error:
+            raise Nonconformance(
+                f"{where}: {type(error).__name__}: {error}; state it in quantities() of the law, in one of "
+                f"{', '.join(QUANTITIES)}, or in a member of the slices"
+            ) from error
+        refuse_unless(np.all(np.isfinite(values)), f"{where}: it is {values[0]} where every member has a usual value")
+        refuse_unless(
+            ("{error}" in one.consequence) == (one.error is not None),
+            f"{where}: error and {{error}} in the consequence go together",
+        )
+        if one.error is None:
+            continue
+        for bound, beyond in ((one.low, 0.5), (one.high, 2.0)):
+            for value in (bound, beyond * bound) if math.isfinite(bound) else ():
+                off = one.error(value)
+                refuse_unless(
+                    isinstance(off, float | int) and math.isfinite(off) and off >= 0.0,
+                    f"{where}: the error at {value:g} is {off!r}; give per cent, not negative",
+                )
 
 
 @rule(SliceModel)
