@@ -20,8 +20,10 @@ from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.main import cli
 from rollslip.cli.models import models_as_dict
 from rollslip.lubricant import OilPoint, OilTable
+from rollslip.lubricant.pressure import Barus, Roelands, Yasutomi
 from rollslip.scene.schema import schema, shown_default
 from rollslip.studies.study import study_class
+from rollslip.studies.validity import bound_of
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
@@ -118,7 +120,28 @@ def model(kind, name):
         compiled = "compiled and in NumPy" if about["compiled"] else "in NumPy"
         lines += [f"Reads, with domain: {', '.join(reads)}.", ""]
         lines += [f"Writes {', '.join(f'``{member}``' for member in about['writes'])}; {compiled}.", ""]
+    if about.get("made_for"):
+        rows = [(v["bound"], v["outside"], v["remedy"], v["source"]) for v in about["made_for"]]
+        lines += table(("made for", "outside", "remedy", "rests on"), rows)
     return lines
+
+
+def validity():
+    """What the laws in the box were made for: a row for each bound, with all laws that state it."""
+    rows = {}
+    for kind in offered_kinds():
+        for name in available(kind):
+            if isinstance(get_class(kind, name), type):
+                for one in models_as_dict(name)[kind].get("made_for", ()):
+                    rows.setdefault(tuple(one.values()), []).append(f"``{name}``")
+    for law in (Barus, Roelands, Yasutomi):
+        for one in law.validity:
+            row = (bound_of(one), one.told, one.remedy, one.source)
+            rows.setdefault(row, []).append(f"``{law.name}``")
+    lines = table(
+        ("laws", "made for", "outside", "remedy", "rests on"), [(", ".join(names), *row) for row, names in rows.items()]
+    )
+    return [lines[0], "   :class: wrapping", *lines[1:]]
 
 
 def data(thing):
@@ -284,6 +307,7 @@ PARTS = {
     "study-keys": study_keys,
     "sweep-keys": sweep_keys,
     "models": models,
+    "validity": validity,
     "kinds": kinds,
     "commands": commands,
     "contract": contract,

@@ -12,6 +12,7 @@ from rollslip.cli.console import print_table
 from rollslip.errors import PluginError, nearest
 from rollslip.models import SliceModel, interval
 from rollslip.scene.values import resolved
+from rollslip.studies.validity import bound_of
 from rollslip.units import format_quantity
 
 __all__ = ["kinds_of", "models_as_dict", "print_models"]
@@ -132,6 +133,10 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
             for m in sorted(model.reads)
         ],
         "writes": sorted(model.writes),
+        "made_for": [
+            {"bound": bound_of(one), "outside": one.told, "remedy": one.remedy, "source": one.source}
+            for one in (() if isinstance(model, type) else model.validity)
+        ],
         "compiled": model.kernel() is not None,
     }
 
@@ -174,6 +179,10 @@ def _print_model(kind: str, name: str) -> None:
             ("name", "unit", "domain", "meaning"),
             [(r["name"], r["unit"], r["domain"], r["meaning"]) for r in about["reads"]],
         )
+    if about.get("made_for"):
+        click.echo("made for; outside of it a result warns")
+        for v in about["made_for"]:
+            click.echo(f"  {v['bound']}: outside {v['outside']}; remedy: {v['remedy']}; rests on: {v['source']}")
     if "outputs" in about:
         click.echo("outputs")
         print_table(
