@@ -807,7 +807,11 @@ def test_the_command_writes_data_and_oil(examples, capsys):
     assert re.search(r"eyring_stress +6\.0\d+ MPa +0\.\d+ % .* determined", said)
     assert "written to twin-disc-fit: fit.nc, twin-disc.toml" in said
     assert "twin-disc-fit-2" in command(f"{PROMISED} --no-plots", capsys).out
-    assert sorted(path.name for path in (examples / "twin-disc-fit-2").iterdir()) == ["fit.nc", "twin-disc.toml"]
+    assert sorted(path.name for path in (examples / "twin-disc-fit-2").iterdir()) == [
+        "fit.nc",
+        "manifest.json",
+        "twin-disc.toml",
+    ]
     found = rollslip.open_result(examples / "twin-disc-fit" / "fit.nc")
     assert found.attrs["data"] == (examples / "twin-disc.csv").read_text(encoding="utf-8")
     shown = command("info twin-disc-fit/fit.nc", capsys).out
