@@ -1,12 +1,20 @@
 """What every study of the box says of itself holds for what it returns."""
 
+import re
+from typing import ClassVar
+
+import numpy as np
 import pytest
+import xarray as xr
 
 from rollslip import available, evolve, load_scene, run
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.resolution import finest
 from rollslip.campaigns.pareto.candidates import AXES
-from rollslip.errors import SceneError
+from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
+from rollslip.studies.estimates import by_doubling
 from rollslip.studies.study import settings, study_class
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.05, "accuracy.slices": 5})
@@ -68,3 +76,25 @@ def test_a_result_has_the_outputs_that_are_declared(name):
 def test_an_unknown_study_is_answered_with_the_nearest():
     with pytest.raises(SceneError, match="no study is called 'dynamic'; did you mean 'dynamics'"):
         settings(SCENE, "dynamic")
+
+
+class _Unsettled:
+    """A study whose friction falls with all slices, and that has a critical slip with the most of them only."""
+
+    judged: ClassVar = {"friction": "friction", "critical_slip": "critical"}
+    acts = frozenset({"slices"})
+
+    def run(self, assembly):
+        most = assembly.slices == finest(assembly.scene).slices
+        return xr.Dataset({"friction": 1.0 + 1.0 / assembly.slices, "critical": 0.5 if most else np.nan})
+
+
+def test_what_no_doubling_settles_says_what_moves_and_which_keys_to_raise():
+    scene = evolve(load_scene("1032930-70C"), {"accuracy.friction": 1e-9, "accuracy.slices": "auto"})
+    with pytest.raises(ConvergenceError) as refused:
+        by_doubling(_Unsettled(), assemble(scene))
+    assert re.fullmatch(
+        r"the last doubling up to \d+ slices still changes friction by \S+ and whether critical slip has a value; raise "
+        "accuracy.friction and accuracy.critical_slip",
+        str(refused.value),
+    )

@@ -22,6 +22,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, Raceway
+from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
 
 _FIRST_INSTANTS, _MOST_INSTANTS = 2, 256
@@ -122,7 +123,7 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
         instants *= 2
     raise ConvergenceError(
         f"{_MOST_INSTANTS} positions a pitch leave {orbits.over_position:.1e} of the load at the wrong place; "
-        f"its table may leave {tolerance:.1e}; raise accuracy.tolerance"
+        f"its table may leave {tolerance:.1e}; {COARSER_TABLES}"
     )
 
 
@@ -171,7 +172,7 @@ class _Orbits:
             if len(nodes) > _MOST_FORCES:
                 raise ConvergenceError(
                     f"{_MOST_FORCES} centrifugal forces leave {error:.1e} of the load at the wrong place between "
-                    f"{low:g} and {high:g} N; its table may leave {2.0 * tolerance:.1e}; raise accuracy.tolerance"
+                    f"{low:g} and {high:g} N; its table may leave {2.0 * tolerance:.1e}; {COARSER_TABLES}"
                 )
         loads = np.stack([self.at(force)[:, ::2] for force in sorted(nodes)])
         return LoadMap(np.array(sorted(nodes)), loads, self.assembly.widths, self.over_position + over_force)

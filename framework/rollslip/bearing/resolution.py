@@ -25,6 +25,10 @@ from rollslip_kernels.slices import Slices
 
 Array = NDArray[np.float64]
 
+#: What makes tables coarser, of which a plan takes the error from the least of these.
+COARSER_TABLES: Final = (
+    "raise accuracy.tolerance, or accuracy.friction and accuracy.cage_speed where the scene has them"
+)
 #: Slices of a scene that nobody planned.
 _SLICES: Final = 101
 #: Slices and instants of the finest resolution.

@@ -104,8 +104,10 @@ def sweep_planned(sweep: "Sweep") -> list[str]:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in words: "12 s", "3 min 20 s", "2 h 5 min"."""
+    """Return a time in words: "0.3 s", "12 s", "3 min 20 s", "2 h 5 min"."""
     whole = round(seconds)
+    if seconds < 1.0:
+        return f"{seconds:.1g} s"
     if whole < 60:
         return f"{whole} s"
     if whole < 3600:

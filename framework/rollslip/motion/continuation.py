@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.critical import slip_grid
 from rollslip.bearing.raceway import Array
+from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
 
 #: Most points that the refinement of a curve may need.
@@ -82,7 +83,7 @@ def torque_curve(torque: Callable[[float], float], largest: float, points: int, 
         if slip.size > _MOST_POINTS:
             raise ConvergenceError(
                 f"the driving torque still bends by {error.max():.1e} (relative) between {slip.size} slips, most at a "
-                f"cage slip of {slip[np.argmax(error)]:.4g}, which may leave {tolerance:.1e}; raise accuracy.tolerance"
+                f"cage slip of {slip[np.argmax(error)]:.4g}, which may leave {tolerance:.1e}; {COARSER_TABLES}"
             )
         intervals = np.unique(np.concatenate((bad - 1, bad)))
         middles = 0.5 * (slip[intervals] + slip[intervals + 1])

@@ -34,6 +34,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, locate
 from rollslip.bearing.raceway import RINGS, Array, Raceway
+from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
 from rollslip_kernels.motion import raceway as compiled
 
@@ -468,7 +469,7 @@ def _relative(off: Array, values: Array) -> float:
 def _too_coarse(error: float, tolerance: float) -> ConvergenceError:
     return ConvergenceError(
         f"the table of effective friction still has a relative error of {error:.1e} with the most nodes, more than the "
-        f"{tolerance:.1e} that are left to it; raise accuracy.tolerance"
+        f"{tolerance:.1e} that are left to it; {COARSER_TABLES}"
     )
 
 

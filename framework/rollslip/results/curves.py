@@ -21,6 +21,8 @@ __all__ = ["Curve", "Curves", "critical_rows", "curve_names", "curves", "digits"
 
 Array = NDArray[np.float64]
 
+#: Share of the largest friction by which the last two points of a curve must differ for a rise that is told.
+_RISES: Final = 1e-4
 #: What a dataset may tell of the first maximum of its curves: place and value.
 FIRST: Final = ("first_maximum_slip", "first_maximum_friction")
 
@@ -127,8 +129,10 @@ class Curve:
         return f"{self.name}: {self.status}. In this range the {self.of} reaches {digits(most, 3)}{self._first()}"
 
     def _first(self) -> str:
+        """Say where friction falls or rises beside its largest value, of which the range may hold a part only."""
         if not self.falls_before:
-            return ""
+            rises = self.has_critical and self.friction[-1] - self.friction[-2] > _RISES * self.critical_friction
+            return f"; at the end of the range, {percent(self.slip[-1])}, it rises again" if rises else ""
         return (
             f"; it falls with slip already from {percent(self.first_slip)} on, a first maximum of "
             f"{digits(self.first_friction, 3)}, before it rises once more"

@@ -331,8 +331,14 @@ def by_doubling(study: Judged, assembly: Assembly) -> Estimated:
             if all(error <= share * accuracy.of(result) for result, error in errors[part].items()):
                 return number
             before = after
-        found = ", ".join(f"{result} by {error:.1e}" for result, error in errors[part].items())
-        raise ConvergenceError(f"the last doubling up to {most} {part} still moves {found}; raise accuracy.tolerance")
+        moved = {result: error for result, error in errors[part].items() if not error <= share * accuracy.of(result)}
+        told = {result: result.replace("_", " ") for result in moved}
+        found = " and ".join(
+            f"{told[result]} by {error:.1e}" if math.isfinite(error) else f"whether {told[result]} has a value"
+            for result, error in moved.items()
+        )
+        raised = " and ".join(f"accuracy.{result}" for result in moved)
+        raise ConvergenceError(f"the last doubling up to {most} {part} still changes {found}; raise {raised}")
 
     instants = doubled("instants", 1, best.instants or 1) if "instants" in study.acts else 1
     slices = few.slices
