@@ -94,7 +94,7 @@ def test_what_no_doubling_settles_says_what_moves_and_which_keys_to_raise():
     with pytest.raises(ConvergenceError) as refused:
         by_doubling(_Unsettled(), assemble(scene))
     assert re.fullmatch(
-        r"the last doubling up to \d+ slices still changes friction by \S+ and whether critical slip has a value; raise "
-        "accuracy.friction and accuracy.critical_slip",
+        r"the last doubling up to \d+ slices still changes friction by \S+ and whether critical slip has a value; "
+        "raise accuracy.friction and accuracy.critical_slip",
         str(refused.value),
     )
