@@ -10,14 +10,17 @@ import attrs
 import numpy as np
 import pytest
 
+from broken_studies import HeaviestForce
 from rollslip import Conditions, Slices, evolve, get_model, load_scene, plan, register, run
 from rollslip.bearing.regimes import NAMES, QUANTITIES, film_by_regime
 from rollslip.catalogue import discovery
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.models import models_as_dict
+from rollslip.errors import DomainError
 from rollslip.lubricant.pressure import Barus, Roelands
 from rollslip.models import ISOTHERMAL, ContactModel, FilmModel, SliceModel, Tabled, TractionModel, Validity
 from rollslip.planning.execution import warnings
+from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.validity import Filled, difference, filled, laws_of, outside, sentences
 from rollslip_kernels.stages.stress import maxwell_eyring, muraki
 from rollslip_plugins.film.line_contact import solve_line_contact
@@ -267,6 +270,29 @@ def test_a_closed_form_that_a_plan_takes_within_its_bound_is_not_held_against_th
     study, assembly = made.studies["effective-friction"], made.assemblies["effective-friction"]
     contacts = study.judged_slices(assembly, run(scene, "effective-friction"))
     assert difference(made.assembly.traction, contacts, assembly) is None
+
+
+def test_what_cannot_be_judged_is_said_and_loses_no_result(monkeypatch):
+    def refuses(self, assembly, dataset):
+        raise DomainError("no slices here")
+
+    monkeypatch.setattr(EffectiveFriction, "judged_slices", refuses)
+    found = run(evolve(PAPER, QUICK), "effective-friction")
+    assert told(found)[0] == "whether models were used for what they were made for could not be judged: no slices here"
+    assert np.isfinite(found.effective_friction).all()
+
+
+def test_a_study_without_curves_is_judged_at_the_loads_of_the_bearing(monkeypatch):
+    made = plan(evolve(PAPER, QUICK), "effective-friction")
+    assembly = made.assemblies["effective-friction"]
+    plain = HeaviestForce()
+    slices = plain.judged_slices(assembly, None)
+    assert plain.judged_at == "at the loads of the bearing, without slip"
+    assert [one.ring for one in slices] == ["inner", "outer"]
+    loads = assembly.load_distribution(1)
+    for one, forces in zip(slices, (loads.inner_force, loads.outer_force), strict=True):
+        assert one.force.sum() == pytest.approx(forces.sum(), rel=1e-12)
+    assert difference(made.assembly.traction, slices, assembly) is None, "nothing slides"
 
 
 # Strangers ------------------------------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import BoundBrokenError
+from rollslip.errors import RollslipError
 from rollslip.models import TractionModel
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.planning.plan import Plan, plan
@@ -172,11 +173,16 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     """
     running, assembly = plan.studies[study], plan.assemblies[study]
     assembly = assembly.with_resistance() if running.with_cage else assembly
-    contacts = running.judged_slices(assembly, dataset)
-    laws = [m for m in assembly.inner.chain.models if not isinstance(m, TractionModel)]
-    outside = validity.outside([*laws, plan.assembly.traction], validity.filled(contacts, assembly))
-    off = validity.difference(plan.assembly.traction, contacts, assembly)
-    found = validity.sentences(outside, off, running.judged_at) + validity.corrections(assembly.film)
+    try:
+        contacts = running.judged_slices(assembly, dataset)
+        laws = [m for m in assembly.inner.chain.models if not isinstance(m, TractionModel)]
+        outside = validity.outside([*laws, plan.assembly.traction], validity.filled(contacts, assembly))
+        off = validity.difference(plan.assembly.traction, contacts, assembly)
+        found = validity.sentences(outside, off, running.judged_at)
+    except RollslipError as error:  # what was computed stands
+        outside, off = [], None
+        found = [f"whether models were used for what they were made for could not be judged: {error}"]
+    found += validity.corrections(assembly.film)
     accuracy = plan.scene.accuracy
     if (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
         remedy = (

@@ -17,7 +17,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.raceway import Array
+from rollslip.bearing.raceway import Array, LoadedContacts
 from rollslip.bearing.resolution import Resolution, finest
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.kinds import Kind, Template
@@ -274,15 +274,20 @@ class Study(abc.ABC):
                 found[f"critical slip{label}"] = Compared([[float(slip)]], str(status), "critical_slip")
         return found
 
-    #: What state `judged_slices` are at, in words.
-    judged_at: ClassVar[str] = "over the curves"
+    @property
+    def judged_at(self) -> str:
+        """What state `judged_slices` are at, in words."""
+        return "at the loads of the bearing, without slip" if self.curves_of is None else "over the curves"
 
     def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices by which it is judged whether models were used for what they were made for.
 
-        By default those of `evaluated` at a few slips of the curves, none where a study has no curves.
+        By default those of `evaluated` at a few slips of the curves; without curves all that the bearing loads where
+        it rolls without slip, if its loads take part.
         """
-        if self.curves_of is None or type(self).evaluated is Study.evaluated:
+        if self.curves_of is None:
+            return _rolling(assembly) if self.bearing_loads else []
+        if type(self).evaluated is Study.evaluated:
             return []
         slips = dataset.sizes[self.curves_of.slip]
         few = set(np.linspace(slips // _JUDGED, slips - 1, _JUDGED).astype(int).tolist())
@@ -304,6 +309,19 @@ class Study(abc.ABC):
             The result.
         """
         raise NotImplementedError(f"study {self.name!r} has no curves to compare")
+
+
+def _rolling(assembly: Assembly) -> list[Evaluated]:
+    """Loaded slices of both rings at the first instant, where the bearing rolls without slip."""
+    loads, speeds = assembly.load_distribution(1), assembly.kinematics.surface_speeds(0.0, 0.0)
+    found = []
+    for raceway, load, rolling in (
+        (assembly.inner, loads.inner_load, speeds.inner_rolling),
+        (assembly.outer, loads.outer_load, speeds.outer_rolling),
+    ):
+        contacts = LoadedContacts(raceway, load[0], assembly.widths, 1.0)
+        found.append(Evaluated(0, raceway.ring, contacts.slices.load, float(rolling), 0.0, contacts.force))
+    return found
 
 
 def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:

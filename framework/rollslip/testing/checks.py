@@ -97,9 +97,10 @@ def check_reads_and_writes_members_that_exist(model: SliceModel) -> None:
 
 @rule(SliceModel)
 def check_states_what_it_was_made_for_in_quantities_that_can_be_evaluated(model: SliceModel) -> None:
-    """A validity is a bound of a quantity that slices have, with consequence, remedy and source; its error a number."""
-    if not model.validity:
-        raise Inapplicable("it states no validity")
+    """A validity is a bound of a quantity that slices have, with consequence, remedy and source; its error a number.
+
+    Nobody has to state one.
+    """
     conditions = Conditions(**{name: typical(name, model.domain.get(name, POSITIVE)) for name in CONDITIONS})
     slices = Slices(4, conditions, **{name: typical(name, model.domain.get(name, POSITIVE)) for name in COLUMNS})
     for one in model.validity:

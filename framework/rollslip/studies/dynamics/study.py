@@ -294,7 +294,10 @@ class Dynamics(Study):
         drags = (("drag", model) for model in assembly.cage.drags)
         return *drags, ("integrator", self.method(assembly))
 
-    judged_at: ClassVar[str] = "at the end of the motion"
+    @property
+    def judged_at(self) -> str:
+        """What state `judged_slices` are at."""
+        return "at the end of the motion"
 
     def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices of the rollers at the last stored instant."""

@@ -222,7 +222,10 @@ class SteadySlip(Study):
         balances = [self._balance(bearing, m) for m in instants]
         return np.array([[[balance.torque(float(s)) for s in slip]] for balance in balances])
 
-    judged_at: ClassVar[str] = "at the steady slip"
+    @property
+    def judged_at(self) -> str:
+        """What state `judged_slices` are at."""
+        return "at the steady slip"
 
     def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices at the steady slips, or where there is none at that of the largest drag."""
