@@ -179,9 +179,9 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
         outside = validity.outside([*laws, plan.assembly.traction], validity.filled(contacts, assembly))
         off = validity.difference(plan.assembly.traction, contacts, assembly)
         found = validity.sentences(outside, off, running.judged_at)
-    except RollslipError as error:  # what was computed stands
+    except RollslipError as refusal:  # what was computed stands
         outside, off = [], None
-        found = [f"whether models were used for what they were made for could not be judged: {error}"]
+        found = [f"whether models were used for what they were made for could not be judged: {refusal}"]
     found += validity.corrections(assembly.film)
     accuracy = plan.scene.accuracy
     if (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:

@@ -139,8 +139,9 @@ def laws_of(model: SliceModel, covered: frozenset[str] = frozenset()) -> Iterato
         kind = "drag"
     label = f"{kind} {model.name!r}".strip()
     yield from ((label, model, one) for one in model.validity if one.quantity not in covered)
-    if attrs.has(type(model)):
-        for attribute in attrs.fields(type(model)):
+    cls: Any = type(model)
+    if attrs.has(cls):
+        for attribute in attrs.fields(cls):
             child = getattr(model, attribute.name)
             if isinstance(child, SliceModel):
                 yield from laws_of(child, covered | model.covers)
@@ -203,8 +204,8 @@ def difference(traction: TractionModel, contacts: Sequence[Evaluated], assembly:
     law = traction.full_film
     if law.solved_by is None or assembly.resolution.traction != "named":
         return None
-    reference = get_class("traction", law.solved_by)
-    given = {a.name for a in attrs.fields(type(law))} & {a.name for a in attrs.fields(reference)}
+    cls, reference = type(law), get_class("traction", law.solved_by)
+    given = {a.name for a in attrs.fields(cls)} & {a.name for a in attrs.fields(reference)}  # type: ignore[arg-type]
     exact = reference(**{name: getattr(law, name) for name in given})
     models = assembly.inner.chain.models
     other = Chain(

@@ -16,14 +16,20 @@ from rollslip_plugins.bibliography import GOKSEM_1978, GREENWOOD_1961, JOHNSON_1
 
 #: F = RIGID sqrt(eta u w): int h dp/2 of the half-open parabolic gap that Reynolds's condition ends.
 RIGID: Final = 2.0796226511
-#: Where the law was held against a numerical solution.
-_COMPARED: Final = {
-    "consequence": "the resistance was held against no solution; inside it is 0 to 36 % low",
-    "remedy": "take it for an estimate",
-    "source": "a numerical solution, isothermal, Barus: tests/references/rolling_resistance.py",
-}
 #: F = ELASTIC (R/alpha) (G U)^0.658 W^0.0126
 ELASTIC: Final = 4.318
+
+
+def _compared(quantity: str, low: float, high: float) -> Validity:
+    """Return the range in which the law was held against a numerical solution."""
+    return Validity(
+        quantity=quantity,
+        low=low,
+        high=high,
+        consequence="the resistance was held against no solution; inside it is 0 to 36 % low",
+        remedy="none in the box; take it for an estimate",
+        source="a numerical solution, isothermal, Barus: tests/references/rolling_resistance.py",
+    )
 
 
 @attrs.frozen
@@ -69,8 +75,8 @@ class RollingResistance(ResistanceModel):
     )
     references: ClassVar[tuple[Reference, ...]] = (GOKSEM_1978, MARTIN_1916)
     validity: ClassVar[tuple[Validity, ...]] = (
-        Validity(quantity="load_parameter", low=0.2, high=20.0, **_COMPARED),
-        Validity(quantity="lubricant_parameter", low=5.0, high=15.0, **_COMPARED),
+        _compared("load_parameter", 0.2, 20.0),
+        _compared("lubricant_parameter", 5.0, 15.0),
     )
     reads = frozenset({"load", "rolling_speed", "radius", "modulus", "viscosity", "pressure_viscosity"})
     domain = MappingProxyType({**dict.fromkeys(sorted(reads), POSITIVE), "pressure_viscosity": NON_NEGATIVE})
