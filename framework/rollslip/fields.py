@@ -16,7 +16,7 @@ import attrs
 from rollslip.errors import RollslipError
 from rollslip.units import as_written, check_unit, format_quantity
 
-__all__ = ["FieldError", "at_least", "field", "in_range", "non_negative", "one_of", "parameter", "positive"]
+__all__ = ["FieldError", "at_least", "field", "in_range", "non_negative", "one_of", "own_unit", "parameter", "positive"]
 
 
 class FieldError(RollslipError, ValueError):
@@ -73,6 +73,11 @@ def field(
     if key is not None:
         metadata["key"] = key
     return attrs.field(default=default, validator=validator, metadata=metadata)
+
+
+def own_unit(doc: str) -> Any:
+    """Declare a field whose values have the unit of the key at which its table stands."""
+    return attrs.field(metadata={"doc": doc, "unit": None, "own_unit": True})
 
 
 def parameter(

@@ -110,12 +110,18 @@ MISSING = _Missing()
 
 
 def structure(
-    cls: type[T], raw: object, where: Location | str, problems: list[str], known: Mapping[str, object] | None = None
+    cls: type[T],
+    raw: object,
+    where: Location | str,
+    problems: list[str],
+    known: Mapping[str, object] | None = None,
+    own: str = "1",
 ) -> T | None:
     """Convert a raw table to an instance of an attrs class, strictly.
 
     A float field takes what `rollslip.units.quantity` takes, an int field whole numbers, a bool field true and false, a
-    str field text; tuples take lists, attrs classes take tables. Nothing else is converted.
+    str field text; tuples take lists, attrs classes take tables. A field of a number or an attrs class takes either.
+    Nothing else is converted.
 
     Parameters
     ----------
@@ -129,6 +135,8 @@ def structure(
         Takes one sentence for every fault found.
     known
         Values of keys of the table that are read already.
+    own
+        Unit of the key at which the table stands, for fields that have it.
 
     Returns
     -------
@@ -154,7 +162,7 @@ def structure(
         if attribute is not None and known is not None and key in known:
             values[attribute.name] = known[key]
         elif attribute is not None:
-            values[attribute.name] = _checked(kinds[attribute.name], value, attribute, where.at(key), faults)
+            values[attribute.name] = _checked(kinds[attribute.name], value, attribute, where.at(key), faults, own)
         elif rest is not None:
             others[key] = value
         else:
@@ -213,13 +221,16 @@ def _required(kind: object, attribute: "attrs.Attribute[Any]") -> str:
     return f"missing, but required{what}" + (f"; {expected}" if expected else "")
 
 
-def _checked(kind: Any, raw: object, attribute: "attrs.Attribute[Any]", where: Location, faults: list[str]) -> object:
+def _checked(
+    kind: Any, raw: object, attribute: "attrs.Attribute[Any]", where: Location, faults: list[str], own: str
+) -> object:
     """Convert and validate one field on its own, so that the faults of the other fields are found as well."""
     words = attribute.metadata.get("words", {})
     if isinstance(raw, str) and raw in words:
         return words[raw]
     before = len(faults)
-    value = _converted(kind, raw, attribute.metadata.get("unit") or "1", where, faults)
+    unit = own if attribute.metadata.get("own_unit") else attribute.metadata.get("unit") or "1"
+    value = _converted(kind, raw, unit, where, faults)
     if words and isinstance(raw, str):
         faults[before:] = [f"{fault}; or write {' or '.join(map(repr, words))}" for fault in faults[before:]]
     if value is not MISSING and attribute.validator is not None:
@@ -248,17 +259,18 @@ def _in_the_unit_given(attribute: "attrs.Attribute[Any]", raw: object, value: ob
 def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[str]) -> object:
     """Return the value of a raw one, or `MISSING` after noting what is wrong with it."""
     origin, arguments = get_origin(kind), get_args(kind)
-    if origin in (Union, types.UnionType) and len(arguments) == 2 and types.NoneType in arguments:
-        if raw is None:
+    if origin in (Union, types.UnionType):
+        if raw is None and types.NoneType in arguments:
             return None
-        kind = next(argument for argument in arguments if argument is not types.NoneType)
-        return _converted(kind, raw, unit, where, faults)
+        first, *others = (argument for argument in arguments if argument is not types.NoneType)
+        table = next((kind for kind in others if attrs.has(kind) and isinstance(raw, Mapping)), first)
+        return _converted(table, raw, unit, where, faults)
     if kind is FrozenTable:
         if isinstance(raw, Mapping):
             return _frozen(raw, where, faults)
         expected = "a table"
     elif attrs.has(kind):
-        value = structure(kind, raw, where, faults)
+        value = structure(kind, raw, where, faults, own=unit)
         return MISSING if value is None else value
     elif kind in (Any, object):
         return _frozen(raw, where, faults)

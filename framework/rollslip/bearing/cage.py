@@ -176,10 +176,9 @@ def _scene_values(scene: Scene, cage: Cage, kinematics: Kinematics, lubricant: L
         viscosity = lubricant.at(o.temperature).viscosity
     except DomainError as error:
         raise SceneError([Location(scene.origins, ("operation", "temperature")).says(str(error))]) from error
-    density = scene.lubricant.data.get("density")
     values = {
         "viscosity": viscosity,
-        "density": None if density is None else quantity(density, "kg/m3"),
+        "density": None if lubricant.density is None else lubricant.density(o.temperature),
         "rollers": float(b.rollers),
         "roller_diameter": b.roller_diameter,
         "roller_length": b.roller_length,

@@ -218,6 +218,7 @@ def scene_info(scene: Scene) -> Sections:
 
     from rollslip.bearing.assembly import assemble
     from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups, moes_groups
+    from rollslip.lubricant.oil import GRADES
 
     assembly = assemble(scene)
     k, loads = assembly.kinematics, assembly.load_distribution()
@@ -237,6 +238,11 @@ def scene_info(scene: Scene) -> Sections:
             ("relative residual", f"{loads.force_residual:.1e} force, {loads.moment_residual:.1e} moment"),
         ],
     }
+    grades = assembly.lubricant.grades
+
+    def graded(key: str) -> str:
+        return f" ({grades[key]})" if key in grades else ""
+
     for raceway, u, load in zip(
         assembly.raceways,
         (speeds.inner_rolling, speeds.outer_rolling),
@@ -248,8 +254,11 @@ def scene_info(scene: Scene) -> Sections:
             ("equivalent radius", format_quantity(c.radius, "m")),
             ("rolling speed without slip", format_quantity(float(u), "m/s", 4)),
             ("oil", f"{assembly.lubricant.name} at {format_quantity(c.temperature, 'K')}"),
-            ("viscosity", f"{1e3 * c.viscosity:.4g} mPa s"),
-            ("pressure-viscosity coefficient", f"{1e9 * c.pressure_viscosity:.4g} 1/GPa"),
+            ("viscosity", f"{1e3 * c.viscosity:.4g} mPa s{graded('viscosity')}"),
+            (
+                "pressure-viscosity coefficient",
+                f"{1e9 * c.pressure_viscosity:.4g} 1/GPa{graded('pressure_viscosity')}",
+            ),
             ("composite roughness", format_quantity(c.roughness, "m", 4)),
         ]
         if load.max() > 0.0:
@@ -265,6 +274,11 @@ def scene_info(scene: Scene) -> Sections:
                 ("  film regime", LONG_NAMES[NAMES[code]]),
             ]
         sections[f"{raceway.ring} raceway"] = rows
+    if grades:
+        sections["grades of the oil"] = [
+            *((f"({grade})", GRADES[grade]) for grade in sorted(set(grades.values()))),
+            *((key.replace("_", " "), f"({grade})") for key, grade in grades.items()),
+        ]
     return sections
 
 

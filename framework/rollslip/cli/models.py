@@ -10,12 +10,16 @@ from rollslip.catalogue.discovery import Offer, available, catalogue, find, get_
 from rollslip.catalogue.kinds import get_kind, offered_kinds
 from rollslip.cli.console import print_table
 from rollslip.errors import PluginError, nearest
+from rollslip.lubricant.oil import GRADES, legend
 from rollslip.models import SliceModel, interval
 from rollslip.scene.values import resolved
 from rollslip.studies.validity import bound_of
 from rollslip.units import format_quantity
 
 __all__ = ["kinds_of", "models_as_dict", "print_models"]
+
+#: Of the scatter of a datum, what stands before and behind its parameters.
+_SAID = ("quantity", "distribution", "grade", "source")
 
 
 def print_models(what: str | None) -> None:
@@ -98,7 +102,16 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         }
         if kind == "lubricant":
             limits = (thing.minimum_temperature, thing.maximum_temperature)
-            return about | {"range": [format_quantity(T, "K") for T in limits]}
+            return about | {
+                "range": [format_quantity(T, "K") for T in limits],
+                "grades": dict(thing.grades),
+                "legend": {grade: GRADES[grade] for grade in sorted(set(thing.grades.values()))},
+                "scatter": [
+                    {"quantity": one.quantity, "distribution": one.distribution, "grade": one.grade,
+                     "source": one.source} | dict(one.parameters)
+                    for one in thing.scatter
+                ],
+            }  # fmt: skip
         return about | {"validity": thing.validity, "values": resolved(thing.data)}
     members = {**CONDITIONS, **COLUMNS}
     parameters = [
@@ -165,6 +178,12 @@ def _print_model(kind: str, name: str) -> None:
         if key in about:
             value = about[key] if isinstance(about[key], str) else " to ".join(about[key])
             click.echo(f"{key:<11} {value}")
+    if about.get("grades"):
+        click.echo(f"grades      {', '.join(f'{key} ({grade})' for key, grade in about['grades'].items())}")
+        click.echo(f"            {legend(about['legend'])}")
+    for one in about.get("scatter", ()):
+        own = ", ".join(f"{key} {value}" for key, value in one.items() if key not in _SAID)
+        click.echo(f"scatter     {one['quantity']} {one['distribution']}, {own} {one['grade']}: {one['source']}")
     if about.get("parameters"):
         click.echo("parameters")
         print_table(

@@ -4,10 +4,11 @@ What an oil lacks is ``None`` in `Lubricant` and nan in `OilState`: a model that
 """
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
+from typing import Any, Final
 
-from attrs import NOTHING, Factory, frozen
+from attrs import NOTHING, Attribute, Factory, frozen
 from attrs import field as attrib
 from attrs.validators import optional
 
@@ -19,7 +20,27 @@ from rollslip.references import Citation
 from rollslip.structure import FrozenTable
 from rollslip.units import format_quantity
 
-__all__ = ["Lubricant", "OilState", "Scatter"]
+__all__ = ["GRADES", "Lubricant", "OilState", "Scatter", "legend"]
+
+#: How far a datum can be trusted: letter of the grade -> what it stands for.
+GRADES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "A": "printed in a source that was read",
+        "B": "from a standard reference, or computed from printed values by a published formula",
+        "C": "second-hand or recalled, with doubt",
+        "D": "an estimate",
+    }
+)
+
+#: By how much a slope may differ from that of its law before a result says so [1].
+_AGREES: Final = 0.01
+#: Distance over which a note says what follows from a slope that its law does not have [K].
+_AWAY: Final = 10.0
+
+
+def legend(grades: Iterable[str]) -> str:
+    """Say what some letters of `GRADES` stand for."""
+    return "; ".join(f"({grade}) {GRADES[grade]}" for grade in sorted(set(grades)))
 
 
 @frozen(kw_only=True)
@@ -61,6 +82,16 @@ def positive_field(unit: str, doc: str, default: object = NOTHING) -> Any:
     return field(unit=unit, doc=doc, default=default, validator=positive if default is not None else optional(positive))
 
 
+def _positive_or_law(instance: object, attribute: "Attribute[Any]", value: object) -> None:
+    if isinstance(value, int | float):
+        positive(instance, attribute, value)
+
+
+def _known_grades(instance: object, attribute: "Attribute[Any]", value: Mapping[str, str]) -> None:
+    if unknown := sorted(set(value.values()) - GRADES.keys()):
+        raise FieldError("grades", f"there is no grade {', '.join(unknown)}; there are {', '.join(GRADES)}")
+
+
 @frozen(kw_only=True)
 class Scatter:
     """How uncertain a datum of an oil is, and who says so.
@@ -74,7 +105,7 @@ class Scatter:
     parameters : mapping
         Its parameters there, with units; a centre that is left out is the value of the scene.
     grade : str
-        "(B)" for a standard reference, "(C)" with doubt, "(D)" an estimate.
+        A letter of `GRADES` in parentheses.
     source : str
         Where it comes from, in a sentence.
     """
@@ -103,14 +134,20 @@ class Lubricant:
         Dynamic viscosity at ambient pressure, eta0(T) [Pa s].
     pressure_viscosity : TemperatureLaw, optional
         Pressure-viscosity coefficient alpha(T) [1/Pa].
+    thermoviscosity : callable, optional
+        beta0(T) [1/K], where it is not the slope of `viscosity`, as in lists of constants.
+    pressure_thermoviscosity : callable, optional
+        gamma(T) [1/(Pa K)], where it is not the slope of `pressure_viscosity`, likewise.
     pressure_viscosity_law : PressureViscosity
         How viscosity rises with pressure; one that fixes alpha itself overrules `pressure_viscosity`.
     conductivity : TemperatureLaw, optional
         Thermal conductivity K_f(T) [W/(m K)].
-    eyring_stress : float, optional
-        tau0 [Pa].
-    shear_modulus : float, optional
-        Gamma [Pa].
+    density : TemperatureLaw, optional
+        Density rho(T) [kg/m3], which drags read.
+    eyring_stress : float or TemperatureLaw, optional
+        tau0 or tau0(T) [Pa].
+    shear_modulus : float or TemperatureLaw, optional
+        Gamma or Gamma(T) [Pa].
     minimum_temperature, maximum_temperature : float
         Range in which the data hold [K].
     source : str
@@ -121,21 +158,30 @@ class Lubricant:
         Factors on eta0, alpha and gamma [-].
     scatter : tuple of Scatter
         How uncertain its data are: what ``rollslip uncertainty`` takes where the scene states nothing.
+    grades : mapping of str to str
+        Property -> letter of `GRADES`.
 
     Raises
     ------
     ValueError
-        A value is not positive, the range is empty, or the viscosity rises over it.
+        A value is not positive, the range is empty, the viscosity rises over it, or a grade does not exist.
     """
 
     name: str
     description: str
     viscosity: TemperatureLaw
     pressure_viscosity: TemperatureLaw | None = None
+    thermoviscosity: Callable[[float], float] | None = None
+    pressure_thermoviscosity: Callable[[float], float] | None = None
     pressure_viscosity_law: PressureViscosity = Factory(Barus)
     conductivity: TemperatureLaw | None = None
-    eyring_stress: float | None = positive_field("Pa", "Eyring stress", None)
-    shear_modulus: float | None = positive_field("Pa", "shear modulus", None)
+    density: TemperatureLaw | None = None
+    eyring_stress: float | TemperatureLaw | None = field(
+        unit="Pa", doc="Eyring stress", default=None, validator=_positive_or_law
+    )
+    shear_modulus: float | TemperatureLaw | None = field(
+        unit="Pa", doc="shear modulus", default=None, validator=_positive_or_law
+    )
     minimum_temperature: float = positive_field("K", "lowest temperature at which the data hold")
     maximum_temperature: float = positive_field("K", "highest temperature at which the data hold")
     source: str
@@ -144,6 +190,7 @@ class Lubricant:
     pressure_viscosity_factor: float = positive_field("1", "factor on the pressure-viscosity coefficient", 1.0)
     pressure_thermoviscosity_factor: float = positive_field("1", "factor on the slope of that coefficient", 1.0)
     scatter: tuple[Scatter, ...] = ()
+    grades: Mapping[str, str] = field(default=FrozenTable(), doc="grade of each property", validator=_known_grades)
 
     def __attrs_post_init__(self) -> None:
         low, high = self.minimum_temperature, self.maximum_temperature
@@ -191,23 +238,69 @@ class Lubricant:
                 f"{_celsius(self.maximum_temperature)}; change the temperature, choose another oil, or widen "
                 f"lubricant.minimum_temperature or lubricant.maximum_temperature if you can vouch for its laws there"
             )
-        eta0, eta0_fall = _evaluate(self.viscosity, temperature)
-        alpha, alpha_fall = self.pressure_viscosity_law.coefficient(temperature), math.nan
-        if math.isnan(alpha):
-            alpha, alpha_fall = _evaluate(self.pressure_viscosity, temperature)
+        eta0, _ = _evaluate(self.viscosity, temperature)
+        alpha = self.pressure_viscosity_law.coefficient(temperature)
+        fixed = not math.isnan(alpha)
+        if not fixed:
+            alpha, _ = _evaluate(self.pressure_viscosity, temperature)
+        beta0, gamma = self.falls(temperature)
         conductivity, _ = _evaluate(self.conductivity, temperature)
         return OilState(
             temperature=temperature,
             viscosity=self.viscosity_factor * eta0,
             pressure_viscosity=self.pressure_viscosity_factor * alpha,
-            thermoviscosity=eta0_fall / eta0,
+            thermoviscosity=beta0,
             pressure_thermoviscosity=(
-                self.pressure_thermoviscosity_factor * self.pressure_viscosity_factor * alpha_fall
+                self.pressure_thermoviscosity_factor * self.pressure_viscosity_factor * (math.nan if fixed else gamma)
             ),
             conductivity=conductivity,
-            eyring_stress=math.nan if self.eyring_stress is None else self.eyring_stress,
-            shear_modulus=math.nan if self.shear_modulus is None else self.shear_modulus,
+            eyring_stress=_value(self.eyring_stress, temperature),
+            shear_modulus=_value(self.shear_modulus, temperature),
         )
+
+    def notes(self, temperature: float) -> list[str]:
+        """Say in words where beta0 or gamma is not the slope of the property that it belongs to.
+
+        Papers list both as constants, which fit together at one temperature only. That is allowed; what follows from it
+        is said.
+
+        Parameters
+        ----------
+        temperature : float
+            T [K].
+        """
+        alpha, alpha_fall = _evaluate(self.pressure_viscosity, temperature)
+        eta0, eta0_fall = _evaluate(self.viscosity, temperature)
+        beta0, gamma = self.falls(temperature)
+        found = []
+        for key, of, given, own, unit, size in (
+            ("thermoviscosity", "viscosity", beta0, eta0_fall / eta0, "1/K", 1.0),
+            ("pressure_thermoviscosity", "pressure_viscosity", gamma, alpha_fall, "1/(Pa K)", alpha),
+        ):
+            if not abs(given - own) > _AGREES * max(abs(given), abs(own)):  # nan where the oil lacks it
+                continue
+            slope = "is the same at every temperature" if own == 0.0 else f"falls by {format_quantity(own, unit, 3)}"
+            found.append(
+                f"lubricant.{key} is {format_quantity(given, unit, 3)} at {_celsius(temperature)}, but "
+                f"lubricant.{of} {slope}: they fit together at one temperature only, {_AWAY:g} K from it {of} would "
+                f"differ by {abs(given - own) * _AWAY / size:.0%}; to have both, give lubricant.{of} as a table over "
+                f"temperature and leave out {key}"
+            )
+        return found
+
+    def falls(self, T: float) -> tuple[float, float]:
+        """Return beta0 [1/K] and gamma [1/(Pa K)], before factors, at a temperature `T` [K] inside the range or not."""
+        eta0, eta0_fall = _evaluate(self.viscosity, T)
+        _, alpha_fall = _evaluate(self.pressure_viscosity, T)
+        return (
+            eta0_fall / eta0 if self.thermoviscosity is None else self.thermoviscosity(T),
+            alpha_fall if self.pressure_thermoviscosity is None else self.pressure_thermoviscosity(T),
+        )
+
+
+def _value(law: float | TemperatureLaw | None, T: float) -> float:
+    """Value of a law or a constant; nan for what the oil lacks."""
+    return math.nan if law is None else float(law) if isinstance(law, int | float) else law(T)
 
 
 def _evaluate(law: TemperatureLaw | None, T: float) -> tuple[float, float]:

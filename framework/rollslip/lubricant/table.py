@@ -2,21 +2,28 @@
 
 import math
 from collections.abc import Callable, Mapping
+from itertools import pairwise
+from typing import Any, TypeAlias
 
-from attrs import asdict, evolve, fields_dict, frozen
-from attrs.validators import optional
+from attrs import Attribute, asdict, evolve, fields_dict, frozen
+from attrs.validators import deep_iterable, optional
 
 from rollslip.errors import SceneError
-from rollslip.fields import FieldError, field, one_of
+from rollslip.fields import FieldError, field, non_negative, one_of, own_unit, positive
 from rollslip.lubricant.fits import fit_vogel, fit_walther
 from rollslip.lubricant.oil import Lubricant, positive_field
 from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi
-from rollslip.lubricant.temperature import Constant, TemperatureLaw
-from rollslip.structure import Location, structure
+from rollslip.lubricant.temperature import Constant, SmoothTable, Table, TemperatureLaw
+from rollslip.structure import FrozenTable, Location, structure
 
-__all__ = ["OilPoint", "OilTable", "lubricant_from_table"]
+__all__ = ["OilPoint", "OilTable", "OverTemperature", "lubricant_from_table"]
 
 _MARGIN = 20.0  # K, by which the validity of a fitted law reaches beyond its points
+_ANY = (1.0, 1e4)  # K: constants are taken at the temperature of the scene, whatever it is
+
+#: Slope -> the property that it belongs to.
+_SLOPES = {"thermoviscosity": "viscosity", "pressure_thermoviscosity": "pressure_viscosity"}
+_PROPERTIES = {*_SLOPES, *_SLOPES.values(), "density", "conductivity", "eyring_stress", "shear_modulus"}
 
 
 @frozen(kw_only=True)
@@ -33,27 +40,69 @@ class OilPoint:
 
 
 @frozen(kw_only=True)
+class OverTemperature:
+    """A property of an oil as a table over temperature."""
+
+    temperature: tuple[float, ...] = field(
+        unit="K", doc="rising temperatures, two or more", validator=deep_iterable(positive)
+    )
+    value: tuple[float, ...] = own_unit("the property at each")
+
+    def __attrs_post_init__(self) -> None:
+        if len(self.temperature) < 2:
+            raise FieldError("temperature", f"a table needs two or more temperatures, not {len(self.temperature)}")
+        if len(self.value) != len(self.temperature):
+            raise FieldError("value", f"needs one value for each of {len(self.temperature)}, not {len(self.value)}")
+        if any(low >= high for low, high in pairwise(self.temperature)):
+            raise FieldError("temperature", "must rise")
+
+
+@frozen
+class _Each:
+    """Validator: every value of a property is allowed."""
+
+    allowed: Callable[[Any, Any, Any], object]
+
+    def __call__(self, instance: object, attribute: "Attribute[Any]", value: object) -> None:
+        for one in value.value if isinstance(value, OverTemperature) else () if value is None else (value,):
+            self.allowed(instance, attribute, one)
+
+
+def _property(unit: str, doc: str, allowed: Callable[[Any, Any, Any], object] | None = positive) -> Any:
+    """Declare a property of the oil: a constant or a table over temperature."""
+    return field(unit=unit, doc=doc, default=None, validator=None if allowed is None else _Each(allowed))
+
+
+Property: TypeAlias = float | OverTemperature | None
+
+
+@frozen(kw_only=True)
 class OilTable:
     """The ``[lubricant]`` table of a scene as written: what it leaves out is None; see `lubricant_from_table`."""
 
     name: str | None = field(default=None, doc="a shipped oil, whose data the other keys override")
     description: str | None = field(default=None, doc="what the oil is")
     source: str | None = field(default=None, doc="where the data of this table come from")
+    viscosity: Property = _property("Pa s", "dynamic viscosity")
+    thermoviscosity: Property = _property("1/K", "its fall with temperature beta0 = -dln(eta0)/dT", non_negative)
     viscosity_law: str | None = field(
         default=None, doc="law through the points", validator=optional(one_of("walther", "vogel"))
     )
-    points: tuple[OilPoint, ...] = field(default=(), doc="measured viscosities")
-    density: float | None = positive_field("kg/m3", "density, between kinematic and dynamic viscosity", None)
-    pressure_viscosity: float | None = positive_field("1/Pa", "pressure-viscosity coefficient, constant", None)
+    points: tuple[OilPoint, ...] = field(default=(), doc="measured viscosities, in place of viscosity")
+    density: Property = _property("kg/m3", "density, between kinematic and dynamic viscosity, and for drags")
+    pressure_viscosity: Property = _property("1/Pa", "pressure-viscosity coefficient alpha")
+    pressure_thermoviscosity: Property = _property(
+        "1/(Pa K)", "its fall with temperature gamma = -dalpha/dT, of any sign", None
+    )
     pressure_viscosity_law: str | None = field(
         default=None,
         doc="how viscosity rises with pressure",
         validator=optional(one_of("barus", "roelands", "yasutomi")),
     )
     yasutomi: Yasutomi | None = field(default=None, doc="constants of Yasutomi's law")
-    conductivity: float | None = positive_field("W/(m K)", "thermal conductivity, constant", None)
-    eyring_stress: float | None = positive_field("Pa", "Eyring stress", None)
-    shear_modulus: float | None = positive_field("Pa", "shear modulus", None)
+    conductivity: Property = _property("W/(m K)", "thermal conductivity")
+    eyring_stress: Property = _property("Pa", "Eyring stress")
+    shear_modulus: Property = _property("Pa", "shear modulus")
     minimum_temperature: float | None = positive_field("K", "lowest temperature at which the data hold", None)
     maximum_temperature: float | None = positive_field("K", "highest temperature at which the data hold", None)
     viscosity_factor: float | None = positive_field("1", "factor on the viscosity", None)
@@ -61,19 +110,27 @@ class OilTable:
     pressure_thermoviscosity_factor: float | None = positive_field("1", "factor on the slope of that coefficient", None)
 
     def __attrs_post_init__(self) -> None:
-        if self.name is None and not self.points:
-            raise FieldError("name", "missing; name a shipped oil, or give viscosity_law and points of your own")
+        if self.name is None and not self.points and self.viscosity is None:
+            raise FieldError("name", "missing; name a shipped oil, or give viscosity, or viscosity_law and points")
+        if self.points and self.viscosity is not None:
+            raise FieldError("viscosity", "not beside points, which are the viscosity; leave one of them out")
         if self.points and self.viscosity_law is None:
             raise FieldError("viscosity_law", "missing; the points need 'walther' or 'vogel'")
-        if not self.points and (self.viscosity_law or self.density):
-            raise FieldError("points", "missing; viscosity_law and density serve to fit them")
+        if not self.points and self.viscosity_law:
+            raise FieldError("points", "missing; viscosity_law serves to fit them")
+        if self.name is None and isinstance(self.viscosity, float) and self.thermoviscosity is None:
+            raise FieldError(
+                "thermoviscosity",
+                "missing; one viscosity does not say how it falls with temperature, on which heated films rest",
+            )
         kinematic = any(point.viscosity is None for point in self.points)
         if self.density is None and (kinematic or self.viscosity_law == "walther"):
             raise FieldError("density", "missing; it stands between kinematic and dynamic viscosity")
         if (self.yasutomi is None) == (self.pressure_viscosity_law == "yasutomi"):
             raise FieldError("yasutomi", "the constants and pressure_viscosity_law = 'yasutomi' need each other")
-        if self.yasutomi is not None and self.pressure_viscosity is not None:
-            raise FieldError("pressure_viscosity", "not with Yasutomi's law, which fixes it; leave it out")
+        for key in ("pressure_viscosity", "pressure_thermoviscosity") if self.yasutomi is not None else ():
+            if getattr(self, key) is not None:
+                raise FieldError(key, "not with Yasutomi's law, which fixes it; leave it out")
 
     @property
     def law(self) -> PressureViscosity | None:
@@ -83,11 +140,13 @@ class OilTable:
     def fit(self) -> TemperatureLaw:
         """Viscosity law through the points."""
         T = [point.temperature for point in self.points]
-        density = self.density or math.nan  # only read where it must be given
-        eta = [point.viscosity or density * (point.kinematic_viscosity or math.nan) for point in self.points]
-        return (
-            fit_vogel(T, eta) if self.viscosity_law == "vogel" else fit_walther(T, [v / density for v in eta], density)
-        )
+        density = Constant(math.nan) if self.density is None else _law(self.density)  # only read where it must be given
+        eta = [point.viscosity or density(point.temperature) * (point.kinematic_viscosity or math.nan)
+               for point in self.points]  # fmt: skip
+        if self.viscosity_law == "vogel":
+            return fit_vogel(T, eta)
+        reference = density(T[0])
+        return fit_walther(T, [value / reference for value in eta], reference)
 
 
 _WHERE = Location({}, ("lubricant",))
@@ -102,7 +161,13 @@ def lubricant_from_table(
     does not give, that oil lacks. ``viscosity_law`` goes through ``points``, each with a ``temperature`` and either a
     ``viscosity`` or a ``kinematic_viscosity``. The fit holds over the span of the points and 20 K beyond, within the
     range of the named oil, unless ``minimum_temperature`` or ``maximum_temperature`` say otherwise.
-    ``pressure_viscosity`` is constant, so that gamma is zero. The factors are those of `Lubricant`.
+
+    A property is a constant, as papers give it at their working temperature, or a table over temperature,
+    ``{ temperature = ["40 degC", "100 degC"], value = ["12 1/GPa", "8 1/GPa"] }``: a smooth curve, which brings its own
+    slope and holds between its ends. A constant replaces the value alone: beside a constant ``viscosity`` or
+    ``pressure_viscosity`` a named oil keeps its own beta0 or gamma; without a named oil gamma of a constant is zero.
+    ``thermoviscosity`` and ``pressure_thermoviscosity`` replace the slopes; `Lubricant.notes` says where they are not
+    those of the laws. The factors are those of `Lubricant`.
 
     Parameters
     ----------
@@ -139,23 +204,27 @@ def lubricant_from_table(
         raise SceneError(problems)
 
     given = {key: value for key, value in asdict(table, recurse=False).items() if value not in (None, ())}
-    changes = {key: value for key, value in given.items() if key in fields_dict(Lubricant)}
+    base = None if table.name is None else get_named(table.name)
+    changes = {key: value for key, value in given.items() if key in fields_dict(Lubricant)} | _laws(given, base)
     if table.law is not None:
         changes["pressure_viscosity_law"] = table.law
-    changes |= {key: Constant(given[key]) for key in ("pressure_viscosity", "conductivity") if key in given}
-    base = None if table.name is None else get_named(table.name)
     set_here = ", ".join(key for key in given if key not in ("name", "description", "source"))
     origins = (base.source if base else None, table.source, set_here and f"Set by the scene: {set_here}.")
     changes["source"] = " ".join(filter(None, origins))
+    if base is not None:
+        changes["grades"] = FrozenTable({key: grade for key, grade in base.grades.items() if key not in changes})
     try:
+        low, high = _ANY if base is None else (base.minimum_temperature, base.maximum_temperature)
         if table.points:
             T = [point.temperature for point in table.points]
-            low, high = (0.0, math.inf) if base is None else (base.minimum_temperature, base.maximum_temperature)
-            changes = {
-                "viscosity": table.fit(),
-                "minimum_temperature": max(low, min(T) - _MARGIN),
-                "maximum_temperature": min(high, max(T) + _MARGIN),
-            } | changes
+            low, high = max(low, min(T) - _MARGIN), min(high, max(T) + _MARGIN)
+            changes["viscosity"] = table.fit()
+        for key, value in given.items():
+            if isinstance(value, OverTemperature):
+                low, high = max(low, value.temperature[0]), min(high, value.temperature[-1])
+                if low >= high:
+                    raise FieldError(key, "has no temperatures in common with the rest of the oil's data")
+        changes = {"minimum_temperature": low, "maximum_temperature": high} | changes
         return (
             Lubricant(**{"name": "own oil", "description": "", **changes}) if base is None else evolve(base, **changes)
         )
@@ -163,3 +232,38 @@ def lubricant_from_table(
         raise SceneError([where.at(error.field).says(error.reason)]) from error
     except ValueError as error:  # from a fit
         raise SceneError([where.at("points").says(str(error))]) from error
+
+
+def _law(value: float | OverTemperature, *, of_any_sign: bool = False) -> TemperatureLaw:
+    """A property as it is given, as a law; one that may be zero or negative is linear between its values."""
+    if not isinstance(value, OverTemperature):
+        return Constant(value)
+    return (Table if of_any_sign else SmoothTable)(value.temperature, value.value)
+
+
+def _laws(given: Mapping[str, Any], base: Lubricant | None) -> dict[str, Any]:
+    """Laws of the properties that are given, and the slopes that a named oil keeps beside a constant."""
+    laws: dict[str, Any] = {}
+    for key in _PROPERTIES & given.keys():
+        constant = not isinstance(given[key], OverTemperature)
+        plain = constant and key in ("eyring_stress", "shear_modulus")  # single numbers, which can be varied and fitted
+        laws[key] = given[key] if plain else _law(given[key], of_any_sign=key in _SLOPES)
+    for slope, key in _SLOPES.items():
+        if slope in given:
+            continue
+        if key in given and not isinstance(given[key], OverTemperature) and base is not None:
+            laws[slope] = getattr(base, slope) or _Fall(base, slope)
+        elif key in given or (key == "viscosity" and "points" in given):
+            laws[slope] = None  # that of the new law
+    return laws
+
+
+@frozen
+class _Fall:
+    """Slope of a law of a named oil, which a constant of the scene leaves as it is."""
+
+    oil: Lubricant
+    slope: str
+
+    def __call__(self, T: float) -> float:
+        return self.oil.falls(T)[list(_SLOPES).index(self.slope)]

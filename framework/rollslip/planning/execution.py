@@ -183,6 +183,8 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
         outside, off = [], None
         found = [f"whether models were used for what they were made for could not be judged: {refusal}"]
     found += validity.corrections(assembly.film)
+    temperatures = dict.fromkeys(raceway.conditions.temperature for raceway in assembly.raceways)
+    found += dict.fromkeys(note for T in temperatures for note in assembly.lubricant.notes(T))
     accuracy = plan.scene.accuracy
     if (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
         remedy = (

@@ -129,7 +129,12 @@ def models_told(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:
 
 def lubricant_told(oil: "Lubricant") -> dict[str, Any]:
     """Return what is kept of an oil."""
-    return {"name": oil.name, "source": oil.source, "pressure_viscosity_law": repr(oil.pressure_viscosity_law)}
+    return {
+        "name": oil.name,
+        "source": oil.source,
+        "grades": dict(oil.grades),
+        "pressure_viscosity_law": repr(oil.pressure_viscosity_law),
+    }
 
 
 def citations(plan: Plan) -> list[Citation]:

@@ -26,6 +26,7 @@ from rollslip.bearing.regimes import LIGHT, LONG_NAMES
 from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.registry import get_class
 from rollslip.errors import PluginError
+from rollslip.lubricant.oil import legend
 from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
 from rollslip.results.account import Table, account_of, capital
@@ -246,6 +247,9 @@ def _oil(datasets: "Datasets") -> str:
     body = ""
     for heading, oil in _per_study(datasets, "lubricant", structured=True):
         body += heading + _tag("p", f"Oil {oil['name']}. {oil['source'] or ''}")
+        if grades := oil.get("grades"):  # results of before had none
+            each = ", ".join(f"{key.replace('_', ' ')} ({grade})" for key, grade in grades.items())
+            body += _tag("p", f"Grades: {each}. {legend(grades.values())}.")
     for heading, rings in _per_study(datasets, "conditions", structured=True):
         rows = [
             [meaning, *(_value(conditions.get(key), unit) for conditions in rings.values())]

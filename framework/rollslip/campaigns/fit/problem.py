@@ -241,6 +241,10 @@ def _search(start: float, low: float | None, high: float | None) -> dict[str, fl
     }
 
 
+#: Values of an oil that follow temperature: their factors are fitted, or nothing in a contact reads them.
+_BY_FACTOR: Final = ("viscosity", "thermoviscosity", "pressure_thermoviscosity", "density")
+
+
 def _fittable(problem: RigProblem) -> Iterator[Parameter]:
     """All that can be fitted; NaN starts what the oil does not give."""
     oil, own = problem.lubricant, {attribute.name for attribute in attrs.fields(Lubricant)}
@@ -249,7 +253,7 @@ def _fittable(problem: RigProblem) -> Iterator[Parameter]:
     names = set()
     for attribute in attrs.fields(OilTable):
         name, unit, doc = attribute.name, attribute.metadata["unit"], attribute.metadata["doc"]
-        if unit in (None, "K") or name not in own:
+        if unit in (None, "K") or name not in own or name in _BY_FACTOR:
             continue
         value = getattr(state if hasattr(state, name) else oil, name)
         start = math.nan if value is None else float(value)

@@ -275,7 +275,7 @@ def _with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     oil = assembly.lubricant
     fixed = not math.isnan(oil.pressure_viscosity_law.coefficient(oil.minimum_temperature))
     own = {
-        "viscosity_factor": "points" in data,
+        "viscosity_factor": "points" in data or "viscosity" in data,
         "pressure_viscosity_factor": fixed or "pressure_viscosity" in data,
     }
     used = [one for one in oil.scatter if not own.get(one.quantity, False)]
