@@ -29,9 +29,9 @@ def bearing(*drag, scene=SCENE, **table):
     return assemble(evolve(scene, {"cage": WEIGHT | table | ({"drag": list(drag)} if drag else {})}))
 
 
-def faults(**table):
+def faults(scene=None, /, **table):
     with pytest.raises(SceneError) as caught:
-        _ = assemble(evolve(SCENE, {"cage": table})).cage
+        _ = assemble(evolve(scene or SCENE, {"cage": table})).cage
     return [problem.removeprefix("changes: ") for problem in caught.value.problems]
 
 
@@ -215,22 +215,27 @@ def test_the_oil_of_a_drag_has_the_temperature_of_the_scene():
     assert warm.viscosity == pytest.approx(2.87e-3, rel=2e-3)
 
 
-def test_density_is_that_of_the_users_oil():
+def test_density_is_that_of_the_oil():
     oil = {
-        "viscosity_law": "walther",
-        "density": "950 kg/m3",
+        "viscosity_law": "vogel",
         "points": [
-            {"temperature": "40 degC", "kinematic_viscosity": "12 mm2/s"},
-            {"temperature": "100 degC", "kinematic_viscosity": "3.2 mm2/s"},
+            {"temperature": "40 degC", "viscosity": "12 mPa s"},
+            {"temperature": "70 degC", "viscosity": "5.2 mPa s"},
+            {"temperature": "100 degC", "viscosity": "2.9 mPa s"},
         ],
         "pressure_viscosity": "11 1/GPa",
         "conductivity": "0.14 W/(m K)",
         "eyring_stress": "4 MPa",
         "shear_modulus": "0.3 GPa",
     }
-    own = evolve(SCENE, {"lubricant": oil})
+    own = evolve(SCENE, {"lubricant": oil | {"density": "950 kg/m3"}})
     assert bearing("churning", scene=own).cage.drags.torques[0].density == 950.0
-    assert faults(**WEIGHT, drag=["churning"]) == [
+    falling = {"temperature": ["40 degC", "60 degC"], "value": ["900 kg/m3", "880 kg/m3"]}
+    over = evolve(SCENE, {"lubricant.density": falling, "operation.temperature": "40 degC"})
+    assert bearing("churning", scene=over).cage.drags.torques[0].density == pytest.approx(900.0, rel=1e-15)
+    named = evolve(SCENE, {"operation.temperature": "15 degC"})  # read from the chart, see the oil's source
+    assert bearing("churning", scene=named).cage.drags.torques[0].density == pytest.approx(920.6, rel=1e-12)
+    assert faults(evolve(SCENE, {"lubricant": oil}), **WEIGHT, drag=["churning"]) == [
         "cage.drag[0].density: drag 'churning' needs it, and the scene gives no density of the oil; a density is "
         "expected, such as '7800 kg/m3'"
     ]

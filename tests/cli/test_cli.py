@@ -142,7 +142,11 @@ def test_set_changes_the_scene(tmp_path):
         ("rollers = 28", "rollers = true", "bearing.rollers: "),
         ('radial_load = "3415 N"', 'radial_load = "0 N"', "no roller is loaded on the inner ring"),
         ('temperature = "70 degC"', 'temperature = "250 degC"', "250 degC"),
-        ('name = "mil-prf-7808"', 'name = "sae-30"', "gives no conductivity"),
+        (
+            'name = "mil-prf-7808"',
+            "viscosity = '5 mPa s'\nthermoviscosity = '0.02 1/K'\npressure_viscosity = '9 1/GPa'",
+            "gives no conductivity",
+        ),
         ('closure = "epicyclic"', 'closure = "epicycle"', "closure: must be one of"),
         ("boundary_limit = 0.01", "boundary_limit = 2.0", "hydrodynamic_limit: must be above boundary_limit"),
     ],

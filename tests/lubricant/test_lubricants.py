@@ -28,11 +28,11 @@ from rollslip.lubricant import (
     lubricant_from_table,
 )
 from rollslip.structure import Location
-from rollslip_plugins.data.lubricants import lubricants
+from rollslip_plugins.data import industrial_oils, lubricants, russian_oils
 
 pytestmark = pytest.mark.quick
 
-OILS = {oil.name: oil for oil in lubricants()}
+OILS = {oil.name: oil for module in (lubricants, industrial_oils, russian_oils) for oil in module.lubricants()}
 every_oil = pytest.mark.parametrize("oil", OILS.values(), ids=OILS)
 
 LAWS = [
@@ -140,8 +140,6 @@ def test_an_oil_says_where_its_data_come_from(oil):
 
 
 def test_what_an_oil_lacks_is_nan():
-    state = OILS["sae-30"].at(320.0)
-    assert math.isnan(state.conductivity)
     bare = Lubricant(
         name="bare",
         description="",
@@ -374,9 +372,45 @@ def test_points_with_a_name_replace_the_viscosity_within_the_range_of_both():
         ({"name": "sae-30", "eyring_stress": "4 mm"}, ["lubricant.eyring_stress: "]),
         ({"name": "sae-30", "eyring_stress": "-4 MPa", "viscosity_factor": 0}, ["lubricant.eyring_", "lubricant.visc"]),
         ({"name": "sae-30", "minimum_temperature": "300 degC"}, ["lubricant.minimum_temperature: 300 degC is not"]),
-        ({"name": "sae-30", "density": 900.0}, ["lubricant.points: missing"]),
+        ({"name": "sae-30", "viscosity_law": "vogel"}, ["lubricant.points: missing"]),
         ({"viscosity_law": "vogel"}, ["lubricant.name: missing"]),
         ({"points": MEASURED}, ["lubricant.viscosity_law: missing"]),
+        ({"viscosity": "5 mPa s"}, ["lubricant.thermoviscosity: missing; one viscosity does not say how it falls"]),
+        ({"name": "sae-30", "viscosity": 0.0}, ["lubricant.viscosity: must be above 0, not 0 Pa s"]),
+        ({"name": "sae-30", "viscosity": "5 mPa"}, ["lubricant.viscosity: '5 mPa' is a pressure"]),
+        ({"name": "sae-30", "thermoviscosity": "-0.02 1/K"}, ["lubricant.thermoviscosity: must be at least 0"]),
+        (
+            {"viscosity": 0.005, "viscosity_law": "vogel", "points": MEASURED},
+            ["lubricant.viscosity: not beside points"],
+        ),
+        (
+            {"name": "sae-30", "conductivity": {"temperature": ["40 degC"], "value": ["0.14 W/(m K)"]}},
+            ["lubricant.conductivity.temperature: a table needs two or more temperatures, not 1"],
+        ),
+        (
+            {"name": "sae-30", "conductivity": {"temperature": [300.0, 350.0], "value": [0.14]}},
+            ["lubricant.conductivity.value: needs one value for each of 2, not 1"],
+        ),
+        (
+            {"name": "sae-30", "conductivity": {"temperature": [350.0, 300.0], "value": [0.14, 0.13]}},
+            ["lubricant.conductivity.temperature: must rise"],
+        ),
+        (
+            {"name": "sae-30", "conductivity": {"temperature": [300.0, 350.0], "value": [0.14, "0.13 W"]}},
+            ["lubricant.conductivity.value[1]: '0.13 W' is a power, here a thermal conductivity is expected"],
+        ),
+        (
+            {"name": "sae-30", "conductivity": {"temperature": [300.0, 350.0], "value": [0.14, -0.13]}},
+            ["lubricant.conductivity: must be above 0, not -0.13 W/(m K)"],
+        ),
+        (
+            {"name": "sae-30", "conductivity": {"temperature": [300.0, 350.0], "values": [0.14, 0.13]}},
+            ["lubricant.conductivity.values: unknown key, did you mean 'value'?", "lubricant.conductivity.value: miss"],
+        ),
+        (
+            {"name": "sae-30", "conductivity": {"temperature": [600.0, 650.0], "value": [0.14, 0.13]}},
+            ["lubricant.conductivity: has no temperatures in common with the rest of the oil's data"],
+        ),
         ({"viscosity_law": "reynolds", "points": MEASURED}, ["lubricant.viscosity_law: "]),
         ({"viscosity_law": "walther", "points": MEASURED}, ["lubricant.density: missing"]),
         ({"viscosity_law": "vogel", "points": KINEMATIC}, ["lubricant.density: missing"]),

@@ -1,9 +1,9 @@
 """The oils in the box.
 
 The temperature laws are published fits; what stands beside them in scenes of slip, Eyring stress and shear modulus, is
-rarely measured for a named oil. Each ``source`` says so, with a grade: (B) a standard reference, (C) with doubt,
-(D) an estimate. Where no value with a source was found the oil lacks it, and a scene that needs it gives its own.
-``scatter`` says how uncertain the data are, with grades of its own.
+rarely measured for a named oil. Each ``source`` says so, and each datum has a grade of `rollslip.lubricant.GRADES`: no
+oil lacks what a model of the box reads, but what was not found with a source is graded (C) or (D). ``scatter`` says how
+uncertain the data are, with grades of its own.
 """
 
 from math import exp, log
@@ -29,7 +29,13 @@ _SHEAR_SOURCE = (
 )
 _REFERENCES = (GUPTA_1984,)
 _ATTRIBUTION = "as in the lubricant library of the bearing code ADORE (Gupta, 1984; attribution C)"
-_NO_CONDUCTIVITY = "No conductivity with a source was found."
+
+
+def _grades(**own: str) -> dict[str, str]:
+    """Grades of an oil: its own, and those of what is common to all."""
+    return own | {"eyring_stress": "D", "shear_modulus": "C"}
+
+
 _LOWEST, _HIGHEST = 273.15, 473.15  # K
 _RANGE_SOURCE = (
     "Range 0 to 200 degC (D): the service range of such oils; over it the laws are finite and fall, but the "
@@ -37,8 +43,23 @@ _RANGE_SOURCE = (
 )
 
 
-def _scatter(viscosity: float, grade: str, source: str) -> tuple[Scatter, ...]:
-    """Scatter of an oil: that of its viscosity, uniform over a relative half width, and what is common to all."""
+_FORMULAS = "correlations of the coefficient after So and Klaus, Wu, Klaus and Duda, and Gold differ by"
+
+
+def falling_density(at_15: float, at_100: float) -> Table:
+    """Density of an oil [kg/m3]: a straight line from 0 to 200 degC through its values at 15 and 100 degC."""
+    slope = (at_100 - at_15) / 85.0
+    return Table((273.15, 473.15), (at_15 - 15.0 * slope, at_15 + 185.0 * slope))
+
+
+def scatter_of(
+    viscosity: float,
+    grade: str,
+    source: str,
+    pressure_viscosity: float = 0.25,
+    pressure_viscosity_source: str = f"{_FORMULAS} 25 %",
+) -> tuple[Scatter, ...]:
+    """Return the scatter of an oil: viscosity and alpha, uniform over relative half widths, and what all share."""
     return (
         Scatter(
             quantity="viscosity_factor",
@@ -50,9 +71,9 @@ def _scatter(viscosity: float, grade: str, source: str) -> tuple[Scatter, ...]:
         Scatter(
             quantity="pressure_viscosity_factor",
             distribution="uniform",
-            parameters={"scatter": 0.25},
+            parameters={"scatter": pressure_viscosity},
             grade="(C)",
-            source="correlations of the coefficient after So and Klaus, Wu, Klaus and Duda, and Gold differ by 25 %",
+            source=pressure_viscosity_source,
         ),
         Scatter(
             quantity="eyring_stress",
@@ -83,14 +104,17 @@ mil_prf_7808 = Lubricant(
     source=(
         "Viscosity, pressure-viscosity coefficient and conductivity: property functions of the bearing code ADORE "
         "(Gupta, 1984) for MIL-L-7808; conductivity as table from 30 to 100 degC, linear between and constant beyond. "
-        f"The coefficient scatters by 25 % between correlations. {_SHEAR_SOURCE} {_RANGE_SOURCE}"
+        "The coefficient scatters by 25 % between correlations. Density 921 kg/m3 at 15 degC and 861 at 100 degC, read "
+        f"from a chart (C). {_SHEAR_SOURCE} {_RANGE_SOURCE}"
     ),
     references=_REFERENCES,
+    density=falling_density(920.6, 860.8),
+    grades=_grades(viscosity="B", pressure_viscosity="B", conductivity="B", density="C"),
     eyring_stress=_EYRING_STRESS,
     shear_modulus=_SHEAR_MODULUS,
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
-    scatter=_scatter(
+    scatter=scatter_of(
         0.1, "(D)", "the specification sets a least viscosity only; as wide as a grade of ISO 3448, 10 % either way"
     ),
 )
@@ -104,15 +128,19 @@ mil_prf_23699 = Lubricant(
     # Published as alpha = exp(1.15607 ln eta - 17.496) / eta.
     pressure_viscosity=PowerOfViscosity(_VISCOSITY_23699, factor=exp(-17.496), exponent=0.15607),
     source=(
-        f"Viscosity and pressure-viscosity coefficient: fits for MIL-L-23699 {_ATTRIBUTION}. {_NO_CONDUCTIVITY} "
+        f"Viscosity and pressure-viscosity coefficient: fits for MIL-L-23699 {_ATTRIBUTION}. Conductivity "
+        "0.15 W/(m K), common of esters (C). Density 988 kg/m3 at 15 degC and 920 at 100 degC, read from a chart (C). "
         f"{_SHEAR_SOURCE} {_RANGE_SOURCE}"
     ),
     references=_REFERENCES,
+    conductivity=Constant(0.15),
+    density=falling_density(987.7, 919.8),
+    grades=_grades(viscosity="C", pressure_viscosity="C", conductivity="C", density="C"),
     eyring_stress=_EYRING_STRESS,
     shear_modulus=_SHEAR_MODULUS,
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
-    scatter=_scatter(0.05, "(B)", "the specification allows 4.90 to 5.40 mm2/s at 100 degC"),
+    scatter=scatter_of(0.05, "(B)", "the specification allows 4.90 to 5.40 mm2/s at 100 degC"),
 )
 
 santotrac_50 = Lubricant(
@@ -122,15 +150,19 @@ santotrac_50 = Lubricant(
     pressure_viscosity=Exponential(reference_value=3.916e-8, reference_temperature=277.78, rate=0.0083178),
     source=(
         f"Kinematic viscosity and pressure-viscosity coefficient: fits {_ATTRIBUTION}; the first gives 37.5 mm2/s at "
-        "38 degC, where data sheets print 34 (C). Density 889 kg/m3 (C), its value at 38 degC, constant. "
-        f"{_NO_CONDUCTIVITY} {_SHEAR_SOURCE} A traction fluid lies at the upper end. {_RANGE_SOURCE}"
+        "38 degC, where data sheets print 34 (C). Density 889 kg/m3 (C), its value at 38 degC, constant in the "
+        "viscosity; for drags it falls by 0.65 kg/m3 per K (D). Conductivity 0.13 W/(m K), printed with a rig test of "
+        f"this fluid (B). {_SHEAR_SOURCE} A traction fluid lies at the upper end. {_RANGE_SOURCE}"
     ),
     references=_REFERENCES,
+    conductivity=Constant(0.13),
+    density=falling_density(904.0, 848.7),
+    grades=_grades(viscosity="C", pressure_viscosity="C", conductivity="B", density="C"),
     eyring_stress=_EYRING_STRESS,
     shear_modulus=_SHEAR_MODULUS,
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
-    scatter=_scatter(
+    scatter=scatter_of(
         0.1, "(D)", "no tolerance of the maker was found; as wide as a grade of ISO 3448, 10 % either way"
     ),
 )
@@ -142,14 +174,18 @@ sae_30 = Lubricant(
     pressure_viscosity=Constant(1.9e-8),
     source=(
         f"Viscosity and pressure-viscosity coefficient: fits {_ATTRIBUTION}; the coefficient does not depend on "
-        f"temperature there, so its slope is zero. {_NO_CONDUCTIVITY} {_SHEAR_SOURCE} {_RANGE_SOURCE}"
+        "temperature there, so its slope is zero. Conductivity 0.134 W/(m K), that of the mineral oil FVA 3 (C). "
+        f"Density of the mineral oils of ISO VG grades here (D). {_SHEAR_SOURCE} {_RANGE_SOURCE}"
     ),
     references=_REFERENCES,
+    conductivity=Constant(0.134),
+    density=falling_density(902.0, 858.0),
+    grades=_grades(viscosity="C", pressure_viscosity="C", conductivity="C", density="D"),
     eyring_stress=_EYRING_STRESS,
     shear_modulus=_SHEAR_MODULUS,
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
-    scatter=_scatter(0.15, "(B)", "SAE J300 allows 9.3 to 12.5 mm2/s at 100 degC"),
+    scatter=scatter_of(0.15, "(B)", "SAE J300 allows 9.3 to 12.5 mm2/s at 100 degC"),
 )
 
 
