@@ -19,7 +19,7 @@ from rollslip.catalogue.kinds import kinds as all_kinds
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.main import cli
 from rollslip.cli.models import models_as_dict
-from rollslip.lubricant import OilPoint, OilTable
+from rollslip.lubricant import GRADES, OilPoint, OilTable, OverTemperature
 from rollslip.lubricant.pressure import Barus, Roelands, Yasutomi
 from rollslip.scene.schema import schema, shown_default
 from rollslip.studies.study import study_class
@@ -39,6 +39,10 @@ def scene_keys():
 def oil_keys():
     """Keys of the table ``[lubricant]`` and of its points."""
     rows = [*fields(OilTable, "lubricant."), *fields(OilPoint, "lubricant.points[].")]
+    rows += [
+        (key, unit or "that of the property", default, doc)
+        for key, unit, default, doc in fields(OverTemperature, "lubricant.PROPERTY.")
+    ]
     return table(("key", "unit", "default", "meaning"), rows)
 
 
@@ -144,9 +148,16 @@ def validity():
     return [lines[0], "   :class: wrapping", *lines[1:]]
 
 
+def grades():
+    """What the letters of grades stand for."""
+    return table(("grade", "the datum is"), [(f"({grade})", meaning) for grade, meaning in GRADES.items()])
+
+
 def data(thing):
     """Everything about one named set of data but its references."""
     lines = [literal_markup(thing.description), "", literal_markup(thing.source), ""]
+    if own := getattr(thing, "grades", None):
+        lines += [literal_markup(f"Grades: {', '.join(f'{key} ({grade})' for key, grade in own.items())}."), ""]
     if hasattr(thing, "minimum_temperature"):
         low, high = (format_quantity(T, "K") for T in (thing.minimum_temperature, thing.maximum_temperature))
         lines += [f"Range: {low} to {high}.", ""]
@@ -306,6 +317,7 @@ PARTS = {
     "cage-keys": cage_keys,
     "study-keys": study_keys,
     "sweep-keys": sweep_keys,
+    "grades": grades,
     "models": models,
     "validity": validity,
     "kinds": kinds,

@@ -31,10 +31,64 @@ from rollslip_plugins import contact
 from rollslip_plugins.film import formulas
 from rollslip_plugins.traction import blend, boundary, eyring, heating, stress
 
-ARITHMETIC = """add subtract multiply divide true_divide negative positive absolute fabs sign copysign sqrt square
-    maximum minimum fmax fmin clip less less_equal greater greater_equal equal not_equal reciprocal rint floor""".split()
-FUNCTIONS = "exp expm1 exp2 log log1p log2 log10 logaddexp power float_power sinh cosh tanh arcsinh arctanh hypot".split()
-FREE = "isnan isfinite logical_and logical_or logical_not bitwise_and bitwise_or invert signbit".split()
+ARITHMETIC = [
+    "add",
+    "subtract",
+    "multiply",
+    "divide",
+    "true_divide",
+    "negative",
+    "positive",
+    "absolute",
+    "fabs",
+    "sign",
+    "copysign",
+    "sqrt",
+    "square",
+    "maximum",
+    "minimum",
+    "fmax",
+    "fmin",
+    "clip",
+    "less",
+    "less_equal",
+    "greater",
+    "greater_equal",
+    "equal",
+    "not_equal",
+    "reciprocal",
+    "rint",
+    "floor",
+]
+FUNCTIONS = [
+    "exp",
+    "expm1",
+    "exp2",
+    "log",
+    "log1p",
+    "log2",
+    "log10",
+    "logaddexp",
+    "power",
+    "float_power",
+    "sinh",
+    "cosh",
+    "tanh",
+    "arcsinh",
+    "arctanh",
+    "hypot",
+]
+FREE = [
+    "isnan",
+    "isfinite",
+    "logical_and",
+    "logical_or",
+    "logical_not",
+    "bitwise_and",
+    "bitwise_or",
+    "invert",
+    "signbit",
+]
 
 counted: Counter[str] = Counter()
 

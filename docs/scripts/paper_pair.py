@@ -79,7 +79,9 @@ def search(case):
         return [critical(evolve(base, changes), closure) for base in bases.values()]
 
     def misfit(share):
-        return sum(((s - target) / width) ** 2 for s, (target, width) in zip(pair(share), TARGETS.values(), strict=True))
+        return sum(
+            ((s - target) / width) ** 2 for s, (target, width) in zip(pair(share), TARGETS.values(), strict=True)
+        )
 
     found = differential_evolution(
         misfit, [(0.0, 1.0)] * len(keys), popsize=5, maxiter=5, polish=False, rng=1, init="sobol"
@@ -124,7 +126,9 @@ def write_sets():
             data = whole(scene)
             exact = whole(evolve(scene, {"models.traction.hydrodynamic": "maxwell-eyring"}))
             slips = data.critical_cage_slip, exact.critical_cage_slip
-            numbers.append([float(slip.sel(ring=ring)) for slip in slips for ring in ("inner", "outer")] + [silent(data)])
+            numbers.append(
+                [float(slip.sel(ring=ring)) for slip in slips for ring in ("inner", "outer")] + [silent(data)]
+            )
         contact = run(figure_scene("fig-1", name), "friction-curve")
         (i70, o70, e70, _, z70), (i50, o50, e50, _, z50) = numbers
         columns = (i70, i50, o70, o50, e70, e50, *map(float, contact.critical_slip), z70, z50)
