@@ -58,6 +58,8 @@ _REQUIRED: Final = MappingProxyType(
         "remark": (),
     }
 )
+#: What stands in BibTeX for a title that nobody could find out.
+UNKNOWN_TITLE: Final = "[title not confirmed]"
 #: What can be found out about a publication and may have stayed open.
 _CHECKABLE: Final = ("authors", "title", "journal", "volume", "issue", "pages", "year", "publisher", "doi")
 
@@ -274,7 +276,7 @@ def as_bibtex(citations: Iterable[Citation]) -> str:
 def _entry(citation: Citation) -> tuple[str, dict[str, str]]:
     """Return type and fields of an entry."""
     if isinstance(citation, str):
-        return "misc", {"note": _latex(citation)}
+        return "misc", {"key": _key(citation), "note": _latex(citation)}
     entry, publisher = _ENTRIES[citation.kind]
     open_ = f"not confirmed: {', '.join(citation.unconfirmed)}" if citation.unconfirmed else ""
     version = f"version {citation.number}" if citation.kind == "software" and citation.number else ""
@@ -283,8 +285,10 @@ def _entry(citation: Citation) -> tuple[str, dict[str, str]]:
     if citation.kind == "standard":
         published = {"howpublished": _latex(citation.number)}
     return entry, {
+        "key": "" if citation.authors else _key(citation),  # by which styles sort what has no author
         "author": " and ".join(_latex(a) if ", " in a else f"{{{_latex(a)}}}" for a in citation.authors),
-        "title": citation.title and f"{{{_latex(citation.title)}}}",  # in braces its capitals stay
+        # in braces its capitals stay; styles set no entry without one
+        "title": f"{{{_latex(citation.title or UNKNOWN_TITLE)}}}",
         "booktitle" if citation.kind == "proceedings" else "journal": _latex(citation.journal),
         "volume": _latex(citation.volume),
         "number": _latex(citation.issue or (citation.number if citation.kind == "report" else "")),

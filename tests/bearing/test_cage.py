@@ -137,7 +137,7 @@ def test_all_faults_are_found_at_once():
         ({"land_width": "8 mm"}, "cage.land_width: only read for guidance = 'inner' or 'outer', not for 'roller'"),
         ({"drag": "churning"}, "cage.drag: a list is expected, not 'churning'"),
         ({"drags": []}, "cage.drags: unknown key, did you mean 'drag'?"),
-        ({"pocket_clearance": "-0.1 mm"}, "cage.pocket_clearance: must be at least 0, not -100 um"),
+        ({"pocket_clearance": "-0.1 mm"}, "cage.pocket_clearance: must be at least 0, not -0.1 mm"),
         (
             {"drag": ["pocket-friction", {"model": "pocket-friction", "coefficient": 0.2}]},
             "cage.drag: a pocket has one friction, here are pocket-friction, pocket-friction",

@@ -961,7 +961,7 @@ def test_the_play_along_the_radius_is_that_along_the_orbit_unless_given(table, e
             {"guidance": "outer", "pocket_radial_clearance": "0.1 mm"},
             "cage.pocket_radial_clearance: only read for guidance = 'roller', not for 'outer'",
         ),
-        ({"pocket_radial_clearance": "-0.1 mm"}, "cage.pocket_radial_clearance: must be at least 0, not -100 um"),
+        ({"pocket_radial_clearance": "-0.1 mm"}, "cage.pocket_radial_clearance: must be at least 0, not -0.1 mm"),
         ({"pocket_radial_clearance": "0.1"}, "cage.pocket_radial_clearance: '0.1' has no unit"),
     ],
 )
