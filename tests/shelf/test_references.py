@@ -267,7 +267,7 @@ def test_what_an_article_lacks_is_said(one):
     assert [name for name in expected if not getattr(one, name) and name not in one.unconfirmed] == []
 
 
-#: As the paper prints them in its list of references, and the journals' pages; the shared notes on physics, section 1.
+#: As the paper prints itself and its list of references; the last as its publisher does, under the address beside it.
 AS_PRINTED = {
     "KLEBANOV": ("Klebanov, I. M.; Polyakov, K. A.; Petrov, V. R.; Pankratova, N. A.", "J. Frict. Wear", "43", "", ""),
     "MURAKI_1987": ("Muraki, M.", "Tribol. Int.", "20", "6", "347-354"),

@@ -32,7 +32,8 @@ from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.steady_slip import findings
 from rollslip.studies.steady_slip.figures import steady_figures
 from rollslip.studies.steady_slip.findings import record, topics
-from rollslip.studies.steady_slip.study import SteadySlip, _no_fold
+from rollslip.studies.steady_slip.statuses import no_fold
+from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.units import quantity
 
 SHIPPED = load_scene("1032930-50C")
@@ -555,7 +556,7 @@ def test_the_smallest_load_is_that_at_which_the_largest_drag_is_the_drag(followe
 
 def test_a_range_of_speeds_is_told_in_rpm():
     limits = quantity("5000 rpm", "rad/s"), quantity("7000 rpm", "rad/s")
-    assert "at 5000 rpm and none at 7000 rpm" in _no_fold("inner_speed", limits, [], SteadySlip())
+    assert "at 5000 rpm and none at 7000 rpm" in no_fold("inner_speed", limits, [], "study.steady-slip", 0.9)
 
 
 def test_a_range_without_a_fold_says_so():

@@ -46,7 +46,8 @@ from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable
 from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.steady_slip.study import LEAVES, RUNS_AWAY, SteadySlip
+from rollslip.studies.steady_slip.statuses import LEAVES, RUNS_AWAY
+from rollslip.studies.steady_slip.study import SteadySlip
 
 if TYPE_CHECKING:
     import xarray as xr

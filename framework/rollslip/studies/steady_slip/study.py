@@ -20,7 +20,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.critical import MOST_CAGE_SLIP, Critical, locate, look_further
+from rollslip.bearing.critical import Critical, locate
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.bearing.resolution import Resolution, refined
@@ -36,9 +36,9 @@ from rollslip.scene.values import Scene
 from rollslip.studies import estimates
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Some
 from rollslip.studies.raceways import REGIMES, regime_variables, unloaded
+from rollslip.studies.steady_slip.statuses import VARIED, no_fold, status_of
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
-from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,18 +51,6 @@ _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 _STEP = 1e-4
 #: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
 _LEVEL = 1e-3
-#: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.
-RUNS_AWAY, LEAVES = "slip runs away", "slip leaves the range"
-#: What a branch may miss of a range that it goes through, relative.
-_THROUGH = 1e-3
-#: What the slips can be followed against -> (unit, what a fold is in words).
-VARIED: Final = {
-    "radial_load": ("N", "radial load"),
-    "inner_speed": ("rad/s", "speed of the inner ring"),
-    "temperature": ("K", "temperature"),
-}
-
-
 #: Shares of the tolerances that slices and instants may use, and that tables may take.
 _SHARE, _TABLES = 0.5, 0.2
 #: Motions of the rollers that a steady slip takes beside twice the points of its curve, and those of a followed branch.
@@ -283,12 +271,15 @@ class SteadySlip(Study):
         angle = 2.0 * np.pi * np.arange(positions) / positions
         coords["angle"] = "angle", angle, about("rad", "position from the line of load, in the sense of the orbit")
         variables |= _films(balance, states, steady=bool(slips))
-        variables |= self.variables(status=_status(balance, curve, largest, slips))
+        variables |= self.variables(status=status_of(balance, curve, largest, slips, self.table))
         for name in VARIED:
             if limits := getattr(self, name):
                 found = self._followed(assembly, instants, name, limits, slips)
                 variables |= _branches(
-                    name, limits, found, _no_fold(name, limits, found, self, free=balance.rolls_freely)
+                    name,
+                    limits,
+                    found,
+                    no_fold(name, limits, found, self.table, self.max_cage_slip, free=balance.rolls_freely),
                 )
         import xarray as xr
 
@@ -318,7 +309,7 @@ class SteadySlip(Study):
         curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
         slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
         largest = self._largest(balance, curve)
-        status = _status(balance, curve, largest, slips)
+        status = status_of(balance, curve, largest, slips, self.table)
         known = np.array(slips or [np.nan])
         return self.variables(status=status, steady_slip=known), {
             "steady": ("steady", np.arange(known.size), about("1", "steady cage slip"))
@@ -523,60 +514,6 @@ def _films(balance: TorqueBalance, states: list[Orbit], *, steady: bool) -> dict
     if steady:
         found |= SteadySlip.variables(film_parameter=thinnest)
     return found
-
-
-def _status(balance: TorqueBalance, curve: TorqueCurve, largest: Critical, slips: list[float]) -> str:
-    if balance.rolls_freely:
-        return "no drag, no slip: nothing resists the cage, which runs at its epicyclic speed"
-    if slips:
-        return "found"
-    if balance.excess(float(curve.slip[-1])) > 0.0:
-        return (
-            f"no steady slip up to {curve.slip[-1]:g}: what acts on the cage drives it, and it runs faster than its "
-            "epicyclic speed"
-        )
-    best = int(np.argmax(curve.torque))
-    slip, torque = (
-        (float(curve.slip[best]), float(curve.torque[best]))
-        if np.isnan(largest.slip)
-        else (largest.slip, largest.friction)
-    )
-    carried = (
-        f"the drag is larger than the cage can carry up to a cage slip of {curve.slip[-1]:g} "
-        f"({-balance.drag(slip):.3g} N m where the rollers drive it with most, {torque:.3g} N m at a slip of {slip:.3g}"
-    )
-    if best < curve.slip.size - 1:
-        return f"{carried}): {RUNS_AWAY}"
-    further = look_further(f"study.{SteadySlip.name}.max_cage_slip", float(curve.slip[-1]), MOST_CAGE_SLIP)
-    return f"{carried}, where it still rises): {LEAVES}{further}"
-
-
-def _no_fold(
-    name: str, limits: tuple[float, float], branches: list[Branch], study: SteadySlip, *, free: bool = False
-) -> str:
-    """Say why the least steady slip has no fold: it goes through, leaves the range of slips, or is not there.
-
-    Examples
-    --------
-    >>> _no_fold("radial_load", (100.0, 200.0), [], SteadySlip())
-    'no limit of the radial load is known: no steady slip at 100 N and none at 200 N; none was sought between them'
-    """
-    unit, what = VARIED[name]
-    low, high = (format_quantity(value, unit) for value in limits)
-    if free:
-        return f"no limit of the {what}: without drag there is no slip"
-    unknown = f"no limit of the {what} is known"
-    if not branches:
-        return f"{unknown}: no steady slip at {low} and none at {high}; none was sought between them"
-    slip, value = branches[0].slip, branches[0].parameter
-    if np.isclose(slip[[0, -1]], study.max_cage_slip).any():
-        at, key = format_quantity(float(value[np.argmax(slip)]), unit, 4), f"{study.table}.max_cage_slip"
-        further = look_further(key, study.max_cage_slip, MOST_CAGE_SLIP)
-        return f"{unknown}: at {at} the steady slip leaves the range, {study.max_cage_slip:g}{further}"
-    if np.ptp(value) < (1.0 - _THROUGH) * (limits[1] - limits[0]):
-        ends = " and ".join(format_quantity(float(end), unit, 4) for end in np.sort(value[[0, -1]]))
-        return f"{unknown}: the least steady slip has no fold between {ends}, and ends there"
-    return f"no limit of the {what}: the least steady slip has no fold between {low} and {high}"
 
 
 def _branches(name: str, limits: tuple[float, float], branches: list[Branch], no_fold: str) -> dict[str, Any]:

@@ -1,0 +1,82 @@
+"""Why a bearing has a steady slip or none, and why a range that was followed has no limit, in words."""
+
+from typing import Final
+
+import numpy as np
+
+from rollslip.bearing.critical import MOST_CAGE_SLIP, Critical, look_further
+from rollslip.motion.continuation import Branch, TorqueCurve
+from rollslip.motion.torque_balance import TorqueBalance
+from rollslip.units import format_quantity
+
+#: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.
+RUNS_AWAY, LEAVES = "slip runs away", "slip leaves the range"
+#: What a branch may miss of a range that it goes through, relative.
+_THROUGH = 1e-3
+#: What the slips can be followed against -> (unit, what a fold is in words).
+VARIED: Final = {
+    "radial_load": ("N", "radial load"),
+    "inner_speed": ("rad/s", "speed of the inner ring"),
+    "temperature": ("K", "temperature"),
+}
+
+
+def status_of(balance: TorqueBalance, curve: TorqueCurve, largest: Critical, slips: list[float], table: str) -> str:
+    """Say whether there are steady slips, or why there are none; ``table`` is that of the study in a scene."""
+    if balance.rolls_freely:
+        return "no drag, no slip: nothing resists the cage, which runs at its epicyclic speed"
+    if slips:
+        return "found"
+    if balance.excess(float(curve.slip[-1])) > 0.0:
+        return (
+            f"no steady slip up to {curve.slip[-1]:g}: what acts on the cage drives it, and it runs faster than its "
+            "epicyclic speed"
+        )
+    best = int(np.argmax(curve.torque))
+    slip, torque = (
+        (float(curve.slip[best]), float(curve.torque[best]))
+        if np.isnan(largest.slip)
+        else (largest.slip, largest.friction)
+    )
+    carried = (
+        f"the drag is larger than the cage can carry up to a cage slip of {curve.slip[-1]:g} "
+        f"({-balance.drag(slip):.3g} N m where the rollers drive it with most, {torque:.3g} N m at a slip of {slip:.3g}"
+    )
+    if best < curve.slip.size - 1:
+        return f"{carried}): {RUNS_AWAY}"
+    further = look_further(f"{table}.max_cage_slip", float(curve.slip[-1]), MOST_CAGE_SLIP)
+    return f"{carried}, where it still rises): {LEAVES}{further}"
+
+
+def no_fold(
+    name: str,
+    limits: tuple[float, float],
+    branches: list[Branch],
+    table: str,
+    most: float,
+    *,
+    free: bool = False,
+) -> str:
+    """Say why the least steady slip has no fold: it goes through, leaves the range of slips, or is not there.
+
+    Examples
+    --------
+    >>> no_fold("radial_load", (100.0, 200.0), [], "study.steady-slip", 0.9)
+    'no limit of the radial load is known: no steady slip at 100 N and none at 200 N; none was sought between them'
+    """
+    unit, what = VARIED[name]
+    low, high = (format_quantity(value, unit) for value in limits)
+    if free:
+        return f"no limit of the {what}: without drag there is no slip"
+    unknown = f"no limit of the {what} is known"
+    if not branches:
+        return f"{unknown}: no steady slip at {low} and none at {high}; none was sought between them"
+    slip, value = branches[0].slip, branches[0].parameter
+    if np.isclose(slip[[0, -1]], most).any():
+        at, key = format_quantity(float(value[np.argmax(slip)]), unit, 4), f"{table}.max_cage_slip"
+        further = look_further(key, most, MOST_CAGE_SLIP)
+        return f"{unknown}: at {at} the steady slip leaves the range, {most:g}{further}"
+    if np.ptp(value) < (1.0 - _THROUGH) * (limits[1] - limits[0]):
+        ends = " and ".join(format_quantity(float(end), unit, 4) for end in np.sort(value[[0, -1]]))
+        return f"{unknown}: the least steady slip has no fold between {ends}, and ends there"
+    return f"no limit of the {what}: the least steady slip has no fold between {low} and {high}"
