@@ -9,6 +9,7 @@ from rollslip.references import Reference
 
 __all__ = [
     "AIHARA_1987",
+    "ASTM_D341",
     "BAIR_2002",
     "BAIR_2019",
     "BAIR_WINER_1979",
@@ -23,7 +24,9 @@ __all__ = [
     "DOWSON_HIGGINSON_1966",
     "DOWSON_TOYODA_1979",
     "EYRING_1936",
+    "GEARPIE",
     "GOKSEM_1978",
+    "GOST_13076",
     "GREENWOOD_1961",
     "GREENWOOD_TRIPP_1970",
     "GUPTA_1984",
@@ -34,6 +37,7 @@ __all__ = [
     "HARRIS_2007",
     "HERREBRUGH_1968",
     "HINDMARSH_2005",
+    "ISO_3448",
     "ISO_16281",
     "JOHNSON_1970",
     "JOHNSON_1985",
@@ -54,9 +58,13 @@ __all__ = [
     "SAKAGUCHI_2003",
     "SHAMPINE_1997",
     "STEINEBACH_2023",
+    "TU_B_3V",
+    "TU_IPM_10",
+    "TU_TP_22S",
     "WEBER_1954",
     "WILSON_1983",
     "WINGERTSZAHN_2023",
+    "WU_1989",
     "ZHOU_1991",
 ]
 
@@ -95,6 +103,43 @@ ISO_16281: Final = Reference(
     "bearings",
     number="ISO/TS 16281:2008",
 )
+
+# Oils -----------------------------------------------------------------------------------------------------------------
+
+ASTM_D341: Final = Reference(
+    kind="standard",
+    title="Standard practice for viscosity-temperature equations and charts for liquid petroleum products",
+    number="ASTM D341",
+)
+ISO_3448: Final = Reference(
+    kind="standard", title="Industrial liquid lubricants: ISO viscosity classification", number="ISO 3448"
+)
+WU_1989: Final = Reference(
+    authors=("Wu, C. S.", "Klaus, E. E.", "Duda, J. L."),
+    title="Development of a method for the prediction of pressure-viscosity coefficients of lubricating oils based on "
+    "free-volume theory",
+    journal="J. Tribol.",
+    volume="111",
+    pages="121-128",
+    year=1989,
+)
+GEARPIE: Final = Reference(
+    kind="software",
+    authors=("Fernandes, C.",),
+    title="GEARpie, a library for gear contacts",
+    publisher="github.com/cfernandesFEUP/GEARpie",
+)
+TU_TP_22S: Final = Reference(
+    kind="standard", title="Turbine oil Tp-22S", number="TU 38.101821-2001", note="known second-hand"
+)
+GOST_13076: Final = Reference(
+    kind="standard",
+    title="Oil VNII NP 50-1-4",
+    number="GOST 13076-86 and TU 38.401-58-12-91",
+    note="recalled, not read",
+)
+TU_IPM_10: Final = Reference(kind="standard", title="Oil IPM-10", number="TU 38.1011299", note="recalled, not read")
+TU_B_3V: Final = Reference(kind="standard", title="Oil B-3V", number="TU 38.101295", note="recalled, not read")
 
 # Film ---------------------------------------------------------------------------------------------------------------
 

@@ -7,21 +7,10 @@ low and 4 to 17 % high (``docs/scripts/oils.py``). Dynamic viscosity is kinemati
 
 from rollslip.hookspecs import hookimpl
 from rollslip.lubricant import Constant, Hyperbola, Lubricant, Product, Table, Vogel, WuKlausDuda, fit_walther
+from rollslip.references import Reference
+from rollslip_plugins.bibliography import ASTM_D341, GEARPIE, ISO_3448, TU_TP_22S, WINGERTSZAHN_2023, WU_1989
 from rollslip_plugins.data.lubricants import falling_density, scatter_of
 
-_D341 = "ASTM D341, Standard Practice for Viscosity-Temperature Equations and Charts for Liquid Petroleum Products."
-_ISO_3448 = "ISO 3448, Industrial liquid lubricants: ISO viscosity classification."
-_WU = (
-    "Wu C.S., Klaus E.E., Duda J.L. Development of a method for the prediction of pressure-viscosity coefficients of "
-    "lubricating oils based on free-volume theory. J. Tribol. 111, 1989, 121-128."
-)
-_GEARPIE = (
-    "GEARpie, open library for gear contacts by C. Fernandes, class of lubricants; github.com/cfernandesFEUP/GEARpie."
-)
-_WINGERTSZAHN = (
-    "Wingertszahn P., Koch O., Maccioni L., Concli F., Sauer B. Predicting Friction of Tapered Roller Bearings with "
-    "Detailed Multi-Body Simulation Models. Lubricants 11, 2023, 369, Table A1."
-)
 _RANGE = "Range 0 to 120 degC (D), 40 K below and 20 K above the points of the viscosity."
 _GRADE_SCATTER = (0.1, "(B)", "ISO 3448 allows a grade 10 % either way")
 _SHEAR = (
@@ -41,7 +30,7 @@ def _correlated(
     conductivity_source: str,
     *,
     grades: dict[str, str],
-    references: tuple[str, ...],
+    references: tuple[Reference, ...],
     alpha: tuple[float, str] = (
         0.25,
         "formulas of Gold and of So and Klaus lie within 25 % of that of Wu, Klaus and Duda",
@@ -66,7 +55,7 @@ def _correlated(
             f"on this viscosity (B); it scatters by {alpha[0]:.0%}. Conductivity {conductivity:g} W/(m K), "
             f"{conductivity_source} (C). {_SHEAR} {_RANGE}"
         ),
-        references=(*references, _D341, _WU),
+        references=(*references, ASTM_D341, WU_1989),
         scatter=scatter_of(*_GRADE_SCATTER, *alpha),
         grades=grades | _SHARED,
     )
@@ -83,7 +72,7 @@ def _iso_vg(grade: int, at_40: float, at_100: float) -> Lubricant:
         0.134,
         "as printed for FVA 3",
         grades={"viscosity": "B", "density": "B", "pressure_viscosity": "B"},
-        references=(_GEARPIE, _ISO_3448),
+        references=(GEARPIE, ISO_3448),
     )
 
 
@@ -111,7 +100,7 @@ pao_68 = _correlated(
     0.15,
     "recalled of polyalphaolefins",
     grades={"viscosity": "B", "density": "B", "pressure_viscosity": "B"},
-    references=(_GEARPIE, _ISO_3448),
+    references=(GEARPIE, ISO_3448),
     alpha=(0.3, "formulas of Gold and of So and Klaus lie within 30 % of that of Wu, Klaus and Duda"),
 )
 
@@ -125,7 +114,7 @@ tp_22s = _correlated(
     0.134,
     "as printed for FVA 3",
     grades={"viscosity": "C", "density": "D", "pressure_viscosity": "C"},
-    references=("TU 38.101821-2001, turbine oil Tp-22S; known second-hand.",),
+    references=(TU_TP_22S,),
 )
 
 # eta = eta0(T) exp(p/(a1 + a2 T + (b1 + b2 T) p)), p in bar, T in degC, a1 = 327.7918, a2 = 2.9862: at no pressure the
@@ -150,7 +139,7 @@ fva_3 = Lubricant(
         "0.2 GPa and 3.2 times at 0.4 GPa, that of Roelands 0.73 and 0.44 times: what was measured lies between. "
         f"{_SHEAR} Range 0 to 150 degC (D): that of the measurements is not printed with the constants."
     ),
-    references=(_WINGERTSZAHN,),
+    references=(WINGERTSZAHN_2023.at("Table A1"),),
     scatter=scatter_of(
         0.03, "(D)", "one oil, measured", 0.05, "measured: slope at no pressure against the reciprocal mean, 4 %"
     ),

@@ -17,6 +17,8 @@ from rollslip.lubricant import (
     WuKlausDuda,
     fit_walther,
 )
+from rollslip.references import Reference
+from rollslip_plugins.bibliography import GOST_13076, TU_B_3V, TU_IPM_10
 from rollslip_plugins.data.lubricants import falling_density, mil_prf_23699, scatter_of
 
 
@@ -32,7 +34,7 @@ def _of_limits(
     density: tuple[float, float],
     alpha: TemperatureLaw,
     alpha_source: str,
-    specification: str,
+    specification: Reference,
 ) -> Lubricant:
     """An oil of which the limits of its viscosity are recalled."""
     rho = falling_density(*density)
@@ -54,7 +56,7 @@ def _of_limits(
             "Conductivity 0.15 W/(m K), recalled of such oils (C). Eyring stress 4 MPa (D), published traction curves "
             "give 1 to 10 MPa; shear modulus 0.3 GPa (C), 0.05 to 1 GPa. Range 0 to 180 degC (D)."
         ),
-        references=(f"{specification}; recalled, not read.",),
+        references=(specification,),
         scatter=scatter_of(
             0.1,
             "(D)",
@@ -79,7 +81,7 @@ vnii_np_50_1_4u = _of_limits(
     (920.6, 860.8),
     Hyperbola(limit=7.5808e-10, slope=1.0742e-6, pole=215.56),
     "that of mil-prf-7808, an oil of the same class",
-    "GOST 13076-86 and TU 38.401-58-12-91, oils VNII NP 50-1-4",
+    GOST_13076,
 )
 ipm_10 = _of_limits(
     "ipm-10",
@@ -88,7 +90,7 @@ ipm_10 = _of_limits(
     (825.0, 785.0),
     WuKlausDuda(_PAO),
     "formula of Wu, Klaus and Duda on this viscosity",
-    "TU 38.1011299, oil IPM-10",
+    TU_IPM_10,
 )
 b_3v = _of_limits(
     "b-3v",
@@ -97,7 +99,7 @@ b_3v = _of_limits(
     (987.7, 919.8),
     PowerOfViscosity(Product(_ESTER, _B_3V), _OF_23699.factor, _OF_23699.exponent),
     "from this viscosity as for mil-prf-23699, a polyol ester too",
-    "TU 38.101295, oil B-3V",
+    TU_B_3V,
 )
 
 
