@@ -121,7 +121,7 @@ def test_from_rest_the_cage_speeds_up_as_by_hand(level):
 
 def test_without_any_load_inside_it_is_said():
     assembly = bearing(brake(0.1), **{"operation.radial_load": 0.0, "bearing.radial_clearance": 20e-6})
-    with pytest.raises(SceneError, match=r"radial_load: no roller is loaded on the inner ring .* give a radial load"):
+    with pytest.raises(SceneError, match=r"radial_load: no roller is loaded on the inner ring .* raise operation"):
         Dynamics().run(assembly)
 
 

@@ -909,6 +909,8 @@ def judge_result(subject, verdict, changes, refused=None, must=False, check=True
             "critical_slip",
             "critical_cage_slip",
             "critical_friction",
+            "first_maximum_slip",
+            "first_maximum_friction",
             "roller_friction",
         ):
             assert np.all(np.isfinite(values.to_numpy())), (changes, name)
