@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 from collections import Counter
 
 import attrs
@@ -322,6 +323,32 @@ def test_the_command_writes_result_figures_and_report(tmp_path):
     assert "total Sobol index: lubricant.pressure_viscosity_factor" in (out / "report.html").read_text()
     plain = CliRunner().invoke(cli, [*arguments, "--out", str(out / "plain"), "--no-plots", "--json"])
     assert json.loads(plain.stdout)["allowable_slip"]["value"] > 0.0
+
+
+def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path, monkeypatch):
+    def points(sweep, folder):
+        return _points(["timed-out"] * 8, np.full(8, np.nan))
+
+    monkeypatch.setattr(
+        allowable, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
+    )
+    monkeypatch.setattr(allowable, "collect", points)
+    out = tmp_path / "made"
+    own = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8", "--steady", "0"]
+    done = CliRunner().invoke(cli, [*own, "--out", str(out)])
+    assert done.exit_code == 4, done.output
+    assert "8 samples: none has a result" in done.output
+    assert "the allowable slip is not known: none of 8 samples has a result" in done.output
+    assert "all 8 samples failed" in _words(out / "uncertainty.svg")
+    again = re.search(r"compute points without a result again by: rollslip (.*), then go on by the same", done.output)[
+        1
+    ]
+    monkeypatch.undo()
+    done = CliRunner().invoke(cli, shlex.split(again))
+    assert not done.exit_code, done.output
+    done = CliRunner().invoke(cli, [*own, "--out", str(out)])
+    assert not done.exit_code, done.output
+    assert "a cage that slips by at most" in done.output
 
 
 def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):

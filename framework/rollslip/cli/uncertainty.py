@@ -104,4 +104,8 @@ def uncertainty(
         click.echo("\n".join(f"  {line}" for line in account.lines(dataset)))
         results.tell(dataset)
     if failed(dataset):
+        for name, counts in json.loads(dataset.attrs["points"]).items():
+            if counts.keys() - {"ok"}:
+                again = shlex.join(["rollslip", "sweep", "retry", str(results.target / name), "--failed"])
+                click.echo(f"compute points without a result again by: {again}, then {go_on}", err=True)
         sys.exit(SOME_FAILED)

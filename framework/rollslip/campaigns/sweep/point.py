@@ -144,7 +144,10 @@ class _Point:
         try:
             yield
         except _TimeLimit:
-            self._end("timed-out", f"took longer than the time limit of {self.work.time_limit:g} s")
+            self._end(
+                "timed-out",
+                f"took longer than the time limit of {self.work.time_limit:g} s; retry with a longer --time-limit",
+            )
         except ConvergenceError as error:
             self._end("not-converged", str(error))
         except (DomainError, SceneError, FieldError) as error:

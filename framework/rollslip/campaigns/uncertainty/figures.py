@@ -51,7 +51,9 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
         values = one["value"].to_numpy()[:n]
         known, unknown = np.sort(values[np.isfinite(values)]), int(one["unknown"])
         if not known.size:
-            where = "beyond the range or without end" if int(one["beyond"]) == n else "beyond the range, or failed"
+            where = "beyond the range, or failed"
+            if n in (unknown, int(one["beyond"])):
+                where = "failed" if unknown else "beyond the range or without end"
             axes.plot([], [], color=colour, label=f"{name}: all {n} samples {where}")
             continue
         known = np.append(known[0], known)  # from no sample on
