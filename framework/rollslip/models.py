@@ -36,8 +36,8 @@ NON_NEGATIVE: Final = (0.0, sys.float_info.max)
 NO_LIMITS: Final[Domain] = MappingProxyType({})
 
 
-#: Beyond its bound a law is judged up to so many times it where nothing was evaluated: in tables of the catalogue.
-_FARTHER: Final = 10.0
+#: Where nothing was evaluated, as in tables of the catalogue, a consequence is told up to so many times the bound.
+_FARTHER: Final = 3.0
 
 
 @attrs.frozen(kw_only=True)
@@ -113,7 +113,7 @@ class Validity:
 
     @property
     def told(self) -> str:
-        """The consequence from the bound to ten times beyond it, for tables of the catalogue."""
+        """The consequence from the bound to three times beyond it, for tables of the catalogue."""
         edge, beyond = (self.high, _FARTHER) if self.high < math.inf else (self.low, 1.0 / _FARTHER)
         text = self.consequence_at(edge, edge * beyond)
         return text if self.error is None else f"{text} (at {edge:.3g} to {edge * beyond:.3g})"

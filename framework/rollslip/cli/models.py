@@ -201,7 +201,7 @@ def _print_model(kind: str, name: str) -> None:
     if about.get("made_for"):
         click.echo("made for; outside of it a result warns")
         for v in about["made_for"]:
-            click.echo(f"  {v['bound']}: outside {v['outside']}; remedy: {v['remedy']}; rests on: {v['source']}")
+            click.echo(f"  {v['bound']}; outside, {v['outside']}; remedy: {v['remedy']}; rests on: {v['source']}")
     if "outputs" in about:
         click.echo("outputs")
         print_table(

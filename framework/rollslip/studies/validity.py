@@ -70,11 +70,12 @@ class Difference:
     """How far a law is off the one that it approximates, on slices that both were evaluated on.
 
     Of each ring at each slip the friction by force, sum F (mu - mu_ref)/sum F |mu_ref|: root of the mean square over
-    them, mean, and the one of the largest size.
+    them, mean, and the one of the largest size. ``key`` is that of the scene under which the law stands.
     """
 
     law: str
     reference: str
+    key: str
     rms: float
     mean: float
     largest: float
@@ -228,10 +229,18 @@ def difference(traction: TractionModel, contacts: Sequence[Evaluated], assembly:
     return Difference(
         law=law.name,
         reference=exact.name,
+        key=_key_of(law, traction),
         rms=float(np.sqrt((off**2).mean())),
         mean=float(off.mean()),
         largest=float(off[np.argmax(np.abs(off))]),
     )
+
+
+def _key_of(law: TractionModel, traction: TractionModel) -> str:
+    """Return the key of the scene under which a law stands: that of the traction, or of a submodel of it."""
+    cls: Any = type(traction)
+    child = "".join(f".{a.name}" for a in attrs.fields(cls) if getattr(traction, a.name) is law)
+    return f"models.traction{child}"
 
 
 def sentences(
@@ -296,7 +305,7 @@ def _off(off: Difference, found: Sequence[Outside], where: str, what: str) -> st
     return (
         f"the friction of {off.law!r} is {rms:.2g} % (rms) off that of {off.reference!r}, the law that it "
         f"approximates, {where or 'on these slices'}: {mean:+.2g} % in the mean, {largest:+.2g} % at most{beyond}; "
-        f"remedy: {off.reference!r} in its place"
+        f"remedy: {off.key} = {off.reference!r}"
     )
 
 
