@@ -28,9 +28,16 @@ PROFILES = ("none", "iso16281", {"shape": "circular", "radius": "3 m"}, "iso1628
 OILS = ("mil-prf-7808", "mil-prf-23699", "sae-30", "santotrac-50")
 CLOSURES = (*["epicyclic"] * 12, *["outer-rolling"] * 3, "free-roller")
 FILMS = ("moes", "dowson-toyoda", "pan-hamrock", "dowson-1968")
+
+
+def blend(name, law):
+    """A blend with a law of the full film."""
+    return {"model": name, "hydrodynamic": law}
+
+
 TRACTIONS = (
-    "lambda-blend", "linear-blend", {"model": "lambda-blend", "hydrodynamic": "eyring"}, "muraki",
-    "maxwell-eyring", {"model": "lambda-blend", "hydrodynamic": "maxwell-eyring"}, "greenwood-tripp", "eyring",
+    blend("lambda-blend", "muraki"), blend("linear-blend", "muraki"), blend("lambda-blend", "eyring"), "muraki",
+    "maxwell-eyring", blend("lambda-blend", "maxwell-eyring"), blend("greenwood-tripp", "muraki"), "eyring",
 )  # fmt: skip
 
 
