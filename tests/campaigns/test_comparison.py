@@ -228,7 +228,9 @@ def test_a_difference_that_is_the_same_everywhere_is_explained_by_no_regime():
 
 
 def test_slices_are_not_sorted_by_what_the_oil_does_not_give():
-    scene = evolve(SCENE, {"lubricant": {"name": "sae-30"}, "models.traction": "constant"})
+    bare = {"viscosity": "10 mPa s", "thermoviscosity": "0.03 1/K", "pressure_viscosity": "19 1/GPa"}
+    bare |= {"eyring_stress": "4 MPa", "shear_modulus": "0.3 GPa"}
+    scene = evolve(SCENE, {"lubricant": bare, "models.traction": "constant"})
     found = compare(scene, film="moes,blok", traction="constant", study="friction-curve")
     assert found["grouping"].values.tolist() == ["film regime", "strain rate", "elasticity"]  # nothing of its heat
 

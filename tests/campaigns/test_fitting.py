@@ -212,7 +212,9 @@ def test_without_a_rig_file_one_is_shown_that_can_be_used(tmp_path):
 
 
 def test_what_models_need_and_nobody_gives_is_told_with_its_place(tmp_path):
-    (tmp_path / "rig.toml").write_text('[rig]\nradius = "10 mm"\n[lubricant]\nname = "sae-30"\n', encoding="utf-8")
+    oil = 'viscosity = "60 mPa s"\nthermoviscosity = "0.04 1/K"\npressure_viscosity = "19 1/GPa"\n'
+    oil += 'eyring_stress = "4 MPa"\nshear_modulus = "0.3 GPa"\n'
+    (tmp_path / "rig.toml").write_text(f'[rig]\nradius = "10 mm"\n[lubricant]\n{oil}', encoding="utf-8")
     with pytest.raises(SceneError) as caught:
         rig_problem(made(), load_rig(tmp_path / "rig.toml"))
     assert [re.sub(r"^.*rig.toml", "rig.toml", p).partition(" (")[0] for p in caught.value.problems] == [
@@ -303,9 +305,9 @@ def test_names_that_cannot_be_fitted_are_refused(names, said):
 
 
 def test_what_the_oil_does_not_give_has_no_start():
-    rig = attrs.evolve(RIG, lubricant=LubricantTable(name="sae-30"))
-    problem = rig_problem(made(ONE), rig, "kragelsky")
-    with pytest.raises(SceneError, match=r"conductivity: oil 'sae-30' gives none to start from; give lubricant.cond"):
+    bare = {"viscosity": "60 mPa s", "thermoviscosity": "0.04 1/K", "pressure_viscosity": "19 1/GPa"}
+    problem = rig_problem(made(ONE), attrs.evolve(RIG, lubricant=LubricantTable(data=bare)), "kragelsky")
+    with pytest.raises(SceneError, match=r"conductivity: oil 'own oil' gives none to start from; give lubricant.cond"):
         parameters_named(problem, "conductivity")
     law = {"glass_temperature": 200.0, "a1": 100.0, "a2": 1e-9, "b1": 0.2, "b2": 2e-8, "c1": 11.0, "c2": 30.0}
     free_volume = LubricantTable(name="sae-30", data={"pressure_viscosity_law": "yasutomi", "yasutomi": law})

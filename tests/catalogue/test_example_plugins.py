@@ -159,6 +159,7 @@ def test_the_catalogue_has_them_all(place: Place) -> None:
     assert offered >= {
         ("traction", "cross", "rollslip-cross"),
         ("traction", "circular", "rollslip-circular"),
+        ("traction", "klebanov-2022", "rollslip-klebanov"),
         ("film", "ertel-grubin", "rollslip-plain-c-film"),
         ("lubricant", "example-oil", "rollslip-example-oil"),
     }

@@ -331,3 +331,32 @@ def test_every_shipped_scene_runs(tmp_path):
     for entry in (files("rollslip") / "scenes").iterdir():
         if entry.name.endswith(".toml"):
             assert isinstance(rollslip.run(Path(entry.name).stem).attrs["evaluations"], int | np.integer)
+
+
+# Oils -----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.quick
+def test_grades_of_an_oil_are_told_with_their_legend(tmp_path):
+    shown = command("models", "fva-3", cwd=tmp_path).stdout
+    assert (
+        "grades      viscosity (A), density (A), pressure_viscosity (A), conductivity (A), eyring_stress (C)" in shown
+    )
+    assert "(A) printed in a source that was read; (C) second-hand or recalled, with doubt" in shown
+    assert "scatter     pressure_viscosity_factor uniform, scatter 0.05 (C): measured" in shown
+    told = json.loads(command("models", "fva-3", "--json", cwd=tmp_path).stdout)["lubricant"]
+    assert told["grades"]["viscosity"] == "A"
+    assert told["legend"] == {"A": "printed in a source that was read", "C": "second-hand or recalled, with doubt"}
+    assert {one["quantity"] for one in told["scatter"]} >= {"viscosity_factor", "pressure_viscosity_factor"}
+    info = command("info", "1032930-70C", "--set", "lubricant.name=fva-3", cwd=tmp_path).stdout
+    assert " mPa s (A)" in info
+    assert "(A)                 printed in a source that was read" in info
+    assert "eyring stress" not in info  # the scene gives its own
+
+
+def test_a_run_says_that_constants_fit_at_one_temperature_only_and_its_report_has_the_grades(tmp_path):
+    changes = ["--set", "lubricant.pressure_viscosity=17.5 1/GPa", "--set", "lubricant.name=iso-vg-32"]
+    done = command("run", "1032930-30C", *QUICK, *changes, "--report", "--out", "o", cwd=tmp_path)
+    assert "but lubricant.pressure_viscosity is the same at every temperature" in done.stderr
+    report = (tmp_path / "o" / "report.html").read_text(encoding="utf-8")
+    assert "Grades: viscosity (B), density (B), conductivity (C). (B) from a standard reference" in report
