@@ -13,6 +13,7 @@ import tomllib
 from pathlib import Path
 
 import attrs
+import numpy as np
 import pytest
 
 from rollslip import evolve, hookspecs, load_scene, run
@@ -264,6 +265,17 @@ CONTACT = {"profile": "iso16281", "traction": "muraki"}
 
 #: Sentence with gaps -> the cells that fill them.
 QUOTED = {
+    "by chance, {} % for the 50 % of Fig. 3": (
+        ("reproduction_effective", "critical_inner_percent", SHIPPED | {"figure": "Fig. 3"}),
+    ),
+    "largest at {} % slip for 300 N and {} % for 518 N with ``handbook``, at {} % and {} % with ``logarithm``": tuple(
+        ("paper_pair", f"fig_1_{force}_N", {"set": name}) for name in ("handbook", "logarithm") for force in (300, 518)
+    ),
+    "a maximum, at {} %; Fig. 2": (("paper_pair", "outer_70", {"set": "logarithm-epicyclic"}),),
+    "with ``muraki`` takes {} + {} =": tuple(
+        ("operations", column, {"friction": "conventional, muraki"}) for column in ("arithmetic", "functions")
+    ),
+    "A compiled table of effective friction takes {}:": (("operations", "arithmetic", {"friction": "effective"}),),
     "with the shipped scene at {} % for 300 N and at {} % for 518 N": (
         ("reproduction_contact", "critical_slip_percent", CONTACT | {"force_N": "300"}),
         ("reproduction_contact", "critical_slip_percent", CONTACT | {"force_N": "518"}),
@@ -271,7 +283,7 @@ QUOTED = {
     "the shipped scene has its critical cage slip at {} %, not 11 %": (
         ("reproduction_effective", "critical_inner_percent", SHIPPED | {"figure": "Fig. 2"}),
     ),
-    "brings it near: the smallest value is {} %": (
+    "alone brings it near: the smallest value is {} %": (
         ("reproduction_effective", "critical_inner_percent", OUTER | {"figure": "Fig. 2"}),
     ),
     "With the choices of the shipped scenes the smallest critical cage slip is {} %; the smallest of all, with "
@@ -333,6 +345,40 @@ def test_what_the_reproduction_page_concludes_follows_from_its_tables():
     assert smallest == min(numbers("reproduction_effective", "critical_inner_percent"))
     for name in ("alpha alone", "alpha, rest within scatter", "oil within scatter, and clearance"):
         assert cell("prediction", "fig2_critical_percent", **SHIPPED, set=name) == "11.0"
+
+
+def test_what_the_page_says_of_the_papers_pair_follows_from_its_tables():
+    """Ranges that are quoted over all sets, and which searches met both numbers."""
+
+    def column(name, kept=lambda row: True):
+        with (DOCS / "tables" / "paper_pair.csv").open(newline="", encoding="utf-8") as file:
+            return [float(row[name]) for row in csv.DictReader(file) if row[name] != "none" and kept(row)]
+
+    logarithm = {"kept": lambda row: row["set"].startswith("logarithm")}
+    assert all(abs(slip - 11.0) <= 1.5 for slip in column("70_degC"))
+    assert all(abs(slip - 50.0) <= 5.0 for slip in column("50_degC"))
+    assert (round(min(column("exact_law_70"))), round(max(column("exact_law_70")))) == (8, 12)
+    assert (round(min(column("exact_law_50"))), round(max(column("exact_law_50")))) == (20, 34)
+    assert (min(column("no_friction_to_70", **logarithm)), max(column("no_friction_to_70"))) == (1.1, 1.4)
+    assert (min(column("no_friction_to_50", **logarithm)), max(column("no_friction_to_50"))) == (9.8, 14.4)
+    with (DOCS / "tables" / "paper_pair_search.csv").open(newline="", encoding="utf-8") as file:
+        hits = {(row["alpha"], row["law"]) for row in csv.DictReader(file) if row["within_11±1.5_and_50±5"] == "yes"}
+    assert hits == {
+        ("constant alpha", "muraki (asinh)"),
+        ("constant alpha", "ln(2 sigma), cut at zero"),
+    }
+
+
+def test_operations_are_counted_as_the_table_has_them(monkeypatch):
+    monkeypatch.syspath_prepend(DOCS / "scripts")
+    import operations
+
+    with (DOCS / "tables" / "operations.csv").open(newline="", encoding="utf-8") as file:
+        assert [tuple(row) for row in csv.reader(file)][1:] == operations.operations()
+    one = np.array([1.0, 2.0]).view(operations.Counting)
+    operations.counted.clear()
+    _ = np.sqrt(one * 2.0 + one) / np.exp(one)
+    assert operations.counted == {"arithmetic": 8, "functions": 2}
 
 
 @pytest.mark.parametrize("name", ["1032930-70C", "1032930-50C"])

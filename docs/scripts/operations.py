@@ -5,11 +5,12 @@ The counterpart is counted in the NumPy forms of rollslip's laws, which its comp
 array type counts every element that passes a NumPy function. What is counted:
 
 - arithmetic: + - * / and square roots, comparisons, minima, signs and absolute values, one each;
-- functions: exp, log, asinh, tanh, powers and what is like them, one each. A processor takes 10 to 40 operations for one.
+- functions: exp, log, asinh, tanh, powers and what is like them, one each; a processor takes many operations for one.
 
-A contact is one of straight rollers: one slice. Of a profile with n slices the first two take n times as much, effective
-friction does not. The contacts are all loaded ones of 1032930-70C and -50C with straight rollers at a cage slip of 10 %.
-Laws that are told apart by slice, as in iterations, are counted on what each form computes: both sides of a branch.
+A contact is one of straight rollers: one slice. Of a profile with n slices the first two take n times as much,
+effective friction does not. The contacts are all loaded ones of 1032930-70C and -50C with straight rollers at a cage
+slip of 10 %, where the film carries all of the load: boundary friction is not evaluated. Both sides of a branch count
+where a form computes both.
 For effective friction the cubic of rs_curve_traction (kernels/rollslip_kernels/motion/rollslip_raceway.pxd) is
 evaluated by the same type, and held against the compiled one.
 """
@@ -18,7 +19,6 @@ import types
 from collections import Counter
 
 import numpy as np
-from output import write_table
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
@@ -31,64 +31,14 @@ from rollslip_plugins import contact
 from rollslip_plugins.film import formulas
 from rollslip_plugins.traction import blend, boundary, eyring, heating, stress
 
-ARITHMETIC = [
-    "add",
-    "subtract",
-    "multiply",
-    "divide",
-    "true_divide",
-    "negative",
-    "positive",
-    "absolute",
-    "fabs",
-    "sign",
-    "copysign",
-    "sqrt",
-    "square",
-    "maximum",
-    "minimum",
-    "fmax",
-    "fmin",
-    "clip",
-    "less",
-    "less_equal",
-    "greater",
-    "greater_equal",
-    "equal",
-    "not_equal",
-    "reciprocal",
-    "rint",
-    "floor",
-]
-FUNCTIONS = [
-    "exp",
-    "expm1",
-    "exp2",
-    "log",
-    "log1p",
-    "log2",
-    "log10",
-    "logaddexp",
-    "power",
-    "float_power",
-    "sinh",
-    "cosh",
-    "tanh",
-    "arcsinh",
-    "arctanh",
-    "hypot",
-]
-FREE = [
-    "isnan",
-    "isfinite",
-    "logical_and",
-    "logical_or",
-    "logical_not",
-    "bitwise_and",
-    "bitwise_or",
-    "invert",
-    "signbit",
-]
+ARITHMETIC = set(
+    """add subtract multiply divide true_divide negative positive absolute fabs sign copysign sqrt square maximum
+    minimum fmax fmin less less_equal greater greater_equal equal not_equal reciprocal rint floor""".split()  # noqa: SIM905
+)
+FUNCTIONS = set(
+    """exp expm1 exp2 log log1p log2 log10 logaddexp power float_power sinh cosh tanh arcsinh arctanh hypot""".split()  # noqa: SIM905
+)
+FREE = {"isnan", "isfinite", "logical_and", "logical_or", "logical_not", "invert", "signbit"}
 
 counted: Counter[str] = Counter()
 
@@ -162,7 +112,7 @@ def effective(table, V, force):
     cells = table.nodes.shape[0] - 1
     per_cell, before = cells / (high - low), -low / (high - low) * cells
     first, rise = table.nodes[:-1], table.nodes[1:] - table.nodes[:-1]
-    # the powers of the place in a cell, of values and of slopes times the width of a cell; once for a table, not counted
+    # coefficients of the powers of the place in a cell, once for a table: not counted
     d0, d1 = first[:, 1], table.nodes[1:, 1]
     a = np.stack([first[:, 0], d0, 3.0 * rise[:, 0] - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise[:, 0]])
     counted.clear()
@@ -188,7 +138,8 @@ def cases():
             yield assembly, getattr(assembly, ring), load, u, V
 
 
-def main():
+def operations():
+    """Return the rows of the table: friction, operations a contact by sort, and what the paper counts."""
     rows = {}
     for assembly, raceway, load, u, V in cases():
         slices = Slices(load.size, raceway.conditions, load=load, rolling_speed=u, sliding_speed=V)
@@ -214,14 +165,10 @@ def main():
         rows.setdefault("effective", []).append(numbers)
     paper = {"conventional, muraki": 115, "effective": 3}
     order = sorted(rows, key=lambda name: -np.mean(rows[name], axis=0).sum())
-    write_table(
-        "operations",
-        ("friction", "arithmetic", "functions", "the_paper_counts"),
-        [(name, *(f"{x:.0f}" for x in np.mean(rows[name], axis=0)), paper.get(name, "")) for name in order],
-    )
-    for name in order:
-        print(name, np.mean(rows[name], axis=0), np.ptp(rows[name], axis=0))
+    return [(name, *(f"{x:.0f}" for x in np.mean(rows[name], axis=0)), str(paper.get(name, ""))) for name in order]
 
 
 if __name__ == "__main__":
-    main()
+    from output import write_table  # which sets the style of figures
+
+    write_table("operations", ("friction", "arithmetic", "functions", "the_paper_counts"), operations())
