@@ -17,6 +17,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import Drags
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
+from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
@@ -32,9 +33,10 @@ from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.steady_slip import findings
 from rollslip.studies.steady_slip.figures import steady_figures
 from rollslip.studies.steady_slip.findings import record, topics
+from rollslip.studies.steady_slip.minimum_load import RULES, static_rating
 from rollslip.studies.steady_slip.statuses import no_fold
 from rollslip.studies.steady_slip.study import SteadySlip
-from rollslip.units import quantity
+from rollslip.units import format_quantity, quantity
 
 SHIPPED = load_scene("1032930-50C")
 STRAIGHT = evolve(SHIPPED, {"bearing.profile": "none"})
@@ -736,3 +738,50 @@ def test_films_are_weighed_by_the_force_of_every_slice():
             light[ring] += share[moes_groups(slices)[0] < LIGHT].sum()
     np.testing.assert_allclose(result.regime_share, want, atol=1e-12)
     np.testing.assert_allclose(result.light_share, light, atol=1e-12)
+
+
+# The least load of a slip ---------------------------------------------------------------------------------------------
+
+
+def test_at_the_least_load_the_slip_is_the_acceptable_one():
+    scene = dragged(STRAIGHT, brake(0.3))
+    found = run(scene, points=8, acceptable_slip=0.05)
+    assert str(found.least_load_status.item()) == "found"
+    load = float(found.least_load)
+    there = run(evolve(scene, {"operation.radial_load": load}), points=12)
+    assert float(there.steady_slip[0]) == pytest.approx(0.05, rel=2e-3)
+    more = run(evolve(scene, {"operation.radial_load": 1.1 * load}), points=12)
+    assert float(more.steady_slip[0]) < 0.05
+    (said,) = topics(found)["least load"]
+    assert said.startswith(f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip")
+    assert record(found)["least_load"] == load
+
+
+def test_a_slip_that_the_cage_does_not_hold_has_no_least_load():
+    scene = evolve(dragged(SHIPPED, brake(0.69)), {"accuracy.slices": 15})
+    unstable = float(run(scene).steady_slip[1])
+    found = run(scene, acceptable_slip=unstable)
+    assert np.isnan(found.least_load)
+    assert f"the cage does not hold a slip of {unstable:g}: at" in str(found.least_load_status.item())
+    assert "1.037 kN it has run away before" in topics(found)["least load"][0]
+
+
+def test_without_drag_no_load_is_needed():
+    found = run(evolve(STRAIGHT, {"cage.drag": []}), points=8, acceptable_slip=0.05)
+    assert np.isnan(found.least_load)
+    assert str(found.least_load_status.item()) == "no load is needed: without drag there is no slip"
+
+
+def test_makers_rules_differ_as_they_are_said_to():
+    """NU 2220: 17 rollers of 22 mm, effectively 32 mm long, on a pitch circle of 141 mm; NSK lists C0r = 445 kN."""
+    nu_2220 = Bearing(
+        rollers=17,
+        roller_diameter=0.022,
+        roller_length=0.032,
+        inner_raceway_diameter=0.119,
+        outer_raceway_diameter=0.163,
+    )
+    assert static_rating(nu_2220) == pytest.approx(445e3, rel=0.005)
+    asked = {maker: rule.share * static_rating(nu_2220) for maker, rule in RULES.items()}
+    assert asked["NTN"] == pytest.approx(17.8e3, rel=0.005)
+    assert asked["Schaeffler"] == pytest.approx(7.4e3, rel=0.01)

@@ -23,6 +23,7 @@ SHORT = {
     "study.effective-friction.map_points": 3,
     "study.effective-friction.per_roller": True,
     "study.friction-curve.points": 5,
+    "study.steady-slip.acceptable_slip": 0.05,
     "study.dynamics.duration": "0.1 ms",
     "study.dynamics.points": 3,
     "study.dynamics.level": "planar",

@@ -474,8 +474,7 @@ class _Run:
                     engine.end(executor, at_once=True)
                     executor, seconds = None, time.monotonic() - begin
                     if isinstance(error, FutureTimeout):
-                        limit = f"{self.work.time_limit:g} s"
-                        text = f"took longer than the time limit of {limit}, and did not stop; "
+                        text = f"took longer than the time limit of {self.work.time_limit:g} s, and did not stop; "
                         text += "retry with a longer --time-limit"
                         done = _ended(number, "timed-out", text, seconds, self.packages)
                     elif engine.killed(error):

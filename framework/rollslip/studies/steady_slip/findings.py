@@ -27,8 +27,14 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return the single values; what has no value is None."""
     numbers = ["largest_drag", "largest_drag_slip"]
     numbers += [name for name in ("first_maximum_torque", "first_maximum_slip") if name in dataset]
+    numbers += [name for name in ("least_load",) if name in dataset]
     numbers += [f"{name}_limit{of}" for name in varied(dataset) for of in ("", "_slip")]
-    texts = ["status", "largest_drag_status", *(f"{name}_limit_status" for name in varied(dataset))]
+    texts = [
+        "status",
+        "largest_drag_status",
+        *(["least_load_status"] if "least_load" in dataset else []),
+        *(f"{name}_limit_status" for name in varied(dataset)),
+    ]
     states = [
         {
             "cage_slip": float(dataset["steady_slip"][k]),
@@ -54,6 +60,7 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     return {
         "steady slip": _steady(dataset),
         "largest drag": [_largest(dataset)],
+        **({"least load": [_least_load(dataset)]} if "least_load" in dataset else {}),
         **{f"limit of the {_what(dataset, name)}": [_limit(dataset, name)] for name in varied(dataset)},
         "inertia of the rollers": [_inertia(dataset)],
     }
@@ -93,7 +100,30 @@ def _largest(dataset: "xr.Dataset") -> str:
         reached = f"in this range the rollers drive the cage with up to {reached}"
         return f"{dataset['largest_drag_status'].item()}; {reached}{_first(dataset)}"
     most = format_quantity(largest, "N m", 3)
-    return f"the largest drag that the cage can carry is {most}, at a cage slip of {_percent(slip)}{_first(dataset)}"
+    return (
+        f"the largest drag that the cage can carry is {most}{_reserve(dataset, largest)}, at a cage slip of "
+        f"{_percent(slip)}{_first(dataset)}"
+    )
+
+
+def _reserve(dataset: "xr.Dataset", largest: float) -> str:
+    """Say how many times the drag at the least steady slip the largest one is; nothing where there is no drag."""
+    drag = float(dataset["torque"][0]) if has_steady(dataset) else math.nan
+    return f", {largest / drag:.3g} times the drag at the steady slip" if drag > 0.0 else ""
+
+
+def _least_load(dataset: "xr.Dataset") -> str:
+    """Say which load a slip takes, beside what makers ask for."""
+    slip, load = _percent(float(dataset.attrs["acceptable_slip"])), float(dataset["least_load"])
+    if math.isnan(load):
+        said = f"no least radial load of a cage slip of {slip}: {dataset['least_load_status'].item()}"
+    else:
+        said = f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
+    asked = ", ".join(
+        f"{maker.item()} {format_quantity(float(value), 'N', 3)}"
+        for maker, value in zip(dataset["maker"], dataset["makers_least_load"], strict=True)
+    )
+    return f"{said}; makers ask for {asked}, for any oil, speed and cage"
 
 
 def _first(dataset: "xr.Dataset") -> str:

@@ -12,7 +12,7 @@
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -36,6 +36,7 @@ from rollslip.scene.values import Scene
 from rollslip.studies import estimates
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Some
 from rollslip.studies.raceways import REGIMES, regime_variables, unloaded
+from rollslip.studies.steady_slip.minimum_load import RULES, least_load, static_rating
 from rollslip.studies.steady_slip.statuses import VARIED, no_fold, status_of
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
@@ -99,12 +100,24 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "film_parameter": Output("ring steady", "1", "smallest film parameter Lambda"),
         "roller_slip": Output("steady angle", "1", "roller slip"),
         "normal_force": Output("ring steady angle", "N", "normal force"),
+        "least_load": Output(
+            "",
+            "N",
+            "least radial load that keeps the slip acceptable",
+            status="least_load_status",
+        ),
+        "least_load_status": Output("", "1", "what was found of the least load"),
+        "makers_least_load": Output("maker", "N", "least radial load that a maker of bearings asks for"),
         "driving_torque": Output("cage_slip", "N m", "torque with which the rollers drive the cage"),
         "drag_torque": Output("cage_slip", "N m", "torque with which the drags resist the cage"),
         **{name: output for varied in VARIED for name, output in _followed_outputs(varied).items()},
         **REGIMES,
     }
 )
+
+
+#: What an acceptable slip gives.
+_LEAST_LOAD: Final = frozenset({"least_load", "least_load_status", "makers_least_load"})
 
 
 def _range(name: str) -> Any:
@@ -141,6 +154,12 @@ class SteadySlip(Study):
         validator=one_of("conventional", "effective"),
     )
     inertia: bool = parameter(default=True, doc="whether the spin of a roller has inertia along the orbit")
+    acceptable_slip: float | None = parameter(
+        default=None,
+        unit="1",
+        doc="cage slip of which the least radial load is sought, beside the loads that makers ask for; none for not",
+        validator=attrs.validators.optional(in_range(0.0, 1.0, open=True)),
+    )
     radial_load: tuple[float, ...] = _range("radial_load")
     inner_speed: tuple[float, ...] = _range("inner_speed")
     temperature: tuple[float, ...] = _range("temperature")
@@ -195,8 +214,10 @@ class SteadySlip(Study):
 
     def without(self, outputs: frozenset[str]) -> "SteadySlip":
         """Return a study that does not follow the slips against what nobody asked for."""
-        dropped = [name for name in VARIED if outputs >= _followed_outputs(name).keys()]
-        return self.evolved(**dict.fromkeys(dropped, ())) if dropped else self
+        dropped: dict[str, object] = {name: () for name in VARIED if outputs >= _followed_outputs(name).keys()}
+        if outputs >= _LEAST_LOAD:
+            dropped["acceptable_slip"] = None
+        return self.evolved(**dropped) if dropped else self
 
     def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
         """Return the least steady slip that the cage holds."""
@@ -281,6 +302,9 @@ class SteadySlip(Study):
                     found,
                     no_fold(name, limits, found, self.table, self.max_cage_slip, free=balance.rolls_freely),
                 )
+        if self.acceptable_slip is not None:
+            variables |= self._least_load(assembly, instants, self.acceptable_slip)
+            coords["maker"] = "maker", list(RULES), about("1", "maker of bearings")
         import xarray as xr
 
         return xr.Dataset(
@@ -296,6 +320,7 @@ class SteadySlip(Study):
                 "slices": assembly.slices,
                 **errors,
                 **table_records(balance.tables),
+                **({} if self.acceptable_slip is None else {"acceptable_slip": self.acceptable_slip}),
             },
         )
 
@@ -438,6 +463,28 @@ class SteadySlip(Study):
             return "unstable: with more slip the rollers drive the cage less than the drag asks for"
         return "stable" if abs(state.multiplier) < 1.0 else "unstable: the rollers do not hold their spin"
 
+    def _balances(self, assembly: Assembly, instants: int, name: str) -> Callable[[float], TorqueBalance]:
+        """Balances of the bearing by the value of a quantity of the operation; the last one is kept."""
+        last = dict[float, TorqueBalance]()
+
+        def balance(value: float) -> TorqueBalance:
+            if value not in last:
+                last.clear()
+                there = assemble(evolve(assembly.scene, {f"operation.{name}": value}), assembly.resolution)
+                last[value] = self._balance(there.with_bounds(*assembly.inner.chain.bounds).with_resistance(), instants)
+            return last[value]
+
+        return balance
+
+    def _least_load(self, assembly: Assembly, instants: int, slip: float) -> dict[str, Any]:
+        """Return the least radial load of a slip, and what makers ask for."""
+        load, status = least_load(
+            self._balances(assembly, instants, "radial_load"), assembly.scene.operation.radial_load, slip
+        )
+        rating = static_rating(assembly.scene.bearing)
+        makers = np.array([rule.share * rating for rule in RULES.values()])
+        return self.variables(least_load=load, least_load_status=status, makers_least_load=makers)
+
     def _followed(
         self,
         assembly: Assembly,
@@ -447,21 +494,14 @@ class SteadySlip(Study):
         slips: list[float],
     ) -> list[Branch]:
         """Branches of steady slips against a quantity of the operation, that of the least slip first."""
-        scene, last = assembly.scene, dict[float, TorqueBalance]()
-
-        def balance(value: float) -> TorqueBalance:
-            if value not in last:
-                last.clear()
-                there = assemble(evolve(scene, {f"operation.{name}": value}), assembly.resolution)
-                last[value] = self._balance(there.with_bounds(*assembly.inner.chain.bounds).with_resistance(), instants)
-            return last[value]
+        balance = self._balances(assembly, instants, name)
 
         def at(value: float) -> list[float]:
             one = balance(value)
             curve = torque_curve(one.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
             return steady_slips(curve, one.torque, one.drag)
 
-        here = float(getattr(scene.operation, name))
+        here = float(getattr(assembly.scene.operation, name))
         starts = [(slip, here) for slip in slips if limits[0] <= here <= limits[1] and slip > 0.0]
         if not starts:
             starts = [(slip, value) for value in limits for slip in at(value)]

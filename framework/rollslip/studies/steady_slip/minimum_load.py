@@ -1,0 +1,94 @@
+"""The least radial load at which a cage slips no more than is named, and those that makers of bearings ask for.
+
+- The first is a property of this bearing, its oil and its drags: the load at which the rollers just drive the cage as
+  much as the drags resist it at that slip. A larger load slips less.
+- The others are rules of thumb for any oil, speed and cage, and differ among themselves by a factor of four to five
+  (bearing NU 2220 at its reference speed: SKF 3.9 kN, Schaeffler 7.4 kN, NTN 17.8 kN). They say what is usual, not what
+  slips.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Final
+
+import attrs
+
+from rollslip.datasets import Bearing
+from rollslip.errors import ConvergenceError, DomainError
+from rollslip.motion.torque_balance import TorqueBalance
+from rollslip.units import format_quantity
+
+__all__ = ["RULES", "Rule", "least_load", "static_rating"]
+
+#: By which factor loads are left and right of that of the scene at most, and by which the search widens.
+_FARTHEST: Final = 1e6
+_WIDER: Final = 4.0
+#: Relative accuracy of the load.
+_FOUND: Final = 1e-4
+#: Step of the slip by which it is seen whether the cage holds it, relative.
+_STEP: Final = 1e-3
+
+
+def least_load(balance: Callable[[float], TorqueBalance], load: float, slip: float) -> tuple[float, str]:
+    """Return the radial load [N] at which the steady slip is a given one, and "found", or NaN and why there is none.
+
+    Parameters
+    ----------
+    balance : callable
+        Balance of torques of the bearing at a radial load [N].
+    load : float
+        Where the search begins [N].
+    slip : float
+        The cage slip, above 0.
+    """
+    from scipy.optimize import brentq
+
+    def excess(log: float) -> float:
+        return balance(math.exp(log)).excess(slip)
+
+    if balance(load).rolls_freely:
+        return math.nan, "no load is needed: without drag there is no slip"
+    begin = low = high = math.log(load)
+    try:
+        over = excess(begin)
+        while (over > 0.0) == (excess(low if over > 0.0 else high) > 0.0):
+            if high - low > math.log(_FARTHEST):
+                ends = " and ".join(format_quantity(math.exp(end), "N", 3) for end in (low, high))
+                way = "less" if over > 0.0 else "more"
+                return math.nan, f"between {ends} the steady slip stays {way} than {slip:g}"
+            low, high = (low - math.log(_WIDER), begin) if over > 0.0 else (begin, high + math.log(_WIDER))
+        found = math.exp(brentq(excess, low, high, xtol=_FOUND))
+        holds = balance(found).excess(slip * (1.0 + _STEP)) > balance(found).excess(slip)
+    except (DomainError, ConvergenceError) as error:
+        return math.nan, f"not found: {error}"
+    if not holds:
+        shown = format_quantity(found, "N", 4)
+        return math.nan, f"the cage does not hold a slip of {slip:g}: at {shown} it has run away before"
+    return found, "found"
+
+
+def static_rating(bearing: Bearing) -> float:
+    """Return the basic static radial load rating C0r [N] of one row of rollers.
+
+    C0r = 44 (1 - D/dm) Z L D after ISO 76, with diameter D and effective length L of a roller and pitch diameter dm in
+    mm. Makers' own values differ by some per cent.
+    """
+    pitch = 0.5 * (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter)
+    size = 1e6 * bearing.roller_length * bearing.roller_diameter
+    return 44.0 * (1.0 - bearing.roller_diameter / pitch) * bearing.rollers * size
+
+
+@attrs.frozen
+class Rule:
+    """A maker's rule of the least radial load: a share of the static rating, where it is from, and its grade."""
+
+    share: float
+    text: str
+    grade: str
+
+
+#: Maker -> its rule. Others take what no scene has: SKF its factor k_r and reference speed, NKE the dynamic rating.
+RULES: Final[Mapping[str, Rule]] = {
+    "NTN": Rule(0.040, "0.040 C0r for roller bearings, catalogue 2203/E, section 8.4", "A"),
+    "Schaeffler": Rule(1.0 / 60.0, "C0r/60, recalled, not read", "C"),
+}
