@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
+from rollslip.campaigns.sweep import findings
 from rollslip.campaigns.sweep import run as sweep_run
 from rollslip.campaigns.sweep.definition import Resolutions, here
 from rollslip.campaigns.sweep.findings import record as sweep_record
@@ -730,3 +731,23 @@ def test_a_time_limit_ends_a_point_in_any_thread():
     assert [row.status for one in done for row in one.rows] == 9 * ["timed-out"]
     assert "took longer than the time limit of 0.01 s" in done[0].rows[0].message
     assert compute(attrs.evolve(sweep.work, time_limit=60.0), points[:1]).rows[0].status == "ok"
+
+
+def test_what_has_no_value_says_why_most_of_them_have_none():
+    slips = np.array([[0.2, np.nan], [np.nan, np.nan], [np.nan, np.nan]])
+    words = np.array([["found", "no friction"], ["rises at 0.4", "no friction"], ["", "flat"]])
+    dataset = xr.Dataset(
+        {
+            "critical_cage_slip": (("load", "ring"), slips, {"units": "1"}),
+            "critical_status": (("load", "ring"), words),
+            "status": ("load", np.array(["ok", "ok", "crashed"])),
+            "message": ("load", np.array(["", "", "it crashed"])),
+        },
+        {"ring": ["inner", "outer"], "load": [1.0, 2.0, 3.0]},
+        {"axes": json.dumps(["load"]), "counts": json.dumps({"ok": 2, "crashed": 1})},
+    )
+    assert findings.sentences(dataset) == [
+        "2 ok, 1 crashed",
+        "critical_cage_slip, inner ring: 0.2 to 0.2, median 0.2; 1 value, 2 without one (rises at 0.4)",
+        "critical_cage_slip, outer ring: none; 0 values, 3 without one (mostly no friction)",
+    ]

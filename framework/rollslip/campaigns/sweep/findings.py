@@ -4,6 +4,7 @@ import json
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rollslip.results.account import with_unit
 
@@ -22,8 +23,9 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
         if row["values"]:
             least, largest, median = (with_unit(row[which], row["unit"]) for which in ("least", "largest", "median"))
             where = f"{least} to {largest}, median {median}"
+        why = f" ({row['why']})" if row["why"] else ""
         lines.append(
-            f"{name}: {where}; {row['values']} value{'s' * (row['values'] != 1)}, {row['missing']} without one"
+            f"{name}: {where}; {row['values']} value{'s' * (row['values'] != 1)}, {row['missing']} without one{why}"
         )
     return lines
 
@@ -46,6 +48,7 @@ def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
     for name, variable in dataset.data_vars.items():
         if name == "seconds" or variable.dtype.kind != "f":
             continue
+        status = _status_of(dataset, variable)
         inner = [str(dim) for dim in variable.dims if dim not in sampled]
         pieces = {str(name): variable}
         if inner == ["ring"]:
@@ -53,12 +56,33 @@ def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
         for called, piece in pieces.items():
             values = piece.to_numpy()
             known = values[np.isfinite(values)]
+            words = None if status is None else status.sel(ring=piece["ring"]) if inner == ["ring"] else status
             ranges[called] = {
                 "unit": variable.attrs["units"],
                 "values": int(known.size),
                 "missing": int(values.size - known.size),
+                "why": None if words is None else _most_frequent(words.to_numpy()[~np.isfinite(values)]),
                 "least": float(known.min()) if known.size else None,
                 "median": float(np.median(known)) if known.size else None,
                 "largest": float(known.max()) if known.size else None,
             }
     return ranges
+
+
+def _status_of(dataset: "xr.Dataset", variable: "xr.DataArray") -> "xr.DataArray | None":
+    """The words beside a variable that say why it has no value, if there is one such variable."""
+    names = [
+        name
+        for name, other in dataset.data_vars.items()
+        if str(name).endswith("_status") and other.dims == variable.dims and other.dtype.kind not in "fiub"
+    ]
+    return dataset[names[0]] if len(names) == 1 else None
+
+
+def _most_frequent(words: NDArray[Any]) -> str | None:
+    """The reason that is given most often, and whether there are others; points that failed give none."""
+    reasons, counts = np.unique(words[words.astype(str) != ""].astype(str), return_counts=True)
+    if not reasons.size:
+        return None
+    most = str(reasons[np.argmax(counts)])
+    return most if reasons.size == 1 else f"mostly {most}"
