@@ -110,7 +110,10 @@ class LundbergDeflection(SliceModel):
         wide = a < 0.5 + 0.5 * np.log(2)
         if np.any(wide):
             at = int(np.flatnonzero(touching)[np.argmax(wide)])
-            raise DomainError(f"{self.name}: slice {at} is outside its domain: the contact is wider than it is long")
+            raise DomainError(
+                f"{self.name}: slice {at} is outside its domain: the contact is wider than it is long; lower the load, "
+                "or choose another contact model"
+            )
         g = _bracket(a)
         slices.load[...] = 0.0
         slices.stiffness[...] = 0.0

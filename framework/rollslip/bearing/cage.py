@@ -214,7 +214,9 @@ def _by_sort(models: list[Any], where: Location, problems: list[str]) -> Drags:
     torques = tuple(model for model in models if isinstance(model, DragModel))
     if len(pockets) > 1:
         problems.append(
-            where.at("drag").says(f"a pocket has one friction, here are {', '.join(model.name for model in pockets)}")
+            where.at("drag").says(
+                f"a pocket has one friction, here are {', '.join(model.name for model in pockets)}; name one of them"
+            )
         )
     for sort, most in ((resistances, 8), (torques, 8)):
         if len(sort) > most:

@@ -52,7 +52,9 @@ class Checkpoints:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise OutputError(f"{self.folder}: cannot be written ({error.strerror})") from error
+            raise OutputError(
+                f"{self.folder}: cannot be written ({error.strerror}); make room there, or name another --out"
+            ) from error
         with (
             whole_file(self.folder / f"{self.study}-{number:05d}.npz") as partial,
             open(partial, "wb") as file,

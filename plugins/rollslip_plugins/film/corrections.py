@@ -199,7 +199,8 @@ class InletCorrection(FilmModel):
         if not np.all(factor > 0):
             at = np.broadcast_to(load, factor.shape)[~(factor > 0)][0]
             raise DomainError(
-                f"{self.name}: {self.thermal!r} gives no film at a thermal load of {at:g} and this pressure"
+                f"{self.name}: {self.thermal!r} gives no film at a thermal load of {at:g} and this pressure; "
+                "choose thermal = 'murch-wilson', which is positive everywhere, or lower speed or load"
             )
         return factor
 

@@ -161,7 +161,8 @@ def solve_line_contact(
             raise _Stuck(f"the pressure falls to {np.min(pressure):.3g}", fine)
     except _Stuck as stuck:
         raise ConvergenceError(
-            f"reynolds-line: no solution at M = {M:g}, L = {L:g}: {stuck}, with a residual of {stuck.residual:.1g}"
+            f"reynolds-line: no solution at M = {M:g}, L = {L:g}: {stuck}, with a residual of {stuck.residual:.1g}; "
+            "choose a film formula, such as 'moes'"
         ) from None
     exit_at = fine.unknowns[-1]
     return LineContact(

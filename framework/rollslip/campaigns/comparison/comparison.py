@@ -201,7 +201,9 @@ def _study(scene: Scene, study: str | None) -> str:
     if study is None:
         study = next((name for name in scene.study if study_class(name, scene).curves_of is not None), DEFAULT_STUDY)
     if study_class(study, scene).of(scene).curves_of is None:
-        raise SceneError([f"study {study!r} cannot be compared, only {' and '.join(_with_curves())} can"])
+        raise SceneError(
+            [f"study {study!r} cannot be compared, only {' and '.join(_with_curves())} can; name one by --study"]
+        )
     return study
 
 

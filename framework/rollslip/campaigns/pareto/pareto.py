@@ -225,7 +225,9 @@ def _write(family: Family, choice: Choice, record: Record, path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"{path.parent}: cannot be written ({error.strerror})") from error
+        raise OutputError(
+            f"{path.parent}: cannot be written ({error.strerror}); make room there, or name another --out"
+        ) from error
     with whole_file(path) as partial:
         partial.write_text(json.dumps(_key(family, choice) | attrs.asdict(record)), encoding="utf-8")
 

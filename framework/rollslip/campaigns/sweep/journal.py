@@ -189,7 +189,9 @@ def _new_file(folder: Path) -> Path:
         except FileExistsError:
             continue
         except OSError as error:
-            raise OutputError(f"{path}: cannot be written ({error.strerror})") from error
+            raise OutputError(
+                f"{path}: cannot be written ({error.strerror}); free space on the disk, or repair it"
+            ) from error
         return path
     raise OutputError(f"{folder}: holds a million journals; merge them into another folder")
 
