@@ -361,7 +361,8 @@ def in_regime(name: str, elsewhere: tuple[float, float] | None) -> tuple[Validit
     code = float(list(FILM_REGIMES).index(name))
     off, source = "may be far off", "what regime a contact is in: Johnson (1970), the law's own word for the rest"
     if elsewhere is not None:
-        off = f"is off by {elsewhere[0]:+.0f} to {elsewhere[1]:+.0f} % there, over M of 0.1 to 200 and L of 0 to 15"
+        low, high = math.floor(elsewhere[0]), math.ceil(elsewhere[1])
+        off = f"is off by {low:+d} to {high:+d} % there, over M of 0.1 to 200 and L of 0 to 15"
         source = "reynolds-line: docs/scripts/film_error_map.py"
     return (
         Validity(

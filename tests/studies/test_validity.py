@@ -3,12 +3,15 @@
 import csv
 import json
 import math
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
 import attrs
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from broken_studies import HeaviestForce
 from rollslip import Conditions, Slices, evolve, get_model, load_scene, plan, register, run
@@ -92,6 +95,36 @@ def test_how_far_a_film_is_off_elsewhere_is_what_the_map_has(name):
         if NAMES[code] != model.regime:
             off += [float(row[column]) for column in columns if row[column]]
     assert model.elsewhere == (min(off), max(off))
+
+
+@pytest.mark.parametrize("name", ["moes", "regime"])
+def test_a_film_of_all_regimes_says_over_what_it_was_held_against_a_solution(name):
+    table = rows("film_error")
+    off = [float(row[name]) for row in table if row[name]]
+    M, L = bound(get_model("film", name), "load_parameter"), bound(get_model("film", name), "lubricant_parameter")
+    assert (M.high, L.high) == (max(float(row["M"]) for row in table), max(float(row["L"]) for row in table))
+    assert M.consequence.endswith(f"off by {math.floor(min(off)):+d} to {math.ceil(max(off)):+d} %")
+
+
+def test_blok_ends_where_a_rigid_contact_has_no_solution():
+    """With h = h0 sec^2(t), x = sqrt(2 R h0) tan(t) the reduced pressure q = (1 - exp(-alpha p))/alpha is a polynomial
+    in t and its sines; the end is where its maximum reaches 1/alpha, and the load is still finite.
+    """
+
+    def whole(t, c):  # integral of cos^2 - c cos^4 from -pi/2
+        parts = 0.5 * (t + math.sin(t) * math.cos(t)), 0.25 * math.cos(t) ** 3 * math.sin(t)
+        return parts[0] + math.pi / 4 - c * (parts[1] + 0.75 * (parts[0] + math.pi / 4))
+
+    exit_at = brentq(lambda t: whole(t, 1 / math.cos(t) ** 2), 0.1, 1.0, xtol=1e-14)
+    c = 1 / math.cos(exit_at) ** 2
+    largest = whole(-exit_at, c)
+    part = partial(quad, lambda t: -math.log1p(-whole(t, c) / largest) / math.cos(t) ** 2, limit=200)
+    load = part(-math.pi / 2 + 1e-5, -exit_at)[0] + part(-exit_at, exit_at)[0]
+    end = 2**0.75 * (12 * math.sqrt(2) * largest) ** 0.5 * load**1.5
+    assert bound(get_model("film", "blok"), "viscous_parameter").high == pytest.approx(end, rel=1e-4)
+    slices = tables(load=2e4)[0].slices
+    U, G, W = 8.58e-3 * 25.0 / (2.2857e11 * 6.875e-3), 1.074e-8 * 2.2857e11, 2e4 / (2.2857e11 * 6.875e-3)
+    assert float(QUANTITIES["viscous_parameter"].of(slices)[0]) == pytest.approx(W**1.5 * G / U**0.5, rel=1e-12)
 
 
 def worst(points, sign):
@@ -205,7 +238,8 @@ def test_a_blend_takes_care_of_asperities_and_its_parts_of_the_rest():
     assert ("traction 'muraki'", "film_parameter") in names(Muraki())
     blend = names(get_model("traction", "lambda-blend", hydrodynamic="muraki"))
     assert blend == {row for row in names(Muraki()) if row[1] != "film_parameter"}
-    assert {q for _, q in names(get_model("film", "inlet-correction"))} == {"thermal_load", "film_parameter"}
+    assert ("film 'moes'", "film_parameter") in names(get_model("film", "inlet-correction"))
+    assert ("film 'moes'", "thermal_load") not in names(get_model("film", "inlet-correction"))
     (heat,) = (v for _, _, v in laws_of(get_model("film", "inlet-correction")) if v.quantity == "thermal_load")
     assert heat.high == 10.0, "the film inside it no longer speaks of heat"
 

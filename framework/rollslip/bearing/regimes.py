@@ -96,11 +96,17 @@ def _thermal_load(slices: Slices) -> Array:
     return np.asarray(c.viscosity * c.thermoviscosity * slices.rolling_speed**2 / c.conductivity)
 
 
+def _viscous(slices: Slices) -> Array:
+    U, G, W = groups(slices)
+    return np.asarray(W**1.5 * G / np.sqrt(U))
+
+
 #: What every law may state its validity in, beside its own quantities and the members of the slices.
 QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
     {
         "load_parameter": Quantity("M", "Moes load parameter W/sqrt(2 U)", lambda s: moes_groups(s)[0]),
         "lubricant_parameter": Quantity("L", "Moes lubricant parameter G (2 U)^(1/4)", lambda s: moes_groups(s)[1]),
+        "viscous_parameter": Quantity("g_V", "W^1.5 G/U^0.5 of the film regimes", _viscous),
         "film_regime": Quantity(
             "", "film regime after Johnson, in the order of FILM_REGIMES", lambda s: film_by_regime(*groups(s))[1]
         ),

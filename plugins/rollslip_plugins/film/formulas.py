@@ -15,7 +15,7 @@ import numpy as np
 from rollslip.bearing.regimes import BLOK, DOWSON_1968, HERREBRUGH, MARTIN, PowerLaw, film_by_regime, groups
 from rollslip.fields import one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.models import POSITIVE, FilmModel
+from rollslip.models import POSITIVE, FilmModel, Validity
 from rollslip.references import Reference
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import film as compiled
@@ -34,6 +34,20 @@ from rollslip_plugins.bibliography import (
 
 #: Where the piezoviscous fits are defined: without pressure viscosity they would give no film at all.
 PIEZOVISCOUS = MappingProxyType({**FilmModel.domain, "pressure_viscosity": POSITIVE})
+
+
+def _mapped(off: str) -> tuple[Validity, ...]:
+    """Return the ranges of M and L over which a film of all regimes was held against ``reynolds-line``."""
+    return tuple(
+        Validity(
+            quantity=quantity,
+            high=high,
+            consequence=f"its film was held against no solution; inside it is off by {off}",
+            remedy="film 'reynolds-line', where it finds a solution",
+            source="reynolds-line: docs/scripts/film_error_map.py",
+        )
+        for quantity, high in (("load_parameter", 200.0), ("lubricant_parameter", 15.0))
+    )
 
 
 class _PowerLaw(FilmModel):
@@ -121,6 +135,18 @@ class Blok(_PowerLaw):
     elsewhere: ClassVar[tuple[float, float] | None] = (-92.2, 62.4)
     domain = PIEZOVISCOUS
     law = BLOK
+
+    @property
+    def validity(self) -> tuple[Validity, ...]:  # type: ignore[override]
+        """That of all films, and where a rigid contact has a solution."""
+        end = Validity(
+            quantity="viscous_parameter",
+            high=17.602,
+            consequence="a rigid contact with a Barus oil has no film at all",
+            remedy="film 'moes', which covers all regimes",
+            source="quadrature of the rigid contact (docs/trust/film_reference.rst)",
+        )
+        return (*super().validity, end)
 
 
 @attrs.frozen
@@ -377,6 +403,11 @@ class Moes(FilmModel):
     references: ClassVar[tuple[Reference, ...]] = (MOES_1992,)
     location: ClassVar[str] = "dp/dx = 0"
 
+    @property
+    def validity(self) -> tuple[Validity, ...]:  # type: ignore[override]
+        """That of all films, and where it was held against a solution."""
+        return (*super().validity, *_mapped("-6 to +5 %"))
+
     def evaluate(self, slices: Slices) -> None:
         """Fill the film thickness."""
         U, G, W = groups(slices)
@@ -442,6 +473,11 @@ class Regime(FilmModel):
     )
     location: ClassVar[str] = "minimum"
     writes = frozenset({"film_thickness", "regime"})
+
+    @property
+    def validity(self) -> tuple[Validity, ...]:  # type: ignore[override]
+        """That of all films, and where it was held against a solution."""
+        return (*super().validity, *_mapped("-37 to +3 %"))
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the film thickness and the regime (0 IR, 1 VR, 2 IE, 3 VE)."""
