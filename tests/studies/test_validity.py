@@ -260,7 +260,7 @@ def test_a_result_says_how_far_muraki_is_off_the_exact_law_at_its_own_slips():
     off = json.loads(found.attrs["validity"])["approximation"]
     assert (off["law"], off["reference"]) == ("muraki", "maxwell-eyring")
     exact = run(evolve(scene, {"models.traction.hydrodynamic": "maxwell-eyring"}), "effective-friction")
-    curves = [np.asarray(one.effective_friction)[:, [1, 2, 3, 4, 5, 6, 7, 8]] for one in (found, exact)]
+    curves = [np.asarray(one.effective_friction)[:, [1, 2, 4, 6, 8]] for one in (found, exact)]
     relative = curves[0] / curves[1] - 1
     assert off["rms"] == pytest.approx(float(np.sqrt((relative**2).mean())), rel=1e-3)
     assert off["largest"] == pytest.approx(float(relative.flat[np.abs(relative).argmax()]), rel=1e-3)
@@ -310,8 +310,8 @@ def test_a_closed_form_that_a_plan_takes_within_its_bound_is_not_held_against_th
     scene = evolve(PAPER, QUICK | {"models.traction.hydrodynamic": "maxwell-eyring", "accuracy.tolerance": 0.5})
     made = plan(scene, "effective-friction")
     study, assembly = made.studies["effective-friction"], made.assemblies["effective-friction"]
-    contacts = study.judged_slices(assembly, run(scene, "effective-friction"))
-    assert difference(made.assembly.traction, contacts, assembly) is None
+    slices = filled(study.judged_slices(assembly, run(scene, "effective-friction")), assembly)
+    assert difference(made.assembly.traction, slices, assembly) is None
 
 
 def test_what_cannot_be_judged_is_said_and_loses_no_result(monkeypatch):
@@ -334,7 +334,7 @@ def test_a_study_without_curves_is_judged_at_the_loads_of_the_bearing(monkeypatc
     loads = assembly.load_distribution(1)
     for one, forces in zip(slices, (loads.inner_force, loads.outer_force), strict=True):
         assert one.force.sum() == pytest.approx(forces.sum(), rel=1e-12)
-    assert difference(made.assembly.traction, slices, assembly) is None, "nothing slides"
+    assert difference(made.assembly.traction, filled(slices, assembly), assembly) is None, "nothing slides"
 
 
 # Strangers ------------------------------------------------------------------------------------------------------------

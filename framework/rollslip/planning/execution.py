@@ -174,10 +174,10 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     running, assembly = plan.studies[study], plan.assemblies[study]
     assembly = assembly.with_resistance() if running.with_cage else assembly
     try:
-        contacts = running.judged_slices(assembly, dataset)
+        slices = validity.filled(running.judged_slices(assembly, dataset), assembly)
         laws = [m for m in assembly.inner.chain.models if not isinstance(m, TractionModel)]
-        outside = validity.outside([*laws, plan.assembly.traction], validity.filled(contacts, assembly))
-        off = validity.difference(plan.assembly.traction, contacts, assembly)
+        outside = validity.outside([*laws, plan.assembly.traction], slices)
+        off = validity.difference(plan.assembly.traction, slices, assembly)
         found = validity.sentences(outside, off, running.judged_at)
     except RollslipError as refusal:  # what was computed stands
         outside, off = [], None

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["CONTACT_CHOICES", "Study", "settings", "study_class"]
 
 #: Slips of a curve at which models are judged.
-_JUDGED: Final = 8
+_JUDGED: Final = 5
 #: Numerical and modelling choices that act on whatever evaluates contacts.
 CONTACT_CHOICES: Final = frozenset({"slices", "quadrature", "compiled", "traction", "film"})
 

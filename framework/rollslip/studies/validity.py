@@ -11,6 +11,7 @@ from typing import Any, Final
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.chain import Chain
@@ -81,27 +82,31 @@ class Difference:
     largest: float
 
 
-@attrs.frozen
+@attrs.frozen(eq=False)
 class Filled:
-    """Evaluated slices of a ring, and the force on each."""
+    """Evaluated slices of a ring, the force on each, and where those of one slip begin."""
 
     ring: str
     slices: Slices
     force: Array
+    starts: NDArray[np.intp] = attrs.field(factory=lambda: np.zeros(1, dtype=np.intp))
 
 
 def filled(contacts: Sequence[Evaluated], assembly: Assembly) -> list[Filled]:
-    """Return slices evaluated by the laws that a result was computed with."""
-    return [_filled(one, assembly, assembly.inner.chain) for one in contacts if len(one.load)]
-
-
-def _filled(one: Evaluated, assembly: Assembly, chain: Any) -> Filled:
-    raceway = assembly.inner if one.ring == "inner" else assembly.outer
-    slices = Slices(
-        len(one.load), raceway.conditions, load=one.load, rolling_speed=one.rolling, sliding_speed=one.sliding
-    )
-    chain(slices)
-    return Filled(one.ring, slices, np.asarray(one.force, dtype=float))
+    """Return slices evaluated by the laws that a result was computed with, a table for each ring."""
+    tables = []
+    for raceway in assembly.raceways:
+        those = [one for one in contacts if one.ring == raceway.ring and len(one.load)]
+        if not those:
+            continue
+        load, rolling, sliding, force = (
+            np.concatenate([np.broadcast_to(getattr(one, name), len(one.load)) for one in those])
+            for name in ("load", "rolling", "sliding", "force")
+        )
+        slices = raceway.evaluate(load, rolling, sliding)
+        starts = np.cumsum([0, *(len(one.load) for one in those[:-1])], dtype=np.intp)
+        tables.append(Filled(raceway.ring, slices, force.astype(float), starts))
+    return tables
 
 
 def quantity(model: SliceModel, name: str, slices: Slices) -> Array:
@@ -151,48 +156,56 @@ def laws_of(model: SliceModel, covered: frozenset[str] = frozenset()) -> Iterato
 def outside(models: Sequence[SliceModel], tables: Sequence[Filled]) -> list[Outside]:
     """Return where slices lie outside of what laws were made for: the ring with the larger share for each bound."""
     found = []
+    rings = {ring: [table for table in tables if table.ring == ring] for ring in dict.fromkeys(t.ring for t in tables)}
     for label, model, validity in (row for one in models for row in laws_of(one)):
-        rings = dict.fromkeys(table.ring for table in tables)
-        rows = [_outside(label, model, validity, ring, [t for t in tables if t.ring == ring]) for ring in rings]
-        if rows:
-            most = max(rows, key=lambda row: row.share)
-            alike = most.share - min(row.share for row in rows) < TOLD_FROM
-            found.append(attrs.evolve(most, ring="") if alike else most)
+        if not rings:
+            break
+        with np.errstate(all="ignore"):
+            values = {
+                ring: np.concatenate([quantity(model, validity.quantity, table.slices) for table in those])
+                for ring, those in rings.items()
+            }
+        force = {ring: np.concatenate([table.force for table in those]) for ring, those in rings.items()}
+        shares = {ring: _share(validity, values[ring], force[ring]) for ring in rings}
+        ring = max(shares, key=lambda name: shares[name])
+        alike = shares[ring] - min(shares.values()) < TOLD_FROM
+        found.append(_outside(label, validity, shares[ring], values[ring], force[ring], "" if alike else ring))
     return found
 
 
-def _outside(label: str, model: SliceModel, validity: Validity, ring: str, tables: Sequence[Filled]) -> Outside:
-    with np.errstate(all="ignore"):
-        values = np.concatenate([quantity(model, validity.quantity, table.slices) for table in tables])
-    force = np.concatenate([table.force for table in tables])
-    force = force / (force.sum() or 1.0)
-    excess = validity.excess(values)
-    beyond = excess > 0.0
-    share = min(float(force[beyond].sum()), 1.0)
-    spread = tuple(_quantile(values[beyond], force[beyond], at) for at in (0.05, 0.95)) if share > 0.0 else ()
-    detail = ""
-    if validity.quantity == "film_regime" and beyond.any():
-        parts = {LONG_NAMES[name]: float(force[values == code].sum()) for code, name in enumerate(NAMES)}
+def _share(validity: Validity, values: Array, force: Array) -> float:
+    """Share of the force that lies outside of a bound; what is not known lies inside."""
+    total = float(force.sum())
+    return min(float(force[validity.excess(values) > 0.0].sum()) / total, 1.0) if total > 0.0 else 0.0
+
+
+def _outside(label: str, validity: Validity, share: float, values: Array, force: Array, ring: str) -> Outside:
+    spread, detail = tuple[float, ...](), ""
+    if share > 0.0:
+        beyond = validity.excess(values) > 0.0
+        spread = _quantiles(values[beyond], force[beyond], (0.05, 0.95))
+    if validity.quantity == "film_regime" and share > 0.0:
+        parts = {LONG_NAMES[name]: float(force[values == code].sum() / force.sum()) for code, name in enumerate(NAMES)}
         told = (name for name in parts if parts[name] > 0.0 and name not in validity.bound)
         detail = " and ".join(f"{_percent(parts[name])} {name}" for name in told)
     known = not bool(np.isnan(values).all())
     return Outside(law=label, validity=validity, share=share, values=spread, ring=ring, detail=detail, known=known)
 
 
-def _quantile(values: Array, weight: Array, at: float) -> float:
+def _quantiles(values: Array, weight: Array, places: Sequence[float]) -> tuple[float, ...]:
     order = np.argsort(values)
     below = np.cumsum(weight[order])
-    return float(values[order][np.searchsorted(below, at * below[-1])])
+    return tuple(float(values[order][np.searchsorted(below, at * below[-1])]) for at in places)
 
 
-def difference(traction: TractionModel, contacts: Sequence[Evaluated], assembly: Assembly) -> Difference | None:
+def difference(traction: TractionModel, tables: Sequence[Filled], assembly: Assembly) -> Difference | None:
     """Return how far the law of the full film is off the one that it approximates, within the friction of a contact.
 
     Parameters
     ----------
     traction : TractionModel
         Traction that the scene names.
-    contacts : sequence of Evaluated
+    tables : sequence of Filled
         Slices at the state of the result.
     assembly : Assembly
         The bearing with that traction.
@@ -209,21 +222,20 @@ def difference(traction: TractionModel, contacts: Sequence[Evaluated], assembly:
     given = {a.name for a in attrs.fields(cls)} & {a.name for a in attrs.fields(reference)}  # type: ignore[arg-type]
     exact = reference(**{name: getattr(law, name) for name in given})
     models = assembly.inner.chain.models
-    other = Chain(
+    chain = Chain(
         *(m.with_full_film(exact) if isinstance(m, TractionModel) else m for m in models),
         compiled=assembly.resolution.compiled,
     )
-    both = [(_filled(c, assembly, assembly.inner.chain), _filled(c, assembly, other)) for c in contacts if len(c.load)]
-    if not both:
-        return None
-    sizes = [float(true.force @ np.abs(true.slices.friction)) for _, true in both]
-    off = np.array(
-        [
-            float(own.force @ (np.abs(own.slices.friction) - np.abs(true.slices.friction))) / size
-            for (own, true), size in zip(both, sizes, strict=True)
-            if size > 0.0
-        ]
-    )
+    found = []
+    for table in tables:
+        own, force = table.slices, table.force
+        columns = {name: getattr(own, name) for name in ("load", "rolling_speed", "sliding_speed")}
+        other = Slices(len(own), own.conditions, **columns)
+        chain(other)
+        size = np.add.reduceat(force * np.abs(other.friction), table.starts)
+        more = np.add.reduceat(force * (np.abs(own.friction) - np.abs(other.friction)), table.starts)
+        found.append(more[size > 0.0] / size[size > 0.0])
+    off = np.concatenate(found) if found else np.empty(0)
     if off.size == 0:
         return None
     return Difference(
