@@ -18,7 +18,7 @@ from rollslip.bearing.resolution import Resolution, as_stated
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.lubricant.oil import Lubricant
-from rollslip.lubricant.pressure import with_law
+from rollslip.lubricant.pressure import with_law, without_slope
 from rollslip.lubricant.table import lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import Scene
@@ -244,7 +244,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None) -> Assembly:
         raise SceneError(problems)
     conditions = {ring: _conditions(scene, kinematics, lubricant, ring, where) for ring in RINGS}
     law = lubricant.pressure_viscosity_law
-    models = {kind: with_law(model, law) for kind, model in models.items()}
+    models = {kind: with_law(model, law, lubricant.slopes) for kind, model in models.items()}
     models["traction"] = simplified(models["traction"], resolution)
     stages = models["contact"], models["film"], law, models["traction"]
     deflection = models["contact"].deflection()
@@ -341,6 +341,18 @@ def _check_given(models: tuple[SliceModel, ...], conditions: Conditions, lubrica
         for model in models
         for member in sorted(model.reads & CONDITIONS.keys())
         if math.isnan(getattr(conditions, member))
+    ]
+    problems += [
+        where.at("lubricant")
+        .at(slope)
+        .says(
+            f"model {name!r} takes one {slope.removesuffix('_slope')} at all pressures; leave the slope out, or choose "
+            "another traction model: laws of Eyring fluids at the mean pressure of a slice follow it"
+        )
+        for slope, value in lubricant.slopes.items()
+        if value
+        for model in models
+        for name in without_slope(model, slope.removesuffix("_slope"))
     ]
     if problems:
         raise SceneError(problems)

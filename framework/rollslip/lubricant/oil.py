@@ -13,7 +13,7 @@ from attrs import field as attrib
 from attrs.validators import optional
 
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, field, positive
+from rollslip.fields import FieldError, field, non_negative, positive
 from rollslip.lubricant.pressure import Barus, PressureViscosity
 from rollslip.lubricant.temperature import TemperatureLaw
 from rollslip.references import Citation
@@ -32,6 +32,7 @@ GRADES: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 
+_NO_GRADES: Final[Any] = FrozenTable()
 #: By how much a slope may differ from that of its law before a result says so [1].
 _AGREES: Final = 0.01
 #: Distance over which a note says what follows from a slope that its law does not have [K].
@@ -148,6 +149,9 @@ class Lubricant:
         tau0 or tau0(T) [Pa].
     shear_modulus : float or TemperatureLaw, optional
         Gamma or Gamma(T) [Pa].
+    eyring_stress_slope, shear_modulus_slope : float
+        Their rise with pressure, dtau0/dp and dGamma/dp [1]: tau0 and Gamma are those at ambient pressure, and a slice
+        has what belongs to its mean pressure.
     minimum_temperature, maximum_temperature : float
         Range in which the data hold [K].
     source : str
@@ -182,6 +186,12 @@ class Lubricant:
     shear_modulus: float | TemperatureLaw | None = field(
         unit="Pa", doc="shear modulus", default=None, validator=_positive_or_law
     )
+    eyring_stress_slope: float = field(
+        unit="1", doc="rise of the Eyring stress with pressure", default=0.0, validator=non_negative
+    )
+    shear_modulus_slope: float = field(
+        unit="1", doc="rise of the shear modulus with pressure", default=0.0, validator=non_negative
+    )
     minimum_temperature: float = positive_field("K", "lowest temperature at which the data hold")
     maximum_temperature: float = positive_field("K", "highest temperature at which the data hold")
     source: str
@@ -190,7 +200,12 @@ class Lubricant:
     pressure_viscosity_factor: float = positive_field("1", "factor on the pressure-viscosity coefficient", 1.0)
     pressure_thermoviscosity_factor: float = positive_field("1", "factor on the slope of that coefficient", 1.0)
     scatter: tuple[Scatter, ...] = ()
-    grades: Mapping[str, str] = field(default=FrozenTable(), doc="grade of each property", validator=_known_grades)
+    grades: Mapping[str, str] = attrib(
+        default=_NO_GRADES,
+        converter=FrozenTable,
+        validator=_known_grades,
+        metadata={"doc": "grade of each property"},
+    )
 
     def __attrs_post_init__(self) -> None:
         low, high = self.minimum_temperature, self.maximum_temperature
@@ -213,6 +228,11 @@ class Lubricant:
                 f"{self.pressure_viscosity_law.name!r} fixes alpha itself, so factors on it have no effect; leave out "
                 "pressure_viscosity_factor and pressure_thermoviscosity_factor",
             )
+
+    @property
+    def slopes(self) -> dict[str, float]:
+        """Slopes with pressure [1], by the names that models have for them."""
+        return {"eyring_stress_slope": self.eyring_stress_slope, "shear_modulus_slope": self.shear_modulus_slope}
 
     def at(self, temperature: float) -> OilState:
         """Properties at a temperature.

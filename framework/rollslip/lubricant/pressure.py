@@ -9,6 +9,7 @@
 
 import abc
 import math
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, ClassVar, Final
 
@@ -25,6 +26,7 @@ from rollslip_kernels.slices import Conditions, Slices
 from rollslip_kernels.stages import viscosity as compiled
 
 Array = NDArray[np.float64]
+NO_SLOPES: Final[Mapping[str, float]] = MappingProxyType({})
 
 #: Where all isotherms, and all isobars, of Roelands's law meet: 6.315e-5 Pa s is exp(-9.67).
 POLE_VISCOSITY: Final = math.exp(-9.67)
@@ -209,13 +211,40 @@ def from_oil() -> Any:
     )
 
 
-def with_law(model: Any, law: PressureViscosity) -> Any:
-    """Return a model with the oil's law in it, and in its children, where they ask for it."""
+def slope_of_oil(doc: str) -> Any:
+    """Declare a slope with pressure [1] that is the oil's: no key of a scene, put in when the bearing is assembled."""
+    return attrs.field(default=0.0, kw_only=True, metadata={"key": None, "unit": "1", "doc": doc, "slope_of_oil": True})
+
+
+def with_law(model: Any, law: PressureViscosity, slopes: Mapping[str, float] = NO_SLOPES) -> Any:
+    """Return a model with the oil's law and slopes with pressure in it, and in its children, where they ask for them.
+
+    Parameters
+    ----------
+    model : SliceModel
+        The model.
+    law : PressureViscosity
+        How viscosity rises with pressure.
+    slopes : mapping of str to float
+        By the name that models have for them, such as ``eyring_stress_slope``; what is not given stays.
+    """
     changes: dict[str, Any] = {}
     for attribute in attrs.fields(type(model)):
         value = getattr(model, attribute.name)
         if attribute.metadata.get("from_oil"):
             changes[attribute.name] = law
-        elif isinstance(value, SliceModel) and (changed := with_law(value, law)) is not value:
+        elif attribute.metadata.get("slope_of_oil") and slopes.get(attribute.name, value) != value:
+            changes[attribute.name] = slopes[attribute.name]
+        elif isinstance(value, SliceModel) and (changed := with_law(value, law, slopes)) is not value:
             changes[attribute.name] = changed
     return attrs.evolve(model, **changes) if changes else model
+
+
+def without_slope(model: Any, name: str) -> list[str]:
+    """Return the names of a model and its children that read a property of the oil but not its slope with pressure."""
+    fields = getattr(type(model), "__attrs_attrs__", ())
+    children = [getattr(model, a.name) for a in fields if "kind" in a.metadata]
+    if children:  # it reads what they read
+        return [one for child in children for one in without_slope(child, name)]
+    takes = any(a.name == f"{name}_slope" and a.metadata.get("slope_of_oil") for a in fields)
+    return [] if takes or name not in model.reads else [model.name]

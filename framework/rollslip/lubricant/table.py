@@ -103,6 +103,15 @@ class OilTable:
     conductivity: Property = _property("W/(m K)", "thermal conductivity")
     eyring_stress: Property = _property("Pa", "Eyring stress")
     shear_modulus: Property = _property("Pa", "shear modulus")
+    eyring_stress_slope: float | None = field(
+        default=None,
+        unit="1",
+        doc="rise of the Eyring stress with pressure, from eyring_stress at none",
+        validator=optional(non_negative),
+    )
+    shear_modulus_slope: float | None = field(
+        default=None, unit="1", doc="rise of the shear modulus with pressure", validator=optional(non_negative)
+    )
     minimum_temperature: float | None = positive_field("K", "lowest temperature at which the data hold", None)
     maximum_temperature: float | None = positive_field("K", "highest temperature at which the data hold", None)
     viscosity_factor: float | None = positive_field("1", "factor on the viscosity", None)

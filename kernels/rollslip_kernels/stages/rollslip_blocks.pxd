@@ -39,8 +39,16 @@ cdef extern from "stages/table.h" nogil:
     ctypedef struct constant_params:
         double coefficient, transition
 
+    ctypedef struct rise_params:
+        double stress, modulus
+
+    ctypedef struct eyring_params:
+        double flash
+        rise_params rise
+
     ctypedef struct maxwell_params:
         double flash, accuracy
+        rise_params rise
 
     ctypedef struct blend_params:
         rs_model boundary, hydrodynamic

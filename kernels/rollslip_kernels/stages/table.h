@@ -15,7 +15,9 @@ typedef struct { double a, b, c, d, transition; } gupta_params;
 typedef struct { double flash, critical_stress, exponent; } carreau_params;
 typedef struct { double flash, limit; } limiting_params;
 typedef struct { double coefficient, transition; } constant_params;
-typedef struct { double flash, accuracy; } maxwell_params;
+typedef struct { double stress, modulus; } rise_params;   /* dtau0/dp and dGamma/dp [1] */
+typedef struct { double flash; rise_params rise; } eyring_params;
+typedef struct { double flash, accuracy; rise_params rise; } maxwell_params;
 enum { TERMS = 26, NO_SUCH_STATUS = -2 };   /* of Greenwood and Tripp's integral; more than its number of slices */
 typedef struct { rs_model boundary, hydrodynamic; rs_evaluate share; double law[TERMS + 2]; } blend_params;
 

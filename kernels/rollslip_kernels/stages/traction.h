@@ -1,5 +1,6 @@
 /* Traction coefficient of a slice: hydrodynamic laws and boundary laws.
  *
+ * tau0 and Gamma are those at the mean pressure of the slice: value at ambient pressure plus slope times p.
  * sigma = eta V/(tau0 h), D = eta u/(Gamma b), w = Phi sigma = beta zeta tau0 V, mu = tau0 S/p, and the temperature per
  * heat flux of surfaces and film zeta = flash sqrt(b/u)/(e sqrt(pi)) + h/(12 K_f) */
 #ifndef HYDRODYNAMIC
@@ -9,7 +10,9 @@
 #endif
 
 /* The groups sigma, w, D = eta u/(Gamma b) and sigma/D = V Gamma b/(u tau0 h) for |V| and positive speeds */
-static void PATH(groups)(const rs_slices *s, double factor, filled sigma, filled w, filled deborah, filled ramp) {
+static void PATH(groups)(
+    const rs_slices *s, double factor, rise_params rise, filled sigma, filled w, filled deborah, filled ramp
+) {
     const double *u = s->rolling_speed, *sliding = s->sliding_speed, *half_width = s->half_width;
     const double *film = s->film_thickness, *viscosity = s->film_viscosity, *fall = s->film_thermoviscosity;
     double flash = factor / (s->effusivity * sqrt(RS_PI)), across = 1.0 / (12.0 * s->conductivity);
@@ -23,17 +26,28 @@ static void PATH(groups)(const rs_slices *s, double factor, filled sigma, filled
         deborah[i] = soft * viscosity[i] * (u[i] * (flow * inverse));
         ramp[i] = elastic * (b * V) * per;
     }
+    if (rise.stress == 0.0 && rise.modulus == 0.0) return;
+    const double *pressure = s->pressure;
+    EACH(i, n) {   /* from the values at ambient pressure to those of the slice */
+        double stress = (tau0 + rise.stress * pressure[i]) / tau0;
+        double stiff = (s->shear_modulus + rise.modulus * pressure[i]) / s->shear_modulus;
+        sigma[i] /= stress;
+        w[i] *= stress;
+        deborah[i] /= stiff;
+        ramp[i] *= stiff / stress;
+    }
 }
 
 STAGE(muraki, HYDRODYNAMIC, COL_friction) {
     const double *sliding = s->sliding_speed, *pressure = s->pressure;
+    const eyring_params *q = (const eyring_params *)params;
     double *friction = s->friction, tau0 = s->eyring_stress, sigma[BLOCK], w[BLOCK], deborah[BLOCK], ramp[BLOCK];
-    double over[BLOCK], under[BLOCK];
+    double over[BLOCK], under[BLOCK], slope = q->rise.stress;
     size_t n = WHOLE(s->n);
-    PATH(groups)(s, *(const double *)params, sigma, w, deborah, ramp);
+    PATH(groups)(s, q->flash, q->rise, sigma, w, deborah, ramp);
     PATH(muraki_parts)(n, sigma, deborah, w, ramp, over, under);
     EACH(i, n) {
-        double factor = pressure[i] > 1e-290 ? tau0 : RS_INF;   /* refused as not finite: lost digits would show */
+        double factor = pressure[i] > 1e-290 ? tau0 + slope * pressure[i] : RS_INF;   /* refused as not finite: lost digits would show */
         friction[i] = copysign(factor * over[i] / (under[i] * pressure[i]), sliding[i]);
     }
     return 0;
@@ -42,22 +56,24 @@ STAGE(muraki, HYDRODYNAMIC, COL_friction) {
 STAGE(maxwell_eyring, HYDRODYNAMIC, COL_friction) {
     const maxwell_params *q = (const maxwell_params *)params;
     const double *sliding = s->sliding_speed, *pressure = s->pressure;
-    double *friction = s->friction, tau0 = s->eyring_stress;
+    double *friction = s->friction, tau0 = s->eyring_stress, slope = q->rise.stress;
     double sigma[BLOCK], w[BLOCK], deborah[BLOCK], stress[BLOCK];
     size_t n = WHOLE(s->n);
-    PATH(groups)(s, q->flash, sigma, w, deborah, stress);
+    PATH(groups)(s, q->flash, q->rise, sigma, w, deborah, stress);
     PATH(maxwell_stress)(n, sigma, deborah, w, q->accuracy, stress);
-    EACH(i, n) friction[i] = copysign(tau0 / pressure[i] * stress[i], sliding[i]);
+    EACH(i, n) friction[i] = copysign((tau0 + slope * pressure[i]) / pressure[i] * stress[i], sliding[i]);
     return 0;
 }
 
 STAGE(eyring, HYDRODYNAMIC, COL_friction) {
+    const eyring_params *q = (const eyring_params *)params;
     const double *sliding = s->sliding_speed, *pressure = s->pressure;
     double *friction = s->friction, tau0 = s->eyring_stress, sigma[BLOCK], w[BLOCK], stress[BLOCK], none[BLOCK];
+    double slope = q->rise.stress;
     size_t n = WHOLE(s->n);
-    PATH(groups)(s, *(const double *)params, sigma, w, none, stress);
+    PATH(groups)(s, q->flash, q->rise, sigma, w, none, stress);
     PATH(eyring_stress)(n, sigma, w, stress);
-    EACH(i, n) friction[i] = copysign(tau0 / pressure[i] * stress[i], sliding[i]);
+    EACH(i, n) friction[i] = copysign((tau0 + slope * pressure[i]) / pressure[i] * stress[i], sliding[i]);
     return 0;
 }
 

@@ -1,23 +1,36 @@
 """Traction coefficient of a slice: hydrodynamic laws and boundary laws; the formulas are in stages/traction.h."""
 
-from rollslip_blocks cimport constant_params, gupta_params, kragelsky_params, maxwell_params, rs_active_blocks
+from rollslip_blocks cimport (
+    constant_params,
+    eyring_params,
+    gupta_params,
+    kragelsky_params,
+    maxwell_params,
+    rise_params,
+    rs_active_blocks,
+)
 from rollslip_stage cimport rs_new_model
 
 
-def muraki(double flash):
-    """Return the stage of Muraki's closed form; ``flash`` is the factor 0.97 of the flash temperature."""
-    return rs_new_model(rs_active_blocks().muraki, &flash, sizeof(flash), None)
+def muraki(double flash, double stress_slope=0.0, double modulus_slope=0.0):
+    """Return the stage of Muraki's closed form.
+
+    ``flash`` is the factor 0.97 of the flash temperature; the slopes are those of tau0 and Gamma with pressure.
+    """
+    cdef eyring_params q = eyring_params(flash, rise_params(stress_slope, modulus_slope))
+    return rs_new_model(rs_active_blocks().muraki, &q, sizeof(q), None)
 
 
-def maxwell_eyring(double flash, double accuracy):
+def maxwell_eyring(double flash, double accuracy, double stress_slope=0.0, double modulus_slope=0.0):
     """Return the stage of the exact Maxwell-Eyring stress, to a relative error of ``accuracy``."""
-    cdef maxwell_params q = maxwell_params(flash, accuracy)
+    cdef maxwell_params q = maxwell_params(flash, accuracy, rise_params(stress_slope, modulus_slope))
     return rs_new_model(rs_active_blocks().maxwell_eyring, &q, sizeof(q), None)
 
 
-def eyring(double flash):
+def eyring(double flash, double stress_slope=0.0):
     """Return the stage of the Eyring stress without elasticity."""
-    return rs_new_model(rs_active_blocks().eyring, &flash, sizeof(flash), None)
+    cdef eyring_params q = eyring_params(flash, rise_params(stress_slope, 0.0))
+    return rs_new_model(rs_active_blocks().eyring, &q, sizeof(q), None)
 
 
 def kragelsky(double limit, double rise, double decay):

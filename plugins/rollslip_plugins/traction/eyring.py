@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rollslip.fields import in_range, parameter
 from rollslip.hookspecs import hookimpl
+from rollslip.lubricant.pressure import slope_of_oil
 from rollslip.models import POSITIVE, Domain, Tabled, TractionModel, Validity
 from rollslip.references import KLEBANOV, Reference
 from rollslip_kernels.slices import Slices
@@ -30,21 +31,35 @@ Array = NDArray[np.float64]
 
 #: What serves in place of a law that approximates the exact one.
 EXACT = "traction 'maxwell-eyring', the exact law"
+_RISE_OF_STRESS = "dtau0/dp of the oil"
+_RISE_OF_MODULUS = "dGamma/dp of the oil"
 #: Relative error of the exact law by short series.
 _SHORT_SERIES = 1e-6
+
+
+def _risen(value: float, slope: float, slices: Slices) -> Array:
+    """Return a property of the oil at the mean pressure of slices; nothing is read where it does not rise."""
+    return np.asarray(value + slope * slices.pressure if slope else value)
 
 
 class _EyringFluid(TractionModel, abc.ABC):
     """Traction mu = tau0 S/p of a stress law S(sigma, D, Phi).
 
     sigma = eta V/(tau0 h), D = eta u/(Gamma b), Phi = beta zeta tau0^2 h/eta, with eta and beta = -dln(eta)/dT at the
-    mean pressure after the oil's law, zeta = flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f).
+    mean pressure after the oil's law, zeta = flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f). tau0 and Gamma are those
+    at the mean pressure, where the oil has slopes of them.
     """
 
     domain: Domain = MappingProxyType({**HEATED, "eyring_stress": POSITIVE, "shear_modulus": POSITIVE})
     reads = frozenset(domain)
     validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, MEAN_PRESSURE, SLOW_SLIDING)
     flash: float
+    eyring_stress_slope: float = 0.0
+    shear_modulus_slope: float = 0.0
+
+    def eyring_stress(self, slices: Slices) -> Array:
+        """Return tau0 of slices [Pa], that at ambient pressure and its rise to the mean pressure."""
+        return _risen(slices.conditions.eyring_stress, self.eyring_stress_slope, slices)
 
     @abc.abstractmethod
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
@@ -63,19 +78,20 @@ class _EyringFluid(TractionModel, abc.ABC):
     def groups(self, slices: Slices) -> Mapping[str, Array]:
         """Return sigma, D and Phi of slices, by the names that `dimensionless_stress` has for them."""
         c, s = slices.conditions, slices
-        eta = s.film_viscosity
+        eta, tau0 = s.film_viscosity, self.eyring_stress(s)
+        modulus = _risen(c.shear_modulus, self.shear_modulus_slope, s)
         zeta = self.flash / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed)
         zeta = zeta + s.film_thickness / (12 * c.conductivity)
         # a product, since a power of Python's floats raises where it overflows
-        phi = s.film_thermoviscosity * zeta * (c.eyring_stress * c.eyring_stress) * s.film_thickness / eta
-        deborah = eta * s.rolling_speed / (c.shear_modulus * s.half_width)
-        strain_rate = eta * s.sliding_speed / (c.eyring_stress * s.film_thickness)
+        phi = s.film_thermoviscosity * zeta * (tau0 * tau0) * s.film_thickness / eta
+        deborah = eta * s.rolling_speed / (modulus * s.half_width)
+        strain_rate = eta * s.sliding_speed / (tau0 * s.film_thickness)
         return {"strain_rate": strain_rate, "deborah": deborah, "heating": phi}
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient."""
         stress = self.dimensionless_stress(**self.groups(slices))
-        slices.friction[...] = slices.conditions.eyring_stress / slices.pressure * stress
+        slices.friction[...] = self.eyring_stress(slices) / slices.pressure * stress
 
 
 @attrs.frozen(kw_only=True)
@@ -95,8 +111,8 @@ class Muraki(_EyringFluid):
     - Phi: heating beta zeta tau0^2 h/eta [1]
     - y: plateau of the stress over tau0 [1]
     - zeta: temperature of the film over tau V, flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f) [K m2/W]
-    - tau0: Eyring stress [Pa]
-    - Gamma: shear modulus of the oil [Pa]
+    - tau0: Eyring stress of the oil, with its rise to p (``eyring_stress_slope``) [Pa]
+    - Gamma: shear modulus of the oil, with its rise to p (``shear_modulus_slope``) [Pa]
     - eta: viscosity at the mean pressure and inlet temperature [Pa s]
     - beta: its fall with temperature -dln(eta)/dT [1/K]
     - p: mean pressure of the contact [Pa]
@@ -168,6 +184,8 @@ class Muraki(_EyringFluid):
         ),
     )
     flash: float = flash_factor()
+    eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
+    shear_modulus_slope: float = slope_of_oil(_RISE_OF_MODULUS)
 
     def quantities(self, slices: Slices) -> Mapping[str, Array]:
         """Return sigma, D, Phi, and film_heating = Phi sigma, by which the stress of a Newtonian film falls."""
@@ -180,7 +198,7 @@ class Muraki(_EyringFluid):
 
     def kernel(self) -> object:
         """Return the compiled form."""
-        return compiled.muraki(self.flash)
+        return compiled.muraki(self.flash, self.eyring_stress_slope, self.shear_modulus_slope)
 
 
 @attrs.frozen(kw_only=True)
@@ -201,8 +219,8 @@ class MaxwellEyring(_EyringFluid):
     - X: place along the contact over b, from 0 to 2 [1]
     - tau: local shear stress [Pa]
     - zeta: temperature of the film over tau V, flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f) [K m2/W]
-    - tau0: Eyring stress [Pa]
-    - Gamma: shear modulus of the oil [Pa]
+    - tau0: Eyring stress of the oil, with its rise to p (``eyring_stress_slope``) [Pa]
+    - Gamma: shear modulus of the oil, with its rise to p (``shear_modulus_slope``) [Pa]
     - eta: viscosity at the mean pressure and inlet temperature [Pa s]
     - beta: its fall with temperature -dln(eta)/dT [1/K]
     - p: mean pressure of the contact [Pa]
@@ -235,6 +253,8 @@ class MaxwellEyring(_EyringFluid):
         validator=in_range(1e-13, 0.1),
         doc="relative error of the friction that is allowed; from 1e-6 on short series serve",
     )
+    eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
+    shear_modulus_slope: float = slope_of_oil(_RISE_OF_MODULUS)
 
     @property
     def tolerance(self) -> float:  # type: ignore[override]
@@ -251,7 +271,7 @@ class MaxwellEyring(_EyringFluid):
 
     def kernel(self) -> object:
         """Return the compiled form."""
-        return compiled.maxwell_eyring(self.flash, self.accuracy)
+        return compiled.maxwell_eyring(self.flash, self.accuracy, self.eyring_stress_slope, self.shear_modulus_slope)
 
 
 @attrs.frozen(kw_only=True)
@@ -267,7 +287,7 @@ class Eyring(_EyringFluid):
     - sigma: strain rate eta V/(tau0 h) [1]
     - Phi: heating beta zeta tau0^2 h/eta [1]
     - zeta: temperature of the film over tau V, flash sqrt(b/(pi u))/sqrt(K rho c) + h/(12 K_f) [K m2/W]
-    - tau0: Eyring stress [Pa]
+    - tau0: Eyring stress of the oil, with its rise to p (``eyring_stress_slope``) [Pa]
     - eta: viscosity at the mean pressure and inlet temperature [Pa s]
     - beta: its fall with temperature -dln(eta)/dT [1/K]
     - p: mean pressure of the contact [Pa]
@@ -308,6 +328,7 @@ class Eyring(_EyringFluid):
     reads = _EyringFluid.reads - {"shear_modulus"}
     domain = MappingProxyType({k: v for k, v in _EyringFluid.domain.items() if k != "shear_modulus"})
     flash: float = flash_factor()
+    eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
 
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
         """Return S; the Deborah number is accepted and has no effect."""
@@ -315,7 +336,7 @@ class Eyring(_EyringFluid):
 
     def kernel(self) -> object:
         """Return the compiled form."""
-        return compiled.eyring(self.flash)
+        return compiled.eyring(self.flash, self.eyring_stress_slope)
 
 
 @hookimpl

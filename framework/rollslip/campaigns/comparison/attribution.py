@@ -110,6 +110,7 @@ def keep_friction(table: Slices) -> dict[str, Array]:
 def keep_criteria(s: Slices) -> dict[str, Array]:
     """Keep friction and what slices are sorted by, nan where the oil does not give it.
 
+    Strain rate and elasticity are those of Eyring stress and shear modulus at ambient pressure.
     Heating is beta theta, by how much a slice's own heat lowers ln(eta) in the mean: Phi sigma S of an Eyring fluid.
     """
     c = s.conditions

@@ -91,7 +91,8 @@ class RigProblem:
         """Return the bound stages with a traction model."""
         law = self.lubricant.pressure_viscosity_law
         *before, last = ({**self.models, "traction": traction}).values()
-        return Chain(*(with_law(model, law) for model in before), law, with_law(last, law))
+        slopes = self.lubricant.slopes
+        return Chain(*(with_law(model, law) for model in before), law, with_law(last, law, slopes))
 
     def conditions(self, lubricant: Lubricant, temperature: float) -> Conditions:
         """Return what the contacts of one temperature share."""
@@ -241,8 +242,10 @@ def _search(start: float, low: float | None, high: float | None) -> dict[str, fl
     }
 
 
-#: Values of an oil that follow temperature: their factors are fitted, or nothing in a contact reads them.
-_BY_FACTOR: Final = ("viscosity", "thermoviscosity", "pressure_thermoviscosity", "density")
+#: Values of an oil that are not fitted: their factors are, or nothing in a contact reads them, or chains hold them.
+_BY_FACTOR: Final = (
+    "viscosity", "thermoviscosity", "pressure_thermoviscosity", "density", "eyring_stress_slope", "shear_modulus_slope",
+)  # fmt: skip
 
 
 def _fittable(problem: RigProblem) -> Iterator[Parameter]:
@@ -282,7 +285,9 @@ def _numbers(model: Any) -> "Iterator[tuple[tuple[str, ...], float, attrs.Attrib
         value = getattr(model, attribute.name)
         if "kind" in attribute.metadata:
             yield from (((attribute.name, *path), number, inner) for path, number, inner in _numbers(value))
-        elif isinstance(value, float) and attribute.metadata.get("unit") is not None:
+        elif (
+            isinstance(value, float) and attribute.metadata.get("unit") is not None and attribute.name not in _BY_FACTOR
+        ):
             yield (attribute.name,), value, attribute
 
 
