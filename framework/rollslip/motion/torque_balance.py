@@ -21,11 +21,13 @@
 - The loads are solved anew at every slip: centrifugal forces go with the square of the cage speed.
 """
 
+import math
 from collections.abc import Callable
 from typing import Final, Protocol
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import Drags
@@ -49,10 +51,19 @@ _POCKET_SLIDING = 1e-2
 _REACH = 10.0
 #: How much larger a residual may get in a step: disturbances are carried round before they decay.
 _WORSE = 3.0
+#: Positions up to which the equations of an orbit are solved in Python: importing SciPy takes longer than many of them.
+_FEW: Final = 256
+#: How far three known slips may be for a parabola through them, relative to the slip.
+_NEAR: Final = 0.3
 #: Least damping, relative to the steepest torque.
 _LEAST_DAMPING = 1e-3
 #: How often the bracket of a balance without inertia is widened.
 _WIDENINGS = 60
+#: Last and first step of the secants that find a balance without inertia, relative to the bracket.
+_BALANCED, _APART = 1e-14, 1e-3
+_BISECTIONS = 120
+#: Torque at an end of the bracket that is rounding, relative to the largest there: the roller rolls on that ring.
+_IDLE = 1e-12
 #: Step of the roller slip by which friction is differentiated, relative to one.
 _NUDGE = 1e-7
 
@@ -72,8 +83,8 @@ def _film_speed(rolling: Array) -> Array:
 class Conventional:
     """The whole chain of models on every loaded slice."""
 
-    def __init__(self, raceway: Raceway, load: Array, widths: Array) -> None:
-        self.contacts = LoadedContacts(raceway, load, widths, 1.0)
+    def __init__(self, raceway: Raceway, load: Array, widths: Array, count: Array | None = None) -> None:
+        self.contacts = LoadedContacts(raceway, load, widths, 1.0, count)
         self.resists = raceway.chain.resists
 
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
@@ -255,7 +266,7 @@ class TorqueBalance:
                 Effective(curve, contact, free) for curve, contact in zip(self._effective, contacts, strict=True)
             )
             frictions = inner, outer
-        spin = _Spin(self, cage_slip, frictions)
+        spin = Spin(self, cage_slip, frictions)
         try:
             held = spin.held(self._nearest(cage_slip)) if self._inertia else (spin.balanced(), 0.0)
         except ConvergenceError as error:
@@ -275,27 +286,51 @@ class TorqueBalance:
         )
 
     def _nearest(self, cage_slip: float) -> Array | None:
-        """Roller slips of the nearest cage slip that is known, scaled to this one."""
-        known = [slip for slip in self._known if slip > 0.0]
+        """Roller slips of the nearest cage slip that is known, in proportion; of the parabola through three near ones.
+
+        A share of the cage slip is what changes least with it.
+        """
+        known = sorted((slip for slip in self._known if slip > 0.0), key=lambda slip: abs(slip - cage_slip))[:3]
         if not known:
             return None
-        near = min(known, key=lambda slip: abs(slip - cage_slip))
-        return self._known[near].roller_slip * (cage_slip / near)
+        if len(known) < 3 or abs(known[2] - cage_slip) > _NEAR * cage_slip:
+            known = known[:1]
+        shares = [self._known[slip].roller_slip / slip for slip in known]
+        weights = [np.prod([(cage_slip - two) / (one - two) for two in known if two != one]) for one in known]
+        return np.asarray(cage_slip * np.einsum("i,ik->k", weights, shares))
 
 
-class _Spin:
-    """Spin of a roller over the orbit at one cage slip, by its slip S_r."""
+class Spin:
+    """Spin of a roller over the orbit at one cage slip, by its slip S_r; without inertia also of many positions.
 
-    def __init__(self, balance: TorqueBalance, cage_slip: float, frictions: tuple[Friction, Friction]) -> None:
+    Parameters
+    ----------
+    balance : TorqueBalance
+        The bearing.
+    cage_slip : float or ndarray
+        S_c, of all positions or of each, (K,).
+    frictions : tuple of Friction
+        Contacts of both raceways at the positions.
+    positions : int, optional
+        How many; by default those of an orbit.
+    """
+
+    def __init__(
+        self,
+        balance: TorqueBalance,
+        cage_slip: float | Array,
+        frictions: tuple[Friction, Friction],
+        positions: int | None = None,
+    ) -> None:
         self._kinematics, self._slip, self._frictions = balance.assembly.kinematics, cage_slip, frictions
-        k = self._kinematics
-        self._positions = balance.assembly.scene.bearing.rollers * balance.instants
+        k, orbit = self._kinematics, balance.assembly.scene.bearing.rollers * balance.instants
+        self._positions = orbit if positions is None else positions
         #: roller slip of pure rolling on the outer ring
-        self._lag = float(k.roller_slip_outer_rolling(cage_slip))
+        self._lag = np.broadcast_to(k.roller_slip_outer_rolling(cage_slip), self._positions)
         pocket = balance.drags.pocket_friction
         self._pocket = 0.0 if pocket is None else pocket.coefficient
         inertia = 0.5 * balance.assembly.roller_mass * k.roller_radius**2
-        pace = abs(balance.cage_speed(cage_slip)) * self._positions / (2.0 * np.pi)
+        pace = abs(balance.cage_speed(float(np.max(cage_slip)))) * orbit / (2.0 * np.pi)
         #: torque that changes the roller slip by one from a position to the next
         self._inertia = inertia * k.epicyclic_roller_speed * pace
 
@@ -331,7 +366,7 @@ class _Spin:
 
         J w_re |w_c| dS_r/dtheta + G = 0, Newton's method; ``damping`` [N m] is that of the first steps.
         """
-        slip = np.full(self._positions, self._lag) if guess is None else guess
+        slip = self._lag if guess is None else guess
         torque = self._torque(slip)
         residual = self._change(slip) + torque
         for _ in range(_STEPS):
@@ -390,8 +425,7 @@ class _Spin:
     def _starts(self) -> tuple[Callable[[], Array], ...]:
         """Where else to start from: rolling on the outer ring, no inertia, rolling on the inner ring."""
         k = self._kinematics
-        outer, inner = self._lag, -self._lag * k.inner_radius / k.outer_radius
-        return lambda: np.full(self._positions, outer), self.balanced, lambda: np.full(self._positions, inner)
+        return lambda: self._lag, self.balanced, lambda: -self._lag * k.inner_radius / k.outer_radius
 
     def _approached(self, start: Callable[[], Array]) -> Callable[[], tuple[Array, float]]:
         """Roller slips that repeat after an orbit, approached as the rollers would from a start."""
@@ -409,53 +443,120 @@ class _Spin:
 
     def _around(self, slope: Array, right: Array) -> Array:
         """Solve change(x) + slope x = right around the orbit; NaN if that has no solution."""
-        from scipy.linalg import solve_banded
-
         c = self._inertia
         # the last two values, on which the first two depend, are found from what each of them adds to all
         sides = np.zeros((right.size, 3))
         sides[:, 0], sides[:2, 1], sides[0, 2] = right, (2.0 * c, -0.5 * c), -0.5 * c
-        banded = np.stack([1.5 * c + slope, np.full_like(slope, -2.0 * c), np.full_like(slope, 0.5 * c)])
-        try:
-            solved = solve_banded((2, 0), banded, sides)
-            ends = solved[[-1, -2]]
-            last = np.linalg.solve(np.eye(2) - ends[:, 1:], ends[:, 0])
-        except np.linalg.LinAlgError:  # or what grows round the orbit has lost all else
-            return np.full(right.size, np.nan)
-        return np.asarray(solved[:, 0] + solved[:, 1:] @ last)
+        with np.errstate(all="ignore"):
+            solved = (_few if slope.size <= _FEW else _many)(1.5 * c + slope, c, sides)
+            (a, b, e), (f, g, h) = solved[-1], solved[-2]
+            determinant = (1.0 - b) * (1.0 - h) - e * g  # x_-1 = a + b x_-1 + e x_-2, x_-2 = f + g x_-1 + h x_-2
+            last = np.array([a * (1.0 - h) + e * f, f * (1.0 - b) + g * a]) / determinant
+            return np.asarray(solved[:, 0] + solved[:, 1:] @ last)
 
-    def balanced(self) -> Array:
-        """Roller slips at which the contacts of a roller without inertia balance at every position.
+    def balanced(self, guess: Array | None = None) -> Array:
+        """Roller slips at which the contacts of a roller without inertia balance at every position, (K,).
 
         Between rolling on either ring, or beyond where rolling resistance asks for it, the torque changes its sign; of
-        several balances the bracket ends in one that the roller holds.
-        """
-        from scipy.optimize.elementwise import find_root
+        several balances the bracket ends in one that the roller holds, and from a guess mostly in the one nearest to
+        it. Secants within the bracket, all positions at once, until none steps any further.
 
+        Raises
+        ------
+        ConvergenceError
+            If there is none.
+        """
+        found, lost = balances(self._torque, *self._bracket(), guess)
+        if lost.any():
+            raise ConvergenceError(
+                f"no spin balances {np.count_nonzero(lost)} of {self._positions} rollers without inertia at a cage "
+                f"slip of {np.max(self._slip):.4g}"
+            )
+        return found
+
+    def _bracket(self) -> tuple[Array, Array]:
+        """Roller slips between which each roller balances: those of rolling on either ring, where nothing resists.
+
+        A roller that only one ring carries rolls on it: both are its roller slip.
+        """
         k = self._kinematics
-        lags = self._lag, -self._lag * k.inner_radius / k.outer_radius
-        low, high = np.full(self._positions, min(lags)), np.full(self._positions, max(lags))
+        inner = -self._lag * k.inner_radius / k.outer_radius
+        low, high = np.minimum(self._lag, inner), np.maximum(self._lag, inner)
         for _ in range(_WIDENINGS):
-            below, above = self._torque(low) > 0.0, self._torque(high) < 0.0
+            at_low, at_high = self._torque(low), self._torque(high)
+            idle = _IDLE * max(np.abs(at_low).max(), np.abs(at_high).max())
+            below, above = at_low > idle, at_high < -idle
             if not np.any(below | above):
-                break
+                rolls_high, rolls_low = np.abs(at_high) <= idle, np.abs(at_low) <= idle
+                return np.where(rolls_high, high, low), np.where(rolls_low & ~rolls_high, low, high)
             width = high - low + _NUDGE
             low, high = np.where(below, low - width, low), np.where(above, high + width, high)
+        return low, high
 
-        def torque(slip: Array, position: Array) -> Array:
-            trial = np.full(self._positions, self._lag)
-            trial[position] = slip
-            return np.asarray(self._torque(trial)[position])
 
-        spin = find_root(
-            torque, (low, high), args=(np.arange(self._positions),), tolerances={"xrtol": 1e-12, "xatol": 1e-15}
-        )
-        if not np.all(spin.success):
-            raise ConvergenceError(
-                f"no spin balances {np.count_nonzero(~spin.success)} of {self._positions} rollers without inertia at "
-                f"a cage slip of {self._slip:.4g}"
-            )
-        return np.asarray(spin.x)
+def balances(
+    torque: Callable[[Array], Array], low: Array, high: Array, guess: Array | None = None
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Find where torques rise through zero, each in its bracket, all at once; by secants, halved where they are slow.
+
+    Parameters
+    ----------
+    torque : callable
+        Torques at places, (K,) each, every one a function of its own place alone.
+    low, high : ndarray
+        Ends of the brackets, below zero and above it, or the place itself twice, (K,).
+    guess : ndarray, optional
+        Places that they are near; by default the middles.
+
+    Returns
+    -------
+    place : ndarray
+        (K,).
+    lost : ndarray of bool
+        Which were not found, (K,).
+    """
+    reach, middle = high - low, 0.5 * (low + high)
+    settled = _BALANCED * reach
+    at = middle if guess is None else np.clip(guess, low, high)
+    before = at + np.where(at < middle, _APART, -_APART) * reach
+    value_before, value, wide, found = torque(before), torque(at), reach, reach <= 0.0
+    for number in range(_BISECTIONS):
+        low, high = np.where(value < 0.0, at, low), np.where(value > 0.0, at, high)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            to = at - value * (at - before) / (value - value_before)
+        inside = (to > low) & (to < high)
+        if number % 3 == 2:  # three steps halve the bracket at least
+            inside, wide = inside & (high - low <= 0.5 * wide), high - low
+        to = np.where(inside, to, 0.5 * (low + high))
+        to = np.where(found | (value == 0.0), at, to)
+        found |= np.abs(to - at) <= settled
+        before, value_before, at = at, value, to
+        if found.all():
+            break
+        value = torque(at)
+    return at, ~found
+
+
+def _few(diagonal: Array, c: float, sides: Array) -> Array:
+    """Solve d_k x_k - 2 c x_k-1 + c/2 x_k-2 = sides, one after the other; NaN where it has no solution."""
+    rows, one, two = list[list[float]](), [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+    twice, half = 2.0 * c, 0.5 * c
+    for d, side in zip(diagonal.tolist(), sides.tolist(), strict=True):
+        d = d or math.nan
+        one, two = [(s + twice * x - half * y) / d for s, x, y in zip(side, one, two, strict=True)], one
+        rows.append(one)
+    return np.array(rows)
+
+
+def _many(diagonal: Array, c: float, sides: Array) -> Array:
+    """Solve the same by LAPACK."""
+    from scipy.linalg import solve_banded
+
+    banded = np.stack([diagonal, np.full_like(diagonal, -2.0 * c), np.full_like(diagonal, 0.5 * c)])
+    try:
+        return np.asarray(solve_banded((2, 0), banded, sides))
+    except np.linalg.LinAlgError:
+        return np.full_like(sides, np.nan)
 
 
 def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve, EffectiveCurve]:

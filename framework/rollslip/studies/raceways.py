@@ -24,6 +24,7 @@ from rollslip.bearing.kinematics import SurfaceSpeeds
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import LIGHT, NAMES
 from rollslip.errors import ConvergenceError, DomainError, SceneError
+from rollslip.motion.torque_balance import balances
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
@@ -74,6 +75,8 @@ class LoadedRaceways:
 
     def __init__(self, assembly: Assembly, distribution: LoadDistribution, closure: str, settings: str = "") -> None:
         self.assembly, self.distribution, self.closure, self.settings = assembly, distribution, closure, settings
+        #: cage slip -> roller slips of free rollers over that of rolling on the outer ring
+        self._shares: dict[float, Array] = {}
         orbit = float(np.sign(assembly.kinematics.epicyclic_cage_speed))
         # instants m and rollers j are positions j M + m of the orbit, of which k and -k carry the same
         positions = distribution.psi.size
@@ -110,8 +113,8 @@ class LoadedRaceways:
             speeds = kinematics.surface_speeds(cage_slip, outer_rolling)
             return attrs.evolve(speeds, outer_sliding=np.zeros_like(speeds.outer_sliding))  # not the rounding of it
         free = [
-            self._free_roller_slip(float(s), float(rolling))
-            for s, rolling in zip(cage_slip, outer_rolling, strict=True)
+            self._free_roller_slip(slip, rolling)
+            for slip, rolling in zip(cage_slip.tolist(), outer_rolling.tolist(), strict=True)
         ]
         return kinematics.surface_speeds(cage_slip[:, None], np.array(free))
 
@@ -119,37 +122,42 @@ class LoadedRaceways:
         """Roller slip at which both rings pull a roller alike, (rollers,).
 
         Between rolling on the inner ring and rolling on the outer one the difference of the pulls changes its sign,
-        so there is a root; of several the bracket ends in one that is stable. A roller without inner load rolls on
-        the outer ring.
+        so there is a root; of several the bracket ends in one that is stable, mostly the nearest to what is known of
+        cage slips next to this one. A roller without inner load rolls on the outer ring.
         """
         result = np.full(self.inner.rollers, outer_rolling)
         if cage_slip == 0.0:
             return 0.0 * result
-        from scipy.optimize.elementwise import find_root
-
+        if cage_slip in self._shares:
+            return outer_rolling * self._shares[cage_slip]
         kinematics = self.assembly.kinematics
         inner_rolling = -outer_rolling * kinematics.inner_radius / kinematics.outer_radius
         loaded = np.flatnonzero(self.inner.per_roller(self.inner.force) > 0.0)
 
-        def difference(slip: Array, roller: Array) -> Array:
+        def difference(slip: Array) -> Array:
             trial = result.copy()
-            trial[roller] = slip
+            trial[loaded] = slip
             (both,) = self.contacts(kinematics.surface_speeds(np.full((1, 1), cage_slip), trial))
             pulls = [
                 contacts.per_roller(contacts.force * contacts.friction(rolling, sliding))
                 for contacts, rolling, sliding in both
             ]
-            return np.asarray((pulls[0] - pulls[1])[roller])
+            return np.asarray((pulls[0] - pulls[1])[loaded]) * self.inner.orbit  # as the sliding speed has its sign
 
-        bracket = (np.full(loaded.size, inner_rolling), np.full(loaded.size, outer_rolling))
-        spin = find_root(difference, bracket, args=(loaded,), tolerances={"xrtol": 1e-12, "xatol": 1e-15})
-        if not np.all(spin.success):
+        low, high = min(inner_rolling, outer_rolling), max(inner_rolling, outer_rolling)
+        guess = None
+        if len(near := sorted(self._shares, key=lambda slip: abs(slip - cage_slip))[:2]) == 2:
+            one, two = (self._shares[slip] for slip in near)
+            guess = outer_rolling * (one + (cage_slip - near[0]) / (near[1] - near[0]) * (two - one))[loaded]
+        found, lost = balances(difference, np.full(loaded.size, low), np.full(loaded.size, high), guess)
+        if lost.any():
             raise ConvergenceError(
-                f"closure 'free-roller' found no spin for {np.count_nonzero(~spin.success)} of {loaded.size} rollers "
+                f"closure 'free-roller' found no spin for {np.count_nonzero(lost)} of {loaded.size} rollers "
                 f"at a cage slip of {cage_slip:g}, where friction rises within the rounding of the speeds or has no "
                 "balance" + (f"; take --set {self.settings}.closure=epicyclic" if self.settings else "")
             )
-        result[loaded] = spin.x
+        result[loaded] = found
+        self._shares[cage_slip] = result / outer_rolling
         return result
 
     def contacts(self, speeds: SurfaceSpeeds) -> "Iterator[list[tuple[LoadedContacts, Any, Any]]]":

@@ -1,0 +1,237 @@
+"""Where a cage runs away: the fold of the balance of torques between its rollers and what drags it.
+
+- The rollers spin freely: each takes the spin that both rings, its inertia and what resists its rolling leave it. The
+  torque with which they then drive the cage, `rollslip.motion.torque_balance`, is the drag that can be carried at that
+  cage slip. Over slip it has a maximum. A smaller drag is carried at a smaller slip; where a steady drag grows beyond
+  the maximum no slip balances it any more, and the cage falls back until it all but stands: its slip runs away.
+- It is the largest drag of study steady-slip with conventional friction, found by a shorter way.
+- The maximum is flat and a motion of the rollers is dear, so it is looked for with few slices, the laws that the scene
+  names and rollers without inertia, whose balances at all slips are found at once. From there it is climbed with all
+  slices, the laws of the plan and inertia. The range ends where a law has no value.
+- The maximum belongs to the rollers alone. A drag that falls with slip, as that of the oil on a land at rest does, may
+  be in balance with them beyond it: there slip grows steeply with the drag, but stays. One that rises with slip runs
+  away before.
+"""
+
+from collections.abc import Callable
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.critical import slip_grid
+from rollslip.bearing.drags import Drags
+from rollslip.bearing.raceway import Array, Raceway
+from rollslip.errors import ConvergenceError, DomainError
+from rollslip.motion.torque_balance import Conventional, Spin, TorqueBalance, effective_curves
+
+#: Cage slips and slices with which the maximum is looked for, at one instant.
+_SLIPS, _SLICES = 17, 12
+#: Positions of an orbit, at least, on which rollers with inertia are followed.
+_POSITIONS = 56
+#: Steps by which the maximum is climbed, relative to the slip, and the one at which it is found.
+_FIRST, _FOUND = 0.1, 2e-3
+_MOST_SLIPS = 24
+#: Points that a polynomial goes through near the maximum, and by how much it may miss the torque there.
+_FIVE, _SMOOTH = 5, 1e-5
+#: What a maximum has to stand out by from the end of the range, relative to it; a slip at which the cage hardly turns.
+_FLAT, _STANDS = 1e-6, 0.94
+
+
+@attrs.frozen
+class Runaway:
+    """The cage slip at which a cage runs away, and the drag [N m] there: NaN where ``status`` says why."""
+
+    slip: float
+    drag: float
+    status: str
+
+
+def runaway(assembly: Assembly, instants: int, largest: float, allow: str, *, effective: bool = False) -> Runaway:
+    """Locate the largest drag that the rollers of a bearing carry, over the cage slips up to the largest.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing, with slices and laws as they were chosen, without its resistance to rolling.
+    instants : int
+        Instants of a roller pitch; rollers are followed on 56 positions of the orbit or more.
+    largest : float
+        Largest cage slip.
+    allow : str
+        Setting that widens the range, for the status.
+    effective : bool
+        By the effective friction of the raceways in place of that of every slice.
+
+    Returns
+    -------
+    Runaway
+        Place and height of the maximum; the place is known to about a thousandth of itself where it is flat.
+    """
+    slips, torques, refusal = _scan(assembly, largest, effective)
+    if not slips.size:
+        return _unknown(refusal)
+    best, end = int(np.argmax(torques)), float(slips[-1])
+    if not torques[best] > 0.0:
+        return _none(f"the rollers do not drive the cage at any slip up to {end:.4g}: more resists their rolling")
+    if best == slips.size - 1 or torques[best] - torques[-1] > _FLAT * torques[best]:
+        try:
+            found = _climbed(rollers(assembly, instants, effective=effective).torque, _start(slips, torques), end)
+        except (DomainError, ConvergenceError) as error:
+            return _unknown(str(error))
+        if found is not None:
+            return Runaway(*found, "found")
+    further = f"beyond, {refusal}" if refusal else f"raise {allow} to look further"
+    if end > _STANDS and not refusal:
+        further = "there it all but stands"
+    return _none(
+        f"the cage was not found to run away up to a slip of {end:.4g}, where the rollers carry the largest drag, "
+        f"{torques[best]:.3g} N m; {further}"
+    )
+
+
+def rollers(assembly: Assembly, instants: int, *, effective: bool = False, inertia: bool = True) -> TorqueBalance:
+    """Return the balance of torques of a bearing, resistance to rolling and pockets with it, on instants or more."""
+    bearing, drags = _resisted(assembly)
+    instants = max(instants, -(-_POSITIONS // assembly.scene.bearing.rollers))
+    curves = effective_curves(bearing, instants) if effective else None
+    return TorqueBalance(bearing, drags, instants=instants, effective=curves, inertia=inertia)
+
+
+def _resisted(assembly: Assembly) -> tuple[Assembly, Drags]:
+    """The bearing with its resistance to rolling, and the drags of its cage, if the scene has one."""
+    if assembly.scene.cage is None:
+        return assembly, Drags()
+    return assembly.with_resistance(), assembly.cage.drags
+
+
+def _none(status: str) -> Runaway:
+    return Runaway(np.nan, np.nan, status)
+
+
+def _unknown(why: str) -> Runaway:
+    return _none(f"it is not known where the cage runs away: {why}")
+
+
+def _scan(assembly: Assembly, largest: float, effective: bool) -> tuple[Array, Array, str]:
+    """Cage slips, torques without inertia, few slices and the laws of the scene, and what ended the range early."""
+    own = assembly.resolution
+    few = attrs.evolve(
+        own, slices=min(_SLICES, own.slices), quadrature="equal", boundary=True, traction="named", traction_error=0.0
+    )
+    slips, refusal = slip_grid(largest, _SLIPS + 1)[1:], ""
+    simple = assemble(assembly.scene, few)  # anew: no bound is watched on slips that nobody asked for
+    while slips.size:
+        try:
+            if effective:
+                balance = rollers(simple, 1, effective=True, inertia=False)
+                return slips, np.array([balance.torque(float(slip)) for slip in slips]), refusal
+            return slips, free_torques(*_resisted(simple), 1, slips), refusal
+        except (DomainError, ConvergenceError) as error:
+            slips, refusal = slips[:-1], str(error)
+    return slips, slips, refusal
+
+
+def free_torques(bearing: Assembly, drags: Drags, instants: int, slip: Array) -> Array:
+    """Return the torque on the cage of rollers without inertia at cage slips above zero, all found at once.
+
+    Parameters
+    ----------
+    bearing : Assembly
+        The bearing, with its resistance to rolling.
+    drags : Drags
+        What resists the rollers in their pockets.
+    instants : int
+        Instants of a roller pitch.
+    slip : ndarray
+        Cage slips S_c, (n,).
+
+    Returns
+    -------
+    ndarray
+        Torque [N m], positive where it drives, (n,).
+
+    Raises
+    ------
+    DomainError
+        If a law has no value there, or the epicyclic cage speed is zero.
+    ConvergenceError
+        If the loads or the spin of a roller are not found.
+    """
+    balance = TorqueBalance(bearing, drags, instants=instants, inertia=False)
+    loads = [bearing.load_distribution(instants, balance.cage_speed(float(one))) for one in slip]
+    positions = bearing.scene.bearing.rollers * instants
+    half = positions // 2 + 1  # positions k and -k of the orbit carry the same
+    count = np.full(half, 2.0)
+    count[0] = 1.0
+    count[-1] -= positions % 2 == 0 and positions > 1
+
+    def of(raceway: Raceway, each: list[Array]) -> Conventional:
+        halves = [load.swapaxes(0, 1).reshape(positions, -1)[:half] for load in each]
+        return Conventional(raceway, np.concatenate(halves), bearing.widths, np.tile(count, slip.size))
+
+    contacts = (
+        of(bearing.inner, [one.inner_load for one in loads]),
+        of(bearing.outer, [one.outer_load for one in loads]),
+    )
+    spin = Spin(balance, np.repeat(slip, half), contacts, half * slip.size)
+    torque = spin.on_cage(spin.balanced()).reshape(slip.size, half).sum(axis=1)
+    return np.asarray(np.sign(bearing.kinematics.epicyclic_cage_speed) * torque / instants)
+
+
+def _start(slips: Array, torques: Array) -> float:
+    """Where the torque of a scan is largest."""
+    best = int(np.argmax(torques))
+    if not 0 < best < slips.size - 1:
+        return float(slips[best])
+    near = slice(best - 1, best + 2)
+    return _vertex(slips[near], torques[near])[0]
+
+
+def _climbed(torque: Callable[[float], float], start: float, end: float) -> tuple[float, float] | None:
+    """Place and height of the maximum near a start; None if it is the end of the range.
+
+    Three slips that hold it between them, moved on while they do not; then the vertex of the polynomial through the
+    nearest five, until it moves no more. Where the torque has a corner, because a roller changes its motion at once, it
+    misses, and intervals are halved.
+    """
+    step = min(_FIRST, end / start - 1.0) or _FIRST
+    start = min(start, end / (1.0 + step))
+    known = {slip: torque(slip) for slip in (start * (1.0 - step), start, min(start * (1.0 + step), end))}
+    height, smooth = np.nan, True
+    while len(known) < _MOST_SLIPS:
+        slips = np.array(sorted(known))
+        torques = np.array([known[float(slip)] for slip in slips])
+        best, last = int(np.argmax(torques)), slips.size - 1
+        at, largest = float(slips[best]), float(torques[best])
+        if best == last and at >= end:
+            if slips[-2] >= (1.0 - _FOUND) * end:
+                return None
+            to = (1.0 - _FOUND) * end  # it may have a corner on the way
+        elif best in (0, last):
+            step = min(2.0 * step, 0.5)
+            to = min(at * (1.0 + step), end) if best else at * (1.0 - step)
+        else:
+            below, above = at - slips[best - 1], slips[best + 1] - at
+            if max(below, above) <= _FOUND * at:
+                return at, largest
+            first = min(max(best - _FIVE // 2, 0), max(slips.size - _FIVE, 0))
+            near = slice(first, first + _FIVE)
+            to, height = _vertex(slips[near], torques[near])
+            if smooth and abs(to - at) <= _FOUND * at and height - largest <= _SMOOTH * largest:
+                return to, height
+            if not smooth or to == at:
+                to, height = at + 0.5 * (above if above > below else -below), np.nan
+        known[to] = torque(to)
+        smooth = not abs(known[to] - height) > _SMOOTH * abs(height) or slips.size < _FIVE
+    raise ConvergenceError(f"the torque of the rollers has no maximum that can be located near a slip of {start:.3g}")
+
+
+def _vertex(slips: Array, torques: Array) -> tuple[float, float]:
+    """Place and height of the largest value of the polynomial through points, between the neighbours of the largest."""
+    curve, best = np.polynomial.Polynomial.fit(slips, torques, slips.size - 1), int(np.argmax(torques))
+    turns = curve.deriv().roots()
+    real = np.append(turns.real[np.abs(turns.imag) <= _FLAT * slips[-1]], slips[best])
+    inside = real[(real > slips[best - 1]) & (real < slips[best + 1])]
+    at = float(inside[np.argmax(curve(inside))])
+    return at, float(curve(at))
