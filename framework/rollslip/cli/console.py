@@ -87,9 +87,10 @@ def print_changed(pairs: "Sequence[tuple[Part | None, Part | None]]", this: str,
     print_table(("part", this, other, "reason"), rows)
 
 
-def findings(dataset: "xr.Dataset") -> str:
-    """Return what a study found, in a few lines."""
-    return "\n  ".join((f"{dataset.attrs['study']}:", *account_of(dataset).lines(dataset)))
+def findings(dataset: "xr.Dataset", told: str = "") -> str:
+    """Return what a study found, in a few lines, but for one that was told before."""
+    lines = (line for line in account_of(dataset).lines(dataset) if line != told)
+    return "\n  ".join((f"{dataset.attrs['study']}:", *lines))
 
 
 def kept(dataset: "xr.Dataset") -> str:

@@ -9,7 +9,7 @@
 """
 
 import math
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import attrs
@@ -23,7 +23,10 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["ACCOUNT", "Account", "Contact", "PlainAccount", "Story", "Table", "account_of", "capital", "with_unit"]
+__all__ = [
+    "ACCOUNT", "Account", "Contact", "PlainAccount", "Story", "Table", "account_of", "capital", "headline_of",
+    "with_unit",
+]  # fmt: skip
 
 
 @attrs.frozen
@@ -71,6 +74,10 @@ class Account:
     name: str
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {}
     names_first: ClassVar[bool] = False
+
+    def headline(self, dataset: "xr.Dataset") -> str:
+        """Return what has to be known before all else, without its full stop; nothing where there is no such thing."""
+        return ""
 
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
@@ -120,7 +127,7 @@ class PlainAccount(Account):
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found of each curve, and every single value."""
         slips = {
-            name: [row["status"] if row["critical_slip"] is None else f"critical slip {row['critical_slip']:.2%}"]
+            name: [row["status"] if row["critical_slip"] is None else _critical(dataset, row)]
             for name, row in critical_rows(dataset).items()
         }
         return slips | {name: [text] for name, text in _single_values(dataset).items()}
@@ -132,7 +139,8 @@ class PlainAccount(Account):
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return critical slip and largest friction of each curve, and every single value."""
         slips = {
-            curve.name: f"critical slip {curve.critical_slip:.2%}, largest friction {curve.critical_friction:.4g}"
+            curve.name: f"critical slip {curve.critical_slip:.2%} {curve.rests_on}".rstrip()
+            + f", largest friction {curve.critical_friction:.4g}"
             if curve.has_critical
             else curve.status
             for curve in curves(dataset)
@@ -173,6 +181,11 @@ class PlainAccount(Account):
         ]
 
 
+def headline_of(datasets: "Iterable[xr.Dataset]") -> str:
+    """Return the headline of the first result that has one; nothing if none has."""
+    return next(filter(None, (account_of(dataset).headline(dataset) for dataset in datasets)), "")
+
+
 def account_of(dataset: "xr.Dataset") -> Account:
     """Return how a dataset is told: the account of its study, or one that knows no more than the dataset says.
 
@@ -191,6 +204,11 @@ def account_of(dataset: "xr.Dataset") -> Account:
 def capital(text: str) -> str:
     """Return a text with a capital as its first letter."""
     return f"{text[:1].upper()}{text[1:]}"
+
+
+def _critical(dataset: "xr.Dataset", row: Mapping[str, Any]) -> str:
+    """Critical slip of a curve, and what the curve rests on."""
+    return f"critical slip {row['critical_slip']:.2%} {dataset.attrs.get('curves_with', '')}".rstrip()
 
 
 def _named(texts: Mapping[str, str]) -> list[str]:

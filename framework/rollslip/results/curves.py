@@ -75,6 +75,8 @@ class Curve:
         Film regime in words, empty if it is not a matter of one contact.
     first_slip, first_friction : float
         The first maximum, from which friction falls; NaN if there is none, or if the dataset does not tell.
+    rests_on : str
+        What the curve rests on, of its dataset's attribute ``curves_with``: "with rollers at their epicyclic spin".
     """
 
     name: str
@@ -89,6 +91,7 @@ class Curve:
     regime: str = ""
     first_slip: float = math.nan
     first_friction: float = math.nan
+    rests_on: str = ""
 
     @property
     def has_critical(self) -> bool:
@@ -119,7 +122,8 @@ class Curve:
         quantity = self.against if self.against.endswith(" slip") else "slip"
         if self.has_critical:
             return (
-                f"{self.name}: critical {quantity} {percent(self.critical_slip)}, where the {self.of} is largest, "
+                f"{self.name}: critical {quantity} {percent(self.critical_slip)}"
+                f"{self.rests_on and f' {self.rests_on}'}, where the {self.of} is largest, "
                 f"{digits(self.critical_friction, 3)}{self._first()}"
             )
         finite = np.flatnonzero(np.isfinite(self.friction))
@@ -182,6 +186,7 @@ def curves(dataset: "xr.Dataset") -> list[Curve]:
                 critical_slip=float(one[of.critical]),
                 critical_friction=float(one["critical_friction"]),
                 status=str(one["critical_status"].item()),
+                rests_on=str(dataset.attrs.get("curves_with", "")),
                 regime=_regime(one["regime"].to_numpy()) if "regime" in one and one["regime"].dims == slip.dims else "",
                 first_slip=first[0],
                 first_friction=first[1],

@@ -1,13 +1,22 @@
 """The account of effective friction."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Final
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Figures, PlainAccount
+from rollslip.results.words import runs_away
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+_RUNAWAY: Final = ("runaway_slip", "runaway_drag", "runaway_status")
+
+
+def _curves(dataset: "xr.Dataset") -> "xr.Dataset":
+    """All but where the cage runs away, which is one sentence."""
+    return dataset.drop_vars(_RUNAWAY, errors="ignore")
 
 
 class EffectiveFrictionAccount(PlainAccount):
@@ -17,9 +26,25 @@ class EffectiveFrictionAccount(PlainAccount):
         "closure": ("closure: what the rollers spin at", ""),
     }
 
+    def headline(self, dataset: "xr.Dataset") -> str:
+        """Return where the cage runs away."""
+        if "runaway_slip" not in dataset:
+            return ""
+        away = (dataset[name].item() for name in _RUNAWAY)
+        return runs_away(*away)
+
+    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say where the cage runs away, and what was found of each curve."""
+        away = {"running away": [text]} if (text := self.headline(dataset)) else {}
+        return away | super().topics(_curves(dataset))
+
+    def sentences(self, dataset: "xr.Dataset") -> list[str]:
+        """Return where the cage runs away, and what was found of each curve."""
+        return [*filter(None, [self.headline(dataset)]), *super().sentences(_curves(dataset))]
+
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return what is said on a terminal."""
-        said, a = super().lines(dataset), dataset.attrs
+        said, a = [*filter(None, [self.headline(dataset)]), *super().lines(_curves(dataset))], dataset.attrs
         if "instants_error" in a:
             slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none
             said.append(

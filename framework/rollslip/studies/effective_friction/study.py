@@ -8,6 +8,8 @@
 - Effective friction is positive where it drives the cage towards its epicyclic speed. With the outer ring driving that
   is against the direction in which rolling speeds are positive, hence the sign in ``LoadedContacts``.
 - The map over cage slip and roller slip, which needs no closure, is stored beside the curve.
+- The critical slip of a curve is that of its closure. Where the cage runs away, the balance of torques with freely
+  spinning rollers on both rings says (`rollslip.motion.runaway`), and it is told first.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,6 +28,7 @@ from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
+from rollslip.motion.runaway import Runaway, rollers, runaway
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Output, Some
@@ -45,6 +48,16 @@ _MANY: Final = 128
 _MAP: Final = (3, 6)
 #: Evaluations in the search for the critical slips of both rings, each of one ring.
 _SEARCH: Final = 40
+#: Motions of the rollers in the search for the slip of running away.
+_MOTIONS: Final = 6
+#: Closure -> what the rollers do, as it is told of a critical slip.
+CLOSURES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "epicyclic": "with rollers at their epicyclic spin",
+        "outer-rolling": "with rollers that roll on the outer ring",
+        "free-roller": "with rollers that both rings pull alike",
+    }
+)
 
 #: What the curves and their maxima give.
 _OF_CURVES: Final = frozenset(
@@ -65,6 +78,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "ring", "1", "cage slip from which effective friction first falls", status="critical_status"
         ),
         "first_maximum_friction": Output("ring", "1", "effective friction coefficient there", status="critical_status"),
+        "runaway_slip": Output("", "1", "cage slip at which the cage runs away", status="runaway_status"),
+        "runaway_drag": Output("", "N m", "largest drag torque that the rollers carry, there", status="runaway_status"),
+        "runaway_status": Output("", "1", "what was found of running away"),
         "roller_slip": Output(_CURVE, "1", "roller slip, mean over the loaded contacts"),
         "sliding_speed": Output(_CURVE, "m/s", "sliding speed, mean over them"),
         "rolling_speed": Output(_CURVE, "m/s", "rolling speed, mean over them"),
@@ -76,6 +92,8 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "friction_map": Output("ring map_cage_slip map_roller_slip", "1", "effective friction coefficient"),
     }
 )
+#: What is found of running away.
+_RUNAWAY: Final = frozenset({"runaway_slip", "runaway_drag", "runaway_status"})
 
 
 @attrs.frozen(kw_only=True)
@@ -95,6 +113,7 @@ class EffectiveFriction(Study):
         {
             "friction": "the models of a contact on every loaded slice, over the slips and in search of the largest",
             "film regimes": "told of every loaded slice, over the slips of the curve",
+            "running away": "the balance of torques of freely spinning rollers, about its maximum",
             "map": "the study asks for friction over cage slip and roller slip|over few loads that stand for all "
             "slices",
         }
@@ -102,12 +121,18 @@ class EffectiveFriction(Study):
     shares_resolution: ClassVar[bool] = True
 
     closure: str = parameter(
-        default="epicyclic",
+        default="free-roller",
         doc="what the rollers spin at",
         validator=one_of("outer-rolling", "epicyclic", "free-roller"),
     )
     max_cage_slip: float = parameter(
         default=0.4, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
+    )
+    runaway_range: float = parameter(
+        default=0.95,
+        unit="1",
+        doc="largest cage slip at which it is looked whether the cage runs away, whatever the curve's; 0 for not",
+        validator=in_range(0.0, 0.99),
     )
     points: int = parameter(default=101, doc="cage slips of the curve, denser towards zero", validator=at_least(5))
     map_points: int = parameter(
@@ -130,10 +155,11 @@ class EffectiveFriction(Study):
         return contacts * (curves * per_point + instants * PROBES * bool(surface)) + 2 * 16 * surface
 
     def without(self, outputs: frozenset[str]) -> "EffectiveFriction":
-        """Return a study without the map, which is most of the work, and without single rollers."""
+        """Return a study without the map and without running away, which are most of the work, and single rollers."""
         return attrs.evolve(
             self,
             map_points=0 if "friction_map" in outputs else self.map_points,
+            runaway_range=0.0 if outputs >= _RUNAWAY else self.runaway_range,
             per_roller=self.per_roller and "roller_friction" not in outputs,
         )
 
@@ -154,6 +180,9 @@ class EffectiveFriction(Study):
             times["film regimes"].append(regimes * self.points)
         more, instants = assembly.slices / some.slices, resolution.instants or INSTANTS[-1]
         costs = {part: more * onwards(INSTANTS, each, instants) for part, each in times.items()}
+        if self.runaway_range:
+            orbit = partial(rollers(assembly, instants).orbit, 0.4 * self.runaway_range)
+            costs["running away"] = _MOTIONS * timed(orbit, 1)
         if self.map_points:
             sizes = (_MAP[0] * (2 * _MAP[0] - 1), _MAP[1] * (2 * _MAP[1] - 1))
             maps = [timed(partial(raceways.map, self.max_cage_slip, n), 1) for n in _MAP]
@@ -175,9 +204,10 @@ class EffectiveFriction(Study):
         xarray.Dataset
             Dimensions (ring, cage_slip): effective_friction, sliding_speed, rolling_speed, film_parameter (smallest),
             roller_slip; (ring,): critical_cage_slip, critical_friction, critical_status, first_maximum_slip,
-            first_maximum_friction; (ring, map_cage_slip, map_roller_slip): friction_map; (ring, roller): normal_force
-            at the first instant and, on request, (ring, roller, cage_slip): roller_friction, NaN where the roller is
-            not loaded.
+            first_maximum_friction; scalars runaway_slip, runaway_drag, runaway_status, unless it is not looked where
+            the cage runs away; (ring, map_cage_slip, map_roller_slip): friction_map; (ring, roller): normal_force at
+            the first instant and, on request, (ring, roller, cage_slip): roller_friction, NaN where the roller is not
+            loaded.
 
         Raises
         ------
@@ -199,9 +229,16 @@ class EffectiveFriction(Study):
     def together(
         cls, cases: "Sequence[tuple[EffectiveFriction, Assembly]]", outputs: frozenset[str]
     ) -> list[Some] | None:
-        """Return what `run` does of curves and critical slips, for several bearings at once; None if more is asked."""
-        if not outputs <= _OF_CURVES:
+        """Return what `run` does of curves, critical slips and running away, for several bearings at once.
+
+        None if more is asked.
+        """
+        if not outputs <= _OF_CURVES | _RUNAWAY:
             return None
+        aways = [
+            study.runaway(assembly, assembly.resolution.instants or _FIRST_INSTANTS) if outputs & _RUNAWAY else None
+            for study, assembly in cases
+        ]
         found = dict[int, tuple[Array, Array, tuple[Critical, Critical]]]()
         begun = list[tuple[int, Array, LoadedRaceways, SurfaceSpeeds]]()
         for k, (study, assembly) in enumerate(cases):
@@ -215,7 +252,8 @@ class EffectiveFriction(Study):
         curves = evaluated_together([(raceways, speeds) for *_, raceways, speeds in begun])
         for (k, slip, raceways, _), (friction, _) in zip(begun, curves, strict=True):
             found[k] = slip, friction, raceways.critical(slip, friction)
-        return [_curves(*found[k]) for k in range(len(cases))]
+        some = [_curves(*found[k]) for k in range(len(cases))]
+        return [(one | _runaway(away), at) for (one, at), away in zip(some, aways, strict=True)]
 
     def at_instants(self, assembly: Assembly, instants: int) -> "xr.Dataset":
         """Return what `run` does, on a given number of instants, but for the errors that instants and slices leave."""
@@ -242,9 +280,10 @@ class EffectiveFriction(Study):
         return True
 
     def beyond(self, assembly: Assembly) -> None:
-        """Evaluate the corners of the map."""
+        """Evaluate the corners of the map, and where the cage runs away."""
         if self.map_points:
             self.loaded(assembly, 1).map(self.max_cage_slip, 2)
+        self.runaway(assembly, 1)
 
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return effective friction on few of the instants of a pitch, each a part of the most, (k, 2, n)."""
@@ -258,6 +297,18 @@ class EffectiveFriction(Study):
                     some = slice(None, None, max(instants) // m)
                     found[i, ring, k] = pull[some].sum() / force[some].sum() if force[some].any() else np.nan
         return found
+
+    def runaway(self, assembly: Assembly, instants: int) -> Runaway | None:
+        """Return where the cage runs away, up to the largest slip that is looked at; None if it is not looked for."""
+        if not self.runaway_range:
+            return None
+        return runaway(assembly, instants, self.runaway_range, f"study.{self.name}.runaway_range")
+
+    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
+        """Return the drags that act on rollers, if there are any and it is looked where the cage runs away."""
+        if not self.runaway_range or assembly.scene.cage is None:
+            return ()
+        return tuple(("drag", drag) for drag in assembly.cage.drags if drag not in assembly.cage.drags.torques)
 
     def loaded(self, assembly: Assembly, instants: int, known: LoadDistribution | None = None) -> LoadedRaceways:
         """Return the loaded contacts at a number of instants of a pitch; those at half as many may be known."""
@@ -313,6 +364,7 @@ class EffectiveFriction(Study):
             **self.variables(normal_force=forces, angle=loads.psi[0]),
         }
         coords["roller"] = ("roller", np.arange(forces.shape[1]), about("1", "roller"))
+        variables |= _runaway(self.runaway(assembly, int(loads.psi.shape[0])))
         if self.per_roller:
             variables |= self.variables(roller_friction=raceways.per_roller(slip))
         if self.map_points:
@@ -322,6 +374,7 @@ class EffectiveFriction(Study):
             coords["map_roller_slip"] = ("map_roller_slip", roller, about("1", "roller slip"))
         said = {
             "closure": self.closure,
+            "curves_with": CLOSURES[self.closure],
             "instants": int(loads.psi.shape[0]),
             "slices": assembly.slices,
             "force_residual": loads.force_residual,
@@ -343,6 +396,15 @@ def _curves(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
     }
+
+
+def _runaway(away: Runaway | None) -> dict[str, Any]:
+    """Variables of running away, none where it was not looked for."""
+    if away is None:
+        return {}
+    return EffectiveFriction.variables(
+        runaway_slip=away.slip, runaway_drag=away.drag, runaway_status=np.array(away.status)
+    )
 
 
 def _critical_moved(before: Critical, after: Critical) -> float:

@@ -20,6 +20,10 @@ class SteadySlipAccount(Account):
         "friction": ("friction of the motion", ""),
     }
 
+    def headline(self, dataset: "xr.Dataset") -> str:
+        """Return where the cage runs away."""
+        return findings.headline(dataset)
+
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
         return findings.topics(dataset)

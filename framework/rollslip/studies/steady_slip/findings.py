@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollslip.results.words import UNSURE, runs_away
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -55,6 +56,15 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
     )
 
 
+def headline(dataset: "xr.Dataset") -> str:
+    """Say where the cage runs away: at the largest drag that it can carry."""
+    largest, slip = float(dataset["largest_drag"]), float(dataset["largest_drag_slip"])
+    if math.isnan(largest):
+        return ""
+    by = ", by the effective friction of the raceways" if dataset.attrs["friction"] == "effective" else ""
+    return f"{runs_away(slip, largest, 'found')}{by}"
+
+
 def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
     return {
@@ -100,10 +110,11 @@ def _largest(dataset: "xr.Dataset") -> str:
         reached = f"in this range the rollers drive the cage with up to {reached}"
         return f"{dataset['largest_drag_status'].item()}; {reached}{_first(dataset)}"
     most = format_quantity(largest, "N m", 3)
-    return (
-        f"the largest drag that the cage can carry is {most}{_reserve(dataset, largest)}, at a cage slip of "
-        f"{_percent(slip)}{_first(dataset)}"
-    )
+    said = f"the largest drag that the cage can carry is {most}{_reserve(dataset, largest)}, at a cage slip of "
+    said += f"{_percent(slip)}{_first(dataset)}"
+    if dataset.attrs["friction"] == "effective":
+        said += f"; {UNSURE}: take friction = 'conventional' where it matters"
+    return said
 
 
 def _reserve(dataset: "xr.Dataset", largest: float) -> str:
