@@ -266,11 +266,11 @@ def test_rollers_are_free(friction):
 
 # Events and stops ---------------------------------------------------------------------------------------------------
 
-PASSED = "cage slip passes the critical value"
+PASSED = "cage slip passes that of running away"
 
 
 @pytest.mark.parametrize("level", LEVELS)
-def test_a_run_can_end_where_slip_becomes_critical(level):
+def test_a_run_can_end_where_the_cage_runs_away(level):
     found = started(bearing(brake(60.0)), level, duration=0.2, points=201, stop_at="critical")
     assert found.attrs["outcome"] == "stopped"
     assert found.attrs["outcome_message"].endswith(f"s: {PASSED}")
@@ -278,23 +278,23 @@ def test_a_run_can_end_where_slip_becomes_critical(level):
     (what,), (time,), (rising,) = found.event_what.values, found.event_time.values, found.event_rising.values
     assert (what, rising) == (PASSED, 1)
     assert found.time[-1] == time < 0.2
-    assert float(found.cage_slip[-1]) == pytest.approx(found.attrs["critical_cage_slip"], abs=1e-10)
-    assert np.all(found.cage_slip[:-1] < found.attrs["critical_cage_slip"])
+    assert float(found.cage_slip[-1]) == pytest.approx(found.attrs["runaway_slip"], abs=1e-10)
+    assert np.all(found.cage_slip[:-1] < found.attrs["runaway_slip"])
     assert np.array_equal(found.time[:-1], np.linspace(0.0, 0.2, 201)[: found.sizes["time"] - 1])
 
 
 def test_a_cage_that_runs_away_is_a_result():
     found = run(bearing(brake(60.0)), duration=0.05)
     assert list(found.event_what.values) == [PASSED]
-    assert float(found.cage_slip[-1]) > found.attrs["critical_cage_slip"]
+    assert float(found.cage_slip[-1]) > found.attrs["runaway_slip"]
     between = found.time.values.searchsorted(float(found.event_time[0]))
-    assert found.cage_slip[between - 1] < found.attrs["critical_cage_slip"] < found.cage_slip[between]
+    assert found.cage_slip[between - 1] < found.attrs["runaway_slip"] < found.cage_slip[between]
 
 
-def test_slip_that_falls_below_the_critical_value_is_an_event_and_no_end():
-    start = 0.02 + run(bearing(), duration=1e-3, points=2).attrs["critical_cage_slip"]
+def test_slip_that_falls_below_that_of_running_away_is_an_event_and_no_end():
+    start = 0.02 + run(bearing(), duration=1e-3, points=2).attrs["runaway_slip"]
     found = run(bearing(), duration=0.2, cage_slip=start, roller_slip=start, stop_at="critical")
-    assert list(found.event_what.values) == ["cage slip falls below the critical value"]
+    assert list(found.event_what.values) == ["cage slip falls below that of running away"]
     assert list(found.event_rising.values) == [0]
 
 

@@ -53,7 +53,7 @@ def hard_cases():
         "nothing moves": motion(lambda t: 1.0 + 0.0 * t, roller_lag=0.0, load=0.0, drag=False, residual=0.0, points=5),
         "no drag, no slip": motion(lambda t: 0.0 * t, drag=False, residual=0.0, points=61),
         "cage backwards": motion(relaxing(2.0, 0.03), points=61, rejected=-1),
-        "critical unknown": motion(critical=float("nan"), critical_status="friction still rises", points=61),
+        "critical unknown": motion(critical=float("nan"), runaway_status="friction still rises", points=61),
         "ledger of one entry": motion(works=("work_rings",), points=5),
     }
 
@@ -122,7 +122,7 @@ def test_figures_load_nothing_hold_no_bitmap_and_stay_small(drawn):
 def test_axes_say_what_they_show_in_which_unit(drawn):
     speeds, orbit, energy, centres = map(words, drawn)
     assert {"Cage speed [rpm]", r"Cage slip $S_\mathrm{c}$ [%]", "Time [s]", "roller 1", "without slip"} <= set(speeds)
-    assert {"critical cage slip, 11 %", "passed while rising", "range of all rollers"} <= set(speeds)
+    assert {"runs away, 11 %", "passed while rising", "range of all rollers"} <= set(speeds)
     assert {"Sliding speed [m/s]", "Normal force [N]", r"Smallest $\Lambda$ [–]", "Pocket force [N]"} <= set(orbit)
     assert "Orbit position [°]" in orbit
     names = {"rings", "sliding at the inner ring", "sliding at the outer ring", "drag", "kept in the motion"}
@@ -170,9 +170,9 @@ def test_a_roller_is_shown_alone_only_if_its_orbits_can_be_seen():
     assert "the mean of all rollers" in labels(motion(points=1001, duration=1.0))[0]
 
 
-def test_a_far_critical_slip_does_not_flatten_the_curve():
-    assert "critical cage slip, 11 %" not in labels(motion())[0]
-    assert "critical cage slip, 4 %" in labels(motion(critical=0.04))[0]
+def test_a_far_slip_of_running_away_does_not_flatten_the_curve():
+    assert "runs away, 11 %" not in labels(motion())[0]
+    assert "runs away, 4 %" in labels(motion(critical=0.04))[0]
 
 
 def test_a_film_without_load_does_not_hide_the_thin_ones():
@@ -291,40 +291,57 @@ def test_the_cage_runs_away():
     # slip grows from 2 % by a factor e within 0.15 s
     passed = 0.15 * np.log(0.11 / 0.02)
     away = motion(running_away(), **RUNAWAY)
-    assert of("critical slip", away) == (
-        f"cage slip passed the critical value of 11 % at t = {passed:.3g} s while rising: friction falls with slip "
-        "from there on, and the cage still runs away from its rollers' drive at the end"
+    assert of("running away", away) == (
+        f"the cage runs away at 11.0 % cage slip, at a drag of 4 N m | cage slip passed the 11 % of running away at "
+        f"t = {passed:.3g} s while rising: the rollers' drive falls from there on, and the cage still runs away from "
+        "its rollers' drive at the end"
     )
     assert of("steady slip", away) == "cage slip is not steady: it grows; at the end it is 56.1 %"
     stopped = away.assign_attrs(outcome="stopped", outcome_message="stop_at = critical.")
-    assert of("critical slip", stopped).endswith("and the cage was beyond it when the run was stopped")
+    assert of("running away", stopped).endswith("and the cage was beyond it when the run was stopped")
     turned = motion(lambda t: 0.3 * np.sin(4.0 * t), **RUNAWAY)
-    assert of("critical slip", turned).endswith("and the cage was still beyond it at the end"), "slip falls again"
+    assert of("running away", turned).endswith("and the cage was still beyond it at the end"), "slip falls again"
     assert of("motion", stopped).endswith("stopped at t = 0.5 s: stop_at = critical; what was computed is kept")
 
 
-def test_slip_beyond_the_critical_value_is_not_called_a_runaway_if_it_is_none():
+def test_slip_beyond_that_of_running_away_is_not_called_a_runaway_if_it_is_none():
     settled = motion(relaxing(0.0, 0.2))
-    assert of("critical slip", settled).endswith("while rising: friction falls with slip from there on, but the cage "
+    assert of("running away", settled).endswith("while rising: the rollers' drive falls from there on, but the cage "
                                                  "settled beyond it")  # fmt: skip
     there_and_back = motion(lambda t: 0.2 * np.sin(2.0 * np.pi * t))
-    assert "runs away" not in of("critical slip", there_and_back)
-    assert "but the cage came back | cage slip fell below the critical value" in of("critical slip", there_and_back)
+    assert "the cage runs away from" not in of("running away", there_and_back)
+    assert "but the cage came back | cage slip fell below the 11 % of running away" in of(
+        "running away", there_and_back
+    )
     swinging = motion(lambda t: 0.11 + 0.05 * np.sin(100.0 * t + 0.1))
-    assert len(topics(swinging)["critical slip"]) == 3
+    assert len(topics(swinging)["running away"]) == 4
 
 
-def test_slip_below_the_critical_value_from_rest_and_without_one():
-    assert of("critical slip", motion()) == "cage slip stays below the critical value of 11 %"
-    rest = of("critical slip", motion(relaxing(1.0, 0.03)))
+def test_slip_below_that_of_running_away_from_rest_and_without_one():
+    first = "the cage runs away at 11.0 % cage slip, at a drag of 4 N m | "
+    assert of("running away", motion()) == f"{first}cage slip stays below the 11 % of running away"
+    rest = of("running away", motion(relaxing(1.0, 0.03)))
     fell = 0.1 * np.log(0.97 / 0.08)
     assert rest == (
-        "cage slip begins at 100 %, beyond the critical value of 11 % | "
-        f"cage slip fell below the critical value of 11 % at t = {fell:.3g} s"
+        f"{first}cage slip begins at 100 %, beyond the 11 % of running away | "
+        f"cage slip fell below the 11 % of running away at t = {fell:.3g} s"
     )
-    assert of("critical slip", motion(lambda t: 0.5 + 0.0 * t)) == "cage slip stays beyond the critical value of 11 %"
-    unknown = motion(critical=float("nan"), critical_status="no maximum in the range")
-    assert of("critical slip", unknown) == "critical cage slip unknown: no maximum in the range"
+    assert of("running away", motion(lambda t: 0.5 + 0.0 * t)).endswith(
+        "cage slip stays beyond the 11 % of running away"
+    )
+    unknown = motion(critical=float("nan"), runaway_status="no maximum in the range")
+    assert of("running away", unknown) == "no maximum in the range"
+    assert of("critical slip", unknown) == (
+        "critical slip of the inner ring's friction curve 20 % with rollers at their epicyclic spin"
+    )
+
+
+def test_a_result_of_an_older_version_says_that_it_does_not_know():
+    older = motion(points=61)
+    for name in ("slip", "drag", "status"):
+        del older.attrs[f"runaway_{name}"]
+    assert of("running away", older) == "this result does not say where the cage runs away; run it again"
+    assert record(older)["runaway_slip"] is None
 
 
 def test_the_largest_slips_and_where():
@@ -420,11 +437,11 @@ def test_the_record_has_all_single_values():
     found = json.loads(json.dumps(record(away), allow_nan=False))
     assert found["steady_cage_slip"] is None
     assert found["steady_status"] == "not steady: it grows"
-    assert found["critical_cage_slip"] == 0.11
+    assert found["runaway_slip"] == 0.11
     assert found["events"] == [
         {
             "time": pytest.approx(0.15 * np.log(5.5), abs=1e-4),
-            "what": "cage slip passes the critical value",
+            "what": "cage slip passes that of running away",
             "rising": True,
         }
     ]
@@ -441,7 +458,7 @@ def test_the_report_says_it(tmp_path, planar, drawn):
     for sentence in account_of(planar).sentences(planar):
         assert sentence[1:] in text
     assert "Energy ledger" in text
-    assert "cage slip passes the critical value1" in text
+    assert "cage slip passes that of running away1" in text
     assert "Figure 4. Tracks of the centres of inner ring and cage" in text
     assert "98,765" in text
     film = float(planar["film_parameter"].sel(ring="inner").min())

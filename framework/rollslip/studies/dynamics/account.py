@@ -26,6 +26,10 @@ class DynamicsAccount(Account):
         "real_time_factor": ("time of the motion over that of its integration", "1"),
     }
 
+    def headline(self, dataset: "xr.Dataset") -> str:
+        """Return where the cage runs away."""
+        return findings.headline(dataset)
+
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
         return findings.topics(dataset)

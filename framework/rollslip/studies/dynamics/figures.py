@@ -29,9 +29,10 @@ from rollslip.results.style import (
 from rollslip.studies.dynamics.findings import (
     common_times,
     compared,
-    critical_passages,
     difference,
     ledger,
+    runaway_passages,
+    runaway_slip,
     turnover,
     unslipped_cage_speed,
     unslipped_roller_speed,
@@ -55,7 +56,7 @@ _RPM = 30.0 / math.pi
 _INSTANTS, _ORBITS = 6.0, 40.0
 #: Cells of a map along time at most; along the orbit it has one for each roller, within limits.
 _TIMES, _POSITIONS = 60, (12, 48)
-#: Share of the largest slip from which on a critical slip beyond it is worth the room on the axis.
+#: Share of the largest slip from which on a slip of running away beyond it is worth the room on the axis.
 _NEAR = 0.5
 #: Film parameter over the smallest from which on thicker films look the same: without load it grows beyond all bounds.
 _THICK = 3.0
@@ -115,18 +116,18 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
     time, speed = _time(dataset), _RPM * dataset["cage_speed"].to_numpy()
     handles: list[Artist] = [_line(cage, time, speed, label="cage", color=MODEL_COLOURS[0])]
     unslipped = _RPM * unslipped_cage_speed(dataset)
-    largest, critical = float(dataset["cage_slip"].max()), float(dataset.attrs["critical_cage_slip"])
+    largest, away = float(dataset["cage_slip"].max()), runaway_slip(dataset)
     if not math.isnan(unslipped):
         for axes, level in ((cage, unslipped), (roller, _RPM * unslipped_roller_speed(dataset))):
             if not math.isnan(level):
                 axes.axhline(level, linestyle="dotted", **_QUIET)
         handles.append(Line2D([], [], linestyle="dotted", label="without slip", **_QUIET))
         _slip_axis(cage, unslipped)
-        if largest > _NEAR * critical:
-            cage.axhline((1.0 - critical) * unslipped, linestyle=DASHES[1], **_QUIET)
-            label = f"critical cage slip, {100 * critical:.3g} %"
+        if largest > _NEAR * away:
+            cage.axhline((1.0 - away) * unslipped, linestyle=DASHES[1], **_QUIET)
+            label = f"runs away, {100 * away:.3g} %"
             handles.append(Line2D([], [], linestyle=DASHES[1], label=label, **_QUIET))
-    passages = critical_passages(dataset)
+    passages = runaway_passages(dataset)
     for moment, rising in passages:
         cage.plot(_scale(dataset) * moment, np.interp(_scale(dataset) * moment, time, speed), **_passage(rising))
     handles += [
@@ -395,15 +396,15 @@ def _line(axes: "Axes", x: Array, y: Array, **style: Any) -> "Line2D":
 
 
 def _passage(rising: bool) -> dict[str, Any]:
-    """Marker of a passage of the critical slip, full while slip rises."""
+    """Marker of a passage of the slip of running away, full while slip rises."""
     face = MODEL_COLOURS[1] if rising else "white"
     return {"marker": "o", "markersize": 5, "color": face, "markeredgecolor": MODEL_COLOURS[1], "zorder": 4}
 
 
 def _other_events(dataset: "xr.Dataset") -> list[float]:
-    """Times of the events besides the critical slip's, those that would coincide on paper only once."""
-    critical = [moment for moment, _ in critical_passages(dataset)]
-    times = np.setdiff1d(dataset["event_time"].to_numpy(), critical)
+    """Times of the events besides passing the slip of running away, those that would coincide on paper only once."""
+    away = [moment for moment, _ in runaway_passages(dataset)]
+    times = np.setdiff1d(dataset["event_time"].to_numpy(), away)
     apart = max(float(dataset["time"][-1]), 1e-300) / 300.0
     return [float(moment) for moment in _scale(dataset) * apart * np.unique(np.round(times / apart))]
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.results.words import UNSURE, runs_away
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: An event is the passing of the critical cage slip if this stands in what it is called.
-CRITICAL: Final = "critical"
+#: An event is the passing of the slip at which the cage runs away if this stands in what it is called.
+RUNAWAY: Final = "running away"
 #: Entries of the ledger, as the kernels call them, in words.
 _ENTRIES: Final = {
     "work_rings": "rings",
@@ -32,6 +33,10 @@ _ENTRIES: Final = {
     "lost_pockets": "pockets",
     "lost_land": "lands of the cage",
 }
+#: Share of the slip of running away from which on effective friction is not trusted.
+_NEAR: Final = 0.5
+#: What a result of an older version says.
+_OLD: Final = "this result does not say where the cage runs away; run it again"
 #: Kinds of events that are spoken of one by one; the others are counted.
 _KINDS = 5
 
@@ -101,6 +106,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         "steady_status": str(a["steady_status"]),
         "largest_cage_slip": float(slip.max()),
         "final_cage_slip": float(slip[-1]),
+        **{f"runaway_{name}": value for name, value in zip(("slip", "drag", "status"), _away(a), strict=True)},
         "critical_cage_slip": float(a["critical_cage_slip"]),
         "critical_status": str(a["critical_status"]),
         **{f"smallest_film_parameter_{ring}": film for ring, film in smallest_film(dataset).items()},
@@ -128,9 +134,25 @@ def _passages(dataset: "xr.Dataset") -> dict[str, list[tuple[float, bool]]]:
     return found
 
 
-def critical_passages(dataset: "xr.Dataset") -> list[tuple[float, bool]]:
-    """Times at which cage slip passed its critical value, in order, and whether it was rising."""
-    return sorted(p for what, passages in _passages(dataset).items() if CRITICAL in what for p in passages)
+def _away(attributes: Mapping[str, Any]) -> tuple[float, float, str]:
+    """Where the cage runs away: slip, drag and status."""
+    slip, drag = (float(attributes.get(f"runaway_{name}", math.nan)) for name in ("slip", "drag"))
+    return slip, drag, str(attributes.get("runaway_status", _OLD))
+
+
+def headline(dataset: "xr.Dataset") -> str:
+    """Say where the cage runs away."""
+    return runs_away(*_away(dataset.attrs))
+
+
+def runaway_slip(dataset: "xr.Dataset") -> float:
+    """Cage slip at which the cage runs away, NaN where it is not known."""
+    return _away(dataset.attrs)[0]
+
+
+def runaway_passages(dataset: "xr.Dataset") -> list[tuple[float, bool]]:
+    """Times at which cage slip passed that at which the cage runs away, in order, and whether it was rising."""
+    return sorted(p for what, passages in _passages(dataset).items() if RUNAWAY in what for p in passages)
 
 
 def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -138,7 +160,8 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     said = {
         "motion": [_outcome(dataset)],
         "steady slip": [_steady(dataset)],
-        "critical slip": _critical(dataset),
+        "running away": _running_away(dataset),
+        "critical slip": [_critical(dataset)],
         "largest slip": [_largest(dataset)],
         "events": _events(dataset),
         "film": [_films(dataset)],
@@ -245,20 +268,31 @@ def _steady(dataset: "xr.Dataset") -> str:
     return f"{what}; at the end it is {_share(float(dataset['cage_slip'][-1]))}"
 
 
-def _critical(dataset: "xr.Dataset") -> list[str]:
-    a, slip = dataset.attrs, dataset["cage_slip"].to_numpy()
-    critical = float(a["critical_cage_slip"])
+def _critical(dataset: "xr.Dataset") -> str:
+    a = dataset.attrs
+    critical, rests_on = float(a["critical_cage_slip"]), str(a.get("curves_with", ""))
     if math.isnan(critical):
-        return [f"critical cage slip unknown: {a['critical_status']}"]
-    value, passages = f"the critical value of {_share(critical)}", critical_passages(dataset)
+        return f"critical slip of the inner ring's friction curve unknown: {a['critical_status']}"
+    return f"critical slip of the inner ring's friction curve {_share(critical)} {rests_on}".rstrip()
+
+
+def _running_away(dataset: "xr.Dataset") -> list[str]:
+    a, slip = dataset.attrs, dataset["cage_slip"].to_numpy()
+    away, said = runaway_slip(dataset), [headline(dataset)]
+    if math.isnan(away):
+        return said
+    if a["friction"] == "effective" and slip.max() > _NEAR * away:
+        said.append(f"{UNSURE}, and slip comes near: run with friction = 'conventional' to be sure")
+    value, passages = f"the {_share(away)} of running away", runaway_passages(dataset)
     if not passages:
-        return [f"cage slip stays {'below' if slip.max() <= critical else 'beyond'} {value}"]
-    said = [f"cage slip begins at {_share(float(slip[0]))}, beyond {value}"] if slip[0] > critical else []
+        return [*said, f"cage slip stays {'below' if slip.max() <= away else 'beyond'} {value}"]
+    begun = len(said)
+    said += [f"cage slip begins at {_share(float(slip[0]))}, beyond {value}"] if slip[0] > away else []
     for k, (time, rising) in enumerate(passages):
         if not rising:
             said.append(f"cage slip fell below {value} at {_time(time)}")
             continue
-        sentence = f"cage slip passed {value} at {_time(time)} while rising: friction falls with slip from there on, "
+        sentence = f"cage slip passed {value} at {_time(time)} while rising: the rollers' drive falls from there on, "
         if k + 1 < len(passages):
             sentence += "but the cage came back"
         elif _is_steady(dataset):
@@ -270,9 +304,9 @@ def _critical(dataset: "xr.Dataset") -> list[str]:
         else:
             sentence += "and the cage was still beyond it at the end"
         said.append(sentence)
-    if len(said) > _KINDS:
-        between = f"it passed {value} {len(said) - 2} more times in between"
-        said = [said[0], between, said[-1]]
+    if len(said) - begun > _KINDS:
+        between = f"it passed {value} {len(said) - begun - 2} more times in between"
+        said = [*said[: begun + 1], between, said[-1]]
     return said
 
 
@@ -287,7 +321,7 @@ def _largest(dataset: "xr.Dataset") -> str:
 
 
 def _events(dataset: "xr.Dataset") -> list[str]:
-    said, others = [], [(what, sorted(p)) for what, p in _passages(dataset).items() if CRITICAL not in what]
+    said, others = [], [(what, sorted(p)) for what, p in _passages(dataset).items() if RUNAWAY not in what]
     for what, passages in others[:_KINDS]:
         times = [time for time, _ in passages]
         many = f"{len(times)} times, first at {_time(times[0])}, last at {_time(times[-1])}"

@@ -48,8 +48,16 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         ),
         "steady_cage_slip": Output("", "1", "steady cage slip", status="steady_status", default=True, attribute=True),
         "steady_status": Output("", "1", "steady status", attribute=True),
+        "runaway_slip": Output(
+            "", "1", "cage slip at which the cage runs away", status="runaway_status", default=True, attribute=True
+        ),
+        "runaway_drag": Output(
+            "", "N m", "largest drag torque that the rollers carry, there", status="runaway_status", attribute=True
+        ),
+        "runaway_status": Output("", "1", "what was found of running away", attribute=True),
         "critical_cage_slip": Output(
-            "", "1", "critical cage slip", status="critical_status", default=True, attribute=True
+            "", "1", "critical cage slip of the inner ring's curve", status="critical_status", default=True,
+            attribute=True,
         ),
         "critical_status": Output("", "1", "critical status", attribute=True),
         "outcome": Output("", "1", "outcome", attribute=True),

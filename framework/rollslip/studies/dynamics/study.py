@@ -5,8 +5,8 @@
   `rollslip.motion.planar`).
 - Beside the motion a ledger is integrated: what the rings give, what each group of contacts takes. What it leaves of
   the energy is stored, as the plainest measure of how far a result can be trusted.
-- Slip past the critical value means that friction falls as slip rises. It is an event, located in time, and ends the
-  run if the scene says so; a cage that runs away is a result, not a failure.
+- Slip past that of running away, where the balance of torques has its fold (`rollslip.motion.runaway`), is an event,
+  located in time, and ends the run if the scene says so; a cage that runs away is a result, not a failure.
 - What was computed is kept, however the run ends: the outcome is an attribute in words.
 """
 
@@ -36,6 +36,7 @@ from rollslip.motion.effective_table import table_records
 from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.planar import PlanarMotion, PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FRICTION, FrictionSettings
+from rollslip.motion.runaway import Runaway
 from rollslip.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene, resolved
@@ -53,7 +54,7 @@ from rollslip.studies.dynamics.ending import (
     steady_slip_of,
 )
 from rollslip.studies.dynamics.outputs import OUTPUTS
-from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip.studies.raceways import LoadedRaceways
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
@@ -75,7 +76,7 @@ _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5
 _SHARE, _TABLES, _STEPS_SHARE = 0.5, 0.2, 0.2
 #: A usual tolerance of a step; that of tables for a short motion, and its time [s] at most.
 _STEP, _ROUGH, _SHORT = 1e-5, 1e-2, 5e-3
-#: Instants of a pitch for the critical slip; more move it by less than an event is worth.
+#: Instants of a pitch for the slip of running away; more move it by less than an event is worth.
 _INSTANTS: Final = 4
 #: Relative tolerance at which rounding begins to govern the steps, 100 times that of numbers.
 _LEAST_TOLERANCE: Final = 2.3e-14
@@ -138,7 +139,11 @@ class Dynamics(Study):
         doc="error of a step, relative to the magnitude of an unknown",
         validator=in_range(_LEAST_TOLERANCE, 0.1),
     )
-    stop_at: str = parameter(default="end", doc="where the run ends", validator=one_of("end", "critical"))
+    stop_at: str = parameter(
+        default="end",
+        doc="where the run ends: critical is where the cage runs away",
+        validator=one_of("end", "critical"),
+    )
     film_limit: float = parameter(
         default=0.0, unit="1", doc="film parameter whose passing is an event; 0 for none", validator=non_negative
     )
@@ -332,8 +337,8 @@ class Dynamics(Study):
             self._of_planar(assembly)
         settings, store = self.curved(assembly), kept.store
         raceways = settings.loaded(assembly, assembly.resolution.instants or _INSTANTS)
-        critical = _critical(settings, raceways)
-        moving = self.moving(assembly, critical_slip=critical.slip)
+        critical, away = _critical(settings, raceways), _away(settings, raceways)
+        moving = self.moving(assembly, critical_slip=away.slip)
         system = moving.system
         times = np.linspace(0.0, self.duration, self.points)
         start, first_step, before = moving.initial(self.cage_slip, self.roller_slip), 0.0, None
@@ -360,7 +365,7 @@ class Dynamics(Study):
             integrator,
             times[done:],
             rtol=self.relative_tolerance,
-            stop=frozenset({0} if self.stop_at == "critical" and not math.isnan(critical.slip) else ()),
+            stop=frozenset({0} if self.stop_at == "critical" and not math.isnan(away.slip) else ()),
             first_step=first_step,
             keep=keep,
         )
@@ -371,7 +376,18 @@ class Dynamics(Study):
         outputs, found = outputs_of(moving, found)
         slip = 1.0 - moving.split(found.y)["cage_speed"][[0, -1]] / assembly.kinematics.epicyclic_cage_speed
         regimes, found = regimes_of(raceways, np.clip(slip, 0.0, settings.max_cage_slip), found)
-        return self._dataset(assembly, moving, found, outputs, critical, integrator).assign(regimes)
+        return (
+            self._dataset(assembly, moving, found, outputs, integrator)
+            .assign(regimes)
+            .assign_attrs(
+                {
+                    **{f"runaway_{name}": value for name, value in attrs.asdict(away).items()},
+                    "critical_cage_slip": critical.slip,
+                    "critical_status": critical.status,
+                    "curves_with": CLOSURES[settings.closure],
+                }
+            )
+        )
 
     def tried(self, moving: MovingBearing, times: Array, tolerance: float) -> Trajectory:
         """Return the motion from its start, at some times [s] and a relative tolerance, nothing watched or kept."""
@@ -444,7 +460,6 @@ class Dynamics(Study):
         moving: MovingBearing,
         found: Trajectory,
         outputs: dict[str, Array],
-        critical: Critical,
         integrator: IntegratorModel,
     ) -> "xr.Dataset":
         import xarray as xr
@@ -533,8 +548,6 @@ class Dynamics(Study):
                 "contacts_evaluated": int(moving.system.owner.contacts_evaluated),
                 "integration_time": found.wall_time,
                 "real_time_factor": float(t[-1] - t[0]) / found.wall_time if found.wall_time > 0.0 else math.inf,
-                "critical_cage_slip": critical.slip,
-                "critical_status": critical.status,
                 "steady_cage_slip": steady,
                 "steady_status": steady_status,
                 "drag": json.dumps([{"name": drag.name, "equation": drag.equation} for drag in assembly.cage.drags]),
@@ -547,6 +560,13 @@ class Dynamics(Study):
         if self.friction == "conventional":
             return "of the loaded slices"
         return f"friction is {self.friction}, which knows no film; --set {self.table}.friction=conventional does"
+
+
+def _away(study: EffectiveFriction, raceways: LoadedRaceways) -> Runaway:
+    """Where the cage runs away."""
+    away = study.runaway(raceways.assembly, raceways.distribution.psi.shape[0])
+    unasked = f"it was not looked where the cage runs away: study.{study.name}.runaway_range is 0"
+    return Runaway(math.nan, math.nan, unasked) if away is None else away
 
 
 def _critical(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
