@@ -113,12 +113,14 @@ def test_every_shipped_oil_says_how_uncertain_it_is():
 
 
 def test_the_distribution_is_that_of_the_points(tmp_path):
-    # the critical slip falls with the coefficient: the k-th smallest slip is that of the k-th largest factor
+    # the slip of running away falls with the coefficient: the k-th smallest slip is that of the k-th largest factor
     found = uncertainty(uncertain(**ALPHA), samples=32, steady=3, probability=0.9, out=tmp_path / "kept")
     factors = np.sort(found.input_value.to_numpy()[0])[[-4, -16]].tolist()  # of 32, 3.2 and 16 lie below
-    swept = rollslip.sweep(SCENE, {"lubricant.pressure_viscosity_factor": factors}, study="effective-friction")
-    slips = swept.critical_cage_slip.sel(ring="inner").to_numpy()
-    told = found.quantile_value.sel(quantity="critical slip")
+    swept = rollslip.sweep(
+        SCENE, {"lubricant.pressure_viscosity_factor": factors}, study="effective-friction", output=["runaway_slip"]
+    )  # fmt: skip
+    slips = swept.runaway_slip.to_numpy()
+    told = found.quantile_value.sel(quantity="slip of running away")
     assert told.sel(probability=[0.1, 0.5]).to_numpy() == pytest.approx(slips, rel=1e-12)
     assert found.allowable_slip == told.sel(probability=0.1)
     assert found.margin == 1.0
@@ -130,6 +132,9 @@ def test_the_distribution_is_that_of_the_points(tmp_path):
 def _points(status, slips):
     return xr.Dataset(
         {
+            "runaway_slip": ("sample", slips),
+            "runaway_drag": ("sample", np.where(np.isnan(slips), np.nan, 4.0)),
+            "runaway_status": ("sample", np.where(np.isnan(slips), "the cage was not found to run away", "found")),
             "critical_cage_slip": (("sample", "ring"), np.stack([slips, np.full(len(slips), np.nan)], axis=1)),
             "critical_friction": (("sample", "ring"), np.full((len(slips), 2), 0.01)),
             "status": ("sample", np.array(status)),
@@ -149,7 +154,7 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
     )
     monkeypatch.setattr(allowable, "collect", lambda sweep, folder: _points(status, slips))
     found = run_margin(made, tmp_path / "failed")
-    one = found.sel(quantity="critical slip")
+    one = found.sel(quantity="slip of running away")
     assert [int(one[name]) for name in ("samples", "known", "beyond", "unknown")] == [64, 59, 1, 4]
     assert "4 of 64 points are crashed; they count as the worst and as the best" in found.attrs["warnings"]
     assert "1 beyond the range or without end, 4 without a value" in " ".join(sentences(found))
@@ -262,7 +267,7 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
         found = run_margin(made, tmp_path_factory.mktemp("ends"))
     told = record(found)
     assert told["points"] == {"critical": dict(counts)}
-    one = told["quantities"]["critical slip"]
+    one = told["quantities"]["slip of running away"]
     assert one["unknown"] == failed(found) == 16 - counts["ok"]
     assert one["beyond_the_range"] == np.isnan(slips).sum() - one["unknown"]
     assert one["samples"] == one["known"] + one["beyond_the_range"] + one["unknown"] == 16
@@ -316,7 +321,7 @@ def test_the_command_writes_result_figures_and_report(tmp_path):
         cli, [*arguments, "--indices", "4", "--probability", "0.5", "--out", str(out), "--report"]
     )
     assert done.exit_code == 0, done.output
-    assert "is below its critical slip with probability 0.5" in done.output
+    assert "does not run away, with probability 0.5" in done.output
     assert {path.name for path in out.glob("*.*")} >= {
         "uncertainty.nc", "uncertainty.svg", "uncertainty-indices.svg", "report.html",
     }  # fmt: skip
@@ -396,8 +401,8 @@ def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
     )
     monkeypatch.setattr(allowable, "collect", points)
     found = run_margin(made, tmp_path / "made")
-    assert int(found.indexed_rows.sel(indexed="critical slip")) == 8
-    assert found.first_order.sel(indexed="critical slip").item() == pytest.approx(1.0, abs=0.5)
+    assert int(found.indexed_rows.sel(indexed="slip of running away")) == 8
+    assert found.first_order.sel(indexed="slip of running away").item() == pytest.approx(1.0, abs=0.5)
     assert "made of 8 of 16 rows" in " ".join(sentences(found))
     assert "indices: 1 of 48 points are crashed" in found.attrs["warnings"]
 

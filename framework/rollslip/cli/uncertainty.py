@@ -24,7 +24,7 @@ from rollslip.cli.app import (
 
 @click.command()
 @click.argument("scene")
-@click.option("--samples", metavar="N", type=click.IntRange(2), help="Samples of the critical slip.  [default: 1024]")
+@click.option("--samples", metavar="N", type=click.IntRange(2), help="Samples of running away.  [default: 1024]")
 @click.option("--until", metavar="H", type=float, help="Double samples until the interval's half width is H, a slip.")
 @click.option("--probability", metavar="P", type=float, default=0.99, show_default=True, help="Of the allowable slip.")
 @click.option("--steady", metavar="N", type=click.IntRange(0), help="Samples of the steady slip.  [default: 512]")

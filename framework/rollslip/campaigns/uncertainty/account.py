@@ -13,6 +13,10 @@ if TYPE_CHECKING:
 class UncertaintyAccount(Account):
     """How slips of scattering data are told."""
 
+    def headline(self, dataset: "xr.Dataset") -> str:
+        """Return where the cage runs away."""
+        return findings.headline(dataset)
+
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
         return findings.topics(dataset)

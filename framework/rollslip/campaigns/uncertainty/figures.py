@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.campaigns.uncertainty.findings import sentences
+from rollslip.campaigns.uncertainty.findings import RUNAWAY, sentences
 from rollslip.results.style import MM, MODEL_COLOURS, ONE_COLUMN, ROW, plain_ticks
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ __all__ = ["uncertainty_figures"]
 
 def uncertainty_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Draw the figures; give name, caption and figure."""
-    yield "uncertainty", f"Margin of cage slip: {sentences(dataset)[0]}.", _margin(dataset)
+    yield "uncertainty", f"Margin of cage slip: {sentences(dataset)[1]}.", _margin(dataset)
     if dataset.sizes.get("indexed"):
         caption = "Sobol indices: shares of the variance that each uncertain quantity makes, with 95 % intervals."
         yield "uncertainty-indices", caption, _indices(dataset)
@@ -41,7 +41,7 @@ def _new() -> "tuple[Figure, Axes]":
 
 def _margin(dataset: "xr.Dataset") -> "Figure":
     figure, axes = _new()
-    shown = {"critical slip": ("below", MODEL_COLOURS[0])}
+    shown = {RUNAWAY: ("below", MODEL_COLOURS[0])}
     if "margin" in dataset:
         shown = {"steady slip": ("above", MODEL_COLOURS[1])} | shown
     ends = list[float]()

@@ -2,14 +2,19 @@
 
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+
+from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["failed", "margin", "record", "sentences", "topics"]
+__all__ = ["failed", "headline", "margin", "record", "sentences", "topics"]
+
+#: What margin and allowable slip are of.
+RUNAWAY: Final = "slip of running away"
 
 
 _NO_INDICES = (
@@ -31,7 +36,7 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
 
 def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     """Return what was found, by what it is about."""
-    found = {"allowable slip": [_allowable(dataset)]}
+    found = {"running away": [headline(dataset)], "allowable slip": [_allowable(dataset)]}
     if "margin" in dataset:
         found["margin"] = [margin(dataset)]
     found["distributions"] = [_distribution(dataset.sel(quantity=name)) for name in dataset["quantity"].to_numpy()]
@@ -88,24 +93,39 @@ def _plain(value: Any) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
+def headline(dataset: "xr.Dataset") -> str:
+    """Say where the cage runs away: slip and drag, medians with their spread."""
+    slip = dataset["quantile_value"].sel(quantity=RUNAWAY)
+    drag = dataset["quantile_value"].sel(quantity="drag of running away")
+    low, middle, high = (float(slip.sel(probability=p)) for p in (0.05, 0.5, 0.95))
+    if math.isnan(middle):
+        return "no sample says where the cage runs away"
+    if math.isinf(middle):
+        beyond, n = int(dataset["beyond"].sel(quantity=RUNAWAY)), int(dataset["samples"].sel(quantity=RUNAWAY))
+        return f"the cage was not found to run away in {beyond} of {n} samples up to the end of the range"
+    least, mean, most = (format_quantity(float(drag.sel(probability=p)), "N m", 3) for p in (0.05, 0.5, 0.95))
+    return (
+        f"the cage runs away at {_percent(middle)} cage slip, at a drag of {mean} "
+        f"(medians; 5 to 95 %: {_percent(low)} to {_percent(high)}, {least} to {most})"
+    )
+
+
 def _allowable(dataset: "xr.Dataset") -> str:
     value, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
-    p, n = float(dataset.attrs["probability"]), int(dataset["samples"].sel(quantity="critical slip"))
+    p, n = float(dataset.attrs["probability"]), int(dataset["samples"].sel(quantity=RUNAWAY))
     if math.isnan(value):
-        return f"the allowable slip is not known: none of {n} samples has a result"
+        return f"the allowable slip is not known: none of {n} samples says where the cage runs away"
     few = (
         f"{n} samples are too few to tell how much less it may be, which takes {dataset.attrs['fewest_samples']} and "
         "more where all points have a result"
     )
     if value == math.inf:
         end = f", {_percent(float(dataset.attrs['slip_range']))}" if "slip_range" in dataset.attrs else ""
-        what = (
-            f"the allowable slip lies beyond the range of slips{end}: so does the critical slip with probability {p:g}"
-        )
+        what = f"the allowable slip lies beyond the range of slips{end}: so does the slip of running away with probability {p:g}"
         sure = "beyond the range too" if low == math.inf else f"from {_percent(low)} on"
         sure = f"; {few}" if low == -math.inf else f" (95 % interval: {sure}, {n} samples)"
         return f"{what}{sure}{dataset.attrs.get('look_further', '')}"
-    what = f"a cage that slips by at most {_percent(value)} is below its critical slip with probability {p:g}"
+    what = f"a cage that slips by at most {_percent(value)} does not run away, with probability {p:g}"
     if low == -math.inf:
         return f"{what}; {few}"
     # a high end is infinite where samples beyond the range say so: failed ones leave the low end unknown first
@@ -113,13 +133,13 @@ def _allowable(dataset: "xr.Dataset") -> str:
 
 
 def margin(dataset: "xr.Dataset") -> str:
-    """Return the probability that the steady slip is below the critical one, in a sentence."""
+    """Return the probability that the steady slip is below that of running away, in a sentence."""
     value, low, high = (float(dataset[f"margin{end}"]) for end in ("", "_low", "_high"))
     n = int(dataset["samples"].sel(quantity="steady slip"))
     if math.isnan(value):
-        return f"none of {n} samples tells both the steady and the critical slip"
+        return f"none of {n} samples tells both the steady slip and that of running away"
     return (
-        f"the cage runs below its critical slip with probability {value:.4g} "
+        f"the cage runs below the slip at which it runs away with probability {value:.4g} "
         f"(95 % interval: {low:.4g} to {high:.4g}, {n} samples)"
     )
 
@@ -129,13 +149,14 @@ def _distribution(one: "xr.Dataset") -> str:
     words = {"beyond": "beyond the range or without end", "unknown": "without a value"}
     said = "".join(f", {count} {words[word]}" for word, count in counts.items() if count)
     name = str(one["quantity"].item())
+    shown_as = name + (f" {one.attrs['curves_with']}" if name.startswith("critical slip") else "")
     if not int(one["known"]):
-        return f"{name}: no values{said}"
-    shown = _percent if "slip" in name else lambda value: f"{value:.4g}"
+        return f"{shown_as}: no values{said}"
+    shown = _percent if "slip" in name else _torque if "drag" in name else lambda value: f"{value:.4g}"
     low, middle, high = (one["quantile_value"].sel(probability=p).item() for p in (0.05, 0.5, 0.95))
     of = " of those with one" if counts["unknown"] else ""  # the others may lie anywhere
-    most = f"5 to 95 %: {shown(low)} to {shown(high)}"
-    return f"{name}: median{of} {shown(middle)}, {most}; {int(one['known'])} values{said}"
+    spread = f"median{of} {shown(middle)}, 5 to 95 %: {shown(low)} to {shown(high)}"
+    return f"{shown_as}: {spread}; {int(one['known'])} values{said}"
 
 
 def _shares(one: "xr.Dataset") -> str:
@@ -151,6 +172,10 @@ def _shares(one: "xr.Dataset") -> str:
     if used < asked:
         said += f"; made of {used} of {asked} rows, the largest power of two of those without a gap"
     return f"share of the variance of {one['indexed'].item()}, total Sobol index: {', '.join(parts)}{said}"
+
+
+def _torque(value: float) -> str:
+    return format_quantity(value, "N m", 3)
 
 
 def _percent(share: float) -> str:

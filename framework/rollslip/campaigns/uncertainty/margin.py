@@ -1,13 +1,15 @@
 """Allowable slip: how far scattering data let the slip of a cage go, and the margin to it.
 
-- The critical slip of a bearing is the smaller of those of its rings. Where data are uncertain it is a distribution.
-  The slip that is *allowable* at a probability p is its quantile 1 - p: a cage that runs at it is below its critical
-  slip with probability p.
+- A cage runs away at the slip where the balance of torques has its fold (`rollslip.motion.runaway`). Where data are
+  uncertain it is a distribution. The slip that is *allowable* at a probability p is its quantile 1 - p: a cage that
+  runs at it is below the slip at which it runs away with probability p.
 - The slip at which the cage runs, the smallest steady one, scatters with the same data. The *margin* is the probability
-  that it is below the critical slip, sample by sample: both studies are computed on the same samples, so that an oil
-  that is better for both counts once. A cage whose slip runs away is not below any critical slip.
-- A critical slip beyond the range of the study is larger than all in it, and counts so. A point that failed is unknown,
-  and counts as the worst and as the best that it could have been (`rollslip.campaigns.uncertainty.estimators`).
+  that it is below the slip of running away, sample by sample: both studies are computed on the same samples, so that an
+  oil that is better for both counts once. A cage that has run away is below none.
+- The critical slips of the curves, by the closure of the scene, are told beside it: that of a bearing is the smaller of
+  those of its rings. With epicyclic rollers they are mostly larger than the slip at which the cage runs away.
+- A slip beyond the range of the study is larger than all in it, and counts so. A point that failed is unknown, and
+  counts as the worst and as the best that it could have been (`rollslip.campaigns.uncertainty.estimators`).
 - Samples are those of eight Sobol sequences in turn, with scramblings of their own, whose differences tell how exact
   the quantiles are. They are computed in batches, each as many as all before: a sequence of 2^k points begins with that
   of 2^(k-1).
@@ -45,7 +47,7 @@ from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable
-from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip.studies.steady_slip.statuses import LEAVES, RUNS_AWAY
 from rollslip.studies.steady_slip.study import SteadySlip
 
@@ -63,7 +65,8 @@ _FIRST, _MOST = 256, 16384
 _SAMPLES, _STEADY = 1024, 512
 #: Probabilities of the quantiles that are told beside that of the allowable slip.
 _TOLD: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
-_CRITICAL: Final = ("critical_cage_slip", "critical_friction")
+_CRITICAL: Final = ("runaway_slip", "runaway_drag", "critical_cage_slip", "critical_friction")
+RUNAWAY, DRAG = "slip of running away", "drag of running away"
 LOWEST, STEADY = "critical slip", "steady slip"
 
 
@@ -82,7 +85,7 @@ class Margin:
     steady_varied : Sweep or None
         Steady slips on it, likewise.
     probability : float
-        With which the slip is to be below the critical one.
+        With which the slip is to be below that of running away.
     until : float or None
         Half width of the interval of the allowable slip at which batches end.
     scatter : tuple of str
@@ -117,7 +120,7 @@ class Margin:
 
 
 def uncertainty(scene: Scene | str, *, out: str | os.PathLike[str] | None = None, **options: Any) -> "xr.Dataset":
-    """Compute the distributions of critical and steady slip, the allowable slip and the margin to it.
+    """Compute the distributions of the slips of running away and of the steady slip, the allowable slip, the margin.
 
     Parameters
     ----------
@@ -174,17 +177,17 @@ def plan_margin(
     scene : Scene, str or path
         The scene.
     samples : int, optional
-        Samples of the critical slip, the most of them with ``until``; by default 1024 and 16384.
+        Samples of the slip of running away, the most of them with ``until``; by default 1024 and 16384.
     until : float, optional
         Half width of the 95 % interval of the allowable slip, as a slip, at which no more batches are computed.
     probability : float
-        With which the slip is to be below the critical one.
+        With which the slip is to be below that of running away.
     steady : int, optional
         Samples of the steady slip, each much dearer; by default 512 if the scene has a cage, 0 for none. So many and no
-        slip beyond the critical one leave a margin above 0.99 with 95 %.
+        slip beyond that of running away leave a margin above 0.99 with 95 %.
     indices : int
-        Rows of the design for Sobol indices of critical slip and peak friction, a power of two, each inputs + 2 points;
-        0 for none.
+        Rows of the design for Sobol indices of running away, critical slip and peak friction, a power of two, each
+        inputs + 2 points; 0 for none.
     steady_indices : int
         Rows of that for the steady slip, likewise; each point as dear as one of ``steady``.
     seed : int
@@ -220,6 +223,8 @@ def plan_margin(
                 f"{name}: the scene has no table [cage], so there is no steady slip; give one, or "
                 f"--{name.replace(chr(95), chr(45))} 0"
             )
+    if not EffectiveFriction.of(scene).runaway_range:
+        problems.append("study.effective-friction.runaway_range: a range is needed, such as 0.95, not 0")
     if problems:
         raise SceneError(problems)
     scene, scatter = _with_scatter(scene)
@@ -255,7 +260,7 @@ def plan_margin(
 def expected_seconds(made: Margin) -> dict[str, float]:
     """Return the time [s] of one core that each sweep needs, if all its points are like the scene without scatter.
 
-    With ``until`` the critical slips are the most that there may be.
+    With ``until`` those of running away are the most that there may be.
     """
 
     def of_one(sweep: Sweep) -> float:
@@ -328,7 +333,7 @@ def run_margin(
     count = min(_FIRST, total)
     while True:
         critical = computed("critical", count)
-        allowed = made.quantile(_lowest(critical), 1.0 - made.probability)
+        allowed = made.quantile(_runaway(critical), 1.0 - made.probability)
         batches.append((count, allowed))
         said(f"{count} samples: {_so_far(allowed)}")
         # more samples make no end known that lies beyond the range
@@ -394,6 +399,25 @@ def _lowest(points: "xr.Dataset") -> Array:
     return np.asarray(_rings(points, "critical_cage_slip").min(axis=0))
 
 
+def _runaway(points: "xr.Dataset") -> Array:
+    """Slip of running away, (n,): infinite beyond the range, NaN where it is not known or its point failed."""
+    found = _scalar(points, "runaway_slip")
+    status = _words(points, "runaway_status")
+    found[np.char.startswith(status, "the rollers do not drive")] = 0.0
+    found[np.isnan(found) & (points["status"].to_numpy() == "ok") & ~np.char.startswith(status, "it is not")] = np.inf
+    return found
+
+
+def _scalar(points: "xr.Dataset", name: str) -> Array:
+    """A single value of each point, (n,), NaN where there is none."""
+    size = points["status"].size
+    return points[name].to_numpy().astype(float) if name in points else np.full(size, np.nan)
+
+
+def _words(points: "xr.Dataset", name: str) -> Any:
+    return points[name].to_numpy().astype(str) if name in points else np.full(points["status"].size, "")
+
+
 def _operating(points: "xr.Dataset") -> Array:
     """Smallest steady slip, (n,): infinite where slip runs away or leaves the range, NaN where it is not known."""
     status = points["status"].to_numpy()
@@ -414,17 +438,18 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
 
     critical, steady = points["critical"], points.get("steady")
     slips, frictions, n = _rings(critical, "critical_cage_slip"), _rings(critical, "critical_friction"), batches[-1][0]
-    values = {LOWEST: _lowest(critical)}
+    away, drag = _runaway(critical), _scalar(critical, "runaway_drag")
+    values = {RUNAWAY: away, DRAG: np.where(np.isinf(away), np.inf, drag), LOWEST: _lowest(critical)}
     values |= {f"{LOWEST}, {ring} ring": row for ring, row in zip(RINGS, slips, strict=True)}
     values |= {f"peak friction, {ring} ring": row for ring, row in zip(RINGS, frictions, strict=True)}
     variables: dict[str, Any] = {}
     if steady is not None:
         values[STEADY] = _operating(steady)
         m = values[STEADY].size
-        known = ~np.isnan(values[STEADY]) & ~np.isnan(values[LOWEST][:m])
-        below = int((values[STEADY] < values[LOWEST][:m])[known].sum())
+        known = ~np.isnan(values[STEADY]) & ~np.isnan(values[RUNAWAY][:m])
+        below = int((values[STEADY] < values[RUNAWAY][:m])[known].sum())
         margin = share(below, int((~known).sum()), m, CONFIDENCE)
-        variables |= _estimate("margin", margin, "probability that the steady slip is below the critical one")
+        variables |= _estimate("margin", margin, "probability that the steady slip is below that of running away")
     allowed = batches[-1][1]
     variables |= _estimate("allowable", allowed, "allowable slip")
     variables["allowable_slip"] = variables.pop("allowable")
@@ -479,6 +504,7 @@ def _indexed(points: Mapping[str, "xr.Dataset"]) -> dict[str, tuple[str, Array]]
     """Results on Saltelli's designs: name -> sweep and values."""
     found = dict[str, tuple[str, Array]]()
     if (varied := points.get("indices")) is not None:
+        found[RUNAWAY] = "indices", _runaway(varied)
         found[LOWEST] = "indices", _lowest(varied)
         peaks = zip(RINGS, _rings(varied, "critical_friction"), strict=True)
         found |= {f"peak friction, {ring} ring": ("indices", row) for ring, row in peaks}
@@ -492,8 +518,7 @@ def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
     d, rows, names = len(made.critical.design.sampled), list[Any](), list[str]()
     for name, (place, values) in _indexed(points).items():
         sweep = made.sweeps[place]
-        study = (EffectiveFriction if sweep.study == EffectiveFriction.name else SteadySlip).of(sweep.scene)
-        table = np.where(np.isinf(values), study.slip_range, values).reshape(-1, d + 2)
+        table = np.where(np.isinf(values), _range(sweep, name), values).reshape(-1, d + 2)
         found = indices(table[:, 0], table[:, 1], table[:, 2:].T, sweep.table.seed, CONFIDENCE)
         if found is not None:
             names.append(name)
@@ -512,6 +537,14 @@ def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
             said = about("1", f"Sobol index, {order.replace('_', ' ')}")
             variables[f"{order}{end}"] = ("indexed", "input"), stacked[:, i], said
     return variables, names
+
+
+def _range(sweep: Sweep, name: str) -> float:
+    """Largest slip that a quantity is looked for at."""
+    if sweep.study != EffectiveFriction.name:
+        return SteadySlip.of(sweep.scene).slip_range
+    study = EffectiveFriction.of(sweep.scene)
+    return study.runaway_range if name == RUNAWAY else study.slip_range
 
 
 def _failures(points: "xr.Dataset") -> dict[str, int]:
@@ -536,8 +569,9 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], values: M
         study="uncertainty",
         **scene_told(sweep.scene, sweep.given),
         probability=made.probability,
-        slip_range=study.slip_range,
-        look_further=look_further(f"{study.table}.max_cage_slip", study.slip_range, MOST_CAGE_SLIP),
+        slip_range=study.runaway_range,
+        look_further=look_further(f"{study.table}.runaway_range", study.runaway_range, MOST_CAGE_SLIP),
+        curves_with=CLOSURES[study.closure],
         confidence=CONFIDENCE,
         fewest_samples=fewest(made.probability, REPLICATES, made.confidence),
         until=made.until if made.until is not None else "",
