@@ -121,7 +121,7 @@ def _allowable(dataset: "xr.Dataset") -> str:
     )
     if value == math.inf:
         end = f", {_percent(float(dataset.attrs['slip_range']))}" if "slip_range" in dataset.attrs else ""
-        what = f"the allowable slip lies beyond the range of slips{end}: so does the slip of running away with probability {p:g}"
+        what = f"the allowable slip lies beyond the range of slips{end}: so does the {RUNAWAY} with probability {p:g}"
         sure = "beyond the range too" if low == math.inf else f"from {_percent(low)} on"
         sure = f"; {few}" if low == -math.inf else f" (95 % interval: {sure}, {n} samples)"
         return f"{what}{sure}{dataset.attrs.get('look_further', '')}"
