@@ -15,6 +15,7 @@ from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.results.account import account_of
+from rollslip.results.words import verdict
 from rollslip.scene.values import Scene, scene_hash
 from rollslip.units import format_quantity
 
@@ -87,9 +88,9 @@ def print_changed(pairs: "Sequence[tuple[Part | None, Part | None]]", this: str,
     print_table(("part", this, other, "reason"), rows)
 
 
-def findings(dataset: "xr.Dataset", told: str = "") -> str:
-    """Return what a study found, in a few lines, but for one that was told before."""
-    lines = (line for line in account_of(dataset).lines(dataset) if line != told)
+def findings(dataset: "xr.Dataset", told: Sequence[str] = ()) -> str:
+    """Return what a study found, in a few lines, but for those that were told before."""
+    lines = (line for line in account_of(dataset).lines(dataset) if line not in told)
     return "\n  ".join((f"{dataset.attrs['study']}:", *lines))
 
 
@@ -126,6 +127,7 @@ def run_as_dict(plan: "Plan", datasets: "Mapping[str, xr.Dataset]") -> dict[str,
         "scene": plan.scene.source,
         "scene_hash": scene_hash(plan.scene),
         "models": _by_kind(plan.models),
+        "verdict": verdict(datasets.values()),
         "studies": {
             name: {
                 "results": account_of(dataset).record(dataset),

@@ -37,8 +37,8 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, res
     from rollslip.planning.execution import execute
     from rollslip.planning.plan import plan
     from rollslip.planning.verification import verify as verified
-    from rollslip.results.account import headline_of
     from rollslip.results.dataset import save
+    from rollslip.results.words import verdict
 
     made = plan(scene_of(scene, changes), study)
     if not results.as_json:
@@ -66,10 +66,10 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, res
     if results.as_json:
         print_json(console.run_as_dict(made, datasets) | results.as_dict())
     else:
-        if first := headline_of(datasets.values()):
+        for first in (told := verdict(datasets.values())):
             click.echo(first)
         for dataset in datasets.values():
-            click.echo(console.findings(dataset, first))
+            click.echo(console.findings(dataset, told))
             click.echo(console.kept(dataset))
         results.tell(*datasets.values())
     if "interrupted" in outcomes:

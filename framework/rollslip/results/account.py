@@ -79,6 +79,10 @@ class Account:
         """Return what has to be known before all else, without its full stop; nothing where there is no such thing."""
         return ""
 
+    def operation(self, dataset: "xr.Dataset") -> str:
+        """Return how the bearing runs, and with what reserve, without its full stop; nothing where it is not known."""
+        return ""
+
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about, the most important first; no sentence has its full stop."""
         return {}

@@ -29,9 +29,10 @@ from rollslip.errors import PluginError
 from rollslip.lubricant.oil import legend
 from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
-from rollslip.results.account import Table, account_of, capital, headline_of
+from rollslip.results.account import Table, account_of, capital
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
+from rollslip.results.words import verdict
 from rollslip.scene.schema import schema
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS
@@ -91,7 +92,7 @@ def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Seq
         _PAGE.substitute(
             title=escape(titles[0] if len(titles) == 1 else "Results of rollslip"),
             style=_STYLE,
-            headline=_tag("p", f"{capital(first)}.") if (first := headline_of(datasets.values())) else "",
+            verdict="".join(_tag("p", f"{capital(line)}.") for line in verdict(datasets.values())),
             introduction="".join(_tag("p", text) for _, text in _distinct(datasets, "description") if text),
             contents="".join(f'<li><a href="#{key}">{heading}</a></li>' for heading, key, _ in shown),
             sections="".join(
@@ -458,7 +459,7 @@ _PAGE: Final = Template(
 <body>
 <header>
 <h1>$title</h1>
-$headline$introduction
+$verdict$introduction
 <nav aria-label="Contents"><ul>$contents</ul></nav>
 </header>
 <main>

@@ -26,6 +26,7 @@ from rollslip.models import (
     TractionModel,
     Validity,
 )
+from rollslip.results.words import TOLD_FROM
 from rollslip.studies.answers import Evaluated
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
@@ -44,8 +45,6 @@ __all__ = [
     "sentences",
 ]
 
-#: Share of the contact force outside from which on it is told.
-TOLD_FROM: Final = 0.005
 _KINDS: Final = ((ContactModel, "contact"), (FilmModel, "film"), (TractionModel, "traction"))
 
 

@@ -30,6 +30,10 @@ class DynamicsAccount(Account):
         """Return where the cage runs away."""
         return findings.headline(dataset)
 
+    def operation(self, dataset: "xr.Dataset") -> str:
+        """Return the slip at the end."""
+        return findings.operation(dataset)
+
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
         return findings.topics(dataset)

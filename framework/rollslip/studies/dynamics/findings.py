@@ -259,6 +259,11 @@ def _is_steady(dataset: "xr.Dataset") -> bool:
     return bool(dataset.attrs["steady_status"] == "steady")
 
 
+def operation(dataset: "xr.Dataset") -> str:
+    """Say at which slip the cage runs, or where it was at the end."""
+    return _steady(dataset)
+
+
 def _steady(dataset: "xr.Dataset") -> str:
     a = dataset.attrs
     if _is_steady(dataset):

@@ -24,6 +24,10 @@ class SteadySlipAccount(Account):
         """Return where the cage runs away."""
         return findings.headline(dataset)
 
+    def operation(self, dataset: "xr.Dataset") -> str:
+        """Return steady slip, reserve of drag, and the least load of an acceptable slip."""
+        return findings.operation(dataset)
+
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
         return findings.topics(dataset)

@@ -76,6 +76,15 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     }
 
 
+def operation(dataset: "xr.Dataset") -> str:
+    """Say at which slip the cage runs, what reserve of drag it has, and which load keeps an acceptable slip."""
+    if not has_steady(dataset) or str(dataset["status"].item()) != "found":
+        return str(dataset["status"].item())
+    slip, largest = float(dataset["steady_slip"][0]), float(dataset["largest_drag"])
+    said = f"with the drags of the scene the cage runs at a slip of {_percent(slip)}{_reserve(dataset, largest)}"
+    return f"{said}; {_least_load(dataset)}" if "least_load" in dataset else said
+
+
 def _inertia(dataset: "xr.Dataset") -> str:
     effect, inert = float(dataset.attrs["inertia_effect"]), bool(dataset.attrs["inertia"])
     way = "without" if inert else "with"
@@ -110,8 +119,7 @@ def _largest(dataset: "xr.Dataset") -> str:
         reached = f"in this range the rollers drive the cage with up to {reached}"
         return f"{dataset['largest_drag_status'].item()}; {reached}{_first(dataset)}"
     most = format_quantity(largest, "N m", 3)
-    said = f"the largest drag that the cage can carry is {most}{_reserve(dataset, largest)}, at a cage slip of "
-    said += f"{_percent(slip)}{_first(dataset)}"
+    said = f"the largest drag that the cage can carry is {most}, at a cage slip of {_percent(slip)}{_first(dataset)}"
     if dataset.attrs["friction"] == "effective":
         said += f"; {UNSURE}: take friction = 'conventional' where it matters"
     return said
@@ -120,7 +128,7 @@ def _largest(dataset: "xr.Dataset") -> str:
 def _reserve(dataset: "xr.Dataset", largest: float) -> str:
     """Say how many times the drag at the least steady slip the largest one is; nothing where there is no drag."""
     drag = float(dataset["torque"][0]) if has_steady(dataset) else math.nan
-    return f", {largest / drag:.3g} times the drag at the steady slip" if drag > 0.0 else ""
+    return f", and could carry {largest / drag:.3g} times the drag" if drag > 0.0 and largest > 0.0 else ""
 
 
 def _least_load(dataset: "xr.Dataset") -> str:
