@@ -103,7 +103,7 @@ def test_one_slice_serves_where_the_load_is_even():
 def test_unloaded_contacts_take_no_part():
     """The mean by force over all slices is that over the loaded ones: the others weigh nothing."""
     assembly = assemble(BASE, Resolution(slices=9, instants=2))
-    raceways = EffectiveFriction(map_points=0).loaded(assembly, 2)
+    raceways = EffectiveFriction(closure="epicyclic", map_points=0).loaded(assembly, 2)
     slip = np.array([0.1, 0.5])
     speeds = assembly.kinematics.surface_speeds(slip, 0.0)
     load = raceways.distribution.inner_load.ravel()

@@ -33,7 +33,7 @@ def dataset(study, scene=COLD):
 
 
 def effective(scene=COLD, **settings):
-    defaults = {"points": 21, "map_points": 0, "max_cage_slip": 0.4}
+    defaults = {"closure": "epicyclic", "points": 21, "map_points": 0, "max_cage_slip": 0.4}
     return dataset(EffectiveFriction(**{**defaults, **settings}), scene)
 
 

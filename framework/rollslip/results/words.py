@@ -16,8 +16,8 @@ __all__ = ["UNSURE", "runs_away", "verdict"]
 
 #: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.
 UNSURE: Final = (
-    "by effective friction the drag of running away is off by 2.7 % in the middle of 62 random bearings, by up to 23 % "
-    "and the slip by up to 41 points"
+    "by effective friction the drag of running away is off by 2.7 % in the middle of 62 random bearings and by up to "
+    "23 %, the slip by up to 41 points"
 )
 
 

@@ -224,7 +224,7 @@ def plan_margin(
                 f"--{name.replace(chr(95), chr(45))} 0"
             )
     if not EffectiveFriction.of(scene).runaway_range:
-        problems.append("study.effective-friction.runaway_range: a range is needed, such as 0.95, not 0")
+        problems.append(f"study.{EffectiveFriction.name}.runaway_range: a range is needed, such as 0.95, not 0")
     if problems:
         raise SceneError(problems)
     scene, scatter = _with_scatter(scene)
