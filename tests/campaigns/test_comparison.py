@@ -491,7 +491,7 @@ def test_exit_codes(tmp_path, monkeypatch, capsys):
     assert code == 4
     assert "failed" in said
     assert "warning: slow failed: slow: no end in sight" in wrong
-    assert sorted(path.name for path in (tmp_path / "b").iterdir()) == ["compare.nc"]
+    assert sorted(path.name for path in (tmp_path / "b").iterdir()) == ["compare.nc", "manifest.json"]
     code, _, wrong = answer(capsys, *quick, "--traction", "slow", "--film", "moes,blok", "--out", "c")
     assert (code, wrong) == (3, "slow: no end in sight\n")
     assert not (tmp_path / "c").exists()

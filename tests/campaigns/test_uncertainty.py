@@ -188,13 +188,13 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(c
     options = {"samples": count, "steady": 0, "probability": 0.9, "indices": 4}
     found, said = _of_points(points, monkeypatch, tmp_path / "made", **options)
     assert float(found.allowable_slip) == np.inf
-    first, *_, indices = sentences(found)
+    _, first, *_, indices = sentences(found)
     begin = (
-        "the allowable slip lies beyond the range of slips, 95 %: so does the critical slip with probability 0.9"
+        "the allowable slip lies beyond the range of slips, 95 %: so does the slip of running away with probability 0.9"
         + ("; 8 samples are too few to tell how much less" if count == 8 else " (95 % interval: beyond the range too")
     )
     assert first.startswith(begin)
-    assert first.endswith("look further with --set study.effective-friction.max_cage_slip=0.99")
+    assert first.endswith("look further with --set study.effective-friction.runaway_range=0.99")
     assert indices.startswith("no Sobol indices: ")
     assert said[0] == f"{count} samples: allowable slip beyond the range, " + (
         "too few for the low end of its interval" if count == 8 else "95 %: from beyond the range on"
@@ -203,7 +203,7 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(c
     assert not any(word in text for text in [*sentences(found), *said] for word in ("inf", "nan", "at most more"))
     files = plot(found, tmp_path)
     assert [path.name for path in files] == ["uncertainty.svg"], "no figure of indices that are not there"
-    assert f"critical slip: all {count} samples beyond the range or without end" in _words(files[0])
+    assert f"slip of running away: all {count} samples beyond the range or without end" in _words(files[0])
     told = account_of(found).paragraph(found)
     assert "inf" not in re.findall(r"\w+", told)
 
@@ -223,7 +223,7 @@ def test_an_interval_that_ends_beyond_the_range_says_so_and_failed_points_do_not
         return _points(np.where(every_other, status, "ok"), slips)
 
     found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, steady=0, probability=0.5)
-    (first, *_) = sentences(found)
+    _, first, *_ = sentences(found)
     assert first.startswith("a cage that slips by at most ")
     assert said in first
 
@@ -343,7 +343,7 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
     done = CliRunner().invoke(cli, [*own, "--out", str(out)])
     assert done.exit_code == 4, done.output
     assert "8 samples: none has a result" in done.output
-    assert "the allowable slip is not known: none of 8 samples has a result" in done.output
+    assert "the allowable slip is not known: none of 8 samples says where the cage runs away" in done.output
     assert "all 8 samples failed" in _words(out / "uncertainty.svg")
     again = re.search(r"compute points without a result again by: rollslip (.*), then go on by the same", done.output)[
         1

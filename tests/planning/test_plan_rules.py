@@ -22,7 +22,16 @@ from rollslip.studies.estimates import Bound, difference
 
 BASE = evolve(
     load_scene("1032930-70C"),
-    {"accuracy.slices": "auto", "study.effective-friction": {"points": 11, "map_points": 0, "max_cage_slip": 0.9}},
+    {
+        "accuracy.slices": "auto",
+        "study.effective-friction": {
+            "points": 11,
+            "map_points": 0,
+            "max_cage_slip": 0.9,
+            "closure": "epicyclic",
+            "runaway_range": 0.0,
+        },
+    },
 )
 #: Films so thick that asperities do not touch.
 SMOOTH = {f"surface.{part}_roughness": "10 nm" for part in ("inner_raceway", "outer_raceway", "roller")}

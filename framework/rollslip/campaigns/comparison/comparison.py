@@ -348,11 +348,12 @@ def _merged(comparison: Comparison, done: "Mapping[str, xr.Dataset]", failed: Ma
 
     labels, chosen = list(comparison.combinations), [one.choices for one in comparison.combinations.values()]
     results = list(done.values())
+    words = {str(name): "" for name, values in results[0].variables.items() if values.dtype.kind in "OU"}
     dataset = (
         xr.concat(results, "combination", data_vars="all", coords="minimal", compat="override", join="override",
                   combine_attrs="override")
         .assign_coords(combination=list(done))
-        .reindex(combination=labels, fill_value={"regime": -1, "critical_status": ""})
+        .reindex(combination=labels, fill_value={"regime": -1, **words})
     )  # fmt: skip
     if "film_thickness" in dataset:
         dataset["film_thickness"].attrs["long_name"] = "film thickness, the one of film_location"

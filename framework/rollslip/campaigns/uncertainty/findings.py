@@ -103,7 +103,7 @@ def headline(dataset: "xr.Dataset") -> str:
     if math.isinf(middle):
         beyond, n = int(dataset["beyond"].sel(quantity=RUNAWAY)), int(dataset["samples"].sel(quantity=RUNAWAY))
         return f"the cage was not found to run away in {beyond} of {n} samples up to the end of the range"
-    least, mean, most = (format_quantity(float(drag.sel(probability=p)), "N m", 3) for p in (0.05, 0.5, 0.95))
+    least, mean, most = (_torque(float(drag.sel(probability=p))) for p in (0.05, 0.5, 0.95))
     return (
         f"the cage runs away at {_percent(middle)} cage slip, at a drag of {mean} "
         f"(medians; 5 to 95 %: {_percent(low)} to {_percent(high)}, {least} to {most})"
@@ -175,7 +175,7 @@ def _shares(one: "xr.Dataset") -> str:
 
 
 def _torque(value: float) -> str:
-    return format_quantity(value, "N m", 3)
+    return format_quantity(value, "N m", 3) if math.isfinite(value) else "beyond the range"
 
 
 def _percent(share: float) -> str:
