@@ -213,7 +213,8 @@ def from_oil() -> Any:
 
 def slope_of_oil(doc: str) -> Any:
     """Declare a slope with pressure [1] that is the oil's: no key of a scene, put in when the bearing is assembled."""
-    return attrs.field(default=0.0, kw_only=True, metadata={"key": None, "unit": "1", "doc": doc, "slope_of_oil": True})
+    said = {"key": None, "unit": "1", "doc": doc, "slope_of_oil": True}
+    return attrs.field(default=0.0, kw_only=True, validator=non_negative, metadata=said)
 
 
 def with_law(model: Any, law: PressureViscosity, slopes: Mapping[str, float] = NO_SLOPES) -> Any:

@@ -287,7 +287,9 @@ def _running_away(dataset: "xr.Dataset") -> list[str]:
     if math.isnan(away):
         return said
     if a["friction"] == "effective" and slip.max() > _NEAR * away:
-        said.append(f"{UNSURE}, and slip comes near: run with friction = 'conventional' to be sure")
+        said.append(
+            f"{UNSURE}, and slip comes near: run with --set study.{a['study']}.friction=conventional to be sure"
+        )
     value, passages = f"the {_share(away)} of running away", runaway_passages(dataset)
     if not passages:
         return [*said, f"cage slip stays {'below' if slip.max() <= away else 'beyond'} {value}"]

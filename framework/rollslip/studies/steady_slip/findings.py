@@ -121,7 +121,7 @@ def _largest(dataset: "xr.Dataset") -> str:
     most = format_quantity(largest, "N m", 3)
     said = f"the largest drag that the cage can carry is {most}, at a cage slip of {_percent(slip)}{_first(dataset)}"
     if dataset.attrs["friction"] == "effective":
-        said += f"; {UNSURE}: take friction = 'conventional' where it matters"
+        said += f"; {UNSURE}: take --set study.{dataset.attrs['study']}.friction=conventional where it matters"
     return said
 
 
