@@ -16,21 +16,15 @@ import pytest
 from pybtex.database import parse_string
 
 import rollslip
+import warm
 from rollslip.results.dataset import VOLATILE
 
 QUICK = ["--study", "friction-curve", "--no-plots"]
 
 
-def command(*arguments, cwd, code=0, **environment):
-    """Run the installed program in a process of its own; return what it printed."""
-    done = subprocess.run(
-        [sys.executable, "-c", "from rollslip.cli import main; main()", *map(str, arguments)],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ | environment,
-    )
+def command(*arguments, cwd, code=0):
+    """Run the program in a process of its own; return what it printed."""
+    done = warm.run(*arguments, cwd=cwd)
     assert done.returncode == code, f"{done.returncode}\n{done.stdout}\n{done.stderr}"
     assert "Traceback" not in done.stderr
     return done
