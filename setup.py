@@ -1,4 +1,4 @@
-"""Build the compiled kernels; everything else is in pyproject.toml."""
+"""Build the compiled kernels, on all cores; everything else is in pyproject.toml."""
 
 import glob
 import os
@@ -6,15 +6,20 @@ import re
 import sys
 from pathlib import Path
 
-from Cython.Distutils import Extension
-from setuptools import setup
+from Cython.Build import cythonize
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
 
 HERE = "kernels/rollslip_kernels"
 # Without the two -fno-...-math flags the block loops do not vectorise; -ffast-math would break exp's rounding. Without
 # contraction to fused multiply-adds a kernel gives the same bits on every instruction set.
 FLAGS = [] if sys.platform == "win32" else ["-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"]
+# Debug symbols are a quarter of the compiler's time and two thirds of a file's size; CFLAGS=-g keeps them.
+SYMBOLS = [] if sys.platform == "win32" or re.search(r"(^| )-g", os.environ.get("CFLAGS", "")) else ["-g0"]
 # ROLLSLIP_BOUNDSCHECK=1 checks every index of a memoryview, for a build under test.
 CHECKED = os.environ.get("ROLLSLIP_BOUNDSCHECK") == "1"
+# Cython's code of memoryviews, compiled once; without it it stands in every module, and is most of each.
+SHARED = "rollslip_kernels._memoryviews"
 
 
 def declare_members() -> None:
@@ -37,39 +42,65 @@ def kernel(name: str) -> Extension:
         shared.append("stages/*.h")
     if name.startswith("motion/"):
         shared.append("motion/*.pxd")
-    # Not cythonize(): with it the sdist loses the .pyx files.
     return Extension(
         f"rollslip_kernels.{name.replace('/', '.')}",
         [f"{HERE}/{name}.pyx"],
         depends=sorted({file for pattern in shared for file in glob.glob(f"{HERE}/{pattern}")}),
         include_dirs=[HERE, f"{HERE}/include"],
-        cython_include_dirs=[HERE, f"{HERE}/include", f"{HERE}/stages", f"{HERE}/motion"],
-        extra_compile_args=FLAGS,
-        cython_directives={
-            "language_level": 3,
-            "boundscheck": CHECKED,
-            "wraparound": False,
-            "cdivision": True,
-            "initializedcheck": CHECKED,
-        },
+        extra_compile_args=FLAGS + SYMBOLS,
     )
 
 
+class BuildOnAllCores(build_ext):
+    """Translates all modules, then compiles all, each with as many at a time as there are cores, or as -j says.
+
+    Cython is called here and not before `setup`, with which a source distribution would have C and no .pyx files.
+    """
+
+    def finalize_options(self):
+        super().finalize_options()
+        if self.parallel is None:
+            self.parallel = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+    def build_extensions(self):
+        extensions = {extension.name: extension for extension in self.extensions}
+        extensions[SHARED].sources = [f"{HERE}/_memoryviews.c"]  # which is made here, beside the others
+        translated = cythonize(
+            self.extensions,
+            nthreads=self.parallel,  # processes
+            force=self.force,
+            quiet=not self.verbose,
+            include_path=[HERE, f"{HERE}/include", f"{HERE}/stages", f"{HERE}/motion"],
+            compiler_directives={
+                "language_level": 3,
+                "boundscheck": CHECKED,
+                "wraparound": False,
+                "cdivision": True,
+                "initializedcheck": CHECKED,
+            },
+            shared_utility_qualified_name=SHARED,
+        )
+        for extension in translated:
+            extensions[extension.name].sources = extension.sources
+        super().build_extensions()
+
+
+# What takes longest is begun first.
 KERNELS = (
-    "chain",
-    "equilibrium",
-    "layout",
-    "motion/carried",
-    "motion/planar",
-    "motion/raceway",
+    "stages/simd",
     "motion/rosenbrock",
     "motion/system",
+    "motion/planar",
+    "chain",
+    "motion/carried",
+    "motion/raceway",
+    "equilibrium",
+    "layout",
     "stages/blend",
     "stages/contact",
     "stages/drag",
     "stages/film",
     "stages/shear_thinning",
-    "stages/simd",
     "stages/stress",
     "stages/thermal_couette",
     "stages/traction",
@@ -77,5 +108,8 @@ KERNELS = (
     "stages/viscosity",
 )
 
-declare_members()
-setup(ext_modules=[kernel(name) for name in KERNELS])
+if __name__ == "__main__":  # where processes are not forked they read this file again
+    declare_members()
+    extensions = [kernel(name) for name in KERNELS]
+    extensions.insert(1, Extension(SHARED, [], extra_compile_args=FLAGS + SYMBOLS))
+    setup(ext_modules=extensions, cmdclass={"build_ext": BuildOnAllCores})
