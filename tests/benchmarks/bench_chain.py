@@ -47,8 +47,9 @@ class Peers:
     """What can be had: name -> peer, a function of film and contacts; what cannot: name -> reason."""
 
     #: Largest relative error of friction against 50 digits with which a peer still counts as doing the same work;
-    #: textbook formulas cancel, and are held to little, and on the timed slices alone.
-    bounds: ClassVar = {"NumPy, textbook": 1e-2}
+    #: textbook formulas cancel, and are held to little, and on the timed slices alone; so is the prototype, which loses
+    #: small slips.
+    bounds: ClassVar = {"NumPy, textbook": 1e-2, "C, prototype": 1e-12}
     bound = 1e-12
 
     def __init__(self, svml_python=None, only=None):
@@ -104,6 +105,7 @@ class Peers:
             "Cython loop": lambda: loops("loops", "cython"),
             SET_PEER: lambda: loops("loops", "with branches"),
             "C, unfair": lambda: loops("loops_unfair", "without branches"),
+            "C, prototype": lambda: loops("loops_prototype", "prototype"),
         }
 
     def check(self, film):

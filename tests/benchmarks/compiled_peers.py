@@ -3,6 +3,7 @@
 - *Cython* and *C* are scalar loops with the mathematics of the C library and the flags of rollslip's own kernels.
 - *C, unfair* has what rollslip may not have: flags that let the compiler change results, and code for this machine
   alone. It is a bound of what a C compiler reaches with the vector functions of the C library (libmvec).
+- *C, prototype* is a bound for rollslip's own way, prototype.h: blocks, own vector mathematics, nothing but the friction.
 """
 
 import atexit
@@ -24,6 +25,7 @@ from constants import Constants, constants
 #: Environment variable with the folder of loops that are built already.
 BUILT = "ROLLSLIP_BENCHMARK_LOOPS"
 HERE = Path(__file__).parent
+PROTOTYPE = ("-O3", "-march=native", "-mprefer-vector-width=512", "-fno-math-errno", "-fno-trapping-math")
 UNFAIR = ("-O3", "-march=native", "-mprefer-vector-width=512", "-ffast-math")
 
 SETUP = """
@@ -49,10 +51,10 @@ def own_flags():
 
 
 def build(folder):
-    """Compile the loops with both sets of flags into a folder."""
-    flags = {"loops": [*own_flags()], "loops_unfair": [*UNFAIR]}
+    """Compile the loops with all sets of flags into a folder."""
+    flags = {"loops": [*own_flags()], "loops_unfair": [*UNFAIR], "loops_prototype": [*PROTOTYPE]}
     fields = " ".join(f"double {name};" for name in Constants._fields)
-    (folder / "constants.h").write_text(f"typedef struct {{ {fields} }} constants;\n", encoding="utf-8")
+    (folder / "constants.h").write_text(f"#pragma once\ntypedef struct {{ {fields} }} constants;\n", encoding="utf-8")
     for name in flags:
         (folder / f"{name}.pyx").write_text((HERE / "loops.pyx").read_text(encoding="utf-8"), encoding="utf-8")
     libraries = [] if os.name == "nt" else ["m"]

@@ -1,7 +1,7 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
-"""The contact chain as a scalar loop in Cython with the C library's functions, and calls of the loops of loop.h.
+"""The contact chain as a scalar loop in Cython with the C library's functions, and calls of the loops of loop.h and prototype.h.
 
-The file is compiled under two names, with two sets of flags.
+The file is compiled under three names, with as many sets of flags.
 """
 
 from array import array
@@ -21,6 +21,12 @@ cdef extern from "loop.h" nogil:
     double regime_with_branches(
         const constants *, size_t, const double *, const double *, const double *, double *) noexcept
     double regime_without_branches(
+        const constants *, size_t, const double *, const double *, const double *, double *) noexcept
+
+cdef extern from "prototype.h" nogil:
+    double moes_prototype(
+        const constants *, size_t, const double *, const double *, const double *, double *) noexcept
+    double regime_prototype(
         const constants *, size_t, const double *, const double *, const double *, double *) noexcept
 
 
@@ -80,7 +86,7 @@ cdef double chain(
 
 
 cdef class Loop:
-    """A loop over slices, with its arrays: ``form`` is "cython", "with branches" or "without branches"."""
+    """A loop over slices, with its arrays: ``form`` is "cython", "with branches", "without branches" or "prototype"."""
 
     cdef constants k
     cdef int form, of_moes
@@ -92,7 +98,7 @@ cdef class Loop:
         if sizeof(constants) != values.shape[0] * sizeof(double):
             raise ValueError("constants.h and the constants differ")
         memcpy(&self.k, &values[0], sizeof(constants))
-        self.form = ("cython", "with branches", "without branches").index(form)
+        self.form = ("cython", "with branches", "without branches", "prototype").index(form)
         self.of_moes = film == "moes"
         self.load, self.speed, self.sliding, self.friction = load, speed, sliding, friction
 
@@ -102,7 +108,11 @@ cdef class Loop:
         if self.form == 0:
             return chain(self.of_moes, &self.k, self.load, self.speed, self.sliding, self.friction)
         with nogil:
-            if self.form == 1 and self.of_moes:
+            if self.form == 3 and self.of_moes:
+                force = moes_prototype(&self.k, n, &self.load[0], &self.speed[0], &self.sliding[0], &self.friction[0])
+            elif self.form == 3:
+                force = regime_prototype(&self.k, n, &self.load[0], &self.speed[0], &self.sliding[0], &self.friction[0])
+            elif self.form == 1 and self.of_moes:
                 force = moes_with_branches(
                     &self.k, n, &self.load[0], &self.speed[0], &self.sliding[0], &self.friction[0])
             elif self.form == 1:
