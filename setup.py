@@ -89,6 +89,7 @@ class BuildOnAllCores(build_ext):
 KERNELS = (
     "stages/simd",
     "motion/rosenbrock",
+    "motion/spin",
     "motion/system",
     "motion/planar",
     "chain",

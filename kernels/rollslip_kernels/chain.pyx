@@ -76,7 +76,7 @@ cdef class Chain:
     cdef chain_t chain
     cdef tuple capsules
     cdef tuple column_names, condition_names
-    cdef readonly Py_ssize_t evaluated   # slices, by `run` and by what `bind` returned
+    cdef public Py_ssize_t evaluated   # slices, by `run`, by what `bind` returned and by who says so
 
     def __init__(self, stages, Py_ssize_t block=BLOCK):
         cdef rs_model *given

@@ -94,6 +94,16 @@ class LoadedContacts:
         u, V = (np.ascontiguousarray(speed.reshape(len(speed), -1)) for speed in (rolling, sliding))
         return self._evaluate, u, V, self.owner, self.force
 
+    def gathered(self) -> tuple[object, Slices, tuple[Any, ...]]:
+        """Stage of the chain, a table to work in, and what `rollslip_kernels.motion.spin` takes of a ring.
+
+        No bound is looked at there: that is for who evaluates what it finds.
+        """
+        raceway = self.raceway
+        stage, table = raceway.chain.kernel.as_stage(), Slices(self.force.size, raceway.conditions)
+        first = np.searchsorted(self.owner, np.arange(self.rollers + 1))
+        return stage, table, (stage, table, self.slices.load, self.force, self.width, first, raceway.chain.resists)
+
     def mean(self, pull: Array) -> Array:
         """Mean friction by force along the orbit, of its sums by force [N]; NaN if there is no load."""
         return self.orbit * pull / self.total if self.total > 0.0 else np.full_like(pull, np.nan)

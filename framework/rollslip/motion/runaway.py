@@ -175,7 +175,7 @@ def free_torques(bearing: Assembly, drags: Drags, instants: int, slip: Array) ->
         of(bearing.outer, [one.outer_load for one in loads]),
     )
     spin = Spin(balance, np.repeat(slip, half), contacts, half * slip.size)
-    torque = spin.on_cage(spin.balanced()).reshape(slip.size, half).sum(axis=1)
+    torque = spin.on_cage(spin.balanced())[0].reshape(slip.size, half).sum(axis=1)
     return np.asarray(np.sign(bearing.kinematics.epicyclic_cage_speed) * torque / instants)
 
 

@@ -21,51 +21,29 @@
 - The loads are solved anew at every slip: centrifugal forces go with the square of the cage speed.
 """
 
-import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import Drags
-from rollslip.bearing.kinematics import SurfaceSpeeds
-from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
+from rollslip.bearing.kinematics import Kinematics, SurfaceSpeeds
+from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError
 from rollslip.motion.effective_table import EffectiveTable, effective_table
+from rollslip_kernels.motion.spin import NUDGED
+from rollslip_kernels.motion.spin import Spin as Kernel
 
 #: Entrainment speed that is never fallen below in the film [m/s]: u_film = sqrt(u^2 + SLOW^2).
 SLOW: Final = 1e-3
-#: Newton's method ends when it moves no roller slip by more than this, relative to that of pure rolling.
-_SETTLED = 1e-9
-#: Or when what is left is rounding, relative to what it is the difference of.
-_ROUNDING = 1e-13
-_STEPS = 80
-#: Exponent beyond which nothing is left of a disturbance, or everything lost.
-_LOST = 600.0
-#: Sliding speed over which the friction of a pocket changes its sign [m/s].
-_POCKET_SLIDING = 1e-2
-#: Largest step of the roller slip; what the rollers hold is never as far.
-_REACH = 10.0
-#: How much larger a residual may get in a step: disturbances are carried round before they decay.
-_WORSE = 3.0
-#: Positions up to which the equations of an orbit are solved in Python: importing SciPy takes longer than many of them.
-_FEW: Final = 256
 #: How far three known slips may be for a parabola through them, relative to the slip.
 _NEAR: Final = 0.3
-#: Least damping, relative to the steepest torque.
-_LEAST_DAMPING = 1e-3
 #: How often the bracket of a balance without inertia is widened.
 _WIDENINGS = 60
-#: Last and first step of the secants that find a balance without inertia, relative to the bracket.
-_BALANCED, _APART = 1e-14, 1e-3
-_BISECTIONS = 120
 #: Torque at an end of the bracket that is rounding, relative to the largest there: the roller rolls on that ring.
 _IDLE = 1e-12
-#: Step of the roller slip by which friction is differentiated, relative to one.
-_NUDGE = 1e-7
 
 
 class Friction(Protocol):
@@ -275,10 +253,10 @@ class TorqueBalance:
             other = f"--set {self._settings}.inertia={'false' if self._inertia else 'true'}"
             raise ConvergenceError(f"{error}; take {other}, or lower {self._settings}.max_cage_slip") from error
         roller_slip, multiplier = held
-        tractions, _ = spin.forces(roller_slip)
+        on_cage, tractions = spin.on_cage(roller_slip)
         return Orbit(
             cage_slip=cage_slip,
-            torque=self._sense * float(spin.on_cage(roller_slip).mean()) * self.assembly.scene.bearing.rollers,
+            torque=self._sense * float(on_cage.mean()) * self.assembly.scene.bearing.rollers,
             roller_slip=roller_slip,
             force=np.stack([of_ring.contacts.per_roller(of_ring.contacts.force) for of_ring in contacts]),
             traction=self._sense * tractions,
@@ -298,6 +276,59 @@ class TorqueBalance:
         shares = [self._known[slip].roller_slip / slip for slip in known]
         weights = [np.prod([(cage_slip - two) / (one - two) for two in known if two != one]) for one in known]
         return np.asarray(cage_slip * np.einsum("i,ik->k", weights, shares))
+
+
+class Spins:
+    """Compiled torques of rollers at some positions: what finds their balances, and motions that repeat.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        The bearing's.
+    positions : int
+        How many.
+    contacts : sequence of LoadedContacts, or callable
+        Loaded contacts of inner and outer ring at the positions; or forces at roller slips, as `Spin.forces` gives.
+    slow : float
+        Speed that the film never falls below [m/s], 0 for none.
+    pocket : float
+        Coefficient of friction in the pockets.
+    """
+
+    def __init__(
+        self,
+        kinematics: Kinematics,
+        positions: int,
+        contacts: Sequence[LoadedContacts] | Callable[[Array], tuple[Array, Array]],
+        *,
+        slow: float = 0.0,
+        pocket: float = 0.0,
+    ) -> None:
+        k = kinematics
+        self._contacts = () if callable(contacts) else tuple(contacts)
+        self._gathered = [one.gathered() for one in self._contacts]
+        self._told = (0, 0)
+        rings = contacts if callable(contacts) else [ring for *_, ring in self._gathered]
+        radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
+        self.kernel = Kernel(positions, rings, radii, k.roller_radius * k.epicyclic_roller_speed, slow, pocket)
+
+    def ended(self, how: str) -> None:
+        """Take note of how a call ended: tell the chains what was evaluated, and raise what one of them refused.
+
+        Raises
+        ------
+        DomainError, PluginError
+            As the chain does.
+        """
+        count, before, self._told = self.kernel.evaluated, self._told, self.kernel.evaluated
+        for k, contacts in enumerate(self._contacts):
+            contacts.raceway.chain.kernel.evaluated += count[k] - before[k]
+        if how in RINGS:
+            k = RINGS.index(how)
+            chain, (stage, table, _) = self._contacts[k].raceway.chain, self._gathered[k]
+            refusal = chain.kernel.refusal(stage)
+            assert refusal is not None
+            raise chain.error(refusal, table)
 
 
 class Spin:
@@ -326,13 +357,18 @@ class Spin:
         k, orbit = self._kinematics, balance.assembly.scene.bearing.rollers * balance.instants
         self._positions = orbit if positions is None else positions
         #: roller slip of pure rolling on the outer ring
-        self._lag = np.broadcast_to(k.roller_slip_outer_rolling(cage_slip), self._positions)
-        pocket = balance.drags.pocket_friction
-        self._pocket = 0.0 if pocket is None else pocket.coefficient
+        self._lag = np.full(self._positions, k.roller_slip_outer_rolling(cage_slip))
+        friction = balance.drags.pocket_friction
+        pocket = 0.0 if friction is None else friction.coefficient
         inertia = 0.5 * balance.assembly.roller_mass * k.roller_radius**2
         pace = abs(balance.cage_speed(float(np.max(cage_slip)))) * orbit / (2.0 * np.pi)
         #: torque that changes the roller slip by one from a position to the next
         self._inertia = inertia * k.epicyclic_roller_speed * pace
+        conventional = [one.contacts for one in frictions if isinstance(one, Conventional)]
+        of = conventional if len(conventional) == len(RINGS) else self.forces
+        self._spins = Spins(k, self._positions, of, slow=SLOW, pocket=pocket)
+        ahead = k.surface_speeds(np.full(self._positions, cage_slip), 0.0)
+        self._spins.kernel.at(ahead.inner_sliding, ahead.outer_sliding)
 
     def forces(self, roller_slip: Array) -> tuple[Array, Array]:
         """Tractions and resistances of both contacts [N], (2, K)."""
@@ -342,70 +378,30 @@ class Spin:
         on_outer = outer(speeds.outer_rolling, speeds.outer_sliding)
         return np.stack([on_inner[0], on_outer[0]]), np.stack([on_inner[1], on_outer[1]])
 
-    def _torques(self, roller_slip: Array) -> tuple[Array, Array]:
-        """Torques of one roller on its spin, G, and on the cage [N m], (K,)."""
-        k = self._kinematics
-        (inner, outer), (inner_resistance, outer_resistance) = self.forces(roller_slip)
-        spin = k.roller_radius * (inner - inner_resistance - outer - outer_resistance)
-        along = k.inner_radius * (inner + inner_resistance) + k.outer_radius * (outer - outer_resistance)
-        if self._pocket > 0.0:
-            slides = k.roller_radius * k.epicyclic_roller_speed * (1.0 - roller_slip)
-            lever = self._pocket * k.roller_radius / k.orbit_radius
-            spin = spin - lever * np.abs(spin + along) * slides / np.hypot(slides, _POCKET_SLIDING)
-        return spin, spin + along
+    def on_cage(self, roller_slip: Array) -> tuple[Array, Array]:
+        """Torque of one roller on the cage at all positions [N m], (K,), and tractions of both contacts [N], (2, K)."""
+        tractions, resistances = self.forces(roller_slip)
+        return self._spins.kernel.on_cage(roller_slip, tractions, resistances), tractions
 
     def _torque(self, roller_slip: Array) -> Array:
-        return self._torques(roller_slip)[0]
-
-    def on_cage(self, roller_slip: Array) -> Array:
-        """Torque of one roller on the cage at all positions [N m], (K,)."""
-        return self._torques(roller_slip)[1]
+        spin, _, ended = self._spins.kernel.torques(roller_slip)
+        self._spins.ended(ended)
+        return spin
 
     def periodic(self, guess: Array | None, damping: float = 0.0) -> tuple[Array, float]:
         """Roller slips that repeat after an orbit, from a guess, and Floquet's multiplier.
 
         J w_re |w_c| dS_r/dtheta + G = 0, Newton's method; ``damping`` [N m] is that of the first steps.
         """
-        slip = self._lag if guess is None else guess
-        torque = self._torque(slip)
-        residual = self._change(slip) + torque
-        for _ in range(_STEPS):
-            slope = (self._torque(slip + _NUDGE) - torque) / _NUDGE
-            multiplier = float(np.exp(np.clip(-slope.sum() / self._inertia, -_LOST, _LOST)))
-            if np.abs(residual).max() <= _ROUNDING * self._scale(slip):
-                return slip, multiplier
-            steepest = float(np.abs(slope).max())
-            # no step of pseudo-time goes towards a motion that is not held
-            step = self._around(np.abs(slope) + damping if damping > 0.0 else slope, -residual)
-            if not np.all(np.abs(step) <= _REACH):
-                damping = max(4.0 * damping, _LEAST_DAMPING * steepest)
-                continue
-            moved = float(np.abs(step).max())
-            settled = moved <= _SETTLED * float(np.abs(slip).max())
-            if settled and damping == 0.0:
-                return slip + step, multiplier
-            torque_there = self._torque(slip + step)
-            residual_there = self._change(slip + step) + torque_there
-            worse = np.abs(residual_there).max() / np.abs(residual).max()
-            if settled or worse <= _WORSE or damping >= 4.0 * steepest:
-                slip, torque, residual = slip + step, torque_there, residual_there
-                if damping > _LEAST_DAMPING * steepest:
-                    damping /= 4.0 if worse <= 1.0 else 1.5
-                elif worse <= 1.0:  # while it gets worse a torque is past its maximum: undamped steps would go back
-                    damping = 0.0
-            else:
-                damping = max(4.0 * damping, _LEAST_DAMPING * steepest)
-        raise ConvergenceError(
-            f"the rollers' spin at a cage slip of {self._slip:.4g} found no motion that repeats after an orbit in "
-            f"{_STEPS} steps: torques of up to {np.abs(residual).max():.1e} N m are left"
-        )
-
-    def _scale(self, slip: Array) -> float:
-        """Size of what a residual is the difference of [N m]."""
-        tractions, _ = self.forces(slip)
-        return float(
-            self._kinematics.roller_radius * np.abs(tractions).max(initial=0.0) + self._inertia * np.abs(slip).max()
-        )
+        start = self._lag if guess is None else guess
+        slip, multiplier, left, ended = self._spins.kernel.periodic(start, self._inertia, damping)
+        self._spins.ended(ended)
+        if ended:
+            raise ConvergenceError(
+                f"the rollers' spin at a cage slip of {self._slip:.4g} found no motion that repeats after an orbit: "
+                f"torques of up to {left:.1e} N m are left"
+            )
+        return slip, multiplier
 
     def held(self, guess: Array | None) -> tuple[Array, float]:
         """Roller slips that repeat after an orbit and that the rollers hold, if there are any, from a guess."""
@@ -432,27 +428,10 @@ class Spin:
 
         def motion() -> tuple[Array, float]:
             slip = start()
-            slope = float(np.abs(self._torque(slip + _NUDGE) - self._torque(slip)).max()) / _NUDGE
+            slope = float(np.abs(self._torque(slip + NUDGED) - self._torque(slip)).max()) / NUDGED
             return self.periodic(slip, damping=2.0 * slope)  # more than any fall of the torque with slip
 
         return motion
-
-    def _change(self, slip: Array) -> Array:
-        """Torque that the change of the spin takes: backward differences of second order."""
-        return np.asarray(self._inertia * (1.5 * slip - 2.0 * np.roll(slip, 1) + 0.5 * np.roll(slip, 2)))
-
-    def _around(self, slope: Array, right: Array) -> Array:
-        """Solve change(x) + slope x = right around the orbit; NaN if that has no solution."""
-        c = self._inertia
-        # the last two values, on which the first two depend, are found from what each of them adds to all
-        sides = np.zeros((right.size, 3))
-        sides[:, 0], sides[:2, 1], sides[0, 2] = right, (2.0 * c, -0.5 * c), -0.5 * c
-        with np.errstate(all="ignore"):
-            solved = (_few if slope.size <= _FEW else _many)(1.5 * c + slope, c, sides)
-            (a, b, e), (f, g, h) = solved[-1], solved[-2]
-            determinant = (1.0 - b) * (1.0 - h) - e * g  # x_-1 = a + b x_-1 + e x_-2, x_-2 = f + g x_-1 + h x_-2
-            last = np.array([a * (1.0 - h) + e * f, f * (1.0 - b) + g * a]) / determinant
-            return np.asarray(solved[:, 0] + solved[:, 1:] @ last)
 
     def balanced(self, guess: Array | None = None) -> Array:
         """Roller slips at which the contacts of a roller without inertia balance at every position, (K,).
@@ -466,7 +445,8 @@ class Spin:
         ConvergenceError
             If there is none.
         """
-        found, lost = balances(self._torque, *self._bracket(), guess)
+        found, lost, ended = self._spins.kernel.balanced(*self._bracket(), guess)
+        self._spins.ended(ended)
         if lost.any():
             raise ConvergenceError(
                 f"no spin balances {np.count_nonzero(lost)} of {self._positions} rollers without inertia at a cage "
@@ -489,74 +469,9 @@ class Spin:
             if not np.any(below | above):
                 rolls_high, rolls_low = np.abs(at_high) <= idle, np.abs(at_low) <= idle
                 return np.where(rolls_high, high, low), np.where(rolls_low & ~rolls_high, low, high)
-            width = high - low + _NUDGE
+            width = high - low + NUDGED
             low, high = np.where(below, low - width, low), np.where(above, high + width, high)
         return low, high
-
-
-def balances(
-    torque: Callable[[Array], Array], low: Array, high: Array, guess: Array | None = None
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Find where torques rise through zero, each in its bracket, all at once; by secants, halved where they are slow.
-
-    Parameters
-    ----------
-    torque : callable
-        Torques at places, (K,) each, every one a function of its own place alone.
-    low, high : ndarray
-        Ends of the brackets, below zero and above it, or the place itself twice, (K,).
-    guess : ndarray, optional
-        Places that they are near; by default the middles.
-
-    Returns
-    -------
-    place : ndarray
-        (K,).
-    lost : ndarray of bool
-        Which were not found, (K,).
-    """
-    reach, middle = high - low, 0.5 * (low + high)
-    settled = _BALANCED * reach
-    at = middle if guess is None else np.clip(guess, low, high)
-    before = at + np.where(at < middle, _APART, -_APART) * reach
-    value_before, value, wide, found = torque(before), torque(at), reach, reach <= 0.0
-    for number in range(_BISECTIONS):
-        low, high = np.where(value < 0.0, at, low), np.where(value > 0.0, at, high)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            to = at - value * (at - before) / (value - value_before)
-        inside = (to > low) & (to < high)
-        if number % 3 == 2:  # three steps halve the bracket at least
-            inside, wide = inside & (high - low <= 0.5 * wide), high - low
-        to = np.where(inside, to, 0.5 * (low + high))
-        to = np.where(found | (value == 0.0), at, to)
-        found |= np.abs(to - at) <= settled
-        before, value_before, at = at, value, to
-        if found.all():
-            break
-        value = torque(at)
-    return at, ~found
-
-
-def _few(diagonal: Array, c: float, sides: Array) -> Array:
-    """Solve d_k x_k - 2 c x_k-1 + c/2 x_k-2 = sides, one after the other; NaN where it has no solution."""
-    rows, one, two = list[list[float]](), [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
-    twice, half = 2.0 * c, 0.5 * c
-    for d, side in zip(diagonal.tolist(), sides.tolist(), strict=True):
-        d = d or math.nan
-        one, two = [(s + twice * x - half * y) / d for s, x, y in zip(side, one, two, strict=True)], one
-        rows.append(one)
-    return np.array(rows)
-
-
-def _many(diagonal: Array, c: float, sides: Array) -> Array:
-    """Solve the same by LAPACK."""
-    from scipy.linalg import solve_banded
-
-    banded = np.stack([diagonal, np.full_like(diagonal, -2.0 * c), np.full_like(diagonal, 0.5 * c)])
-    try:
-        return np.asarray(solve_banded((2, 0), banded, sides))
-    except np.linalg.LinAlgError:
-        return np.full_like(sides, np.nan)
 
 
 def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve, EffectiveCurve]:

@@ -21,10 +21,10 @@ from rollslip.bearing.chain import along
 from rollslip.bearing.critical import Critical, locate, slip_grid
 from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.kinematics import SurfaceSpeeds
-from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
+from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import LIGHT, NAMES
 from rollslip.errors import ConvergenceError, DomainError, SceneError
-from rollslip.motion.torque_balance import balances
+from rollslip.motion.torque_balance import Spins
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
@@ -33,6 +33,8 @@ from rollslip.units import format_quantity
 
 #: Error of a map's loads relative to the tolerance.
 _MAP_SHARE = 1e-3
+#: From how many cage slips the spins at the next one go on, and by how much these differ at least, relative to it.
+_GO_ON, _TELLS = 4, 1e-5
 
 
 #: The variables that say in which film regimes the contacts run, and how lightly loaded.
@@ -77,6 +79,8 @@ class LoadedRaceways:
         self.assembly, self.distribution, self.closure, self.settings = assembly, distribution, closure, settings
         #: cage slip -> roller slips of free rollers over that of rolling on the outer ring
         self._shares: dict[float, Array] = {}
+        self._slopes = np.zeros(0)
+        self._spins: Spins | None = None
         orbit = float(np.sign(assembly.kinematics.epicyclic_cage_speed))
         # instants m and rollers j are positions j M + m of the orbit, of which k and -k carry the same
         positions = distribution.psi.size
@@ -112,53 +116,55 @@ class LoadedRaceways:
         if self.closure == "outer-rolling":
             speeds = kinematics.surface_speeds(cage_slip, outer_rolling)
             return attrs.evolve(speeds, outer_sliding=np.zeros_like(speeds.outer_sliding))  # not the rounding of it
-        free = [
-            self._free_roller_slip(slip, rolling)
-            for slip, rolling in zip(cage_slip.tolist(), outer_rolling.tolist(), strict=True)
-        ]
-        return kinematics.surface_speeds(cage_slip[:, None], np.array(free))
+        new = np.array(sorted({float(slip) for slip in cage_slip if slip > 0.0} - self._shares.keys()))
+        if new.size:
+            self._find_shares(new, kinematics.roller_slip_outer_rolling(new))
+        none = np.zeros(self.inner.rollers)
+        shares = np.array([self._shares[slip] if slip > 0.0 else none for slip in cage_slip.tolist()])
+        return kinematics.surface_speeds(cage_slip[:, None], outer_rolling[:, None] * shares)
 
-    def _free_roller_slip(self, cage_slip: float, outer_rolling: float) -> Array:
-        """Roller slip at which both rings pull a roller alike, (rollers,).
+    def _find_shares(self, cage_slip: Array, outer_rolling: Array) -> None:
+        """Find the roller slips at which both rings pull a roller alike, relative to rolling on the outer ring.
 
         Between rolling on the inner ring and rolling on the outer one the difference of the pulls changes its sign,
         so there is a root; of several the bracket ends in one that is stable, mostly the nearest to what is known of
         cage slips next to this one. A roller without inner load rolls on the outer ring.
         """
-        result = np.full(self.inner.rollers, outer_rolling)
-        if cage_slip == 0.0:
-            return 0.0 * result
-        if cage_slip in self._shares:
-            return outer_rolling * self._shares[cage_slip]
-        kinematics = self.assembly.kinematics
-        inner_rolling = -outer_rolling * kinematics.inner_radius / kinematics.outer_radius
-        loaded = np.flatnonzero(self.inner.per_roller(self.inner.force) > 0.0)
-
-        def difference(slip: Array) -> Array:
-            trial = result.copy()
-            trial[loaded] = slip
-            (both,) = self.contacts(kinematics.surface_speeds(np.full((1, 1), cage_slip), trial))
-            pulls = [
-                contacts.per_roller(contacts.force * contacts.friction(rolling, sliding))
-                for contacts, rolling, sliding in both
-            ]
-            return np.asarray((pulls[0] - pulls[1])[loaded]) * self.inner.orbit  # as the sliding speed has its sign
-
-        low, high = min(inner_rolling, outer_rolling), max(inner_rolling, outer_rolling)
-        guess = None
-        if len(near := sorted(self._shares, key=lambda slip: abs(slip - cage_slip))[:2]) == 2:
-            one, two = (self._shares[slip] for slip in near)
-            guess = outer_rolling * (one + (cage_slip - near[0]) / (near[1] - near[0]) * (two - one))[loaded]
-        found, lost = balances(difference, np.full(loaded.size, low), np.full(loaded.size, high), guess)
-        if lost.any():
+        kinematics, rollers = self.assembly.kinematics, self.inner.rollers
+        if self._spins is None:
+            self._spins = Spins(kinematics, rollers, (self.inner, self.outer))
+        loaded = self.inner.per_roller(self.inner.force) > 0.0
+        ends = np.array([np.where(loaded, -kinematics.inner_radius / kinematics.outer_radius, 1.0), np.ones(rollers)])
+        ahead = kinematics.surface_speeds(cage_slip, 0.0)
+        near = self._nearest(float(cage_slip[0]))
+        shares, lost, self._slopes, place, row, ended = self._spins.kernel.followed(
+            np.array([ahead.inner_sliding, ahead.outer_sliding]),
+            outer_rolling,
+            ends,
+            np.array([self._shares[slip] for slip in near]).reshape(-1, rollers),
+            kinematics.roller_slip_outer_rolling(np.array(near)),
+            self._slopes if near else np.zeros(rollers),
+        )
+        if ended in RINGS:
+            self.require_entrainment(kinematics.surface_speeds(cage_slip[row : row + 1, None], place))
+        self._spins.ended(ended)
+        if ended:
             raise ConvergenceError(
-                f"closure 'free-roller' found no spin for {np.count_nonzero(lost)} of {loaded.size} rollers "
-                f"at a cage slip of {cage_slip:g}, where friction rises within the rounding of the speeds or has no "
-                "balance" + (f"; take --set {self.settings}.closure=epicyclic" if self.settings else "")
+                f"closure 'free-roller' found no spin for {np.count_nonzero(lost)} of {np.count_nonzero(loaded)} "
+                f"rollers at a cage slip of {cage_slip[row]:g}, where friction rises within the rounding of the speeds "
+                "or has no balance" + (f"; take --set {self.settings}.closure=epicyclic" if self.settings else "")
             )
-        result[loaded] = found
-        self._shares[cage_slip] = result / outer_rolling
-        return result
+        self._shares.update(zip(cage_slip.tolist(), shares, strict=True))
+
+    def _nearest(self, cage_slip: float) -> list[float]:
+        """The cage slips next to one at which shares are known, none of them closer together than tells."""
+        found = list[float]()
+        for slip in sorted(self._shares, key=lambda slip: abs(slip - cage_slip)):
+            if all(abs(slip - other) > _TELLS * cage_slip for other in found):
+                found.append(slip)
+            if len(found) == _GO_ON:
+                break
+        return found
 
     def contacts(self, speeds: SurfaceSpeeds) -> "Iterator[list[tuple[LoadedContacts, Any, Any]]]":
         """Both rings' contacts with their rolling and sliding speeds, for every row of speeds (n,) or (n, rollers).

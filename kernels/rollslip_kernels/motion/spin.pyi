@@ -1,0 +1,34 @@
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip_kernels.slices import Slices
+
+Array = NDArray[np.float64]
+Found = NDArray[np.bool_]
+#: Stage, table, load, force, width, first, resists.
+Ring = tuple[object, Slices, Array, Array, Array, NDArray[np.intp], bool]
+
+NUDGED: float
+
+class Spin:
+    def __init__(
+        self,
+        rollers: int,
+        rings: Sequence[Ring] | Callable[[Array], tuple[Array, Array]],
+        radii: tuple[float, float, float, float],
+        rolling: float,
+        slow: float = 0.0,
+        pocket: float = 0.0,
+    ) -> None: ...
+    @property
+    def evaluated(self) -> tuple[int, int]: ...
+    def at(self, inner: Array, outer: Array) -> None: ...
+    def torques(self, slip: Array) -> tuple[Array, Array, str]: ...
+    def on_cage(self, slip: Array, tractions: Array, resistances: Array) -> Array: ...
+    def balanced(self, low: Array, high: Array, guess: Array | None = None) -> tuple[Array, Found, str]: ...
+    def followed(
+        self, leads: Array, slips: Array, ends: Array, known: Array, near: Array, slope: Array
+    ) -> tuple[Array, Found, Array, Array, int, str]: ...
+    def periodic(self, guess: Array, inertia: float, damping: float = 0.0) -> tuple[Array, float, float, str]: ...

@@ -1,0 +1,542 @@
+"""Spin of rollers at steady slips of the cage: where their torques balance, and motions that repeat after an orbit.
+
+- The unknown is the slip of a roller, S_r, at every position; a torque depends on the slip at its own position alone.
+- Contacts are a compiled chain on the loaded slices, or a Python call. Of a chain only the slices of rollers are
+  evaluated that are still looked for: they are gathered into a table, roller by roller.
+- Balances are found by secants, halved where they are slow. One after the other along the cage slip, each begins from
+  the parabola through what those before have found, and with their slopes, so that three evaluations find it.
+- Where torques rise through zero is where the rollers hold their spin, so brackets end there.
+- How torques are made of forces stands in the framework's module `rollslip.motion.torque_balance`.
+"""
+
+import numpy as np
+
+from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
+from cpython.pycapsule cimport PyCapsule_GetPointer
+from libc.math cimport NAN, exp, fabs, hypot
+
+from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
+from rollslip_errors cimport rs_raise_pending
+
+from rollslip_kernels.chain import bound
+
+cdef enum:
+    INNER
+    OUTER
+
+cdef enum:   # how it ended; below, the ring whose chain refused
+    FOUND = 2
+    LOST
+    RAISED
+
+cdef enum:
+    STEPS = 80           # of Newton's method
+    BISECTIONS = 120
+    NEAR = 4             # known rows that the next one goes on from
+
+cdef double SETTLED = 1e-9     # Newton's method ends at a step of this, relative to the largest roller slip
+cdef double ROUNDING = 1e-13   # or when what is left is rounding, relative to what it is the difference of
+cdef double REACH = 10.0       # largest step of the roller slip; what the rollers hold is never as far
+cdef double WORSE = 3.0        # how much larger a residual may get in a step: disturbances are carried round first
+cdef double LEAST = 1e-3       # least damping, relative to the steepest torque
+cdef double EXPONENT = 600.0   # beyond it nothing is left of a disturbance, or everything lost
+cdef double NUDGE = 1e-7       # step of the roller slip by which torques are differentiated
+cdef double BALANCED = 1e-14   # last and first step of secants, relative to the bracket
+cdef double APART = 1e-3
+cdef double BENDS = 100.0      # by how much a slope may change over the bracket, relative to it
+cdef double SLIDES = 1e-2      # sliding speed over which the friction of a pocket changes its sign [m/s]
+
+#: Step of the roller slip by which torques are differentiated.
+NUDGED = NUDGE
+
+cdef struct ring_t:
+    rs_model chain
+    rs_slices table
+    const double *load
+    const double *force
+    const double *width
+    const Py_ssize_t *first    # slice of every roller, (K + 1,)
+    double *lead               # speed by which the raceway is ahead of pure rolling, (K,)
+    double *traction           # (K,)
+    double *resistance
+    bint resists
+    size_t evaluated
+
+
+cdef class Spin:
+    """Torques of rollers at K positions.
+
+    ``rings`` holds, of inner and outer ring, (stage, table, load, force, width, first, resists): the capsule of the
+    chain, a table of slices to work in, and of all loaded slices load, force and width, with the first one of every
+    position, (K + 1,); or it is a call that returns tractions and resistances (2, K) [N] at roller slips (K,).
+    ``radii`` are those of inner and outer raceway, roller and orbit [m], ``rolling`` is the speed of epicyclic rolling
+    and ``slow`` the one that the film never falls below [m/s], ``pocket`` a coefficient of friction.
+    """
+
+    cdef ring_t rings[2]
+    cdef Py_ssize_t rollers
+    cdef double inner, outer, radius, orbit, rolling, slow, pocket
+    cdef double largest        # traction of the last evaluation
+    cdef bint calls            # Python for forces
+    cdef object python, kept
+    cdef double[:, ::1] work
+    cdef Py_ssize_t[::1] active
+
+    def __init__(self, Py_ssize_t rollers, rings, radii, double rolling, double slow=0.0, double pocket=0.0):
+        cdef const double[::1] load, force, width
+        cdef const Py_ssize_t[::1] first
+        cdef ring_t *ring
+        cdef Py_ssize_t n, k
+        if rollers < 1:
+            raise ValueError(f"{rollers} positions: there must be at least one")
+        self.rollers, self.rolling, self.slow, self.pocket = rollers, rolling, slow, pocket
+        self.inner, self.outer, self.radius, self.orbit = radii
+        self.work, self.active = np.zeros((16, rollers)), np.empty(rollers, dtype=np.intp)
+        self.python, self.kept = (rings, None) if callable(rings) else (None, [rings])
+        self.calls = self.python is not None
+        for k in range(2):
+            ring = &self.rings[k]
+            ring.lead, ring.traction, ring.resistance = &self.work[k, 0], &self.work[2 + k, 0], &self.work[4 + k, 0]
+            if self.calls:
+                continue
+            stage, table, load, force, width, first, resists = rings[k]
+            gathered, n = bound(table), load.shape[0]
+            if not (force.shape[0] == width.shape[0] == n <= len(table)) or first.shape[0] != rollers + 1:
+                raise ValueError(f"loads, forces, widths and a table of {n} slices of {rollers} rollers are expected")
+            if first[0] != 0 or first[rollers] != n or np.any(np.diff(first) < 0):
+                raise ValueError(f"first slices that ascend from 0 to {n} are expected")
+            self.kept.append((gathered, load, force, width, first))
+            ring.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
+            ring.table = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
+            ring.first, ring.resists = &first[0], resists
+            if n:
+                ring.load, ring.force, ring.width = &load[0], &force[0], &width[0]
+
+    @property
+    def evaluated(self):
+        """Slices evaluated so far, of inner and outer ring."""
+        return self.rings[INNER].evaluated, self.rings[OUTER].evaluated
+
+    def at(self, const double[:] inner, const double[:] outer):
+        """Set by how much the raceways are ahead of pure rolling at every position [m/s], (K,), without roller slip."""
+        cdef Py_ssize_t k
+        if not inner.shape[0] == outer.shape[0] == self.rollers:
+            raise ValueError(f"{inner.shape[0]} and {outer.shape[0]} speeds for {self.rollers} positions")
+        for k in range(self.rollers):
+            self.rings[INNER].lead[k], self.rings[OUTER].lead[k] = inner[k], outer[k]
+
+    def torques(self, const double[::1] slip):
+        """Return the torques on the spin of a roller and, of one roller, on the cage [N m], (K,) each; and how."""
+        cdef double[::1] spin = np.empty(self.rollers), cage = np.empty(self.rollers)
+        cdef int ended
+        self._check(slip)
+        self._all()
+        with nogil:
+            ended = self._torques(&slip[0], &spin[0], &cage[0], self.rollers)
+        return np.asarray(spin), np.asarray(cage), self._ended(ended)
+
+    def on_cage(self, const double[::1] slip, const double[:, ::1] tractions, const double[:, ::1] resistances):
+        """Return the torque of one roller on the cage [N m], (K,), from forces [N], (2, K)."""
+        cdef double[::1] spin = np.empty(self.rollers), cage = np.empty(self.rollers)
+        cdef Py_ssize_t k
+        self._check(slip)
+        self._check(tractions[0])
+        self._check(resistances[0])
+        for k in range(self.rollers):
+            self._torque(
+                slip[k], tractions[0, k], tractions[1, k], resistances[0, k], resistances[1, k], &spin[k], &cage[k])
+        return np.asarray(cage)
+
+    def balanced(self, const double[::1] low, const double[::1] high, guess=None):
+        """Return where each torque rises through zero in its bracket, which were not found, and how it ended.
+
+        ``low`` and ``high`` are below zero and above it, or the place itself twice; from a guess it is mostly the one
+        nearest to it.
+        """
+        place, lost = np.empty(self.rollers), np.zeros(self.rollers, dtype=np.uint8)
+        cdef double[::1] at = place
+        cdef unsigned char[::1] missed = lost
+        cdef const double[::1] near
+        cdef Py_ssize_t k
+        cdef int ended
+        self._check(low)
+        self._check(high)
+        for k in range(self.rollers):
+            at[k] = 0.5 * (low[k] + high[k])
+        if guess is not None:
+            near = guess
+            self._check(near)
+            for k in range(self.rollers):
+                at[k] = min(max(near[k], low[k]), high[k])
+        with nogil:
+            ended = self._balanced(&low[0], &high[0], &at[0], NULL, &missed[0])
+        return place, lost.view(bool), self._ended(ended)
+
+    def followed(self, const double[:, ::1] leads, const double[::1] slips, const double[:, ::1] ends,
+                 const double[:, ::1] known, const double[::1] near, const double[::1] slope):
+        """Return where torques balance at rows of cage slips, one after the other, and how it ended.
+
+        It is looked for as a share of ``slips`` (n,), the roller slips of rolling on the outer ring: between ``ends``
+        (2, K), or at the share itself that they give twice. ``leads`` (2, n) are as `at` takes them, for all positions
+        alike. ``known`` (m, K) are shares at slips ``near`` (m,), from which the first rows go on, and ``slope`` (K,)
+        that of the torque over the roller slip there, zero where it is not known.
+
+        Returned are the shares (n, K), which are lost, the slopes, and where it stopped: place (K,) and row.
+        """
+        cdef Py_ssize_t n = slips.shape[0], K = self.rollers, row = 0, k, i, j, m
+        cdef double x, one, two
+        shares, lost, slopes = np.empty((n, K)), np.zeros((n, K), dtype=np.uint8), np.array(slope)
+        cdef double[:, ::1] out = shares
+        cdef unsigned char[:, ::1] missed = lost
+        cdef double[::1] steep = slopes, low = np.empty(K), high = np.empty(K), at = np.empty(K)
+        cdef int ended = FOUND
+        cdef double weights[NEAR]
+        cdef const double *before[NEAR]
+        cdef double places[NEAR]
+        if leads.shape[1] != n or leads.shape[0] != 2 or ends.shape[0] != 2 or known.shape[0] != near.shape[0]:
+            raise ValueError("leads of two rings are expected at all slips, two ends, and a slip of all that is known")
+        for given in (slope, ends[0], *([known[0]] if known.shape[0] else [])):
+            self._check(given)
+        with nogil:
+            for row in range(n):
+                # the nearest that are known: rows before, then what was known before them
+                m = 0
+                while m < NEAR and m < row:
+                    before[m], places[m] = &out[row - 1 - m, 0], slips[row - 1 - m]
+                    m += 1
+                i = 0
+                while m < NEAR and i < known.shape[0]:
+                    before[m], places[m] = &known[i, 0], near[i]
+                    m, i = m + 1, i + 1
+                for i in range(m):
+                    weights[i] = 1.0
+                    for j in range(m):
+                        if j != i:
+                            weights[i] *= (slips[row] - places[j]) / (places[i] - places[j])
+                for k in range(K):
+                    self.rings[INNER].lead[k], self.rings[OUTER].lead[k] = leads[0, row], leads[1, row]
+                    one, two = ends[0, k] * slips[row], ends[1, k] * slips[row]
+                    low[k], high[k] = min(one, two), max(one, two)
+                    x = 0.0 if m else 0.5 * (ends[0, k] + ends[1, k])
+                    for i in range(m):
+                        x += weights[i] * before[i][k]
+                    at[k] = min(max(x * slips[row], low[k]), high[k])
+                ended = self._balanced(&low[0], &high[0], &at[0], &steep[0], &missed[row, 0])
+                for k in range(K):
+                    out[row, k] = at[k] / slips[row]
+                if ended != FOUND:
+                    break
+        return shares, lost.view(bool), slopes, np.asarray(at), row, self._ended(ended)
+
+    def periodic(self, const double[::1] guess, double inertia, double damping=0.0):
+        """Return roller slips that repeat after an orbit, from a guess, Floquet's multiplier, what is left, and how.
+
+        inertia d(S_r) + G = 0 with backward differences of second order round the positions; ``inertia`` is the torque
+        that changes the roller slip by one from a position to the next, ``damping`` that of the first steps [N m].
+        """
+        cdef double[::1] slip = np.array(guess)
+        cdef double multiplier = NAN, left = NAN
+        cdef int ended
+        self._check(guess)
+        self._all()
+        with nogil:
+            ended = self._periodic(&slip[0], inertia, damping, &multiplier, &left)
+        return np.asarray(slip), multiplier, left, self._ended(ended)
+
+    cdef int _check(self, const double[::1] values) except -1:
+        if values.shape[0] != self.rollers:
+            raise ValueError(f"{values.shape[0]} values for {self.rollers} positions")
+        return 0
+
+    cdef object _ended(self, int ended):
+        if ended == RAISED and PyErr_Occurred() != NULL:
+            rs_raise_pending()
+        return {INNER: "inner", OUTER: "outer", FOUND: "", LOST: "lost"}[ended]
+
+    cdef void _all(self) noexcept nogil:
+        cdef Py_ssize_t k
+        for k in range(self.rollers):
+            self.active[k] = k
+
+    cdef int _torques(self, const double *slip, double *spin, double *cage, Py_ssize_t count) noexcept nogil:
+        """Torques of the first ``count`` active rollers; the others keep theirs."""
+        cdef Py_ssize_t a, k
+        cdef int ring, ended
+        cdef double size = 0.0
+        if self.calls:
+            with gil:
+                try:
+                    self._forces_in_python(slip)
+                except BaseException as error:
+                    PyErr_SetObject(type(error), error)
+                    return RAISED
+        else:
+            for ring in range(2):
+                ended = self._forces(ring, slip, count)
+                if ended != FOUND:
+                    return ended
+        for a in range(count):
+            k = self.active[a]
+            self._torque(slip[k], self.rings[INNER].traction[k], self.rings[OUTER].traction[k],
+                         self.rings[INNER].resistance[k], self.rings[OUTER].resistance[k], &spin[k], &cage[k])
+            size = max(size, max(fabs(self.rings[INNER].traction[k]), fabs(self.rings[OUTER].traction[k])))
+        self.largest = size
+        return FOUND
+
+    cdef int _forces_in_python(self, const double *slip) except -1:
+        cdef Py_ssize_t k
+        cdef int ring
+        cdef double[::1] given = np.empty(self.rollers)
+        cdef const double[:, :] tractions, resistances
+        for k in range(self.rollers):
+            given[k] = slip[k]
+        tractions, resistances = self.python(np.asarray(given))
+        for ring in range(2):
+            for k in range(self.rollers):
+                self.rings[ring].traction[k], self.rings[ring].resistance[k] = tractions[ring, k], resistances[ring, k]
+        return 0
+
+    cdef int _forces(self, int which, const double *slip, Py_ssize_t count) noexcept nogil:
+        """Traction and resistance of a ring on the active rollers, of their slices gathered into its table."""
+        cdef ring_t *ring = &self.rings[which]
+        cdef rs_slices *s = &ring.table
+        cdef Py_ssize_t a, k, i, n = 0
+        cdef int status
+        cdef double sliding, rolling, spin, sum, rest
+        for a in range(count):
+            k = self.active[a]
+            spin = self.rolling * slip[k]
+            sliding = ring.lead[k] + spin if which == INNER else ring.lead[k] - spin
+            rolling = self._rolls(which, k, slip[k])
+            rolling = hypot(rolling, self.slow) if self.slow > 0.0 else rolling
+            for i in range(ring.first[k], ring.first[k + 1]):
+                s.load[n], s.rolling_speed[n], s.sliding_speed[n] = ring.load[i], rolling, sliding
+                n += 1
+        s.n = n
+        if n:
+            status = ring.chain.evaluate(s, ring.chain.params)
+            ring.evaluated += n
+            if status != 0:
+                return RAISED if status == -1 else which
+        n = 0
+        for a in range(count):
+            k = self.active[a]
+            sum = rest = 0.0
+            for i in range(ring.first[k], ring.first[k + 1]):
+                sum += s.friction[n] * ring.force[i]
+                rest += s.resistance[n] * ring.width[i] if ring.resists else 0.0
+                n += 1
+            if ring.resists:
+                rolling = self._rolls(which, k, slip[k])
+                rest *= rolling / hypot(rolling, self.slow)
+            ring.traction[k], ring.resistance[k] = sum, rest
+        return FOUND
+
+    cdef inline double _rolls(self, int which, Py_ssize_t k, double slip) noexcept nogil:
+        """Entrainment speed of a contact."""
+        cdef double spin = self.rolling * slip
+        return self.rolling + (0.5 * (self.rings[which].lead[k] - spin) if which == INNER else
+                               -0.5 * (self.rings[which].lead[k] + spin))
+
+    cdef inline void _torque(self, double slip, double inner, double outer, double inner_resistance,
+                             double outer_resistance, double *spin, double *cage) noexcept nogil:
+        """Torques of one roller on its spin, G, and on the cage."""
+        cdef double slides
+        cdef double along = self.inner * (inner + inner_resistance) + self.outer * (outer - outer_resistance)
+        spin[0] = self.radius * (inner - inner_resistance - outer - outer_resistance)
+        if self.pocket > 0.0:
+            slides = self.rolling * (1.0 - slip)
+            spin[0] -= self.pocket * self.radius / self.orbit * fabs(spin[0] + along) * slides / hypot(slides, SLIDES)
+        cage[0] = spin[0] + along
+
+    cdef int _balanced(self, const double *lowest, const double *highest, double *at, double *slope,
+                       unsigned char *lost) noexcept nogil:
+        """Secants in brackets, from ``at``; slopes that are known, above zero, give the first step, and are renewed."""
+        cdef double *low = &self.work[6, 0]
+        cdef double *high = &self.work[7, 0]
+        cdef double *before = &self.work[8, 0]
+        cdef double *value = &self.work[9, 0]
+        cdef double *value_before = &self.work[10, 0]
+        cdef double *wide = &self.work[11, 0]
+        cdef double *moved = &self.work[12, 0]
+        cdef double *cage = &self.work[13, 0]
+        cdef Py_ssize_t count = 0, left, a, k
+        cdef int number, ended
+        cdef double to, step, reach, steep
+        cdef bint all_known = slope != NULL, inside
+        for k in range(self.rollers):
+            low[k], high[k] = lowest[k], highest[k]
+            reach = high[k] - low[k]
+            wide[k] = moved[k] = reach
+            if reach > 0.0:
+                self.active[count] = k
+                count += 1
+                before[k] = at[k] + (APART if at[k] < 0.5 * (lowest[k] + highest[k]) else -APART) * reach
+                all_known = all_known and slope[k] > 0.0
+        if count == 0:
+            return FOUND
+        if not all_known:
+            ended = self._torques(before, value_before, cage, count)
+            if ended != FOUND:
+                return ended
+        ended = self._torques(at, value, cage, count)
+        if ended != FOUND:
+            return ended
+        if all_known:
+            for a in range(count):
+                k = self.active[a]
+                value_before[k] = value[k] + slope[k] * (before[k] - at[k])
+        for number in range(BISECTIONS):
+            left = 0
+            for a in range(count):
+                k = self.active[a]
+                reach = highest[k] - lowest[k]
+                if value[k] < 0.0:
+                    low[k] = at[k]
+                elif value[k] > 0.0:
+                    high[k] = at[k]
+                elif value[k] == 0.0:
+                    continue
+                steep = (value[k] - value_before[k]) / (at[k] - before[k])
+                to = at[k] - value[k] / steep
+                inside = low[k] < to < high[k]
+                if number % 3 == 2:  # three steps halve the bracket at least
+                    inside = inside and high[k] - low[k] <= 0.5 * wide[k]
+                    wide[k] = high[k] - low[k]
+                if not inside:
+                    to = 0.5 * (low[k] + high[k])
+                elif slope != NULL:
+                    slope[k] = steep
+                step = fabs(to - at[k])
+                before[k], value_before[k], at[k] = at[k], value[k], to
+                # what a secant leaves of its step: the share that this is of the one before, or, where that is small by
+                # chance, what the torque bends over the one before
+                if step <= BALANCED * reach or number and inside and (
+                        step * max(step / moved[k], BENDS * moved[k] / reach) <= BALANCED * reach):
+                    continue
+                moved[k] = step
+                self.active[left] = k
+                left += 1
+            count = left
+            if count == 0:
+                return FOUND
+            ended = self._torques(at, value, cage, count)
+            if ended != FOUND:
+                return ended
+        for a in range(count):
+            lost[self.active[a]] = 1
+        return LOST
+
+    cdef int _periodic(self, double *slip, double inertia, double damping, double *multiplier,
+                       double *left) noexcept nogil:
+        cdef Py_ssize_t K = self.rollers, k
+        cdef double *torque = &self.work[6, 0]
+        cdef double *residual = &self.work[7, 0]
+        cdef double *there = &self.work[8, 0]
+        cdef double *torque_there = &self.work[9, 0]
+        cdef double *residual_there = &self.work[10, 0]
+        cdef double *slope = &self.work[11, 0]
+        cdef double *step = &self.work[12, 0]
+        cdef double *cage = &self.work[13, 0]
+        cdef double size, sum, steepest, moved, largest, worse
+        cdef int ended
+        cdef bint within, settled
+        ended = self._torques(slip, torque, cage, K)
+        if ended != FOUND:
+            return ended
+        size = self.largest
+        left[0] = _unbalanced(K, slip, torque, inertia, residual)
+        for _ in range(STEPS):
+            for k in range(K):
+                there[k] = slip[k] + NUDGE
+            ended = self._torques(there, torque_there, cage, K)
+            if ended != FOUND:
+                return ended
+            sum = steepest = largest = 0.0
+            for k in range(K):
+                slope[k] = (torque_there[k] - torque[k]) / NUDGE
+                sum += slope[k]
+                steepest, largest = max(steepest, fabs(slope[k])), max(largest, fabs(slip[k]))
+            multiplier[0] = exp(min(max(-sum / inertia, -EXPONENT), EXPONENT))
+            if left[0] <= ROUNDING * (self.radius * size + inertia * largest):
+                return FOUND
+            # no step of pseudo-time goes towards a motion that is not held
+            for k in range(K):
+                there[k] = fabs(slope[k]) + damping if damping > 0.0 else slope[k]
+            self._around(inertia, there, residual, step)
+            moved, within = 0.0, True
+            for k in range(K):
+                within = within and fabs(step[k]) <= REACH
+                moved = max(moved, fabs(step[k]))
+            if not within:
+                damping = max(4.0 * damping, LEAST * steepest)
+                continue
+            for k in range(K):
+                there[k] = slip[k] + step[k]
+            settled = moved <= SETTLED * largest
+            if settled and damping == 0.0:
+                for k in range(K):
+                    slip[k] = there[k]
+                return FOUND
+            ended = self._torques(there, torque_there, cage, K)
+            if ended != FOUND:
+                return ended
+            worse = _unbalanced(K, there, torque_there, inertia, residual_there) / left[0]
+            if settled or worse <= WORSE or damping >= 4.0 * steepest:
+                for k in range(K):
+                    slip[k], torque[k], residual[k] = there[k], torque_there[k], residual_there[k]
+                size, left[0] = self.largest, worse * left[0]
+                if damping > LEAST * steepest:
+                    damping /= 4.0 if worse <= 1.0 else 1.5
+                elif worse <= 1.0:  # while it gets worse a torque is past its maximum: undamped steps would go back
+                    damping = 0.0
+            else:
+                damping = max(4.0 * damping, LEAST * steepest)
+        return LOST
+
+    cdef void _around(self, double c, const double *slope, const double *residual, double *x) noexcept nogil:
+        """Solve change(x) + slope x = -residual around the orbit; NaN if that has no solution.
+
+        The last two values, on which the first two depend, are found from what each of them adds to all.
+        """
+        cdef double *first = &self.work[14, 0]
+        cdef double *second = &self.work[15, 0]
+        cdef double d, side, a, b, e, f, g, h, determinant, last, previous
+        cdef double one[3]
+        cdef double two[3]
+        cdef double now[3]
+        cdef Py_ssize_t k, K = self.rollers
+        cdef int i
+        for i in range(3):
+            one[i] = two[i] = 0.0
+        for k in range(K):
+            d = 1.5 * c + slope[k]
+            d = d if d != 0.0 else NAN
+            for i in range(3):
+                side = -residual[k] if i == 0 else 0.0
+                if i == 1 and k < 2:
+                    side = 2.0 * c if k == 0 else -0.5 * c
+                elif i == 2 and k == 0:
+                    side = -0.5 * c
+                now[i] = (side + 2.0 * c * one[i] - 0.5 * c * two[i]) / d
+            for i in range(3):
+                two[i], one[i] = one[i], now[i]
+            x[k], first[k], second[k] = now[0], now[1], now[2]
+        k = (K - 2) % K
+        a, b, e, f, g, h = x[K - 1], first[K - 1], second[K - 1], x[k], first[k], second[k]
+        determinant = (1.0 - b) * (1.0 - h) - e * g  # x_-1 = a + b x_-1 + e x_-2, x_-2 = f + g x_-1 + h x_-2
+        last, previous = (a * (1.0 - h) + e * f) / determinant, (f * (1.0 - b) + g * a) / determinant
+        for k in range(K):
+            x[k] += first[k] * last + second[k] * previous
+
+
+cdef double _unbalanced(Py_ssize_t n, const double *slip, const double *torque, double inertia,
+                        double *residual) noexcept nogil:
+    """What the change of the spin and the torques leave, and the largest of it."""
+    cdef Py_ssize_t k
+    cdef double largest = 0.0
+    for k in range(n):
+        residual[k] = inertia * (1.5 * slip[k] - 2.0 * slip[(k - 1 + n) % n] + 0.5 * slip[(k - 2 + 2 * n) % n])
+        residual[k] += torque[k]
+        largest = max(largest, fabs(residual[k]))
+    return largest
