@@ -4,7 +4,8 @@
 - Contacts are a compiled chain on the loaded slices, or a Python call. Of a chain only the slices of rollers are
   evaluated that are still looked for: they are gathered into a table, roller by roller.
 - Balances are found by secants, halved where they are slow. One after the other along the cage slip, each begins from
-  the parabola through what those before have found, and with their slopes, so that three evaluations find it.
+  the cubic through what those before have found, and with their slopes, so that four evaluations find it. Where a
+  balance ends, the roller goes on in the sense of its torque to the next one, and stays there.
 - Where torques rise through zero is where the rollers hold their spin, so brackets end there.
 - How torques are made of forces stands in the framework's module `rollslip.motion.torque_balance`.
 """
@@ -44,6 +45,9 @@ cdef double NUDGE = 1e-7       # step of the roller slip by which torques are di
 cdef double BALANCED = 1e-14   # last and first step of secants, relative to the bracket
 cdef double APART = 1e-3
 cdef double BENDS = 100.0      # by how much a slope may change over the bracket, relative to it
+cdef double LEAP = 0.02        # first step to where nothing is known, relative to the bracket
+cdef double JUMP = 0.05        # miss of a guess after which what was before it is no guide any more
+cdef double WIDE = 0.5         # span of shares that are not of one motion
 cdef double SLIDES = 1e-2      # sliding speed over which the friction of a pocket changes its sign [m/s]
 
 #: Step of the roller slip by which torques are differentiated.
@@ -169,7 +173,7 @@ cdef class Spin:
             for k in range(self.rollers):
                 at[k] = min(max(near[k], low[k]), high[k])
         with nogil:
-            ended = self._balanced(&low[0], &high[0], &at[0], NULL, &missed[0])
+            ended = self._balanced(&low[0], &high[0], &at[0], NULL, 1.0, &missed[0])
         return place, lost.view(bool), self._ended(ended)
 
     def followed(self, const double[:, ::1] leads, const double[::1] slips, const double[:, ::1] ends,
@@ -183,14 +187,15 @@ cdef class Spin:
 
         Returned are the shares (n, K), which are lost, the slopes, and where it stopped: place (K,) and row.
         """
-        cdef Py_ssize_t n = slips.shape[0], K = self.rollers, row = 0, k, i, j, m
-        cdef double x, one, two
+        cdef Py_ssize_t n = slips.shape[0], K = self.rollers, row = 0, k, i, j, m, most
+        cdef double x, one, two, span
         shares, lost, slopes = np.empty((n, K)), np.zeros((n, K), dtype=np.uint8), np.array(slope)
         cdef double[:, ::1] out = shares
         cdef unsigned char[:, ::1] missed = lost
-        cdef double[::1] steep = slopes, low = np.empty(K), high = np.empty(K), at = np.empty(K)
+        cdef double[::1] steep = slopes, low = np.empty(K), high = np.empty(K), at = np.empty(K), guess = np.empty(K)
+        cdef Py_ssize_t[::1] even = np.empty(K, dtype=np.intp)   # rows since the last jump
         cdef int ended = FOUND
-        cdef double weights[NEAR]
+        cdef double weights[NEAR][NEAR]    # of polynomials through one, two, ... rows
         cdef const double *before[NEAR]
         cdef double places[NEAR]
         if leads.shape[1] != n or leads.shape[0] != 2 or ends.shape[0] != 2 or known.shape[0] != near.shape[0]:
@@ -198,32 +203,39 @@ cdef class Spin:
         for given in (slope, ends[0], *([known[0]] if known.shape[0] else [])):
             self._check(given)
         with nogil:
+            for k in range(K):
+                span = 0.0
+                for i in range(min(known.shape[0], NEAR)):
+                    span = max(span, fabs(known[i, k] - known[0, k]))
+                even[k] = NEAR if span <= WIDE else 1
             for row in range(n):
                 # the nearest that are known: rows before, then what was known before them
-                m = 0
-                while m < NEAR and m < row:
-                    before[m], places[m] = &out[row - 1 - m, 0], slips[row - 1 - m]
-                    m += 1
+                most = 0
+                while most < NEAR and most < row:
+                    before[most], places[most] = &out[row - 1 - most, 0], slips[row - 1 - most]
+                    most += 1
                 i = 0
-                while m < NEAR and i < known.shape[0]:
-                    before[m], places[m] = &known[i, 0], near[i]
-                    m, i = m + 1, i + 1
-                for i in range(m):
-                    weights[i] = 1.0
-                    for j in range(m):
-                        if j != i:
-                            weights[i] *= (slips[row] - places[j]) / (places[i] - places[j])
+                while most < NEAR and i < known.shape[0]:
+                    before[most], places[most] = &known[i, 0], near[i]
+                    most, i = most + 1, i + 1
+                for m in range(most):
+                    for i in range(m + 1):
+                        weights[m][i] = 1.0
+                        for j in range(m + 1):
+                            if j != i:
+                                weights[m][i] *= (slips[row] - places[j]) / (places[i] - places[j])
                 for k in range(K):
                     self.rings[INNER].lead[k], self.rings[OUTER].lead[k] = leads[0, row], leads[1, row]
                     one, two = ends[0, k] * slips[row], ends[1, k] * slips[row]
                     low[k], high[k] = min(one, two), max(one, two)
-                    x = 0.0 if m else 0.5 * (ends[0, k] + ends[1, k])
+                    x, m = 0.0 if most else 0.5 * (ends[0, k] + ends[1, k]), min(most, even[k])
                     for i in range(m):
-                        x += weights[i] * before[i][k]
-                    at[k] = min(max(x * slips[row], low[k]), high[k])
-                ended = self._balanced(&low[0], &high[0], &at[0], &steep[0], &missed[row, 0])
+                        x += weights[m - 1][i] * before[i][k]
+                    guess[k] = at[k] = min(max(x * slips[row], low[k]), high[k])
+                ended = self._balanced(&low[0], &high[0], &at[0], &steep[0], LEAP if most else 1.0, &missed[row, 0])
                 for k in range(K):
                     out[row, k] = at[k] / slips[row]
+                    even[k] = even[k] + 1 if fabs(at[k] - guess[k]) <= JUMP * (high[k] - low[k]) else 1
                 if ended != FOUND:
                     break
         return shares, lost.view(bool), slopes, np.asarray(at), row, self._ended(ended)
@@ -349,9 +361,12 @@ cdef class Spin:
             spin[0] -= self.pocket * self.radius / self.orbit * fabs(spin[0] + along) * slides / hypot(slides, SLIDES)
         cage[0] = spin[0] + along
 
-    cdef int _balanced(self, const double *lowest, const double *highest, double *at, double *slope,
+    cdef int _balanced(self, const double *lowest, const double *highest, double *at, double *slope, double leap,
                        unsigned char *lost) noexcept nogil:
-        """Secants in brackets, from ``at``; slopes that are known, above zero, give the first step, and are renewed."""
+        """Secants in brackets, from ``at``; slopes that are known, above zero, give the first step, and are renewed.
+
+        ``leap`` is the first step, relative to the bracket, that may be taken to where nothing is known; it is doubled.
+        """
         cdef double *low = &self.work[6, 0]
         cdef double *high = &self.work[7, 0]
         cdef double *before = &self.work[8, 0]
@@ -360,6 +375,7 @@ cdef class Spin:
         cdef double *wide = &self.work[11, 0]
         cdef double *moved = &self.work[12, 0]
         cdef double *cage = &self.work[13, 0]
+        cdef double *room = &self.work[14, 0]
         cdef Py_ssize_t count = 0, left, a, k
         cdef int number, ended
         cdef double to, step, reach, steep
@@ -368,6 +384,7 @@ cdef class Spin:
             low[k], high[k] = lowest[k], highest[k]
             reach = high[k] - low[k]
             wide[k] = moved[k] = reach
+            room[k] = leap * reach
             if reach > 0.0:
                 self.active[count] = k
                 count += 1
@@ -400,13 +417,17 @@ cdef class Spin:
                 steep = (value[k] - value_before[k]) / (at[k] - before[k])
                 to = at[k] - value[k] / steep
                 inside = low[k] < to < high[k]
-                if number % 3 == 2:  # three steps halve the bracket at least
+                if number % 3 == 2 and (slope == NULL or number > 2):  # three steps halve the bracket at least
                     inside = inside and high[k] - low[k] <= 0.5 * wide[k]
                     wide[k] = high[k] - low[k]
                 if not inside:
                     to = 0.5 * (low[k] + high[k])
                 elif slope != NULL:
                     slope[k] = steep
+                # towards an end where no torque is known, as the roller would go, to the first balance on its way
+                if fabs(to - at[k]) > room[k] and (high[k] == highest[k] if value[k] < 0.0 else low[k] == lowest[k]):
+                    to, inside = at[k] + (room[k] if value[k] < 0.0 else -room[k]), False
+                    room[k] *= 2.0
                 step = fabs(to - at[k])
                 before[k], value_before[k], at[k] = at[k], value[k], to
                 # what a secant leaves of its step: the share that this is of the one before, or, where that is small by
