@@ -1,0 +1,256 @@
+"""Plant small faults, one at a time, and see whether the tests find them: ``python tests/mutants/plant.py``.
+
+``faults.toml`` lists files, the tests that should see a fault there, and faults: what stands there, what is planted,
+and, of one that no test can see, why. What stands there must occur exactly once in the file. ``results.csv`` has a row
+for each fault: what was found, by which test, which has passed without the fault. A fault that has a row is not planted
+again, so that a run may be interrupted at any time; ``--again survived`` plants those again that no test saw.
+
+The work is done on a copy of the tree, whose compiled modules must be up to date (``python setup.py build_ext
+--inplace``): only what a fault changes is built again, with -O1, which is faster. Tests run in a fork of this process,
+which has imported the libraries once; nothing of rollslip is imported before.
+"""
+
+import argparse
+import contextlib
+import csv
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+import traceback
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NoReturn
+
+import attrs
+import filelock
+import hypothesis
+import pytest
+
+HERE = Path(__file__).resolve().parent
+TREE = HERE.parents[1]
+RESULTS = HERE / "results.csv"
+LEFT_OUT = shutil.ignore_patterns(".git", ".hypothesis", "build", "_build", "*_cache", "htmlcov")
+COMPILED = {".pyx", ".pxd", ".h"}
+MOST_SECONDS = 600.0  # a fault may make a test endless; a loaded machine makes all of them slow
+
+
+@attrs.frozen
+class Fault:
+    file: str
+    old: str
+    new: str
+    tests: tuple[str, ...]
+    why: str = ""  # no test can see it
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        return self.file, self.old, self.new
+
+
+@attrs.frozen
+class Finding:
+    file: str
+    line: int
+    old: str
+    new: str
+    outcome: str  # killed or survived
+    seen_by: str
+    seconds: float
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        return self.file, self.old, self.new
+
+
+def faults() -> list[Fault]:
+    table = tomllib.loads((HERE / "faults.toml").read_text(encoding="utf-8"))
+    return [
+        Fault(section["file"], fault[0], fault[1], tuple(section["tests"].split()), *fault[2:])
+        for section in table["of"]
+        for fault in section["faults"]
+    ]
+
+
+def line_of(fault: Fault, text: str) -> int:
+    """Return the line that the fault stands in; ValueError if the table does not fit the file."""
+    if text.count(fault.old) != 1 or fault.old == fault.new:
+        raise ValueError(
+            f"{fault.file}: {fault.old!r} occurs {text.count(fault.old)} times, not once: mend its row in faults.toml"
+        )
+    return text[: text.index(fault.old)].count("\n") + 1
+
+
+def known() -> dict[tuple[str, str, str], Finding]:
+    if not RESULTS.exists():
+        return {}
+    with RESULTS.open(newline="", encoding="utf-8") as stream:
+        rows = [
+            Finding(**{**row, "line": int(row["line"]), "seconds": float(row["seconds"])})
+            for row in csv.DictReader(stream)
+        ]
+    return {row.key: row for row in rows}
+
+
+def note(finding: Finding) -> None:
+    """Add a finding, in the order of the table: another process may have written in between."""
+    with filelock.FileLock(Path(tempfile.gettempdir()) / "rollslip-mutants.lock"):
+        rows = {**known(), finding.key: finding}
+        kept = [rows[fault.key] for fault in faults() if fault.key in rows]
+        with RESULTS.open("w", newline="", encoding="utf-8") as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerow([a.name for a in attrs.fields(Finding)])
+            writer.writerows(attrs.astuple(row) for row in kept)
+
+
+def _tested(tree: Path, tests: tuple[str, ...], log: Path) -> NoReturn:
+    """Run tests in this process, a fork, and end it with their status."""
+    status = 70
+    try:
+        os.setsid()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        out = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(out, 1)
+        os.dup2(out, 2)
+        os.chdir(tree)
+        roots = [str(tree / root) for root in ("framework", "plugins", "kernels", ".")]
+        sys.path[:0], os.environ["PYTHONPATH"] = roots, os.pathsep.join(roots)
+        sys.dont_write_bytecode, os.environ["PYTHONDONTWRITEBYTECODE"] = True, "1"
+        options = ["-n0", "-x", "-q", "--tb=line", "-pno:cacheprovider", "--hypothesis-profile=planted"]
+        options += ["-Wignore::pytest.PytestAssertRewriteWarning"]  # of hypothesis, which is imported before
+        status = int(pytest.main([*options, "--hypothesis-seed=0", *tests]))
+        sys.stdout.flush()
+    except BaseException:
+        traceback.print_exc()
+    finally:  # what the process began, such as the folder of the copy, is not this one's to end
+        os._exit(status)
+
+
+def outcome_of(tree: Path, tests: tuple[str, ...]) -> tuple[str, str, float]:
+    """Run tests in a fork, to the first failure; return the outcome, the test that failed, the seconds it took."""
+    log, began = tree / "tests.log", time.monotonic()
+    if (child := os.fork()) == 0:
+        _tested(tree, tests, log)
+    status = None
+    try:
+        while status is None and time.monotonic() - began < MOST_SECONDS:
+            time.sleep(0.05)
+            done, raw = os.waitpid(child, os.WNOHANG)
+            status = os.waitstatus_to_exitcode(raw) if done else None
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child, signal.SIGKILL)
+        if status is None:
+            os.waitpid(child, 0)
+    seconds, said = time.monotonic() - began, log.read_text(encoding="utf-8", errors="replace")
+    if status == 0:
+        return "survived", "", seconds
+    if status is None:
+        return "killed", "does not end", seconds
+    if status < 0:
+        return "killed", f"ended by {signal.Signals(-status).name}", seconds
+    if status not in (1, 2):
+        raise SystemExit(f"pytest ended with {status}: {said}")
+    failed = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", said, re.MULTILINE)
+    return "killed", failed[0] if failed else "cannot be imported", seconds
+
+
+def copied(tree: Path) -> Path:
+    """Return a copy of the tree whose kernels are built quickly, and one with what it was before a fault."""
+    pristine = tree.with_name(f"{tree.name}.before")
+    for old in (tree, pristine):
+        shutil.rmtree(old, ignore_errors=True)
+    shutil.copytree(TREE, tree, ignore=LEFT_OUT, symlinks=True)
+    setup, times = tree / "setup.py", (TREE / "setup.py").stat()
+    setup.write_text(setup.read_text(encoding="utf-8").replace('"-O3"', '"-O1"'), encoding="utf-8")
+    os.utime(setup, ns=(times.st_atime_ns, times.st_mtime_ns))
+    for path in (tree / "kernels").rglob("*.*"):  # a checkout may have written sources later than what was built
+        if path.suffix in (".c", ".so"):
+            os.utime(path)
+    shutil.copytree(tree, pristine, symlinks=True)
+    return pristine
+
+
+def build(tree: Path) -> bool:
+    """Build what is older than its sources; whether it could be built."""
+    command = [sys.executable, "setup.py", "-q", "build_ext", "--inplace"]
+    return subprocess.run(command, cwd=tree, capture_output=True, check=False).returncode == 0
+
+
+@contextlib.contextmanager
+def planted(fault: Fault, tree: Path, pristine: Path) -> Iterator[bool]:
+    """Plant a fault, build what it changes, and take it back, times of files included; whether it could be built."""
+    path = tree / fault.file
+    text = path.read_text(encoding="utf-8")
+    line_of(fault, text)
+    path.write_text(text.replace(fault.old, fault.new), encoding="utf-8")
+    try:
+        yield build(tree) if path.suffix in COMPILED else True
+    finally:
+        shutil.copy2(pristine / fault.file, path)
+        if path.suffix in COMPILED:
+            for before in (pristine / "kernels").rglob("*.*"):
+                after = tree / before.relative_to(pristine)
+                if before.is_file() and after.stat().st_mtime_ns != before.stat().st_mtime_ns:
+                    shutil.copy2(before, after)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("only", nargs="*", help="plant only faults of files whose path holds one of these words")
+    parser.add_argument("--again", choices=["survived", "all"], help="plant again what has a row in results.csv")
+    parser.add_argument("--part", default="1/1", help="K/N: every N-th fault from the K-th on, for N processes")
+    asked = parser.parse_args()
+    part, parts = (int(number) for number in asked.part.split("/"))
+    table = faults()
+    for fault in table:
+        line_of(fault, (TREE / fault.file).read_text(encoding="utf-8"))
+    rows = known()
+    again = {"survived": {key for key, row in rows.items() if row.outcome == "survived"}, "all": set(rows), None: set()}
+    chosen = [
+        fault
+        for number, fault in enumerate(table)
+        if number % parts == part - 1
+        and (fault.key not in rows or fault.key in again[asked.again])
+        and (not asked.only or any(word in fault.file for word in asked.only))
+    ]
+    print(f"{len(table)} faults in the table, {len(rows)} have a row, {len(chosen)} are planted now")
+    hypothesis.settings.register_profile(
+        "planted",
+        max_examples=40,
+        database=None,
+        phases=[hypothesis.Phase.explicit, hypothesis.Phase.generate],
+    )
+    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ[variable] = "1"
+    for library in ("numpy", "scipy.optimize", "scipy.integrate", "scipy.stats", "xarray", "h5netcdf", "rich.console"):
+        __import__(library)
+    with tempfile.TemporaryDirectory(prefix="rollslip-mutants-") as folder:
+        tree = Path(folder) / "tree"
+        pristine = copied(tree)
+        sound, failing = set[str](), set[str]()
+        for fault in chosen:
+            line = line_of(fault, (tree / fault.file).read_text(encoding="utf-8"))
+            with planted(fault, tree, pristine) as built:
+                outcome, test, took = outcome_of(tree, fault.tests) if built else ("killed", "cannot be built", 0.0)
+            if "::" in test and test not in sound | failing:
+                (sound if outcome_of(tree, (test,))[0] == "survived" else failing).add(test)
+            if test in failing:
+                print(f"{test} fails without a fault, too; mend it, then see what finds {fault.new!r} in {fault.file}")
+                continue
+            note(Finding(fault.file, line, fault.old, fault.new, outcome, test, round(took, 1)))
+            print(f"{outcome:8} {took:6.1f} s  {fault.file}:{line}  {fault.old!r} -> {fault.new!r}  {test}", flush=True)
+    counts, rows = Counter(row.outcome for row in known().values()), known()
+    unseen = [one for one in table if not one.why and one.key in rows and rows[one.key].outcome == "survived"]
+    print(f"{counts['killed']} of {counts.total()} were seen; {len(unseen)} were not, without a reason in the table")
+    sys.exit(bool(unseen or failing))
+
+
+if __name__ == "__main__":
+    main()
