@@ -8,9 +8,11 @@ import contextlib
 import json
 import random
 import signal
+import sqlite3
 import threading
 from collections import Counter
 from concurrent.futures import BrokenExecutor, Executor, Future
+from contextlib import closing
 
 import attrs
 import numpy as np
@@ -21,7 +23,17 @@ from hypothesis import strategies as st
 import rollslip
 from rollslip.campaigns.sweep import findings as sweep_findings
 from rollslip.campaigns.sweep.folder import begin, finish, merge, status
-from rollslip.campaigns.sweep.journal import FAILED, STATUSES, Journal, Row, journals, only_writer, running, states
+from rollslip.campaigns.sweep.journal import (
+    FAILED,
+    STATUSES,
+    Journal,
+    Row,
+    journals,
+    only_writer,
+    records,
+    running,
+    states,
+)
 from rollslip.campaigns.sweep.point import compute
 from rollslip.campaigns.sweep.result import collect
 from rollslip.campaigns.sweep.run import run_sweep
@@ -238,6 +250,32 @@ def test_a_damaged_journal_is_refused_or_changes_no_bit(data, kept, serial, tmp_
         assert np.array_equal(partial["friction"].to_numpy()[done], serial["friction"].to_numpy()[done])
     run_sweep(sweep, folder, engine=Fateful())
     assert same(collect(sweep, folder), serial)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "number = number + 100",
+        "key = key || 'x'",
+        "status = 'failed'",
+        "message = 'x'",
+        "seconds = seconds + 1",
+        "at = at + 1",
+        "texts = texts || 'x'",
+        "numbers = zeroblob(length(numbers))",
+        "checksum = checksum + 1",
+    ],
+)
+def test_every_value_of_a_row_is_under_its_checksum(change, kept, tmp_path):
+    # written as SQLite writes it, so that nothing but the row itself can tell
+    journal = tmp_path / "journal-000000.sqlite"
+    journal.write_bytes((kept / journal.name).read_bytes())
+    assert len(list(records(tmp_path))) == COUNT
+    with closing(sqlite3.connect(journal)) as connection:
+        assert connection.execute(f"update point set {change} where number = 3").rowcount == 1
+        connection.commit()
+    with pytest.raises(OutputError, match=r"the row of point (3|103) is damaged"):
+        list(records(tmp_path))
 
 
 def test_a_folder_that_has_lost_what_it_is_takes_its_journals_up_again(serial, tmp_path):

@@ -314,6 +314,22 @@ def test_batches_end_when_the_interval_is_narrow_enough(monkeypatch):
     assert np.array_equal(narrow.value[:, :32], wide.value, equal_nan=True)
 
 
+def test_intervals_that_end_a_run_are_wider_for_it(tmp_path, monkeypatch):
+    """95 % without --until; 97.5 % with it, since ending where an interval is narrow costs coverage."""
+    values = np.random.default_rng(5).uniform(0.2, 0.4, 256)
+    ends = {}
+    for until in (None, 1e-9):
+        found, _ = _of_points(
+            lambda sweep, folder: _points(["ok"] * sweep.first, values[: sweep.first]),
+            monkeypatch, tmp_path / str(until), samples=256, steady=0, probability=0.8, until=until,
+        )  # fmt: skip
+        ends[until] = float(found.allowable_low), float(found.allowable_high)
+    for until, confidence in ((None, 0.95), (1e-9, 0.975)):
+        wanted = estimators.quantile(values, 0.2, replicates=allowable.REPLICATES, confidence=confidence)
+        assert ends[until] == (wanted.low, wanted.high)
+    assert ends[1e-9][1] - ends[1e-9][0] > ends[None][1] - ends[None][0]
+
+
 def test_the_command_writes_result_figures_and_report(tmp_path):
     out = tmp_path / "made"
     arguments = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8", "--steady", "0"]

@@ -1,0 +1,89 @@
+"""What each ring's contacts are told and carry, in a bearing whose rings differ in all that they may differ in."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rollslip import evolve
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.raceway import LoadedContacts
+from rollslip.scene.reading import load_scene
+from rollslip_kernels.slices import Slices
+
+pytestmark = pytest.mark.quick
+
+SCENE = evolve(
+    load_scene("1032930-70C"),
+    {
+        "surface.inner_raceway_roughness": "0.30 um",
+        "surface.outer_raceway_roughness": "0.12 um",
+        "surface.roller_roughness": "0.05 um",
+        "operation.inner_ring_temperature": "90 degC",
+        "operation.outer_ring_temperature": "60 degC",
+        "operation.roller_temperature": "80 degC",
+        "bearing.material.elastic_modulus": "200 GPa",
+        "bearing.material.poisson_ratio": 0.25,
+        "bearing.material.thermal_conductivity": "40 W/(m K)",
+        "bearing.material.specific_heat": "450 J/(kg K)",
+        "bearing.material.density": "7700 kg/m3",
+    },
+)
+
+
+@pytest.mark.parametrize(
+    ("ring", "roughness", "radius", "celsius"),
+    [
+        # 1.25 sqrt(Ra1^2 + Ra2^2); roller of 7.5 mm on raceways of 82.5 and 97.5 mm; mean of ring and roller
+        ("inner", 1.25 * math.sqrt(0.30**2 + 0.05**2) * 1e-6, 7.5e-3 * 82.5e-3 / 90e-3, 85.0),
+        ("outer", 1.25 * math.sqrt(0.12**2 + 0.05**2) * 1e-6, 7.5e-3 * 97.5e-3 / 90e-3, 70.0),
+    ],
+)
+def test_contacts_of_a_ring_have_its_roughness_radius_and_temperature(ring, roughness, radius, celsius):
+    assembly = assemble(SCENE)
+    conditions = {"inner": assembly.inner, "outer": assembly.outer}[ring].conditions
+    oil = assembly.lubricant.at(celsius + 273.15)
+    assert conditions.roughness == pytest.approx(roughness, rel=1e-12)
+    assert conditions.radius == pytest.approx(radius, rel=1e-12)
+    assert conditions.viscosity == pytest.approx(oil.viscosity, rel=1e-12)
+    assert conditions.pressure_viscosity == pytest.approx(oil.pressure_viscosity, rel=1e-12)
+    assert conditions.modulus == pytest.approx(200e9 / (1 - 0.25**2), rel=1e-12)
+    assert conditions.effusivity == pytest.approx(math.sqrt(40.0 * 7700.0 * 450.0), rel=1e-12)
+    assert conditions.length == pytest.approx(15e-3, rel=1e-12)
+
+
+@pytest.mark.parametrize("ring", ["inner", "outer"])
+def test_a_contact_is_pressed_by_the_law_of_its_own_ring(ring):
+    assembly = assemble(evolve(SCENE, {"models.contact": "lundberg"}))
+    approach = np.linspace(-2e-6, 2e-5, 12)
+    load, stiffness = assembly.deflect(approach, ring)
+    inner = ring == "inner"
+    raceway, other = (assembly.inner, assembly.outer) if inner else (assembly.outer, assembly.inner)
+    touching = approach > 0.0
+    slices, of_other = (
+        Slices(int(touching.sum()), one.conditions, approach=approach[touching]) for one in (raceway, other)
+    )
+    raceway.deflection(slices)
+    raceway.deflection(of_other)
+    np.testing.assert_array_equal(load[touching], slices.load)
+    np.testing.assert_array_equal(stiffness[touching], slices.stiffness)
+    assert not load[~touching].any()
+    assert np.abs(slices.load / of_other.load - 1.0).min() > 1e-3  # the radii differ, and so must the loads
+
+
+@pytest.mark.parametrize("slices", [20, 21])
+def test_a_coarser_bearing_has_half_the_slices(slices):
+    assembly = assemble(evolve(SCENE, {"accuracy.slices": slices}))
+    assert assembly.slices == slices
+    assert assembly.coarser().slices == 10
+
+
+@pytest.mark.parametrize("slices", [6, 7])
+@pytest.mark.parametrize("tilt", ["0 mrad", "0.5 mrad"])
+def test_loaded_slices_carry_what_their_rollers_carry(slices, tilt):
+    assembly = assemble(evolve(SCENE, {"accuracy.slices": slices, "operation.misalignment": tilt}))
+    loads = assembly.load_distribution(2)
+    for raceway, load in zip(assembly.raceways, (loads.inner_load, loads.outer_load), strict=True):
+        contacts = LoadedContacts(raceway, load[0], assembly.widths, 1.0)
+        np.testing.assert_allclose(contacts.per_roller(contacts.force), load[0] @ assembly.widths, rtol=1e-12)
+        assert contacts.total == pytest.approx((load[0] @ assembly.widths).sum(), rel=1e-12)
