@@ -19,7 +19,7 @@ DEGREE: Final = 4
 
 def _radau() -> Array:
     """Return the Radau points on [-1, 1], the right end among them."""
-    points: Array = np.sort(legendre.legroots([0.0] * (DEGREE - 1) + [-1.0, 1.0]))
+    points: Array = np.sort(np.real(legendre.legroots([0.0] * (DEGREE - 1) + [-1.0, 1.0])))  # complex from NumPy 2.5 on
     points[-1] = 1.0
     return points
 
