@@ -137,10 +137,26 @@ def _said(node: ast.expr) -> str:
     return " ".join("".join(parts).split())
 
 
+def _tokens(text: str) -> Iterator[tokenize.TokenInfo]:
+    """Yield the tokens of a text, an f-string as one: from Python 3.12 on it comes in pieces."""
+    rows, depth, begin = text.splitlines(keepends=True), 0, (0, 0)
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        kind = tokenize.tok_name[token.type]
+        if kind == "FSTRING_START":
+            depth, begin = depth + 1, begin if depth else token.start
+        depth -= kind == "FSTRING_END"
+        if kind == "FSTRING_END" and not depth:
+            (first, left), (last, right) = begin, token.end
+            whole = "".join(rows[first - 1 : last])[left : right - len(rows[last - 1]) or None]
+            yield tokenize.TokenInfo(tokenize.STRING, whole, begin, token.end, token.line)
+        elif not depth:
+            yield token
+
+
 def of_cython(text: str, module: str) -> Iterator[Sentence]:
     """Yield the sentences of a module of Cython, which has the words of Python but another grammar."""
     parts, begins = list[str](), True
-    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+    for token in _tokens(text):
         if token.type == tokenize.STRING:
             bare = token.string.lstrip("bBfFrRuU")
             parts.append("" if begins else bare.strip(bare[0]))
