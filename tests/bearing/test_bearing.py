@@ -167,6 +167,7 @@ def test_profile_table_is_met_at_its_points_and_not_exceeded_between(drops):
         ({"shape": "none", "roller_diameter": -1.0}, "must be positive"),
         ({"shape": "table", "table": ([-0.007, 0.0075], [0, 0])}, "must cover the roller"),
         ({"shape": "table", "table": ([0.0075, -0.0075], [0, 0])}, "must ascend"),
+        ({"shape": "table", "table": ([-0.0075, 0.0, 0.0, 0.0075], [0, 0, 1e-6, 0])}, "must ascend"),
         ({"shape": "table", "table": ([-0.0075, 0.0075], [0, 0, 0])}, "as many drops"),
         ({"shape": "table", "table": ([-0.0075, 0.0075], [0, np.inf])}, "must be finite"),
     ],

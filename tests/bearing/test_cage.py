@@ -7,12 +7,13 @@ import pytest
 from rollslip import evolve, load_scene, register
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import Cage, estimated_inertia
-from rollslip.bearing.drags import Drags, TotalResistance
+from rollslip.bearing.drags import Drags, TotalResistance, torque_capsule
 from rollslip.catalogue import discovery
 from rollslip.errors import PluginError, SceneError
 from rollslip.models import DragModel
 from rollslip.scene import resolved
 from rollslip.scene.reading import parse_scene
+from rollslip_kernels.stages import drag as compiled
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, ConstantTorque, CoulombPocket, PetroffLand
 
@@ -148,6 +149,24 @@ def test_all_faults_are_found_at_once():
 def test_a_fault_is_one_sentence(table, sentence):
     (found,) = faults(**WEIGHT, **table)
     assert found.startswith(sentence)
+
+
+def test_as_many_drags_of_a_sort_as_are_allowed_are_added():
+    drags = bearing(*["hysteresis"] * 8, *["constant-torque"] * 8).cage.drags
+    assert len(drags.resistance.terms) == len(drags.torques) == 8
+
+
+def test_a_torque_of_python_gets_the_speeds_of_cage_inner_and_outer_ring():
+    @attrs.frozen(kw_only=True)
+    class Between(DragModel):
+        name = "between"
+
+        def torque(self, cage_speed, inner_speed, outer_speed):
+            return 1e-3 * (100.0 * cage_speed + 10.0 * inner_speed + outer_speed)
+
+    capsule = torque_capsule(Between())
+    assert compiled.torque(capsule, 3.0, 2.0, 1.0) == pytest.approx(0.321, rel=1e-12)
+    assert Drags(torques=(Between(),)).torque(3.0, 2.0, 1.0) == pytest.approx(0.321, rel=1e-12)
 
 
 def test_a_fault_names_file_and_line():

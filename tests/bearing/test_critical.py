@@ -11,6 +11,10 @@ from rollslip.bearing.critical import locate, look_further, slip_grid
 pytestmark = pytest.mark.quick
 
 
+def test_slips_are_quadratically_denser_towards_zero():
+    np.testing.assert_allclose(slip_grid(0.8, 5), [0.0, 0.05, 0.2, 0.45, 0.8], rtol=1e-15)
+
+
 @given(st.floats(0.01, 0.9), st.floats(1e-4, 10.0))
 def test_locate_finds_the_maximum_of_a_known_curve(peak, height):
     slip = np.linspace(0.0, 1.0, 41) ** 2

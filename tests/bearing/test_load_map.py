@@ -1,5 +1,6 @@
 """Loads over the orbit: against the equilibrium where the map was not measured, and what they can never be."""
 
+import itertools
 import math
 
 import numpy as np
@@ -71,6 +72,27 @@ def test_forces_agree_with_the_equilibrium_anywhere(mapped):
         assert balance == pytest.approx(assembly.scene.operation.radial_load, abs=TOLERANCE * carried)
     assert np.all(off < TOLERANCE * whole)
     assert 0.0 < loads.error <= TOLERANCE
+
+
+def test_the_error_is_what_is_measured_half_way(mapped):
+    assembly, loads = mapped
+    instants = loads.positions // assembly.scene.bearing.rollers
+    pitch = 2 * np.pi / loads.positions
+
+    def misplaced(force, shift):
+        off, whole = np.zeros(2), np.zeros(2)
+        for k in range(instants):
+            psi, true = equilibrium(assembly, (k + shift) * pitch, force)
+            off += np.abs((loads.at(psi, force) - true) @ loads.widths).sum(axis=1)
+            whole += (true @ loads.widths).sum(axis=1)
+        return (off / np.where(whole > 0.0, whole, 1.0)).max()
+
+    between_positions = max(misplaced(force, 0.5) for force in loads.centrifugal)
+    between_forces = max(
+        misplaced(0.5 * (low + high), 0.0) for low, high in itertools.pairwise(loads.centrifugal.tolist())
+    )
+    # looked for at forces between the nodes too, and over the forces at positions between the nodes: nearly the same
+    assert loads.error == pytest.approx(between_positions + between_forces, rel=0.2)
 
 
 def test_nodes_are_the_equilibrium(mapped):

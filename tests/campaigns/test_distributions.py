@@ -125,6 +125,8 @@ def test_nothing_uncertain_has_no_values():
          "mode: low, mode and high must"),
         ({"operation": {"radial_load": {"distribution": "normal", "scatter": 1, "at_least": 9, "at_most": 8}}},
          "at_most: must be above at_least"),
+        ({"operation": {"radial_load": {"distribution": "normal", "scatter": 1, "at_least": 9, "at_most": 9}}},
+         "at_most: must be above at_least"),
         ({"operation": {"radial_load": {"distribution": "uniform", "low": 1, "high": 2, "at_least": 3}}},
          "at_least: leaves nothing of the distribution"),
         ({"operation": {"temperature": {"distribution": "normal", "deviation": "5 degC"}}},
