@@ -15,7 +15,7 @@ Decisions:
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import lru_cache
 from numbers import Real
@@ -30,6 +30,7 @@ __all__ = [
     "evenly",
     "expectation",
     "format_quantity",
+    "likely",
     "quantity",
     "unit_given",
 ]
@@ -68,6 +69,7 @@ _SYMBOLS: dict[str, tuple[Fraction, Dimension, str]] = {
     "K": (Fraction(1), (0, 0, 0, 1, 0), "m"),
     "rad": (Fraction(1), (0, 0, 0, 0, 1), "um"),
     "deg": (Fraction(math.pi) / 180, (0, 0, 0, 0, 1), ""),
+    "arcmin": (Fraction(math.pi) / 10800, (0, 0, 0, 0, 1), ""),
     "rpm": (Fraction(math.pi) / 30, (0, 0, -1, 0, 1), ""),
     "N": (Fraction(1), (1, 1, -2, 0, 0), "mkM"),
     "in": (Fraction(254, 10**4), (1, 0, 0, 0, 0), ""),
@@ -127,6 +129,32 @@ _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "W": ("a power", "50 W", ("mW", "W", "kW")),
     "J/(kg K)": ("a specific heat", "470 J/(kg K)", ("J/(kg K)",)),
     "W/(m K)": ("a thermal conductivity", "46 W/(m K)", ("W/(m K)",)),
+}
+
+#: The least number that people write before a unit.
+_WRITTEN_LEAST = 1e-3
+#: SI unit, or one that was given -> units in which the same number is likely meant, the likeliest first.
+_MEANT: Mapping[str, tuple[str, ...]] = {
+    "1": ("%",),
+    "m": ("um", "mm", "m"),
+    "m2/s": ("mm2/s",),
+    "rad": ("mrad", "arcmin", "deg"),
+    "deg": ("arcmin", "mrad"),
+    "rad/s": ("rpm", "rad/s"),
+    "s": ("ms", "us", "s"),
+    "kg": ("g", "kg"),
+    "kg m": ("g mm",),
+    "kg m2": ("g m2", "kg mm2", "g mm2"),
+    "kg/m3": ("kg/m3", "g/cm3"),
+    "N": ("N", "kN"),
+    "N/m": ("N/mm", "N/um"),
+    "Pa": ("MPa", "GPa", "kPa", "Pa"),
+    "Pa s": ("mPa s", "Pa s"),
+    "1/Pa": ("1/GPa", "1/MPa"),
+    "1/(Pa K)": ("1/(GPa K)",),
+    "K": ("degC", "K", "degF"),
+    "J/(kg K)": ("J/(kg K)", "kJ/(kg K)"),
+    "W/(m K)": ("W/(m K)", "mW/(m K)"),
 }
 
 _LONGEST = 80  # characters of a value that a message repeats
@@ -363,16 +391,57 @@ def format_quantity(value: float, unit: str, digits: int = 6, given: str | None 
     >>> format_quantity(0.015, "m"), format_quantity(343.15, "K"), format_quantity(667.17, "rad/s")
     ('15 mm', '70 degC', '6371 rpm')
     """
-    celsius = given is not None and given.translate(_SPELLINGS) == "degC"
-    if given is not None and not celsius and given != "1":
-        return f"{value / float(_unit(given)[0]):.{digits}g} {given}"
+    if given is not None and given != "1":
+        size, zero = _scale(given, unit)
+        told = given.translate(_SPELLINGS) if zero else given
+        number = float((Fraction(value) - zero) / size) if math.isfinite(value) else value
+        return f"{number:.{digits}g} {told}"
     if unit == "1":
         return f"{value:.{digits}g}"
     if unit == "K":
         return f"{value - float(_CELSIUS_ZERO):.{digits}g} degC"
-    shown, size, magnitude = unit, 1.0, abs(value) or 1.0
+    shown, factor, magnitude = unit, 1.0, abs(value) or 1.0
     for position, candidate in enumerate(_QUANTITIES.get(unit, ("", "", (unit,)))[2]):
         scale = float(_unit(candidate)[0])
         if position == 0 or magnitude >= scale:
-            shown, size = candidate, scale
-    return f"{value / size:.{digits}g} {shown}"
+            shown, factor = candidate, scale
+    return f"{value / factor:.{digits}g} {shown}"
+
+
+def _scale(given: str, unit: str) -> tuple[Fraction, Fraction]:
+    """Size of a unit in which a quantity was given, and its zero, in the SI unit of its field."""
+    spelled = given.translate(_SPELLINGS)
+    if unit == "K" and spelled in _OFFSETS:
+        return _OFFSETS[spelled]
+    symbol = _ATOMS[_TURNS[spelled]] if unit == "rad/s" and spelled in _TURNS else _unit(given)
+    return symbol[0], Fraction(0)
+
+
+def likely(value: float, given: str, unit: str, usual: Callable[[float], bool]) -> str | None:
+    """Return the same number with another unit that makes it a usual value; None if no unit does.
+
+    Parameters
+    ----------
+    value
+        The value in `unit`.
+    given
+        The unit in which a person gave it, see `unit_given`.
+    unit
+        Its SI unit, as in `quantity`.
+    usual
+        Whether a value in `unit` is usual.
+
+    Examples
+    --------
+    >>> likely(0.16, "m", "m", lambda roughness: roughness < 3e-6)
+    '0.16 um'
+    """
+    size, zero = _scale(given, unit)
+    number = f"{float((Fraction(value) - zero) / size):.12g}"
+    if abs(float(number)) < _WRITTEN_LEAST:
+        return None
+    for meant in _MEANT.get(given, _MEANT.get(unit, ())):
+        text = f"{number} {meant}"
+        if meant != given and usual(float(_from_text(text, unit))):
+            return text
+    return None

@@ -12,7 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rollslip.errors import RollslipError
-from rollslip.units import UnitError, as_written, check_unit, expectation, format_quantity, quantity, unit_given
+from rollslip.units import UnitError, as_written, check_unit, expectation, format_quantity, likely, quantity, unit_given
 
 pytestmark = pytest.mark.quick
 
@@ -212,6 +212,10 @@ def test_people_are_shown_the_unit_in_use(value: float, unit: str, shown: str) -
         ("70 °C", "K", "°C", "70 degC"),
         ("5 %", "1", "%", "5 %"),
         ("0.05", "1", "1", "0.05"),
+        ("70 C", "K", "C", "70 C"),
+        ("158 degF", "K", "degF", "158 degF"),
+        ("6371 min-1", "rad/s", "min-1", "6371 min-1"),
+        ("4 arcmin", "rad", "arcmin", "4 arcmin"),
         (0.015, "m", "m", "0.015 m"),
         (343.15, "K", "K", "343.15 K"),
     ],
@@ -219,6 +223,27 @@ def test_people_are_shown_the_unit_in_use(value: float, unit: str, shown: str) -
 def test_a_quantity_is_told_in_the_unit_in_which_it_was_given(given, unit: str, said_in: str, shown: str) -> None:
     assert unit_given(given, unit) == said_in
     assert format_quantity(quantity(given, unit), unit, given=said_in) == shown
+
+
+@pytest.mark.parametrize(
+    ("given", "unit", "usual", "meant"),
+    [
+        (0.16, "m", (5e-9, 3e-6), "0.16 um"),
+        ("14 mm", "m", (-1e-4, 1e-3), "14 um"),
+        (6371, "rad/s", (-6e3, 6e3), "6371 rpm"),
+        ("5 deg", "rad", (-5e-3, 5e-3), "5 arcmin"),
+        (70, "K", (213.0, 523.0), "70 degC"),
+        ("343 degC", "K", (213.0, 523.0), "343 K"),
+        (7.8, "kg/m3", (2500, 9000), "7.8 g/cm3"),
+        ("160 N", "N", (1e4, 1e6), "160 kN"),
+        ("1e-7 m", "m", (-1e-9, 1e-9), None),  # nobody writes 1e-7 um
+        (5.0, "1", (10.0, 20.0), None),
+    ],
+)
+def test_what_was_likely_meant_is_the_same_number_with_another_unit(given, unit: str, usual, meant) -> None:
+    low, high = usual
+    value, said_in = quantity(given, unit), unit_given(given, unit)
+    assert likely(value, said_in, unit, lambda other: low <= other <= high) == meant
 
 
 @pytest.mark.parametrize("unit", SI_UNITS)
