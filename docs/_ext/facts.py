@@ -2,6 +2,7 @@
 
 import ast
 import csv
+import math
 import re
 from collections import Counter
 from html import escape
@@ -21,52 +22,70 @@ from rollslip.cli.main import cli
 from rollslip.cli.models import models_as_dict
 from rollslip.lubricant import GRADES, OilPoint, OilTable, OverTemperature
 from rollslip.lubricant.pressure import Barus, Roelands, Yasutomi
-from rollslip.scene.schema import schema, shown_default
+from rollslip.scene.plausibility import RELATIONS
+from rollslip.scene.schema import schema, shown_default, shown_range
 from rollslip.studies.study import study_class
 from rollslip.studies.validity import bound_of
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 ROOT = Path(__file__).parents[2]
+#: Head of a table of keys.
+KEYS = ("key", "unit", "default", "meaning", "usual", "possible")
 
 
 def scene_keys():
     """All keys of a scene but those of oil and studies, which have their own tables."""
     rows = [row for row in schema() if row.key not in ("lubricant.*", "study.*")]
-    return table(("key", "unit", "default", "meaning"), [(f"``{r.key}``", r.unit, r.default, r.doc) for r in rows])
+    return table(KEYS, [(f"``{r.key}``", r.unit, r.default, r.doc, r.usual, r.possible) for r in rows])
+
+
+def relations():
+    """What values of a scene have to fit each other, with what that rests on."""
+    rows = [
+        (
+            f"``{one.table}.{one.field}``",
+            one.words,
+            one.range_in_words(one.usual),
+            one.range_in_words(one.possible) if any(map(math.isfinite, one.possible)) else "",
+            one.source,
+        )
+        for one in RELATIONS
+    ]
+    return table(("key", "what it amounts to", "usual", "possible", "rests on"), rows)
 
 
 def oil_keys():
     """Keys of the table ``[lubricant]`` and of its points."""
     rows = [*fields(OilTable, "lubricant."), *fields(OilPoint, "lubricant.points[].")]
     rows += [
-        (key, unit or "that of the property", default, doc)
-        for key, unit, default, doc in fields(OverTemperature, "lubricant.PROPERTY.")
+        (key, unit or "that of the property", *others)
+        for key, unit, *others in fields(OverTemperature, "lubricant.PROPERTY.")
     ]
-    return table(("key", "unit", "default", "meaning"), rows)
+    return table(KEYS, rows)
 
 
 def cage_keys():
     """Keys of the table ``[cage]``; what is estimated from the bearing says so in its meaning."""
     rows = [
-        (key, unit, "derived" if "by default" in doc else default, doc)
-        for key, unit, default, doc in fields(Cage, "cage.")
+        (key, unit, "derived" if "by default" in doc else default, doc, *ranges)
+        for key, unit, default, doc, *ranges in fields(Cage, "cage.")
     ]
-    return table(("key", "unit", "default", "meaning"), rows)
+    return table(KEYS, rows)
 
 
 def sweep_keys():
     """Keys of the tables ``[sweep]`` and ``[uncertainty]``."""
-    lines = table(("key", "unit", "default", "meaning"), fields(SweepTable, "sweep."))
+    lines = table(KEYS[:4], [row[:4] for row in fields(SweepTable, "sweep.")])
     for name, distribution in DISTRIBUTIONS.items():
         lines += ["", f'.. rubric:: distribution = "{name}"', "", literal_markup(distribution.__doc__), ""]
         rows = [
             (key, "that of the value" if key.strip("`") in OWN[name] else unit, default, doc)
-            for key, unit, default, doc in fields(distribution, "")
+            for key, unit, default, doc, *_ in fields(distribution, "")
         ]
-        lines += table(("key", "unit", "default", "meaning"), rows)
+        lines += table(KEYS[:4], rows)
     lines += ["", ".. rubric:: ``[[uncertainty.correlation]]``", ""]
-    return lines + table(("key", "unit", "default", "meaning"), fields(Correlation, ""))
+    return lines + table(KEYS[:4], [row[:4] for row in fields(Correlation, "")])
 
 
 #: Distribution -> its values in the unit of what is uncertain.
@@ -79,7 +98,7 @@ def study_keys():
     for name in available("study"):
         study = study_class(name)
         lines += ["", f".. rubric:: ``[study.{name}]``", ""]
-        lines += table(("key", "unit", "default", "meaning"), fields(study, ""))
+        lines += table(KEYS, fields(study, ""))
     return lines
 
 
@@ -333,7 +352,7 @@ PARTS = {
 
 
 def fields(cls, prefix):
-    """Rows of key, unit, default and meaning, with the choices, for the fields of an attrs class."""
+    """Rows of `KEYS`, with the choices, for the fields of an attrs class."""
     rows = []
     for a in attrs.fields(cls):
         if a.metadata.get("key", a.name) is None:
@@ -341,7 +360,8 @@ def fields(cls, prefix):
         validator = getattr(a.validator, "validator", a.validator)  # that of an optional value
         choices = ", ".join(f"``{choice}``" for choice in getattr(validator, "options", ()))
         meaning = a.metadata.get("doc", "") + (f": {choices}" if choices else "")
-        rows.append((f"``{prefix}{a.name}``", a.metadata.get("unit") or "", shown_default(a), meaning))
+        ranges = (shown_range(a, which) for which in ("usual", "possible"))
+        rows.append((f"``{prefix}{a.name}``", a.metadata.get("unit") or "", shown_default(a), meaning, *ranges))
     return rows
 
 

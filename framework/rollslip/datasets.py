@@ -1,6 +1,7 @@
 """Bearings and surfaces as values, and named sets of them that plugins ship, each with its source and validity."""
 
 import math
+from typing import Any
 
 import attrs
 
@@ -15,11 +16,26 @@ __all__ = ["Bearing", "BearingData", "Material", "Profile", "Surface", "SurfaceD
 class Material:
     """Material of rings and rollers; the defaults are bearing steel."""
 
-    elastic_modulus: float = field(default=208e9, unit="Pa", doc="Young's modulus", validator=positive)
-    poisson_ratio: float = field(default=0.3, unit="1", doc="Poisson's ratio", validator=in_range(0, 0.5))
-    density: float = field(default=7800.0, unit="kg/m3", doc="density", validator=positive)
-    specific_heat: float = field(default=470.0, unit="J/(kg K)", doc="specific heat", validator=positive)
-    thermal_conductivity: float = field(default=46.0, unit="W/(m K)", doc="thermal conductivity", validator=positive)
+    elastic_modulus: float = field(
+        default=208e9, unit="Pa", doc="Young's modulus", validator=positive, usual=(50e9, 500e9), possible=(1e6, 2e12)
+    )
+    poisson_ratio: float = field(
+        default=0.3, unit="1", doc="Poisson's ratio", validator=in_range(0, 0.5), usual=(0.15, 0.45)
+    )
+    density: float = field(
+        default=7800.0, unit="kg/m3", doc="density", validator=positive, usual=(2500, 9000), possible=(500, 25e3)
+    )
+    specific_heat: float = field(
+        default=470.0, unit="J/(kg K)", doc="specific heat", validator=positive, usual=(300, 1200), possible=(50, 1e4)
+    )
+    thermal_conductivity: float = field(
+        default=46.0,
+        unit="W/(m K)",
+        doc="thermal conductivity",
+        validator=positive,
+        usual=(5, 150),
+        possible=(0.01, 5e3),
+    )
 
 
 @attrs.frozen(kw_only=True)
@@ -33,16 +49,27 @@ class Profile:
         bare=True,
     )
     radius: float | None = field(
-        default=None, unit="m", doc="radius of the circular crown", validator=attrs.validators.optional(positive)
+        default=None,
+        unit="m",
+        doc="radius of the circular crown",
+        validator=attrs.validators.optional(positive),
+        usual=(0.05, 1e3),
+        possible=(1e-4, 1e9),
     )
     position: tuple[float, ...] = field(
-        default=(), unit="m", doc="places along the roller from its middle, ascending, for the table"
+        default=(),
+        unit="m",
+        doc="places along the roller from its middle, ascending, for the table",
+        usual=(-0.15, 0.15),
+        possible=(-5, 5),
     )
     drop: tuple[float, ...] = field(
         default=(),
         unit="m",
         doc="drop of the radius at these places",
         validator=attrs.validators.deep_iterable(non_negative),
+        usual=(0, 3e-4),
+        possible=(0, 0.1),
     )
 
     def __attrs_post_init__(self) -> None:
@@ -73,15 +100,25 @@ def _radial_clearance(bearing: "Bearing") -> float:
 class Bearing:
     """Geometry and material of a cylindrical roller bearing."""
 
-    rollers: int = field(doc="number of rollers", validator=at_least(3))
-    roller_diameter: float = field(unit="m", doc="roller diameter", validator=positive)
-    roller_length: float = field(unit="m", doc="effective roller length", validator=positive)
-    inner_raceway_diameter: float = field(unit="m", doc="inner raceway diameter", validator=positive)
-    outer_raceway_diameter: float = field(unit="m", doc="outer raceway diameter", validator=positive)
+    rollers: int = field(doc="number of rollers", validator=at_least(3), usual=(6, 200), possible=(3, 10e3))
+    roller_diameter: float = field(
+        unit="m", doc="roller diameter", validator=positive, usual=(1e-3, 0.15), possible=(1e-5, 5)
+    )
+    roller_length: float = field(
+        unit="m", doc="effective roller length", validator=positive, usual=(2e-3, 0.25), possible=(1e-5, 10)
+    )
+    inner_raceway_diameter: float = field(
+        unit="m", doc="inner raceway diameter", validator=positive, usual=(3e-3, 3), possible=(1e-4, 50)
+    )
+    outer_raceway_diameter: float = field(
+        unit="m", doc="outer raceway diameter", validator=positive, usual=(6e-3, 3.5), possible=(1e-4, 50)
+    )
     radial_clearance: float = field(
         default=attrs.Factory(_radial_clearance, takes_self=True),
         unit="m",
         doc="radial internal clearance in operation (full play); from the diameters if left out",
+        usual=(-3e-4, 2e-3),
+        possible=(-0.1, 1),
     )
     profile: Profile = field(default=Profile(), doc="roller profile")
     material: Material = field(default=Material(), doc="material of rings and rollers")
@@ -110,17 +147,24 @@ class Bearing:
             )
 
 
+def _roughness(of: str, default: float) -> Any:
+    return field(
+        default=default,
+        unit="m",
+        doc=f"roughness Ra of {of}",
+        validator=positive,
+        usual=(5e-9, 3e-6),
+        possible=(1e-10, 1e-3),
+    )
+
+
 @attrs.frozen(kw_only=True)
 class Surface:
     """Roughness of the running surfaces."""
 
-    inner_raceway_roughness: float = field(
-        default=0.16e-6, unit="m", doc="roughness Ra of the inner raceway", validator=positive
-    )
-    outer_raceway_roughness: float = field(
-        default=0.16e-6, unit="m", doc="roughness Ra of the outer raceway", validator=positive
-    )
-    roller_roughness: float = field(default=0.1e-6, unit="m", doc="roughness Ra of the rollers", validator=positive)
+    inner_raceway_roughness: float = _roughness("the inner raceway", 0.16e-6)
+    outer_raceway_roughness: float = _roughness("the outer raceway", 0.16e-6)
+    roller_roughness: float = _roughness("the rollers", 0.1e-6)
 
 
 @attrs.frozen(kw_only=True)

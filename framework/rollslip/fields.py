@@ -4,19 +4,40 @@ Decisions:
 
 - A field carries its unit and its meaning as attrs metadata ("unit", "doc"); reading, messages, the schema and the
   documentation all take them from there.
+- A field says what is usual and what is possible of its value. What is not possible is refused; what is not usual is
+  read, and whoever runs the scene is told (`unusual`), with what was likely meant: "0.16 m; did you mean '0.16 um'?"
 - A validator looks at one value only and ignores the instance, so that the reader can report every fault of a table at
   once. What concerns several fields is checked in ``__attrs_post_init__``. Both raise `FieldError`.
 """
 
+import math
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeAlias
 
 import attrs
 
 from rollslip.errors import RollslipError
-from rollslip.units import as_written, check_unit, format_quantity
+from rollslip.units import as_written, check_unit, format_quantity, likely
 
-__all__ = ["FieldError", "at_least", "field", "in_range", "non_negative", "one_of", "own_unit", "parameter", "positive"]
+__all__ = [
+    "FieldError",
+    "Span",
+    "as_given",
+    "at_least",
+    "field",
+    "in_range",
+    "non_negative",
+    "one_of",
+    "own_unit",
+    "parameter",
+    "positive",
+    "span_in_words",
+    "unusual",
+    "within_possible",
+]
+
+Span: TypeAlias = tuple[float, float]
+"""Least and largest of something; infinite where it has no end."""
 
 
 class FieldError(RollslipError, ValueError):
@@ -41,6 +62,8 @@ def field(
     bare: bool = False,
     rest: bool = False,
     words: Mapping[str, object] | None = None,
+    usual: Span | None = None,
+    possible: Span | None = None,
 ) -> Any:
     """Declare a field of a frozen attrs class that a scene can fill.
 
@@ -62,6 +85,10 @@ def field(
         The field collects all keys that have no field of their own, unread.
     words
         Texts that a scene may say in place of a value -> the value.
+    usual
+        Least and largest value that is met in practice, in `unit`; outside of it a warning. Of each value of a list.
+    possible
+        Least and largest value that anything can have; outside of it an error.
     """
     metadata: dict[str, object] = {
         "doc": doc,
@@ -69,10 +96,14 @@ def field(
         "bare": bare,
         "rest": rest,
         "words": words or {},
+        "usual": usual,
+        "possible": possible,
     }
     if key is not None:
         metadata["key"] = key
-    return attrs.field(default=default, validator=validator, metadata=metadata)
+    checks = [check for check in (validator, None if possible is None else within_possible) if check is not None]
+    both = attrs.validators.and_(*checks) if len(checks) > 1 else checks[0] if checks else None
+    return attrs.field(default=default, validator=both, metadata=metadata)
 
 
 def own_unit(doc: str) -> Any:
@@ -86,12 +117,14 @@ def parameter(
     unit: str | None = None,
     default: object = attrs.NOTHING,
     validator: Callable[[Any, Any, Any], object] | None = None,
+    usual: Span | None = None,
+    possible: Span | None = None,
 ) -> Any:
     """Declare a parameter of a model or a setting of a study.
 
     Parameters
     ----------
-    doc, unit, default, validator
+    doc, unit, default, validator, usual, possible
         As in `field`.
 
     Examples
@@ -104,7 +137,7 @@ def parameter(
     ...
     rollslip.fields.FieldError: stress: must be above 0, not -1 Pa
     """
-    return field(doc=doc, unit=unit, default=default, validator=validator)
+    return field(doc=doc, unit=unit, default=default, validator=validator, usual=usual, possible=possible)
 
 
 def _shown(value: object, attribute: "attrs.Attribute[Any]") -> str:
@@ -169,3 +202,80 @@ def in_range(low: float, high: float, *, open: bool = False) -> _Range:
 def one_of(*options: object) -> _OneOf:
     """Return a validator: one of `options`."""
     return _OneOf(options)
+
+
+# What is usual and what is possible ----------------------------------------------------------------------------------
+
+
+def within_possible(instance: object, attribute: "attrs.Attribute[Any]", value: object) -> None:
+    """Validator: a value, or each of a list, lies within what its field declares to be possible."""
+    span: Span = attribute.metadata["possible"]
+    for one in value if isinstance(value, tuple) else (value,):
+        if isinstance(one, int | float) and not span[0] <= one <= span[1]:
+            came = f"must be {span_in_words(span, *_unit_and_given(attribute))}, not {_told(one, attribute)}"
+            raise FieldError(attribute.name, came + _hint(one, attribute))
+
+
+def unusual(attribute: "attrs.Attribute[Any]", value: float, given: str | None = None) -> str:
+    """Say that a value of a field is outside what is usual, and what was likely meant; nothing where it is not.
+
+    Parameters
+    ----------
+    attribute
+        The field.
+    value
+        Its value, in its unit.
+    given
+        The unit in which it was given, see `rollslip.units.unit_given`.
+    """
+    span: Span | None = attribute.metadata.get("usual")
+    if span is None or span[0] <= value <= span[1]:
+        return ""
+    told = attribute.evolve(metadata={**attribute.metadata, "given": given})
+    usual = span_in_words(span, *_unit_and_given(told))
+    return f"{as_given(value, attribute, given)} is unusual ({usual} is usual)" + _hint(value, told)
+
+
+def as_given(value: float, attribute: "attrs.Attribute[Any]", given: str | None = None) -> str:
+    """Show a value of a field as it was given; what was given in SI units as people read it too."""
+    return _told(value, attribute.evolve(metadata={**attribute.metadata, "given": given}))
+
+
+def span_in_words(span: Span, unit: str | None, given: str | None = None) -> str:
+    """Say from what to what: "from 5 nm to 3 um", "at most 4 GPa"."""
+    low, high = (_bound(end, unit, given) for end in span)
+    if math.isinf(span[1]):
+        return f"at least {low}"
+    return f"at most {high}" if math.isinf(span[0]) else f"from {low} to {high}"
+
+
+def _bound(value: float, unit: str | None, given: str | None) -> str:
+    if unit is None:
+        return f"{value:g}"
+    return "0" if value == 0 and unit != "K" else format_quantity(value, unit, given=given)
+
+
+def _unit_and_given(attribute: "attrs.Attribute[Any]") -> tuple[str | None, str | None]:
+    """Unit of a field, and that in which a person gave its value, where it is another."""
+    unit, given = attribute.metadata.get("unit"), attribute.metadata.get("given")
+    return unit, None if given in (unit, "1") else given
+
+
+def _told(value: float, attribute: "attrs.Attribute[Any]") -> str:
+    unit, given = _unit_and_given(attribute)
+    if unit is None or unit == "1":
+        return f"{value:.6g}"
+    if given is not None:
+        return format_quantity(value, unit, given=given)
+    plain, read = format_quantity(value, unit, given=unit), format_quantity(value, unit)
+    return plain if plain == read else f"{plain} = {read}"
+
+
+def _hint(value: float, attribute: "attrs.Attribute[Any]") -> str:
+    """Ask whether the same number with another unit was meant, one that makes it usual."""
+    unit, given = _unit_and_given(attribute)
+    span: Span | None = attribute.metadata.get("usual")
+    if unit is None or span is None:
+        return ""
+    meant = likely(value, given or unit, unit, lambda other: span[0] <= other <= span[1])
+    return "" if meant is None else f"; did you mean {meant!r}?"

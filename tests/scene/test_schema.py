@@ -19,6 +19,8 @@ def test_the_schema_has_every_promised_key() -> None:
         "Pa",
         "208 GPa",
         "Young's modulus",
+        "from 50 GPa to 500 GPa",
+        "from 1 MPa to 2000 GPa",
     )
     assert rows["models.traction"].default == "lambda-blend"
     assert rows["surface.roller_roughness"].default == "0.1 um"

@@ -33,21 +33,36 @@ _BRONZE = 8600.0  # kg/m3
 class Cage:
     """The cage: mass, pockets, guidance, and what drags it."""
 
-    mass: float = field(unit="kg", doc="mass", validator=positive)
-    inertia: float = field(unit="kg m2", doc="moment of inertia about the axis of the bearing", validator=positive)
+    mass: float = field(unit="kg", doc="mass", validator=positive, usual=(1e-3, 300), possible=(1e-9, 1e6))
+    inertia: float = field(
+        unit="kg m2",
+        doc="moment of inertia about the axis of the bearing",
+        validator=positive,
+        usual=(1e-8, 300),
+        possible=(1e-15, 1e8),
+    )
     pocket_clearance: float = field(
         unit="m",
         doc="clearance of a roller in its pocket along the orbit, full play; by default 1.5 % of its diameter (D)",
         validator=non_negative,
+        usual=(0, 5e-3),
+        possible=(0, 1),
     )
     pocket_stiffness: float = field(
-        default=5e7, unit="N/m", doc="stiffness of the contact of a roller with its pocket (D)", validator=positive
+        default=5e7,
+        unit="N/m",
+        doc="stiffness of the contact of a roller with its pocket (D)",
+        validator=positive,
+        usual=(1e5, 1e10),
+        possible=(1e-3, 1e15),
     )
     pocket_damping: float = field(
         default=0.3,
         unit="s/m",
         doc="damping c of its force K d (1 + c dd/dt), d the depth (D)",
         validator=non_negative,
+        usual=(0, 20),
+        possible=(0, 1e9),
     )
     pocket_contact: str = field(
         default="metal",
@@ -67,27 +82,40 @@ class Cage:
         doc="clearance of a roller in its pocket along the radius, by which rollers guide the cage, full play; by "
         "default that along the orbit (D)",
         validator=attrs.validators.optional(non_negative),
+        usual=(0, 5e-3),
+        possible=(0, 1),
     )
     land_radius: float | None = field(
         default=None,
         unit="m",
         doc="radius of the land; by default 0.2 roller diameters beyond the raceway's edge (D)",
         validator=_optional,
+        usual=(2e-3, 2),
+        possible=(1e-5, 30),
     )
     land_width: float | None = field(
         default=None,
         unit="m",
         doc="width of the land, all rails together; by default half a roller's length (D)",
         validator=_optional,
+        usual=(2e-4, 0.2),
+        possible=(1e-6, 10),
     )
     land_clearance: float | None = field(
         default=None,
         unit="m",
         doc="radial clearance of cage and land; by default 0.25 % of its radius (D)",
         validator=_optional,
+        usual=(5e-6, 0.01),
+        possible=(1e-9, 1),
     )
     unbalance: float = field(
-        default=0.0, unit="kg m", doc="mass of the cage times eccentricity of its centre", validator=non_negative
+        default=0.0,
+        unit="kg m",
+        doc="mass of the cage times eccentricity of its centre",
+        validator=non_negative,
+        usual=(0, 0.1),
+        possible=(0, 1e4),
     )
     drag: tuple[Any, ...] = field(default=(), doc="what drags cage and rollers: names of kind drag, or tables")
     drags: Drags = attrs.field(factory=Drags, metadata={"key": None})

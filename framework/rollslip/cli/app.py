@@ -10,7 +10,7 @@ import shlex
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -132,12 +132,24 @@ def results_options(
 
 
 def scene_of(name: str, changes: Sequence[str]) -> "Scene":
-    """Return a scene by name or file, with what --set changes."""
+    """Return a scene by name or file, with what --set changes; of what is unusual in it is warned."""
+    from rollslip.planning.plausibility import implausible
     from rollslip.scene.changes import evolve, parse_set
     from rollslip.scene.reading import load_scene
 
     scene = load_scene(name)
-    return evolve(scene, dict(map(parse_set, changes))) if changes else scene
+    scene = evolve(scene, dict(map(parse_set, changes))) if changes else scene
+    warn(implausible(scene))
+    return scene
+
+
+def warn(texts: Iterable[str]) -> None:
+    """Print warnings, each once in a command."""
+    said: dict[str, None] = click.get_current_context().meta.setdefault(f"{__name__}.warned", {})
+    for text in texts:
+        if text not in said:
+            said[text] = None
+            click.echo(f"warning: {text}", err=True)
 
 
 class Results:
@@ -183,8 +195,7 @@ class Results:
 
     def tell(self, *datasets: "xr.Dataset") -> None:
         """Print the warnings of results, each once, and where everything was written to."""
-        for warning in dict.fromkeys(text for dataset in datasets for text in json.loads(dataset.attrs["warnings"])):
-            click.echo(f"warning: {warning}", err=True)
+        warn(text for dataset in datasets for text in json.loads(dataset.attrs["warnings"]))
         click.echo(f"written to {self.target}: {', '.join(self._files)}")
 
     # Runs that can go on after an interruption ------------------------------------------------------------------------

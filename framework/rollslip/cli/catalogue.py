@@ -73,7 +73,7 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
 @click.command()
 @json_option
 def schema(as_json: bool) -> None:
-    """List every key of a scene with unit, default and meaning."""
+    """List every key of a scene with unit, default, what is usual, and meaning; --json gives what is possible too."""
     from rollslip.cli import console
     from rollslip.scene.schema import schema
 
@@ -81,7 +81,10 @@ def schema(as_json: bool) -> None:
     if as_json:
         print_json([row._asdict() for row in rows])
     else:
-        console.print_table(("key", "unit", "default", "meaning"), [tuple(map(str, row)) for row in rows])
+        console.print_table(
+            ("key", "unit", "default", "meaning"),
+            [(*row[:3], f"{row.doc}; usually {row.usual}" if row.usual else row.doc) for row in rows],
+        )
 
 
 @click.command()

@@ -13,7 +13,7 @@ from attrs import field as attrib
 from attrs.validators import optional
 
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, field, non_negative, positive
+from rollslip.fields import FieldError, Span, field, non_negative, positive
 from rollslip.lubricant.pressure import Barus, PressureViscosity
 from rollslip.lubricant.temperature import TemperatureLaw
 from rollslip.references import Citation
@@ -78,9 +78,12 @@ class OilState:
     shear_modulus: float
 
 
-def positive_field(unit: str, doc: str, default: object = NOTHING) -> Any:
+def positive_field(
+    unit: str, doc: str, default: object = NOTHING, usual: Span | None = None, possible: Span | None = None
+) -> Any:
     """Declare a field of a positive quantity; one whose default is None may be left out."""
-    return field(unit=unit, doc=doc, default=default, validator=positive if default is not None else optional(positive))
+    validator = positive if default is not None else optional(positive)
+    return field(unit=unit, doc=doc, default=default, validator=validator, usual=usual, possible=possible)
 
 
 def _positive_or_law(instance: object, attribute: "Attribute[Any]", value: object) -> None:

@@ -166,12 +166,24 @@ class Yasutomi(PressureViscosity):
         }
     )
 
-    glass_temperature: float = field(unit="K", validator=positive, doc="Tg0, glass temperature at ambient pressure")
+    glass_temperature: float = field(
+        unit="K",
+        validator=positive,
+        doc="Tg0, glass temperature at ambient pressure",
+        usual=(130, 330),
+        possible=(1, 1e3),
+    )
     a1: float = field(unit="K", validator=non_negative, doc="A1, rise of the glass temperature")
-    a2: float = field(unit="1/Pa", validator=positive, doc="A2, its pressure")
-    b1: float = field(unit="1", validator=non_negative, doc="B1, fall of the free volume's expansion")
-    b2: float = field(unit="1/Pa", validator=positive, doc="B2, its pressure")
-    c1: float = field(unit="1", validator=positive, doc="C1 of the WLF equation")
+    a2: float = field(
+        unit="1/Pa", validator=positive, doc="A2, its pressure", usual=(1e-11, 1e-7), possible=(1e-14, 1e-3)
+    )
+    b1: float = field(
+        unit="1", validator=non_negative, doc="B1, fall of the free volume's expansion", usual=(0, 1), possible=(0, 1e3)
+    )
+    b2: float = field(
+        unit="1/Pa", validator=positive, doc="B2, its pressure", usual=(1e-11, 1e-7), possible=(1e-14, 1e-3)
+    )
+    c1: float = field(unit="1", validator=positive, doc="C1 of the WLF equation", usual=(5, 50), possible=(0.01, 1e4))
     c2: float = field(unit="K", validator=positive, doc="C2 of the WLF equation")
 
     def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:

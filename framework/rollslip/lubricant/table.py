@@ -3,13 +3,13 @@
 import math
 from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias, TypedDict
 
 from attrs import Attribute, asdict, evolve, fields_dict, frozen
-from attrs.validators import deep_iterable, optional
+from attrs.validators import and_, deep_iterable, optional
 
 from rollslip.errors import SceneError
-from rollslip.fields import FieldError, field, non_negative, one_of, own_unit, positive
+from rollslip.fields import FieldError, Span, field, non_negative, one_of, own_unit, positive, within_possible
 from rollslip.lubricant.fits import fit_vogel, fit_walther
 from rollslip.lubricant.oil import Lubricant, positive_field
 from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi
@@ -23,6 +23,17 @@ _ANY = (1.0, 1e4)  # K: constants are taken at the temperature of the scene, wha
 
 #: Slope -> the property that it belongs to.
 _SLOPES = {"thermoviscosity": "viscosity", "pressure_thermoviscosity": "pressure_viscosity"}
+
+
+class _Spans(TypedDict):
+    usual: Span
+    possible: Span
+
+
+#: What is usual, and what is possible, of properties that stand in several tables.
+_TEMPERATURE: Final[_Spans] = {"usual": (213.15, 573.15), "possible": (123.15, 1273.15)}
+_FACTOR: Final[_Spans] = {"usual": (0.1, 10), "possible": (1e-9, 1e9)}
+_VISCOSITY: Final[_Spans] = {"usual": (5e-4, 3.0), "possible": (1e-5, 1e6)}
 _PROPERTIES = {*_SLOPES, *_SLOPES.values(), "density", "conductivity", "eyring_stress", "shear_modulus"}
 
 
@@ -30,9 +41,11 @@ _PROPERTIES = {*_SLOPES, *_SLOPES.values(), "density", "conductivity", "eyring_s
 class OilPoint:
     """A measured viscosity of an own oil."""
 
-    temperature: float = positive_field("K", "temperature")
-    viscosity: float | None = positive_field("Pa s", "dynamic viscosity", None)
-    kinematic_viscosity: float | None = positive_field("m2/s", "kinematic viscosity", None)
+    temperature: float = positive_field("K", "temperature", **_TEMPERATURE)
+    viscosity: float | None = positive_field("Pa s", "dynamic viscosity", None, **_VISCOSITY)
+    kinematic_viscosity: float | None = positive_field(
+        "m2/s", "kinematic viscosity", None, usual=(5e-7, 5e-3), possible=(1e-8, 10)
+    )
 
     def __attrs_post_init__(self) -> None:
         if (self.viscosity is None) == (self.kinematic_viscosity is None):
@@ -44,7 +57,7 @@ class OverTemperature:
     """A property of an oil as a table over temperature."""
 
     temperature: tuple[float, ...] = field(
-        unit="K", doc="rising temperatures, two or more", validator=deep_iterable(positive)
+        unit="K", doc="rising temperatures, two or more", validator=deep_iterable(positive), **_TEMPERATURE
     )
     value: tuple[float, ...] = own_unit("the property at each")
 
@@ -68,9 +81,17 @@ class _Each:
             self.allowed(instance, attribute, one)
 
 
-def _property(unit: str, doc: str, allowed: Callable[[Any, Any, Any], object] | None = positive) -> Any:
+def _property(
+    unit: str,
+    doc: str,
+    allowed: Callable[[Any, Any, Any], object] | None = positive,
+    *,
+    usual: Span,
+    possible: Span,
+) -> Any:
     """Declare a property of the oil: a constant or a table over temperature."""
-    return field(unit=unit, doc=doc, default=None, validator=None if allowed is None else _Each(allowed))
+    each = within_possible if allowed is None else and_(allowed, within_possible)
+    return field(unit=unit, doc=doc, default=None, validator=_Each(each), usual=usual, possible=possible)
 
 
 Property: TypeAlias = float | OverTemperature | None
@@ -83,16 +104,29 @@ class OilTable:
     name: str | None = field(default=None, doc="a shipped oil, whose data the other keys override")
     description: str | None = field(default=None, doc="what the oil is")
     source: str | None = field(default=None, doc="where the data of this table come from")
-    viscosity: Property = _property("Pa s", "dynamic viscosity")
-    thermoviscosity: Property = _property("1/K", "its fall with temperature beta0 = -dln(eta0)/dT", non_negative)
+    viscosity: Property = _property("Pa s", "dynamic viscosity", positive, **_VISCOSITY)
+    thermoviscosity: Property = _property(
+        "1/K", "its fall with temperature beta0 = -dln(eta0)/dT", non_negative, usual=(3e-3, 0.2), possible=(0, 10)
+    )
     viscosity_law: str | None = field(
         default=None, doc="law through the points", validator=optional(one_of("walther", "vogel"))
     )
     points: tuple[OilPoint, ...] = field(default=(), doc="measured viscosities, in place of viscosity")
-    density: Property = _property("kg/m3", "density, between kinematic and dynamic viscosity, and for drags")
-    pressure_viscosity: Property = _property("1/Pa", "pressure-viscosity coefficient alpha")
+    density: Property = _property(
+        "kg/m3",
+        "density, between kinematic and dynamic viscosity, and for drags",
+        usual=(600, 2000),
+        possible=(100, 2e4),
+    )
+    pressure_viscosity: Property = _property(
+        "1/Pa", "pressure-viscosity coefficient alpha", usual=(2e-9, 6e-8), possible=(1e-12, 1e-6)
+    )
     pressure_thermoviscosity: Property = _property(
-        "1/(Pa K)", "its fall with temperature gamma = -dalpha/dT, of any sign", None
+        "1/(Pa K)",
+        "its fall with temperature gamma = -dalpha/dT, of any sign",
+        None,
+        usual=(-1e-9, 2e-9),
+        possible=(-1e-6, 1e-6),
     )
     pressure_viscosity_law: str | None = field(
         default=None,
@@ -100,23 +134,38 @@ class OilTable:
         validator=optional(one_of("barus", "roelands", "yasutomi")),
     )
     yasutomi: Yasutomi | None = field(default=None, doc="constants of Yasutomi's law")
-    conductivity: Property = _property("W/(m K)", "thermal conductivity")
-    eyring_stress: Property = _property("Pa", "Eyring stress")
-    shear_modulus: Property = _property("Pa", "shear modulus")
+    conductivity: Property = _property("W/(m K)", "thermal conductivity", usual=(0.05, 0.7), possible=(1e-3, 100))
+    eyring_stress: Property = _property("Pa", "Eyring stress", usual=(2e5, 5e7), possible=(100, 1e11))
+    shear_modulus: Property = _property("Pa", "shear modulus", usual=(1e6, 1e10), possible=(100, 1e13))
     eyring_stress_slope: float | None = field(
         default=None,
         unit="1",
         doc="rise of the Eyring stress with pressure, from eyring_stress at none",
         validator=optional(non_negative),
+        usual=(0, 0.3),
+        possible=(0, 100),
     )
     shear_modulus_slope: float | None = field(
-        default=None, unit="1", doc="rise of the shear modulus with pressure", validator=optional(non_negative)
+        default=None,
+        unit="1",
+        doc="rise of the shear modulus with pressure",
+        validator=optional(non_negative),
+        usual=(0, 10),
+        possible=(0, 1e4),
     )
-    minimum_temperature: float | None = positive_field("K", "lowest temperature at which the data hold", None)
-    maximum_temperature: float | None = positive_field("K", "highest temperature at which the data hold", None)
-    viscosity_factor: float | None = positive_field("1", "factor on the viscosity", None)
-    pressure_viscosity_factor: float | None = positive_field("1", "factor on the pressure-viscosity coefficient", None)
-    pressure_thermoviscosity_factor: float | None = positive_field("1", "factor on the slope of that coefficient", None)
+    minimum_temperature: float | None = positive_field(
+        "K", "lowest temperature at which the data hold", None, **_TEMPERATURE
+    )
+    maximum_temperature: float | None = positive_field(
+        "K", "highest temperature at which the data hold", None, **_TEMPERATURE
+    )
+    viscosity_factor: float | None = positive_field("1", "factor on the viscosity", None, **_FACTOR)
+    pressure_viscosity_factor: float | None = positive_field(
+        "1", "factor on the pressure-viscosity coefficient", None, **_FACTOR
+    )
+    pressure_thermoviscosity_factor: float | None = positive_field(
+        "1", "factor on the slope of that coefficient", None, **_FACTOR
+    )
 
     def __attrs_post_init__(self) -> None:
         if self.name is None and not self.points and self.viscosity is None:

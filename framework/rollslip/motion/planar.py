@@ -61,27 +61,55 @@ class PlanarSettings:
     """What plane motion needs beyond the bearing and its cage."""
 
     inner_ring_mass: float = field(
-        unit="kg", doc="mass that moves with the inner ring: the ring and its share of the shaft", validator=positive
+        unit="kg",
+        doc="mass that moves with the inner ring: the ring and its share of the shaft",
+        validator=positive,
+        usual=(1e-3, 1e5),
+        possible=(1e-9, 1e9),
     )
     contact_damping: float = field(
         default=0.3,
         unit="s/m",
         doc="damping c of rollers and rings, w(d) (1 + c dd/dt), d the approach; 0.1 to 0.5 for steel (C)",
         validator=non_negative,
+        usual=(0, 20),
+        possible=(0, 1e9),
     )
-    gravity: float = field(default=9.80665, unit="m/s2", doc="gravity", validator=non_negative)
-    gravity_direction: float = field(default=0.0, unit="rad", doc="direction of gravity, from that of the radial load")
+    gravity: float = field(
+        default=9.80665, unit="m/s2", doc="gravity", validator=non_negative, usual=(0, 200), possible=(0, 1e6)
+    )
+    gravity_direction: float = field(
+        default=0.0,
+        unit="rad",
+        doc="direction of gravity, from that of the radial load",
+        usual=(-6.2832, 6.2832),
+        possible=(-1e3, 1e3),
+    )
     land_stiffness: float = field(
-        default=1e8, unit="N/m", doc="stiffness of cage and land where they touch (D)", validator=positive
+        default=1e8,
+        unit="N/m",
+        doc="stiffness of cage and land where they touch (D)",
+        validator=positive,
+        usual=(1e5, 1e10),
+        possible=(1e-3, 1e15),
     )
     land_damping: float = field(
-        default=0.3, unit="s/m", doc="damping of cage and land where they touch (D)", validator=non_negative
+        default=0.3,
+        unit="s/m",
+        doc="damping of cage and land where they touch (D)",
+        validator=non_negative,
+        usual=(0, 20),
+        possible=(0, 1e9),
     )
     land_friction: float = field(
         default=0.1, unit="1", doc="friction coefficient of cage and land where they touch (D)", validator=non_negative
     )
     load_times: tuple[float, ...] = field(
-        default=(), unit="s", doc="times, ascending, at which the radial load has these factors"
+        default=(),
+        unit="s",
+        doc="times, ascending, at which the radial load has these factors",
+        usual=(0, 1e4),
+        possible=(-1e9, 1e9),
     )
     load_factors: tuple[float, ...] = field(
         default=(),

@@ -15,6 +15,7 @@ from rollslip.errors import RollslipError
 from rollslip.models import TractionModel
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.planning.plan import Plan, plan
+from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import run_origin
 from rollslip.planning.verification import accuracy_rows, judge
 from rollslip.results.dataset import about
@@ -182,6 +183,7 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     except RollslipError as refusal:  # what was computed stands
         outside, off = [], None
         found = [f"whether models were used for what they were made for could not be judged: {refusal}"]
+    found += implausible(plan.scene)
     found += validity.corrections(assembly.film)
     temperatures = dict.fromkeys(raceway.conditions.temperature for raceway in assembly.raceways)
     found += dict.fromkeys(note for T in temperatures for note in assembly.lubricant.notes(T))

@@ -17,6 +17,7 @@ import attrs
 
 from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.files import decoded
+from rollslip.scene.plausibility import impossible_relations
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable, Location, attributes, bare_key, key_of, structure, thawed
 from rollslip.toml import KeyPath, parse
@@ -123,6 +124,8 @@ def checked_scene(
     problems: list[str] = []
     complete = _with_named_data(raw, Location(origins), problems)
     scene = structure(Scene, complete, Location(origins), problems, known)
+    if scene is not None:
+        problems += impossible_relations(scene, complete, Location(origins))
     if scene is None or problems:
         raise SceneError(problems)
     return attrs.evolve(scene, source=source, text=text, raw=FrozenTable(raw), origins=origins)

@@ -1,25 +1,28 @@
-"""The schema: every key that a scene may have, with unit, default and meaning, for people and the documentation."""
+"""The schema: every key that a scene may have, with unit, default, meaning and ranges, for people and the docs."""
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple, get_args
 
 import attrs
 
+from rollslip.fields import span_in_words
 from rollslip.scene.reading import NAMED
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, attributes, bare_key, key_of, types_of
 from rollslip.units import format_quantity
 
-__all__ = ["SchemaRow", "schema", "shown_default"]
+__all__ = ["SchemaRow", "schema", "shown_default", "shown_range"]
 
 
 class SchemaRow(NamedTuple):
-    """One key that a scene may have: its unit, its default as text ("required" if there is none) and its meaning."""
+    """One key that a scene may have, as texts: unit, default ("required" if there is none), meaning, and ranges."""
 
     key: str
     unit: str
     default: str
     doc: str
+    usual: str = ""
+    possible: str = ""
 
 
 def schema() -> list[SchemaRow]:
@@ -45,7 +48,14 @@ def _rows(cls: type, prefix: str) -> Iterator[SchemaRow]:
                 )
             yield from _rows(kind, f"{key}.")
         else:
-            yield SchemaRow(key, metadata["unit"] or "", shown_default(attribute), metadata["doc"])
+            ranges = (shown_range(attribute, which) for which in ("usual", "possible"))
+            yield SchemaRow(key, metadata["unit"] or "", shown_default(attribute), metadata["doc"], *ranges)
+
+
+def shown_range(attribute: "attrs.Attribute[Any]", which: str) -> str:
+    """Return what is "usual", or "possible", of a field as people read it; nothing where it says nothing."""
+    span = attribute.metadata.get(which)
+    return "" if span is None else span_in_words(span, attribute.metadata.get("unit"))
 
 
 def shown_default(attribute: "attrs.Attribute[Any]") -> str:

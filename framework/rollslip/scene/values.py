@@ -46,25 +46,44 @@ class LubricantTable:
 _follow_temperature = attrs.Factory(lambda operation: operation.temperature, takes_self=True)
 
 
+def _speed(of: str, default: object = attrs.NOTHING) -> Any:
+    return field(
+        default=default,
+        unit="rad/s",
+        doc=f"rotational speed of the {of} ring",
+        usual=(-6e3, 6e3),
+        possible=(-1e6, 1e6),
+    )
+
+
+def _temperature(of: str, default: object = _follow_temperature) -> Any:
+    return field(
+        default=default,
+        unit="K",
+        doc=f"temperature of {of}",
+        validator=positive,
+        usual=(213.15, 523.15),
+        possible=(123.15, 1273.15),
+    )
+
+
 @attrs.frozen(kw_only=True)
 class Operation:
     """What the bearing is doing."""
 
-    inner_speed: float = field(unit="rad/s", doc="rotational speed of the inner ring")
-    outer_speed: float = field(default=0.0, unit="rad/s", doc="rotational speed of the outer ring")
-    radial_load: float = field(unit="N", doc="radial load", validator=non_negative)
-    temperature: float = field(unit="K", doc="temperature of all parts that have none of their own", validator=positive)
-    inner_ring_temperature: float = field(
-        default=_follow_temperature, unit="K", doc="temperature of the inner ring", validator=positive
-    )
-    outer_ring_temperature: float = field(
-        default=_follow_temperature, unit="K", doc="temperature of the outer ring", validator=positive
-    )
-    roller_temperature: float = field(
-        default=_follow_temperature, unit="K", doc="temperature of the rollers", validator=positive
-    )
+    inner_speed: float = _speed("inner")
+    outer_speed: float = _speed("outer", 0.0)
+    radial_load: float = field(unit="N", doc="radial load", validator=non_negative, usual=(0, 1e7), possible=(0, 1e9))
+    temperature: float = _temperature("all parts that have none of their own", attrs.NOTHING)
+    inner_ring_temperature: float = _temperature("the inner ring")
+    outer_ring_temperature: float = _temperature("the outer ring")
+    roller_temperature: float = _temperature("the rollers")
     misalignment: float = field(
-        default=0.0, unit="rad", doc="tilt of the inner against the outer ring", validator=in_range(-0.1, 0.1)
+        default=0.0,
+        unit="rad",
+        doc="tilt of the inner against the outer ring",
+        usual=(-5e-3, 5e-3),
+        possible=(-0.1, 0.1),
     )
 
     def __attrs_post_init__(self) -> None:
@@ -103,6 +122,7 @@ def _tolerance(of: str) -> Any:
         unit="1",
         doc=f"relative error of {of}, by default accuracy.tolerance",
         validator=attrs.validators.optional(in_range(0, 1, open=True)),
+        usual=(EXACT, 0.1),
     )
 
 
@@ -116,6 +136,7 @@ class Accuracy:
         doc="relative error that is acceptable, or exact for the finest of everything",
         validator=in_range(0, 1, open=True),
         words={"exact": EXACT},
+        usual=(EXACT, 0.1),
     )
     critical_slip: float | None = _tolerance("the critical cage slip")
     friction: float | None = _tolerance("friction, of its largest value")
@@ -125,6 +146,7 @@ class Accuracy:
         doc="slices along a roller, where a profile or a tilt needs them; auto for as many as the tolerance needs",
         validator=attrs.validators.optional(attrs.validators.and_(at_least(3), in_range(3, 10_000))),
         words={"auto": None},
+        usual=(3, 1001),
     )
 
     def of(self, result: str) -> float:

@@ -25,6 +25,7 @@ from rollslip.campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, C
 from rollslip.errors import OutputError, RollslipError, in_words
 from rollslip.files import whole_file
 from rollslip.planning.plan import Plan
+from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import run_origin, together
 from rollslip.results.dataset import CITED, about
 from rollslip.scene.values import Scene, scene_hash
@@ -400,6 +401,7 @@ def _origin(
     warned = [f"{name}: {text}" for name, text in told if text != "done"]
     if resumed:
         warned.append("the run was interrupted and gone on with: not all rounds met the same machine")
+    warned += implausible(family.plan.scene)
     others = (_plan_of(family.plan, one) for one in family.choices if one.kind in ("modelling", "film"))
     plans = [family.plan, *filter(None, others)]
     origins = [

@@ -19,6 +19,7 @@ import numpy as np
 from rollslip.campaigns.sweep.definition import Sweep
 from rollslip.campaigns.sweep.journal import STATUSES, check_owner, layouts, records
 from rollslip.campaigns.sweep.point import unpacked
+from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.results.dataset import about
 
@@ -84,6 +85,7 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
     counts = {name: int((own == name).sum()) for name in (*STATUSES, "pending")}
     lost = [f"{count} {name}" for name, count in counts.items() if count and name != "ok"]
     warnings = [f"{own.size - counts['ok']} of {own.size} points have no result: {', '.join(lost)}"] if lost else []
+    warnings += implausible(sweep.given)
     facts = sweep.facts
     return origin(
         study="sweep",

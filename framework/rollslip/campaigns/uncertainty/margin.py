@@ -42,6 +42,7 @@ from rollslip.campaigns.sweep.sampling import REPLICATES
 from rollslip.campaigns.sweep.sweep import FILE, plan_sweep
 from rollslip.campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
 from rollslip.errors import OutputError, SceneError
+from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
@@ -565,6 +566,7 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], values: M
             f"the scene has no table [uncertainty]; the scatter is the one that the oil comes with: "
             f"{'; '.join(made.scatter)}"
         )
+    warnings += implausible(sweep.given)
     return origin(
         study="uncertainty",
         **scene_told(sweep.scene, sweep.given),

@@ -123,9 +123,16 @@ class Dynamics(Study):
         default=0.05, unit="1", doc="coefficient of constant friction", validator=non_negative
     )
     friction_speed: float = parameter(
-        default=0.05, unit="m/s", doc="sliding speed over which constant friction sets in", validator=positive
+        default=0.05,
+        unit="m/s",
+        doc="sliding speed over which constant friction sets in",
+        validator=positive,
+        usual=(1e-5, 1),
+        possible=(1e-12, 1e4),
     )
-    duration: float = parameter(default=1.0, unit="s", doc="time to go through", validator=positive)
+    duration: float = parameter(
+        default=1.0, unit="s", doc="time to go through", validator=positive, usual=(1e-4, 1e4), possible=(1e-9, 1e9)
+    )
     points: int = parameter(default=1001, doc="instants stored, evenly spread with both ends", validator=at_least(2))
     cage_slip: float = parameter(default=0.0, unit="1", doc="slip of the cage at the start: 1 at rest, 2 backwards")
     roller_slip: float = parameter(default=0.0, unit="1", doc="slip of the rollers at the start: 1 at rest")

@@ -72,6 +72,8 @@ class FrictionCurve(Study):
         unit="N",
         doc="normal forces of the contact",
         validator=attrs.validators.deep_iterable(positive),
+        usual=(0, 1e6),
+        possible=(0, 1e9),
     )
     ring: str = parameter(default="inner", doc="ring of the contact", validator=one_of("inner", "outer"))
     max_slip: float = parameter(default=0.3, unit="1", doc="largest slide-roll ratio V/u", validator=positive)

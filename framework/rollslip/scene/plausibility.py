@@ -1,0 +1,327 @@
+"""Whether what a scene states is usual: each value by its field, and values that have to fit each other.
+
+- A range of a single value stands beside its field (`rollslip.fields.field`). What has to fit another value is one of
+  `RELATIONS` here, with the same two ranges: outside of what is usual whoever runs the scene is told, outside of what
+  is possible it is not read.
+- Only what somebody wrote is judged by its field: named data, defaults and estimates have other authors.
+- The numbers are those of catalogues and handbooks, taken wide: they catch a slipped unit or decimal, and say nothing
+  about whether a bearing is a good one.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from numbers import Real
+from types import UnionType
+from typing import Any, Final, TypeAlias, Union, get_args, get_origin
+
+import attrs
+
+from rollslip.errors import PluginError
+from rollslip.fields import FieldError, Span, as_given, span_in_words, unusual
+from rollslip.structure import Location, attributes, key_of, types_of
+from rollslip.units import UnitError, format_quantity, likely, quantity, unit_given
+
+__all__ = ["RELATIONS", "Relation", "impossible_relations", "unusual_relations", "unusual_values"]
+
+Scene: TypeAlias = Any
+"""A `rollslip.scene.values.Scene`; its tables are read by name here, as relations name them."""
+
+#: Largest roller force over the mean of all, sum F = F_r, where half the rollers carry (Stribeck's number) [1].
+_STRIBECK: Final = 5.0
+
+
+@attrs.frozen
+class Relation:
+    """A value of a scene that has to fit others.
+
+    Attributes
+    ----------
+    table, field : str
+        The value that is blamed: ``operation.radial_load``.
+    of : callable
+        Returns what it amounts to in a scene, in `unit`; NaN where that cannot be said.
+    unit : str
+        SI unit of it.
+    words : str
+        What it amounts to, in words: "of the roller diameter".
+    usual, possible : tuple of float
+        Least and largest of it that are usual, and that are possible.
+    source : str
+        What the ranges rest on.
+    """
+
+    table: str
+    field: str
+    of: Callable[[Scene], float]
+    unit: str
+    words: str
+    usual: Span
+    possible: Span
+    source: str
+
+    def with_value(self, scene: Scene, value: float) -> float:
+        """Return what it would amount to with another value; NaN if the scene cannot have that."""
+        table: Any = getattr(scene, self.table)
+        try:
+            other: Any = attrs.evolve(scene, **{self.table: attrs.evolve(table, **{self.field: value})})
+        except FieldError:
+            return math.nan
+        return self.of(other)
+
+    def fault(self, scene: Scene, span: Span, written: object) -> str:
+        """Say how a scene leaves one of the two ranges; nothing if it does not."""
+        amounts = self.of(scene)
+        if math.isnan(amounts) or span[0] <= amounts <= span[1]:
+            return ""
+        attribute = attrs.fields_dict(type(getattr(scene, self.table)))[self.field]
+        unit = attribute.metadata["unit"]
+        value: float = getattr(getattr(scene, self.table), self.field)
+        given = None if unit is None else unit_given(written, unit)
+        shown = as_given(value, attribute, given)
+        word = "usual" if span == self.usual else "possible"
+        said = f"{shown} is {self._shown(amounts)} {self.words}, {self.range_in_words(span)} is {word}"
+        if unit is None or given is None:
+            return said
+        of_field: Span = attribute.metadata["usual"]
+        meant = likely(
+            value,
+            given,
+            unit,
+            lambda other: (
+                of_field[0] <= other <= of_field[1] and self.usual[0] <= self.with_value(scene, other) <= self.usual[1]
+            ),
+        )
+        return said if meant is None else f"{said}; did you mean {meant!r}?"
+
+    def _shown(self, amounts: float) -> str:
+        return f"{100 * amounts:.3g} %" if self.unit == "1" else format_quantity(amounts, self.unit, 3)
+
+    def range_in_words(self, span: Span) -> str:
+        """Say from what to what it may go."""
+        if self.unit != "1":
+            return span_in_words(span if span[0] != 0 else (-math.inf, span[1]), self.unit)
+        if math.isinf(span[1]):
+            return f"at least {100 * span[0]:g} %"
+        return f"{100 * span[0]:g} % to {100 * span[1]:g} %"
+
+
+def _pitch(scene: Scene) -> float:
+    b = scene.bearing
+    return float(b.inner_raceway_diameter + b.outer_raceway_diameter) / 2
+
+
+def _room_left(scene: Scene) -> float:
+    """Play that the diameters leave, less the clearance that is stated, over the diameter of a roller [1].
+
+    NaN where the clearance itself cannot be meant.
+    """
+    b = scene.bearing
+    if abs(b.radial_clearance) > 0.05 * b.roller_diameter:
+        return math.nan
+    play: float = b.outer_raceway_diameter - b.inner_raceway_diameter - 2 * b.roller_diameter
+    return float((play - b.radial_clearance) / b.roller_diameter)
+
+
+def _speed(scene: Scene, ring: str) -> float:
+    """Surface speed of a raceway [m/s]."""
+    diameter: float = getattr(scene.bearing, f"{ring}_raceway_diameter")
+    speed: float = getattr(scene.operation, f"{ring}_speed")
+    return abs(speed) * diameter / 2
+
+
+def _most_loaded(scene: Scene) -> tuple[float, float, float]:
+    """Load per length w, radius R and modulus E' of the most loaded contact of the inner ring, as catalogues take it.
+
+    w = 5 F_r/(Z l): half the rollers carry, at no clearance, without profile, tilt and centrifugal force.
+    """
+    b = scene.bearing
+    inner, roller = b.inner_raceway_diameter / 2, b.roller_diameter / 2
+    load: float = _STRIBECK * scene.operation.radial_load / (b.rollers * b.roller_length)
+    return load, inner * roller / (inner + roller), b.material.elastic_modulus / (1 - b.material.poisson_ratio**2)
+
+
+def _pressure(scene: Scene) -> float:
+    """Hertz's largest pressure of the most loaded contact, sqrt(w E'/(2 pi R)) [Pa]."""
+    load, radius, modulus = _most_loaded(scene)
+    return math.sqrt(load * modulus / (2 * math.pi * radius))
+
+
+def _over_half_width(scene: Scene, which: str) -> float:
+    """Roughness over Hertz's half width of the most loaded contact, sqrt(8 w R/(pi E')); NaN without load."""
+    load, radius, modulus = _most_loaded(scene)
+    width = math.sqrt(8 * load * radius / (math.pi * modulus))
+    roughness: float = getattr(scene.surface, which)
+    return roughness / width if width > 0 else math.nan
+
+
+#: What has to fit, the values most likely mistyped first.
+RELATIONS: Final = (
+    Relation(
+        "bearing",
+        "radial_clearance",
+        lambda scene: scene.bearing.radial_clearance / scene.bearing.roller_diameter,
+        "1",
+        "of the roller diameter",
+        (-0.005, 0.04),
+        (-0.05, 0.5),
+        "the groups of ISO 5753-1 end at about 2 %; a preload of 2 % presses rollers of 15 mm with 4 GPa (Palmgren)",
+    ),
+    Relation(
+        "bearing",
+        "outer_raceway_diameter",
+        _room_left,
+        "1",
+        "of the roller diameter off what inner raceway, rollers and clearance take",
+        (-0.05, 0.05),
+        (-1, 1),
+        "clearances in operation and at rest differ by less than 2 %",
+    ),
+    Relation(
+        "bearing",
+        "roller_length",
+        lambda scene: scene.bearing.roller_length / scene.bearing.roller_diameter,
+        "1",
+        "of the roller diameter",
+        (0.4, 12),
+        (1e-3, 1e3),
+        "the longest rollers, needles, are 3 to 10 diameters long (ISO 3096)",
+    ),
+    Relation(
+        "bearing",
+        "rollers",
+        lambda scene: scene.bearing.rollers * scene.bearing.roller_diameter / (math.pi * _pitch(scene)),
+        "1",
+        "of the pitch circle filled with rollers",
+        (0.3, 1.01),
+        (-math.inf, math.inf),
+        "bearings with a cage are 60 to 95 % full (D); more than there is room for is refused by itself",
+    ),
+    Relation(
+        "operation",
+        "radial_load",
+        _pressure,
+        "Pa",
+        "of pressure in the most loaded contact, after Hertz",
+        (0, 5e9),
+        (0, 2e10),
+        "the static rating of ISO 76 is at 4 GPa",
+    ),
+    *(
+        Relation(
+            "operation",
+            f"{ring}_speed",
+            partial(_speed, ring=ring),
+            "m/s",
+            f"of surface speed of the {ring} raceway",
+            (0, 200),
+            (0, 3e3),
+            "main shafts of aero engines reach 3e6 mm/min of bore and speed, 160 m/s at the bore (B)",
+        )
+        for ring in ("inner", "outer")
+    ),
+    *(
+        Relation(
+            "surface",
+            f"{part}_roughness",
+            partial(_over_half_width, which=f"{part}_roughness"),
+            "1",
+            "of the contact's half width",
+            (0, 0.5),
+            (-math.inf, math.inf),
+            "where roughness is as large as the contact, Hertz's contact is none (D)",
+        )
+        for part in ("inner_raceway", "outer_raceway", "roller")
+    ),
+)
+
+
+def impossible_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> list[str]:
+    """Return a sentence for each relation that no bearing can have, with its place."""
+    return list(_faults(scene, raw, where, "possible"))
+
+
+def unusual_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> list[str]:
+    """Return a sentence for each relation that is not usual, with its place; of values that are by themselves."""
+    return list(_faults(scene, raw, where, "usual"))
+
+
+def _faults(scene: Scene, raw: Mapping[str, object], where: Location, which: str) -> Iterator[str]:
+    for relation in RELATIONS:
+        table, at = raw.get(relation.table), where.at(relation.table).at(relation.field)
+        written = table.get(relation.field) if isinstance(table, Mapping) else None
+        attribute = attrs.fields_dict(type(getattr(scene, relation.table)))[relation.field]
+        if which == "usual" and any(_unusual(attribute, written, at)):
+            continue
+        if fault := relation.fault(scene, getattr(relation, which), written):
+            yield at.says(fault)
+
+
+def unusual_values(cls: Any, raw: object, where: Location) -> Iterator[str]:
+    """Yield a sentence for each value of a raw table that its field does not call usual, with its place.
+
+    Parameters
+    ----------
+    cls
+        attrs class of the table.
+    raw
+        The table as it is written; it was read before, without a fault.
+    where
+        Its place.
+    """
+    if not isinstance(raw, Mapping):
+        return
+    kinds = types_of(cls)
+    for attribute in attributes(cls):
+        key = key_of(attribute)
+        if key is None or key not in raw:
+            continue
+        value, at = raw[key], where.at(key)
+        if (kind := attribute.metadata.get("kind")) is not None:
+            yield from unusual_model(kind, value, at)
+            continue
+        for inner, table, place in _tables(kinds[attribute.name], value, at):
+            yield from unusual_values(inner, table, place)
+            for a in attributes(inner):
+                if a.metadata.get("own_unit"):  # a property over temperature: its values are those of the property
+                    yield from _unusual(attribute, table.get(a.name), place.at(a.name))
+        yield from _unusual(attribute, value, at)
+
+
+def unusual_model(kind: str, raw: object, where: Location) -> Iterator[str]:
+    """Yield a sentence for each parameter of a model that its field does not call usual, with its place."""
+    from rollslip.catalogue.discovery import get_class  # a scene is read without
+
+    if isinstance(raw, Mapping) and isinstance(name := raw.get("model"), str):
+        try:
+            cls = get_class(kind, name)
+        except PluginError:  # who makes the model says so
+            return
+        if attrs.has(cls):
+            yield from unusual_values(cls, raw, where)
+
+
+def _tables(kind: Any, raw: object, where: Location) -> Iterator[tuple[Any, Mapping[str, object], Location]]:
+    """Yield the attrs classes that a value is read as, its tables and their places."""
+    for one in get_args(kind) if get_origin(kind) in (Union, UnionType, tuple) else (kind,):
+        if attrs.has(one) and isinstance(raw, Mapping):
+            yield one, raw, where
+        elif attrs.has(one) and isinstance(raw, list | tuple):
+            yield from ((one, table, where.at(k)) for k, table in enumerate(raw) if isinstance(table, Mapping))
+
+
+def _unusual(attribute: "attrs.Attribute[Any]", raw: object, where: Location) -> Iterator[str]:
+    """Yield a sentence for a number, or for each of a list, that its field does not call usual."""
+    if isinstance(raw, list | tuple):
+        for k, one in enumerate(raw):
+            yield from _unusual(attribute, one, where.at(k))
+        return
+    if isinstance(raw, bool) or not isinstance(raw, Real | str) or raw in attribute.metadata.get("words", ()):
+        return
+    unit = attribute.metadata.get("unit")
+    try:
+        value = quantity(raw, unit or "1")
+    except UnitError:  # a text in place of a table
+        return
+    if told := unusual(attribute, value, None if unit is None else unit_given(raw, unit)):
+        yield where.says(told)

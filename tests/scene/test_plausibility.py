@@ -1,0 +1,201 @@
+"""What a scene states is held against what is usual and what is possible."""
+
+import math
+
+import attrs
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rollslip import evolve, load_scene
+from rollslip.bearing.cage import Cage
+from rollslip.catalogue.registry import available
+from rollslip.errors import SceneError
+from rollslip.fields import Span
+from rollslip.lubricant.table import OilPoint, OilTable, OverTemperature
+from rollslip.motion.planar import PlanarSettings
+from rollslip.planning.plausibility import implausible
+from rollslip.scene.plausibility import RELATIONS
+from rollslip.scene.reading import from_raw, parse_scene, shipped_scenes
+from rollslip.scene.values import Scene
+from rollslip.structure import FrozenTable, attributes, key_of, types_of
+from rollslip.studies.study import study_class
+from scene_samples import line_of, scene_with
+
+pytestmark = pytest.mark.quick
+
+SCENE = load_scene("1032930-70C")
+
+# What was meant, and what a scene says of it: slips that somebody has made.
+SLIPS = [
+    ("surface.roller_roughness", "0.16 mm", "0.16 mm is unusual", "did you mean '0.16 um'?"),
+    ("operation.inner_speed", 6371, "6371 rad/s = 60838.6 rpm is unusual", "did you mean '6371 rpm'?"),
+    ("operation.inner_speed", "60000 r/min", "60000 r/min is unusual", "57295.8 r/min is usual)"),
+    ("operation.misalignment", "5 deg", "5 deg is unusual", "did you mean '5 arcmin'?"),
+    ("operation.temperature", "343 degC", "343 degC is unusual", "did you mean '343 K'?"),
+    ("operation.radial_load", "1 MN", "1 MN is 7.94 GPa of pressure", "at most 5 GPa is usual"),
+    ("operation.inner_speed", "25000 rpm", "25000 rpm is 216 m/s of surface speed", "at most 200 m/s is usual"),
+    ("bearing.material.elastic_modulus", "208 MPa", "208 MPa is unusual", "did you mean '208 GPa'?"),
+    ("bearing.radial_clearance", "1 mm", "1 mm is 6.67 % of the roller diameter", "did you mean '1 um'?"),
+    ("bearing.radial_clearance", "5 mm", "5 mm is unusual", "did you mean '5 um'?"),
+    ("bearing.radial_clearance", "-0.2 mm", "-0.2 mm is -1.33 % of the roller", "-0.5 % to 4 % is usual"),
+    ("bearing.outer_raceway_diameter", "205 mm", "205 mm is 66.7 % of the roller diameter off", "-5 % to 5 %"),
+    ("bearing.rollers", 8, "8 is 21.2 % of the pitch circle", "30 % to 101 % is usual"),
+    ("bearing.roller_length", "200 mm", "200 mm is 1.33e+03 % of the roller diameter", "is usual"),
+    ("lubricant.viscosity", 5.2, "5.2 Pa s is unusual", "did you mean '5.2 mPa s'?"),
+    ("lubricant.eyring_stress", "4 kPa", "4 kPa is unusual", "did you mean '4 MPa'?"),
+    ("cage.mass", 400, "400 kg is unusual", "did you mean '400 g'?"),
+    ("study.friction-curve.normal_force", ["300 N", "3 MN"], "3 MN is unusual", "did you mean '3 N'?"),
+    ("accuracy.slices", 5000, "5000 is unusual", "(from 3 to 1001 is usual)"),
+]
+
+
+@pytest.mark.parametrize(("key", "value", "shown", "meant"), SLIPS, ids=lambda one: str(one)[:30])
+def test_a_slip_is_told_with_its_value_and_what_was_meant(key: str, value: object, shown: str, meant: str) -> None:
+    [told] = implausible(evolve(SCENE, {key: value}))
+    place, _, sentence = told.partition(f"changes: {key}")
+    assert place == ""
+    assert shown in sentence
+    assert meant in sentence
+
+
+IMPOSSIBLE = [
+    ("surface.roller_roughness", 0.16, "must be from 0.0001 um to 1 mm, not 0.16 m = 160 mm; did you mean '0.16 um'?"),
+    ("bearing.material.elastic_modulus", 208, "must be from 1 MPa to 2000 GPa, not 208 Pa; did you mean '208 GPa'?"),
+    (
+        "bearing.material.density",
+        7.8,
+        "must be from 500 kg/m3 to 25000 kg/m3, not 7.8 kg/m3; did you mean '7.8 g/cm3'?",
+    ),
+    (
+        "bearing.radial_clearance",
+        "14 mm",
+        "14 mm is 93.3 % of the roller diameter, -5 % to 50 % is possible; did you mean '14 um'?",
+    ),
+    (
+        "bearing.radial_clearance",
+        "-1 mm",
+        "-1 mm is -6.67 % of the roller diameter, -5 % to 50 % is possible; did you mean '-1 um'?",
+    ),
+    (
+        "operation.temperature",
+        70,
+        "must be from -150 degC to 1000 degC, not 70 K = -203.15 degC; did you mean '70 degC'?",
+    ),
+    (
+        "operation.radial_load",
+        "1e9 N",
+        "1e+09 N = 1e+06 kN is 251 GPa of pressure in the most loaded contact, after Hertz, at most 20 GPa is possible",
+    ),
+]
+
+
+@pytest.mark.parametrize(("key", "value", "said"), IMPOSSIBLE, ids=lambda one: str(one)[:30])
+def test_what_is_impossible_is_one_error_that_says_what_was_meant(key: str, value: object, said: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        evolve(SCENE, {key: value})
+    assert caught.value.problems == [f"changes: {key}: {said}"]
+
+
+def test_both_name_file_and_line() -> None:
+    unusual = parse_scene(scene_with(inner_speed="inner_speed = 6371"), "scene.toml")
+    [told] = implausible(unusual)
+    assert told.startswith(f"scene.toml:{line_of('inner_speed')}: operation.inner_speed: 6371 rad/s")
+    with pytest.raises(SceneError, match=rf"scene.toml:{line_of('radial_load')}: operation.radial_load: 1e\+09 N"):
+        parse_scene(scene_with(radial_load="radial_load = 1e9"), "scene.toml")
+
+
+def test_values_of_tables_lists_and_models_are_judged_where_they_stand() -> None:
+    over = {"temperature": ["40 degC", "400 degC"], "value": ["12 1/MPa", "8 1/GPa"]}
+    found = implausible(evolve(SCENE, {"lubricant.pressure_viscosity": over}))
+    assert [told.partition(" is unusual")[0] for told in found] == [
+        "changes: lubricant.pressure_viscosity.temperature[1]: 400 degC",
+        "changes: lubricant.pressure_viscosity.value[0]: 12 1/MPa",
+    ]
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_shipped_scenes_are_usual(name: str) -> None:
+    assert implausible(load_scene(name)) == []
+
+
+#: Classes of the tables of a scene.
+TABLES = [Scene, OilTable, OilPoint, OverTemperature, Cage, PlanarSettings, *map(study_class, available("study"))]
+
+
+def fields_with_a_unit(cls: type, prefix: str = "") -> "list[tuple[str, attrs.Attribute[object]]]":
+    found = []
+    for attribute in attributes(cls):
+        key, kind = key_of(attribute), types_of(cls)[attribute.name]
+        if key is not None and attrs.has(kind) and kind is not FrozenTable:
+            found += fields_with_a_unit(kind, f"{prefix}{key}.")
+        elif key is not None and attribute.metadata.get("unit") not in (None, "1"):
+            found.append((f"{prefix}{key}", attribute))
+    return found
+
+
+FIELDS = [pytest.param(a, id=f"{cls.__name__}.{key}") for cls in TABLES for key, a in fields_with_a_unit(cls)]
+#: Their values are those of another key, which is judged.
+ELSEWHERE = {"SteadySlip.radial_load", "SteadySlip.inner_speed", "SteadySlip.temperature"}
+
+
+@pytest.mark.parametrize("attribute", [one for one in FIELDS if one.id not in ELSEWHERE])
+def test_every_quantity_says_what_is_usual_and_what_is_possible(attribute: "attrs.Attribute[object]") -> None:
+    usual: Span = attribute.metadata["usual"]
+    possible: Span = attribute.metadata["possible"]
+    assert possible[0] <= usual[0] < usual[1] <= possible[1]
+    if isinstance(attribute.default, float):
+        assert usual[0] <= attribute.default <= usual[1]
+
+
+def test_relations_blame_a_key_of_the_scene_and_say_what_they_rest_on() -> None:
+    for relation in RELATIONS:
+        assert math.isfinite(relation.of(SCENE))
+        assert relation.field in attrs.fields_dict(type(getattr(SCENE, relation.table)))
+        assert relation.source
+
+
+@given(
+    diameter=st.floats(3e-3, 0.09),
+    slender=st.floats(0.05, 0.28),
+    fill=st.floats(0.6, 0.95),
+    length=st.floats(0.8, 2.5),
+    clearance=st.floats(-0.002, 0.02),
+    load=st.floats(1e-3, 0.5),
+    speed=st.floats(1e4, 1e6),
+    temperature=st.floats(-20.0, 150.0),
+    roughness=st.floats(0.01, 0.6),
+)
+def test_bearings_like_those_of_catalogues_are_usual(
+    diameter: float,
+    slender: float,
+    fill: float,
+    length: float,
+    clearance: float,
+    load: float,
+    speed: float,
+    temperature: float,
+    roughness: float,
+) -> None:
+    """Loads up to half the static rating 44 (1 - D/d_m) Z l D [N, mm] of ISO 76, speeds up to n d_m = 1e6 mm/min."""
+    pitch = diameter / slender
+    rollers = max(int(fill * math.pi / math.asin(slender)), 7)
+    rating = 44e6 * (1 - slender) * rollers * length * diameter**2
+    oil = {"name": "mil-prf-7808"}
+    bearing = {
+        "rollers": min(rollers, math.floor(math.pi / math.asin(slender))),
+        "roller_diameter": diameter,
+        "roller_length": length * diameter,
+        "inner_raceway_diameter": pitch - diameter,
+        "outer_raceway_diameter": pitch + diameter + clearance * diameter / 2,
+        "radial_clearance": clearance * diameter,
+    }
+    operation = {
+        "inner_speed": f"{speed / (1e3 * pitch)} rpm",
+        "radial_load": load * rating,
+        "temperature": f"{temperature} degC",
+        "misalignment": "3 arcmin",
+    }
+    surface = dict.fromkeys(("inner_raceway_roughness", "roller_roughness"), f"{roughness} um")
+    raw = {"bearing": bearing, "lubricant": oil, "operation": operation, "surface": surface}
+    assert implausible(from_raw(raw, "catalogue")) == []
