@@ -14,8 +14,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import locate, slip_grid
 from rollslip.errors import DomainError
 from rollslip.models import NO_LIMITS, TractionModel
-from rollslip.motion.runaway import free_torques, rollers, runaway
+from rollslip.motion.runaway import free_torques, rollers, runaway, running
 from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip_kernels.slices import Slices
 
 REFERENCE = Path(__file__).parents[1] / "references" / "runaway.csv"
@@ -173,3 +174,81 @@ def test_a_range_of_nothing_is_not_looked_at():
     assembly = bearing(slices=3)
     result = EffectiveFriction(points=5, map_points=0, runaway_range=0.0, closure="epicyclic").at_instants(assembly, 1)
     assert not [name for name in result if str(name).startswith("runaway")]
+
+
+def runs(assembly):
+    return running(assembly, assembly.resolution.instants, found(assembly))
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("1032930-50C", {}),
+        ("1032930-70C", {}),
+        ("1032930-30C", {}),
+        ("1032930-70C", {"cage.drag": ["petroff-land", "churning"]}),
+        ("1032930-70C", {"cage.drag": ["rolling-resistance"]}),
+    ],
+)
+def test_a_cage_runs_at_the_least_slip_of_study_steady_slip(name, changes):
+    assembly = bearing(name, **changes)
+    said = SteadySlip().run(assembly)
+    at = runs(assembly)
+    assert at.status == "found"
+    assert at.slip == pytest.approx(float(said.steady_slip[0]), rel=1e-4)
+    assert at.drag == pytest.approx(float(said.torque[0]), rel=1e-4)
+
+
+def test_a_cage_runs_where_it_comes_to_rest_in_time():
+    """Study dynamics, conventional friction: 7.1577 % is where its mean of the last orbit goes; 92 slices."""
+    assert runs(bearing("1032930-50C", slices=92)).slip == pytest.approx(0.071577, rel=2e-4)
+
+
+def test_what_drags_no_cage_leaves_it_without_slip():
+    at = runs(bearing("1032930-70C", **{"cage.drag": []}))
+    assert (at.slip, at.drag, at.status) == (0.0, 0.0, "found")
+
+
+def test_without_a_cage_it_is_said_what_to_give():
+    scene = attrs.evolve(load_scene("1032930-70C"), cage=None)
+    assembly = assemble(scene)
+    at = running(assembly, 4, found(assembly.at(attrs.evolve(assembly.resolution, slices=9, instants=4))))
+    assert math.isnan(at.slip)
+    assert "[cage]" in at.status
+
+
+def test_a_drag_that_is_more_than_the_rollers_carry_is_told_beside_it():
+    assembly = bearing("1032930-50C", **{"cage.land_clearance": 5e-6})
+    at, away = runs(assembly), found(assembly)
+    drag = -rollers(assembly, 4).drag(away.slip)
+    assert drag > away.drag
+    assert math.isnan(at.slip)
+    assert (
+        f"{1e3 * away.drag:.3g} mN m at a slip of {away.slip:.3g}, the drags of the scene are {drag:.3g} N m"
+        in at.status
+    )
+
+
+def test_a_drag_that_falls_with_slip_may_be_carried_beyond_the_slip_of_running_away():
+    assembly = bearing("1032930-50C", **{"cage.land_clearance": 5e-5})
+    away, at = found(assembly), runs(assembly)
+    assert -rollers(assembly, 4).drag(away.slip) > away.drag
+    assert at.slip == pytest.approx(float(SteadySlip().run(assembly).steady_slip[0]), rel=1e-4)
+    assert at.slip > away.slip
+
+
+def test_a_cage_that_is_driven_has_no_slip_at_which_its_drags_are_carried():
+    at = runs(bearing("1032930-50C", **{"cage.guidance": "inner", "cage.land_radius": "85.5 mm"}))
+    assert at.status == "what acts on the cage drives it: it runs faster than its epicyclic speed"
+
+
+def test_a_law_without_a_value_is_told_where_it_is_not_known_how_the_cage_runs(monkeypatch):
+    assembly = bearing("1032930-70C")
+    away = found(assembly)
+
+    def refused(self, slip):
+        raise DomainError("no value here")
+
+    monkeypatch.setattr("rollslip.motion.runaway.TorqueBalance.orbit", refused)
+    assert running(assembly, 4, away).status == "it is not known at which slip the cage runs: no value here"
+    assert running(assembly, 4, attrs.evolve(away, slips=away.slips[:0])).status == away.status

@@ -1,12 +1,14 @@
 """The verdict that stands before all else: where the cage runs away, how it runs, and how far to trust that."""
 
 import json
+import math
 import re
 
 import pytest
 
 import rollslip
-from rollslip.results.words import runs_away, verdict
+from rollslip.results.account import account_of
+from rollslip.results.words import runs_at, runs_away, verdict
 
 SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 9, "accuracy.tolerance": 1e-2})
 
@@ -29,14 +31,56 @@ def test_a_verdict_is_three_lines(results):
     assert re.search(r"a radial load of at least \S+ k?N keeps the slip below 5 %; makers ask for NTN", runs)
     off = json.loads(away.attrs["validity"])["approximation"]["rms"]
     assert trust.startswith(f"how far to trust it: 'muraki' is {100 * off:.2g} % (rms) off 'maxwell-eyring'")
-    assert trust.endswith("oil data of grades B and C")
+    assert trust.endswith(
+        "oil data of grades B and C; how probably scatter of the data makes it run away, rollslip uncertainty "
+        "1032930-70C says"
+    )
+
+
+def test_without_a_study_of_it_the_balance_of_effective_friction_says_how_the_cage_runs(results):
+    """Of the same balance of torques; the load that a slip takes is the other study's."""
+    assert verdict([results["friction-curve"]]) == []
+    first, runs, trust = verdict([results["effective-friction"]])
+    assert first.startswith("the cage runs away at")
+    assert trust.startswith("how far to trust it")
+    steady = verdict(results.values())[1]
+    assert runs.split(";")[0] == steady.split(";")[0]
+    assert runs.endswith("--study steady-slip --set study.steady-slip.acceptable_slip=0.05")
 
 
 def test_what_is_not_known_is_left_out(results):
-    assert verdict([results["friction-curve"]]) == []
-    first, trust = verdict([results["effective-friction"]])
-    assert first.startswith("the cage runs away at")
-    assert trust.startswith("how far to trust it")
+    old = results["effective-friction"].drop_vars(["steady_cage_slip", "steady_drag", "steady_status"])
+    assert len(verdict([old])) == 2
+
+
+def test_a_probability_stands_beside_how_the_cage_runs(results, monkeypatch):
+    plain = verdict(results.values())
+    steady = account_of(results["steady-slip"])
+    monkeypatch.setattr(type(steady), "chance", lambda self, dataset: "it does so with probability 1")
+    told = verdict(results.values())
+    assert told[0] == plain[0]
+    assert told[1] == f"{plain[1]}; it does so with probability 1"
+    assert "rollslip uncertainty" in plain[2]
+    assert "rollslip uncertainty" not in told[2]
+
+
+@pytest.mark.parametrize(
+    ("slip", "drag", "said"),
+    [
+        (0.1, 1.0, "with the drags of the scene the cage runs at a slip of 10 %, and could carry 4 times the drag"),
+        (0.1, 0.0, "with the drags of the scene the cage runs at a slip of 10 %"),
+        (0.0, 0.0, "nothing in the scene drags the cage, so it runs without slip; cage.drag names what does"),
+        (
+            0.5,
+            1.0,
+            "with the drags of the scene the cage runs at a slip of 50 %, beyond that of running away: there its drag "
+            "falls with slip faster than what the rollers carry",
+        ),
+    ],
+)
+def test_how_a_cage_runs_is_told_with_what_it_could_carry(slip, drag, said):
+    assert runs_at(slip, drag, 4.0, 0.4) == said
+    assert runs_at(slip, drag, math.nan, math.nan).startswith(said.split(",")[0])
 
 
 def test_a_law_within_what_it_was_made_for_is_not_named(results):
@@ -44,7 +88,7 @@ def test_a_law_within_what_it_was_made_for_is_not_named(results):
     judged = json.loads(dataset.attrs["validity"])
     judged |= {"approximation": None, "bounds": [one | {"share_outside": 0.004} for one in judged["bounds"]]}
     within = dataset.assign_attrs(validity=json.dumps(judged))
-    assert verdict([within])[1] == "how far to trust it: oil data of grades B and C"
+    assert verdict([within])[2].startswith("how far to trust it: oil data of grades B and C; how probably")
 
 
 def test_a_cage_that_does_not_run_away_has_the_reason_for_its_headline(results):

@@ -11,8 +11,11 @@
 - The maximum belongs to the rollers alone. A drag that falls with slip, as that of the oil on a land at rest does, may
   be in balance with them beyond it: there slip grows steeply with the drag, but stays. One that rises with slip runs
   away before.
+- Where the drags of the scene are known, the smallest slip at which the same balance carries them is where the cage
+  runs: that of study steady-slip with conventional friction.
 """
 
+import math
 from collections.abc import Callable
 
 import attrs
@@ -24,6 +27,7 @@ from rollslip.bearing.drags import Drags
 from rollslip.bearing.raceway import Array, Raceway
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.torque_balance import Conventional, Spin, TorqueBalance, effective_curves
+from rollslip.units import format_quantity
 
 #: Cage slips and slices with which the maximum is looked for, at one instant.
 _SLIPS, _SLICES = 17, 12
@@ -34,13 +38,29 @@ _FIRST, _FOUND = 0.1, 2e-3
 _MOST_SLIPS = 24
 #: Points that a polynomial goes through near the maximum, and by how much it may miss the torque there.
 _FIVE, _SMOOTH = 5, 1e-5
+#: Relative accuracy of the slip at which the cage runs.
+_RUNS = 1e-4
 #: What a maximum has to stand out by from the end of the range, relative to it; a slip at which the cage hardly turns.
 _FLAT, _STANDS = 1e-6, 0.94
 
 
 @attrs.frozen
 class Runaway:
-    """The cage slip at which a cage runs away, and the drag [N m] there: NaN where ``status`` says why."""
+    """The cage slip at which a cage runs away, and the drag [N m] there: NaN where ``status`` says why.
+
+    ``slips`` and ``torques`` [N m] are those among which it was looked for, about where they are.
+    """
+
+    slip: float
+    drag: float
+    status: str
+    slips: Array = attrs.field(factory=lambda: np.empty(0), eq=False)
+    torques: Array = attrs.field(factory=lambda: np.empty(0), eq=False)
+
+
+@attrs.frozen
+class Running:
+    """The least cage slip at which rollers carry the drags of a scene, and their torque [N m]; see ``status``."""
 
     slip: float
     drag: float
@@ -69,6 +89,14 @@ def runaway(assembly: Assembly, instants: int, largest: float, allow: str, *, ef
         Place and height of the maximum; the place is known to about a thousandth of itself where it is flat.
     """
     slips, torques, refusal = _scan(assembly, largest, effective)
+    found = _largest(assembly, instants, slips, torques, refusal, allow, effective)
+    return attrs.evolve(found, slips=slips, torques=torques)
+
+
+def _largest(
+    assembly: Assembly, instants: int, slips: Array, torques: Array, refusal: str, allow: str, effective: bool
+) -> Runaway:
+    """Climb the maximum from those of a scan."""
     if not slips.size:
         return _unknown(refusal)
     best, end = int(np.argmax(torques)), float(slips[-1])
@@ -90,6 +118,73 @@ def runaway(assembly: Assembly, instants: int, largest: float, allow: str, *, ef
     )
 
 
+def running(assembly: Assembly, instants: int, away: Runaway) -> Running:
+    """Locate the least cage slip at which the rollers of a bearing carry the drags of its scene.
+
+    Parameters
+    ----------
+    assembly, instants
+        As `runaway` takes them.
+    away : Runaway
+        What it found by conventional friction: slips among which a balance is looked for.
+
+    Returns
+    -------
+    Running
+        The slip is known to a ten-thousandth of itself. Without any drag it is zero.
+    """
+    if assembly.scene.cage is None:
+        return _not_running("the scene has no cage, so what drags it is not known; give it a table [cage] with drag")
+    balance = rollers(assembly, instants)
+    if balance.rolls_freely:
+        return Running(0.0, 0.0, "found")
+    if not away.slips.size:
+        return _not_running(away.status)
+    about = dict(zip(map(float, away.slips), map(float, away.torques), strict=True))
+    if not math.isnan(away.slip):
+        about[away.slip] = away.drag
+    slips = [0.0, *sorted(about)]
+    try:
+        if balance.excess(0.0) > 0.0:
+            return _not_running("what acts on the cage drives it: it runs faster than its epicyclic speed")
+        found = (k for k, slip in enumerate(slips) if slip and about[slip] + balance.drag(slip) > 0.0)
+        high = next(found, max(range(len(slips)), key=lambda k: about.get(slips[k], -math.inf)))
+        while balance.excess(slips[high - 1]) > 0.0:
+            high -= 1
+        while high < len(slips) - 1 and not balance.excess(slips[high]) > 0.0:
+            high += 1
+        if balance.excess(slips[high]) > 0.0:
+            slip = _crossing(balance.excess, slips[high - 1], slips[high])
+            return Running(slip, 0.0 - balance.drag(slip), "found")
+    except (DomainError, ConvergenceError) as error:
+        return _not_running(f"it is not known at which slip the cage runs: {error}")
+    most = max(about, key=lambda slip: about[slip])
+    drag, carried = (format_quantity(torque, "N m", 3) for torque in (-balance.drag(most), about[most]))
+    return _not_running(
+        f"the cage runs at no slip up to {slips[-1]:.4g}: where the rollers carry most, {carried} at a slip of "
+        f"{most:.3g}, the drags of the scene are {drag}"
+    )
+
+
+def _crossing(excess: Callable[[float], float], low: float, high: float) -> float:
+    """Where an excess rises through zero: regula falsi, an end that stays twice counts half (Illinois).
+
+    SciPy's would do, but importing it takes longer than all of this.
+    """
+    below, above, before, at, moved = excess(low), excess(high), 0, high, math.inf
+    while below < 0.0 < above and moved > _RUNS * at:
+        last, at = at, high - above * (high - low) / (above - below)
+        value, moved = excess(at), abs(at - last)
+        side = 1 if value > 0.0 else -1
+        half = 0.5 if side == before else 1.0
+        if side > 0:
+            high, above, below = at, value, below * half
+        else:
+            low, below, above = at, value, above * half
+        before = side
+    return at if below < 0.0 else low
+
+
 def rollers(assembly: Assembly, instants: int, *, effective: bool = False, inertia: bool = True) -> TorqueBalance:
     """Return the balance of torques of a bearing, resistance to rolling and pockets with it, on instants or more."""
     bearing, drags = _resisted(assembly)
@@ -107,6 +202,10 @@ def _resisted(assembly: Assembly) -> tuple[Assembly, Drags]:
 
 def _none(status: str) -> Runaway:
     return Runaway(np.nan, np.nan, status)
+
+
+def _not_running(status: str) -> Running:
+    return Running(np.nan, np.nan, status)
 
 
 def _unknown(why: str) -> Runaway:

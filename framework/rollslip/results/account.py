@@ -69,11 +69,14 @@ class Account:
         Attributes of its datasets that are numbers of interest: what each is called, and its unit.
     names_first : bool
         Whether sentences begin with names, which keep their small letters.
+    knows_operation : int
+        How much it knows of how the bearing runs: of several results that of the largest speaks.
     """
 
     name: str
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {}
     names_first: ClassVar[bool] = False
+    knows_operation: ClassVar[int] = 0
 
     def headline(self, dataset: "xr.Dataset") -> str:
         """Return what has to be known before all else, without its full stop; nothing where there is no such thing."""
@@ -81,6 +84,10 @@ class Account:
 
     def operation(self, dataset: "xr.Dataset") -> str:
         """Return how the bearing runs, and with what reserve, without its full stop; nothing where it is not known."""
+        return ""
+
+    def chance(self, dataset: "xr.Dataset") -> str:
+        """Return how probably the cage does not run away where data scatter; nothing where it is not known."""
         return ""
 
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:

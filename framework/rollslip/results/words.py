@@ -12,7 +12,7 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["UNSURE", "runs_away", "verdict"]
+__all__ = ["TOLD_FROM", "UNSURE", "runs_at", "runs_away", "verdict"]
 
 #: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.
 UNSURE: Final = (
@@ -42,20 +42,44 @@ def runs_away(slip: float, drag: float, status: str) -> str:
     return f"the cage runs away at {percent(slip)} cage slip, at a drag of {format_quantity(drag, 'N m', 3)}"
 
 
+def runs_at(slip: float, drag: float, largest: float, at: float) -> str:
+    """Say at which slip a cage runs, and how many times the drag there the largest one is; no full stop.
+
+    Parameters
+    ----------
+    slip : float
+        The least steady cage slip.
+    drag, largest, at : float
+        Drag torque there, the largest one that the rollers carry [N m], and its slip; NaN where these are not known.
+    """
+    if not slip > 0.0:
+        return "nothing in the scene drags the cage, so it runs without slip; cage.drag names what does"
+    said = f"with the drags of the scene the cage runs at a slip of {100.0 * slip:.3g} %"
+    if slip > at:
+        return f"{said}, beyond that of running away: there its drag falls with slip faster than what the rollers carry"
+    return f"{said}, and could carry {largest / drag:.3g} times the drag" if drag > 0.0 and largest > 0.0 else said
+
+
 def verdict(datasets: "Iterable[xr.Dataset]") -> list[str]:
     """Return what has to be known first, one line each, no full stops; nothing where no result has a headline.
 
-    Where the cage runs away; how it runs, with what reserve; how far to trust that.
+    Where the cage runs away; how it runs, with what reserve and how surely; how far to trust that. Of several results
+    that know how it runs the one speaks whose account knows most.
     """
     every = list(datasets)
     if not (first := headline_of(every)):
         return []
-    runs = next(filter(None, (account_of(dataset).operation(dataset) for dataset in every)), "")
-    return [first, *filter(None, [runs, _trust(every)])]
+    told = sorted(((account_of(d), d) for d in every), key=lambda one: -one[0].knows_operation)
+    runs = next(filter(None, (account.operation(dataset) for account, dataset in told)), "")
+    chance = next(filter(None, (account.chance(dataset) for account, dataset in told)), "")
+    return [first, *filter(None, ["; ".join(filter(None, [runs, chance])), _trust(every, known=bool(chance))])]
 
 
-def _trust(datasets: "list[xr.Dataset]") -> str:
-    """Say what results rest on: a law that approximates another, bounds that were left, and the data of the oil."""
+def _trust(datasets: "list[xr.Dataset]", *, known: bool) -> str:
+    """Say what results rest on: a law that approximates another, bounds that were left, and the data of the oil.
+
+    Where it is not known what scatter of the data does, this says what to type.
+    """
     judged: list[dict[str, Any]] = [json.loads(d.attrs["validity"]) for d in datasets if d.attrs.get("validity")]
     said = list[str]()
     if off := [one["approximation"] for one in judged if one.get("approximation")]:
@@ -71,4 +95,6 @@ def _trust(datasets: "list[xr.Dataset]") -> str:
         said.append(
             f"oil data of grade{'s' * (len(grades) > 1)} {' and '.join(dict.fromkeys((grades[0], grades[-1])))}"
         )
+    if not known and (source := next((d.attrs["source"] for d in datasets if d.attrs.get("source")), "")):
+        said.append(f"how probably scatter of the data makes it run away, rollslip uncertainty {source} says")
     return f"how far to trust it: {'; '.join(said)}" if said else ""

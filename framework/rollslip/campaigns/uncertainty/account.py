@@ -17,7 +17,7 @@ class UncertaintyAccount(Account):
         """Return where the cage runs away."""
         return findings.headline(dataset)
 
-    def operation(self, dataset: "xr.Dataset") -> str:
+    def chance(self, dataset: "xr.Dataset") -> str:
         """Return how probably the cage runs below the slip at which it runs away, where steady slips were sampled."""
         return findings.margin(dataset) if "margin" in dataset else ""
 

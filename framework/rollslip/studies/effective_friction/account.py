@@ -1,22 +1,29 @@
 """The account of effective friction."""
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Figures, PlainAccount
-from rollslip.results.words import runs_away
+from rollslip.results.words import runs_at, runs_away
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 _RUNAWAY: Final = ("runaway_slip", "runaway_drag", "runaway_status")
+_STEADY: Final = ("steady_cage_slip", "steady_drag", "steady_status")
+#: What tells the load of a slip.
+_LEAST_LOAD: Final = (
+    "the least load that keeps it below a slip of yours, 5 % for example, comes with --study steady-slip --set "
+    "study.steady-slip.acceptable_slip=0.05"
+)
 
 
 def _curves(dataset: "xr.Dataset") -> "xr.Dataset":
-    """All but where the cage runs away, which is one sentence."""
-    return dataset.drop_vars(_RUNAWAY, errors="ignore")
+    """All but where the cage runs and runs away, of which each is one sentence."""
+    return dataset.drop_vars((*_RUNAWAY, *_STEADY), errors="ignore")
 
 
 class EffectiveFrictionAccount(PlainAccount):
@@ -26,6 +33,8 @@ class EffectiveFrictionAccount(PlainAccount):
         "closure": ("closure: what the rollers spin at", ""),
     }
 
+    knows_operation: ClassVar[int] = 1
+
     def headline(self, dataset: "xr.Dataset") -> str:
         """Return where the cage runs away."""
         if "runaway_slip" not in dataset:
@@ -33,18 +42,31 @@ class EffectiveFrictionAccount(PlainAccount):
         away = (dataset[name].item() for name in _RUNAWAY)
         return runs_away(*away)
 
+    def operation(self, dataset: "xr.Dataset") -> str:
+        """Return steady slip and reserve of drag, and what tells the load that a slip takes."""
+        if "steady_cage_slip" not in dataset:
+            return ""
+        slip, drag, status = (dataset[name].item() for name in _STEADY)
+        if math.isnan(slip):
+            return str(status)
+        said = runs_at(slip, drag, dataset["runaway_drag"].item(), dataset["runaway_slip"].item())
+        return f"{said}; {_LEAST_LOAD}" if slip > 0.0 else said
+
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
-        """Say where the cage runs away, and what was found of each curve."""
-        away = {"running away": [text]} if (text := self.headline(dataset)) else {}
-        return away | super().topics(_curves(dataset))
+        """Say where the cage runs away and runs, and what was found of each curve."""
+        said = {"running away": self.headline(dataset), "steady slip": self.operation(dataset)}
+        return {about: [text] for about, text in said.items() if text} | super().topics(_curves(dataset))
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
-        """Return where the cage runs away, and what was found of each curve."""
-        return [*filter(None, [self.headline(dataset)]), *super().sentences(_curves(dataset))]
+        """Return where the cage runs away and runs, and what was found of each curve."""
+        return [*self._balanced(dataset), *super().sentences(_curves(dataset))]
+
+    def _balanced(self, dataset: "xr.Dataset") -> list[str]:
+        return [text for text in (self.headline(dataset), self.operation(dataset)) if text]
 
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return what is said on a terminal."""
-        said, a = [*filter(None, [self.headline(dataset)]), *super().lines(_curves(dataset))], dataset.attrs
+        said, a = [*self._balanced(dataset), *super().lines(_curves(dataset))], dataset.attrs
         if "instants_error" in a:
             slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none
             said.append(

@@ -9,7 +9,8 @@
   is against the direction in which rolling speeds are positive, hence the sign in ``LoadedContacts``.
 - The map over cage slip and roller slip, which needs no closure, is stored beside the curve.
 - The critical slip of a curve is that of its closure. Where the cage runs away, the balance of torques with freely
-  spinning rollers on both rings says (`rollslip.motion.runaway`), and it is told first.
+  spinning rollers on both rings says (`rollslip.motion.runaway`), and it is told first; so does the same balance say at
+  which slip the cage runs where the scene gives drags.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,7 +29,7 @@ from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.motion.runaway import Runaway, rollers, runaway
+from rollslip.motion.runaway import Runaway, rollers, runaway, running
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Output, Some
@@ -48,8 +49,8 @@ _MANY: Final = 128
 _MAP: Final = (3, 6)
 #: Evaluations in the search for the critical slips of both rings, each of one ring.
 _SEARCH: Final = 40
-#: Motions of the rollers in the search for the slip of running away.
-_MOTIONS: Final = 6
+#: Motions of the rollers in the search for the slip of running away, and for that at which the cage runs.
+_MOTIONS: Final = 12
 #: Closure -> what the rollers do, as it is told of a critical slip.
 CLOSURES: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -81,6 +82,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "runaway_slip": Output("", "1", "cage slip at which the cage runs away", status="runaway_status"),
         "runaway_drag": Output("", "N m", "largest drag torque that the rollers carry, there", status="runaway_status"),
         "runaway_status": Output("", "1", "what was found of running away"),
+        "steady_cage_slip": Output("", "1", "cage slip at which the drags are carried", status="steady_status"),
+        "steady_drag": Output("", "N m", "drag torque there", status="steady_status"),
+        "steady_status": Output("", "1", "what was found of the slip at which the cage runs"),
         "roller_slip": Output(_CURVE, "1", "roller slip, mean over the loaded contacts"),
         "sliding_speed": Output(_CURVE, "m/s", "sliding speed, mean over them"),
         "rolling_speed": Output(_CURVE, "m/s", "rolling speed, mean over them"),
@@ -94,6 +98,8 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
 )
 #: What is found of running away.
 _RUNAWAY: Final = frozenset({"runaway_slip", "runaway_drag", "runaway_status"})
+#: What is found of how the cage runs.
+_STEADY: Final = frozenset({"steady_cage_slip", "steady_drag", "steady_status"})
 
 
 @attrs.frozen(kw_only=True)
@@ -113,7 +119,7 @@ class EffectiveFriction(Study):
         {
             "friction": "the models of a contact on every loaded slice, over the slips and in search of the largest",
             "film regimes": "told of every loaded slice, over the slips of the curve",
-            "running away": "the balance of torques of freely spinning rollers, about its maximum",
+            "running away": "the balance of torques of freely spinning rollers, about its maximum and at the drags",
             "map": "the study asks for friction over cage slip and roller slip|over few loads that stand for all "
             "slices",
         }
@@ -159,7 +165,7 @@ class EffectiveFriction(Study):
         return attrs.evolve(
             self,
             map_points=0 if "friction_map" in outputs else self.map_points,
-            runaway_range=0.0 if outputs >= _RUNAWAY else self.runaway_range,
+            runaway_range=0.0 if outputs >= _RUNAWAY | _STEADY else self.runaway_range,
             per_roller=self.per_roller and "roller_friction" not in outputs,
         )
 
@@ -204,10 +210,10 @@ class EffectiveFriction(Study):
         xarray.Dataset
             Dimensions (ring, cage_slip): effective_friction, sliding_speed, rolling_speed, film_parameter (smallest),
             roller_slip; (ring,): critical_cage_slip, critical_friction, critical_status, first_maximum_slip,
-            first_maximum_friction; scalars runaway_slip, runaway_drag, runaway_status, unless it is not looked where
-            the cage runs away; (ring, map_cage_slip, map_roller_slip): friction_map; (ring, roller): normal_force at
-            the first instant and, on request, (ring, roller, cage_slip): roller_friction, NaN where the roller is not
-            loaded.
+            first_maximum_friction; scalars, unless it is not looked where the cage runs away: runaway_slip,
+            runaway_drag, runaway_status, steady_cage_slip, steady_drag, steady_status; (ring, map_cage_slip,
+            map_roller_slip): friction_map; (ring, roller): normal_force at the first instant and, on request, (ring,
+            roller, cage_slip): roller_friction, NaN where the roller is not loaded.
 
         Raises
         ------
@@ -233,10 +239,12 @@ class EffectiveFriction(Study):
 
         None if more is asked.
         """
-        if not outputs <= _OF_CURVES | _RUNAWAY:
+        if not outputs <= _OF_CURVES | _RUNAWAY | _STEADY:
             return None
         aways = [
-            study.runaway(assembly, assembly.resolution.instants or _FIRST_INSTANTS) if outputs & _RUNAWAY else None
+            study._balanced(assembly, assembly.resolution.instants or _FIRST_INSTANTS, steady=bool(outputs & _STEADY))
+            if outputs & (_RUNAWAY | _STEADY)
+            else {}
             for study, assembly in cases
         ]
         found = dict[int, tuple[Array, Array, tuple[Critical, Critical]]]()
@@ -253,7 +261,7 @@ class EffectiveFriction(Study):
         for (k, slip, raceways, _), (friction, _) in zip(begun, curves, strict=True):
             found[k] = slip, friction, raceways.critical(slip, friction)
         some = [_curves(*found[k]) for k in range(len(cases))]
-        return [(one | _runaway(away), at) for (one, at), away in zip(some, aways, strict=True)]
+        return [(one | away, at) for (one, at), away in zip(some, aways, strict=True)]
 
     def at_instants(self, assembly: Assembly, instants: int) -> "xr.Dataset":
         """Return what `run` does, on a given number of instants, but for the errors that instants and slices leave."""
@@ -303,6 +311,18 @@ class EffectiveFriction(Study):
         if not self.runaway_range:
             return None
         return runaway(assembly, instants, self.runaway_range, f"study.{self.name}.runaway_range")
+
+    def _balanced(self, assembly: Assembly, instants: int, *, steady: bool = True) -> dict[str, Any]:
+        """Variables of running away and of how the cage runs, none where neither is looked for."""
+        if (away := self.runaway(assembly, instants)) is None:
+            return {}
+        found = self.variables(runaway_slip=away.slip, runaway_drag=away.drag, runaway_status=np.array(away.status))
+        if steady:
+            runs = running(assembly, instants, away)
+            found |= self.variables(
+                steady_cage_slip=runs.slip, steady_drag=runs.drag, steady_status=np.array(runs.status)
+            )
+        return found
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags that act on rollers, if there are any and it is looked where the cage runs away."""
@@ -364,7 +384,7 @@ class EffectiveFriction(Study):
             **self.variables(normal_force=forces, angle=loads.psi[0]),
         }
         coords["roller"] = ("roller", np.arange(forces.shape[1]), about("1", "roller"))
-        variables |= _runaway(self.runaway(assembly, int(loads.psi.shape[0])))
+        variables |= self._balanced(assembly, int(loads.psi.shape[0]))
         if self.per_roller:
             variables |= self.variables(roller_friction=raceways.per_roller(slip))
         if self.map_points:
@@ -396,15 +416,6 @@ def _curves(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
     }
-
-
-def _runaway(away: Runaway | None) -> dict[str, Any]:
-    """Variables of running away, none where it was not looked for."""
-    if away is None:
-        return {}
-    return EffectiveFriction.variables(
-        runaway_slip=away.slip, runaway_drag=away.drag, runaway_status=np.array(away.status)
-    )
 
 
 def _critical_moved(before: Critical, after: Critical) -> float:

@@ -20,6 +20,8 @@ class SteadySlipAccount(Account):
         "friction": ("friction of the motion", ""),
     }
 
+    knows_operation: ClassVar[int] = 2
+
     def headline(self, dataset: "xr.Dataset") -> str:
         """Return where the cage runs away."""
         return findings.headline(dataset)

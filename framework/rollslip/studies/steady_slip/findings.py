@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.words import UNSURE, runs_away
+from rollslip.results.words import UNSURE, runs_at, runs_away
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -80,8 +80,8 @@ def operation(dataset: "xr.Dataset") -> str:
     """Say at which slip the cage runs, what reserve of drag it has, and which load keeps an acceptable slip."""
     if not has_steady(dataset) or str(dataset["status"].item()) != "found":
         return str(dataset["status"].item())
-    slip, largest = float(dataset["steady_slip"][0]), float(dataset["largest_drag"])
-    said = f"with the drags of the scene the cage runs at a slip of {_percent(slip)}{_reserve(dataset, largest)}"
+    known = (dataset["steady_slip"][0], dataset["torque"][0], dataset["largest_drag"], dataset["largest_drag_slip"])
+    said = runs_at(*map(float, known))
     return f"{said}; {_least_load(dataset)}" if "least_load" in dataset else said
 
 
@@ -123,12 +123,6 @@ def _largest(dataset: "xr.Dataset") -> str:
     if dataset.attrs["friction"] == "effective":
         said += f"; {UNSURE}: take --set study.{dataset.attrs['study']}.friction=conventional where it matters"
     return said
-
-
-def _reserve(dataset: "xr.Dataset", largest: float) -> str:
-    """Say how many times the drag at the least steady slip the largest one is; nothing where there is no drag."""
-    drag = float(dataset["torque"][0]) if has_steady(dataset) else math.nan
-    return f", and could carry {largest / drag:.3g} times the drag" if drag > 0.0 and largest > 0.0 else ""
 
 
 def _least_load(dataset: "xr.Dataset") -> str:
