@@ -105,6 +105,8 @@ def kept(dataset: "xr.Dataset") -> str:
             if row[which] is not None
         ]
         texts.append(f"{name} {' and '.join(errors) or 'unknown'} of {row['tolerance']:g}")
+        if row["found"] is not None and row["found"] > row["tolerance"]:
+            texts[-1] += ", not kept"
     cost = json.loads(dataset.attrs["cost"])
     times = f"{format_quantity(cost['actual'], 's', 2)}, estimated {format_quantity(cost['estimated'], 's', 2)}"
     return f"  relative errors: {'; '.join(texts) or 'not estimated'}; time of the processor {times}"

@@ -17,7 +17,7 @@ from rollslip.motion.checkpoints import Checkpoints
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import run_origin
-from rollslip.planning.verification import accuracy_rows, judge
+from rollslip.planning.verification import accuracy_rows, judge, told
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
@@ -92,18 +92,19 @@ def execute(
     evaluated = assembly.inner.chain.evaluated - before
     cost = {"estimated": plan.seconds_of(study), "actual": time.process_time() - processor}
     estimated = plan.estimated[study]
-    errors = judge(running, plan.assembly.at(estimated.resolution), estimated)  # nothing of it needs to be watched
-    dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in errors.items()}
+    unwatched = plan.assembly.at(estimated.resolution)
+    judgement = judge(running, unwatched, estimated, dataset)
+    dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in judgement.errors.items()}
     dataset.attrs |= {
         "resolution": json.dumps(attrs.asdict(estimated.resolution)),
-        "accuracy": json.dumps(accuracy_rows(plan, study, total(errors), "a posteriori")),
+        "accuracy": json.dumps(accuracy_rows(plan, study, total(judgement.errors), "a posteriori")),
         "cost": json.dumps(cost),
         "taken_back": json.dumps(taken_back),
     }
     warned, judged = warnings(plan, study, dataset)
     dataset.attrs["validity"] = json.dumps(judged)
-    told = [*taken_back, *warned]
-    dataset.attrs |= run_origin(plan, study, told, evaluated, time.perf_counter() - begin)
+    said = [*taken_back, *told(plan, study, judgement), *warned]
+    dataset.attrs |= run_origin(plan, study, said, evaluated, time.perf_counter() - begin)
     return dataset
 
 
@@ -188,14 +189,10 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     temperatures = dict.fromkeys(raceway.conditions.temperature for raceway in assembly.raceways)
     found += dict.fromkeys(note for T in temperatures for note in assembly.lubricant.notes(T))
     accuracy = plan.scene.accuracy
-    if (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
-        remedy = (
-            "it is the most that a plan takes"
-            if accuracy.slices is None
-            else "raise accuracy.slices, or let a plan choose by --set accuracy.slices=auto"
-        )
+    if accuracy.slices is not None and (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
         found.append(
             f"{plan.estimated[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
-            f"accuracy.tolerance = {accuracy.tolerance:g}; {remedy}"
+            f"accuracy.tolerance = {accuracy.tolerance:g}; raise accuracy.slices, or let a plan choose by --set "
+            "accuracy.slices=auto"
         )
     return found, validity.record(outside, off)

@@ -1,4 +1,4 @@
-"""Whether a plan kept its word: errors measured afterwards, against finer runs."""
+"""Whether a plan kept its word: errors measured afterwards, by a witness in every run and on request by a finer run."""
 
 import json
 import math
@@ -6,34 +6,173 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import attrs
+import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.critical import slip_grid
+from rollslip.bearing.raceway import Array
+from rollslip.bearing.resolution import finest
 from rollslip.planning.plan import Plan
-from rollslip.studies.answers import Errors, Estimated
-from rollslip.studies.estimates import FEW, SOME, Probe, difference, errors_between
+from rollslip.scene.values import EXACT
+from rollslip.studies.answers import Errors, Estimated, total
+from rollslip.studies.estimates import FEW, SOME, Curved, Peak, Probe, difference, errors_between
 from rollslip.studies.study import Study
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-def judge(study: Study, assembly: Assembly, estimated: Estimated) -> Mapping[str, Errors]:
-    """Return what slices and instants leave, measured afterwards where they were chosen: against twice as many each.
+#: How an error may fall with the number of instants: like n^-2 past the kinks of the loads, like n^-1 where rollers
+#: jump from one balance to another, and no order below the first is taken for convergence.
+_LEAST_ORDER, _MOST_ORDER = 0.5, 2.0
+#: Share of the tolerance below which an error needs no order to be believed.
+_CLEAR = 0.3
+#: How many times as many slips a witness goes along where a curve is followed from slip to slip.
+_DENSER = 3
+#: Slips on which a witness sees a curve of which the result holds none.
+_WITNESSED = 25
 
-    What the doubling moves is 3/4 of an error that falls with the square. Of a study without curves nothing is known
-    beyond its own estimate.
+
+@attrs.frozen(kw_only=True)
+class Judgement:
+    """What a run leaves, measured afterwards.
+
+    Attributes
+    ----------
+    errors : mapping
+        Part -> key of [accuracy] -> relative error.
+    orders : mapping
+        Key of [accuracy] -> order with which the error was seen to fall with the instants; only where it is needed.
+    """
+
+    errors: Mapping[str, Errors]
+    orders: Mapping[str, float] = attrs.field(factory=dict)
+
+
+def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.Dataset") -> Judgement:
+    """Measure what slices and instants leave, by a witness that shares none of the choice's grounds.
+
+    Slices are held against twice as many. Instants are held against 2 m + 1 others, of which only the one with a roller
+    in the line of load is among the m of the run, over all slips of the result: what was chosen by few slips may be
+    worse between them, and where rollers have several balances each goes its own way over the slips. A curve that is
+    followed from slip to slip is followed over three times as many, since its way may depend on the steps. An error
+    that is not clearly below its tolerance is held against half as many instants, too, for the order with which it
+    falls: that says how much the witness itself leaves. Of a study without curves nothing is known beyond its own
+    estimate.
+
+    Parameters
+    ----------
+    study : Study
+        What was run.
+    assembly : Assembly
+        Its bearing at the resolution of the run.
+    estimated : Estimated
+        That resolution.
+    dataset : Dataset
+        Its result.
     """
     curved, resolution = study.curved(assembly), estimated.resolution
     if resolution.instants is None or curved is None:
-        return {}
+        return Judgement(errors={})
     few = assembly.at(attrs.evolve(resolution, slices=min(FEW, assembly.slices), quadrature="equal"))
-    probe, moved = Probe(curved, few), dict[str, Errors]()
+    errors, orders = dict[str, Errors](), dict[str, float]()
     if assembly.slices > 1:
-        finer = assembly.at(attrs.evolve(resolution, slices=2 * resolution.slices))
-        moved["slices"] = difference(probe.measure(assembly, (SOME,))[0], probe.measure(finer, (SOME,))[0])
+        probe, finer = Probe(curved, few), assembly.at(attrs.evolve(resolution, slices=2 * resolution.slices))
+        moved = difference(probe.measure(assembly, (SOME,))[0], probe.measure(finer, (SOME,))[0])
+        errors["slices"] = {name: error / 0.75 for name, error in moved.items()}  # an error that falls with the square
     if curved.averaged:
-        moved["instants"] = difference(*probe.measure(few, (resolution.instants, 2 * resolution.instants)))
-    return {part: {name: error / 0.75 for name, error in errors.items()} for part, errors in moved.items()}
+        slips, peaks = _witnessed(study, curved, dataset)
+        own, m = Probe.over(curved, slips, peaks), resolution.instants
+        between = own if not curved.followed else Probe.over(curved, _denser(slips), peaks, every=_DENSER)
+        (witness,) = between.measure(few, (2 * m + 1,))
+        found = difference(own.measure(few, (m,))[0], witness)
+        left = {name: _of_order(error, _LEAST_ORDER, m) for name, error in found.items()}
+        if any(left[name] > _CLEAR * assembly.scene.accuracy.of(name) for name in left):
+            half = (m + 1) // 2
+            before = difference(own.measure(few, (half,))[0], witness) if half < m else {}
+            orders = {name: _order(half, m, before.get(name, 0.0), error) for name, error in found.items()}
+            left = {name: _of_order(error, orders[name], m) for name, error in found.items()}
+        errors["instants"] = left
+    return Judgement(errors=errors, orders=orders)
+
+
+def _witnessed(study: Study, curved: Curved, dataset: "xr.Dataset") -> tuple[Array, list[Peak]]:
+    """Slips on which a result is witnessed: all that it has, and three around each of its critical slips."""
+    of = study.curves_of if curved is study else None
+    if of is None:
+        return slip_grid(curved.slip_range, _WITNESSED)[1:], []
+    slips = dataset[of.slip].to_numpy()
+    return slips[slips > 0.0], [
+        (k, float(at), min(0.5 * float(at), math.sqrt(at * slips[-1]) / _WITNESSED))
+        for k, at in enumerate(np.atleast_1d(dataset[of.critical].to_numpy()))
+        if 0.0 < at < slips[-1]
+    ]
+
+
+def _denser(slips: Array) -> Array:
+    """Return slips from zero with others between, of which every `_DENSER`-th is a given one."""
+    at = np.arange(1, _DENSER * slips.size + 1) / _DENSER
+    return np.interp(at, np.arange(slips.size + 1), np.concatenate(([0.0], slips)))
+
+
+def _order(few: int, many: int, before: float, after: float) -> float:
+    """Order with which an error falls from few to many; 1 where nothing can be told of it."""
+    if few == many or not (before > 0.0 and after > 0.0) or math.isinf(before) or math.isinf(after):
+        return 1.0
+    return math.log(before / after) / math.log(many / few)
+
+
+def _of_order(moved: float, order: float, m: int) -> float:
+    """Error of m instants that differ from 2 m + 1 others, which err too."""
+    return moved / (1.0 - math.pow(m / (2 * m + 1), min(max(order, _LEAST_ORDER), _MOST_ORDER)))
+
+
+def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
+    """Return in words where a run is off by more than its tolerance, or cannot claim to be within it, and what to type.
+
+    Parameters
+    ----------
+    plan : Plan
+        What was run.
+    study : str
+        The study.
+    judgement : Judgement
+        What was measured afterwards.
+    """
+    accuracy, estimated, said = plan.scene.accuracy, plan.estimated[study], list[str]()
+    best = finest(plan.scene)
+    resolution = estimated.resolution
+    most = resolution.slices >= best.slices and (resolution.instants or 1) >= (best.instants or 1)
+    for result, error in total(judgement.errors).items():
+        tolerance, name = accuracy.of(result), result.replace("_", " ")
+        order = judgement.orders.get(result, _MOST_ORDER)
+        seen = order >= _LEAST_ORDER
+        if error <= tolerance and seen:
+            continue
+        if accuracy.slices is not None and judgement.errors.get("slices", {}).get(result, 0.0) > tolerance:
+            continue  # a number that the scene fixes is told of by itself
+        falls = f"falls with the order {order:.1f} of the instants" if seen else "does not fall with the instants"
+        falls = f"; it {falls}" if result in judgement.orders else ""
+        what = (
+            f"{name} is off by about {error:.1e}, more than the tolerance of {tolerance:g}, as instants and slices "
+            f"other than those of the run show{falls}"
+            if math.isfinite(error)
+            else f"how far {name} is off cannot be told: on other instants or slices it has no maximum there"
+        )
+        if error <= tolerance:
+            what = f"whether {name} keeps the tolerance of {tolerance:g} cannot be claimed: {error:.1e} is seen{falls}"
+        ratio = max(error / tolerance, 2.0) if math.isfinite(error) else 10.0
+        finer = 0.5 * tolerance * ratio ** (-2.0 / min(max(order, _LEAST_ORDER), _MOST_ORDER))
+        remedy = f"raise accuracy.{result}; this is the finest that a plan takes"
+        if not most:
+            remedy = (
+                f"type --set accuracy.{result}={finer:.0e}" if finer > EXACT else "type --set accuracy.tolerance=exact"
+            )
+        running = plan.studies[study]
+        if running.followed and "points" in (points := attrs.asdict(running)):
+            remedy += f", or go along more slips by --set {running.table}.points={_DENSER * points['points'] - 2}"
+        said.append(f"{what}; {remedy}")
+    return said
 
 
 def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":

@@ -181,6 +181,11 @@ class Study(abc.ABC):
         """Whether fewer instants are among more, and cost nothing beside them."""
         return True
 
+    @property
+    def followed(self) -> bool:
+        """Whether a curve is followed from slip to slip, so that it may depend on the slips on the way."""
+        return False
+
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return its curves at some slips, on each of some numbers of instants, (k, curves, n).
 

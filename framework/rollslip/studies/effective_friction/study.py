@@ -287,6 +287,11 @@ class EffectiveFriction(Study):
         """Whether the curves are means over the instants of a pitch."""
         return True
 
+    @property
+    def followed(self) -> bool:
+        """Whether rollers may have several balances, of which the one that goes on from smaller slips is taken."""
+        return self.closure == "free-roller"
+
     def beyond(self, assembly: Assembly) -> None:
         """Evaluate the corners of the map, and where the cage runs away."""
         if self.map_points:
@@ -296,6 +301,8 @@ class EffectiveFriction(Study):
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return effective friction on few of the instants of a pitch, each a part of the most, (k, 2, n)."""
         raceways = self.loaded(assembly, max(instants))
+        if len(instants) == 1:
+            return raceways.curve(slip)[None]
         found = np.empty((len(instants), 2, slip.size))
         for k, both in enumerate(raceways.contacts(raceways.speeds(slip))):
             for ring, (contacts, u, V) in enumerate(both):
