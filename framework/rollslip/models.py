@@ -66,6 +66,8 @@ class Validity:
         What to take or to do instead.
     source : str
         What bound and consequence rest on.
+    common : bool
+        Whether nearly every bearing leaves it: while its error is not known it is counted, and no warning of its own.
 
     Examples
     --------
@@ -84,6 +86,7 @@ class Validity:
     error: Callable[[float], float] | None = None
     remedy: str
     source: str
+    common: bool = False
 
     @property
     def bound(self) -> str:
@@ -163,6 +166,7 @@ SMOOTH: Final = Validity(
     consequence="roughness, of which the film knows nothing, changes it",
     remedy="none in the box; smoother surfaces or a thicker oil avoid it",
     source="Patir and Cheng (1978), by whom roughness matters below Lambda of about 3 (grade B)",
+    common=True,
 )
 
 

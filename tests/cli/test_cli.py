@@ -53,7 +53,19 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
         r"rollslip \S+ \| 1032930-70C [0-9a-f]{12} \| contact palmgren \(rollslip \S+\), film moes", done.stdout
     )
     assert "inner ring: critical slip" in done.stdout
-    assert "warning: contact 'palmgren' was made for load parameter M >= 2; " in done.stderr
+    warned = [line.removeprefix("warning: ") for line in done.stderr.splitlines() if line.startswith("warning: ")]
+    assert [line.split("; ")[0] for line in warned[1:]] == [
+        "'barus' was made for pressure <= 100 MPa",
+        "traction 'muraki' was made for pressure exponent ln(eta/eta0) <= 1",
+        "4 more bounds of laws are left, with less consequence or one that nobody knows: film 'moes' (thermal load Lt "
+        "<= 0.1",
+    ]
+    assert warned[0].startswith("the friction of 'muraki' is")
+    folder = "1032930-70C-results"
+    assert warned[-1].endswith(f"rollslip info of the .nc files in {folder} tells of each")
+    told = command("info", f"{folder}/effective-friction.nc", cwd=tmp_path).stdout
+    assert "contact 'palmgren' was made for load parameter M >= 2; " in told
+    assert "film 'moes' was made for film parameter Lambda >= 3; " in told.split("bounds left with less consequence")[1]
     names = {path.name for path in (tmp_path / "1032930-70C-results").iterdir()}
     assert {"effective-friction.nc", "friction-curve.nc", "report.html"} <= names
     assert sum(name.endswith(".svg") for name in names) >= 2

@@ -15,6 +15,7 @@ from rollslip.references import KLEBANOV, as_dict
 from rollslip.results.curves import percent
 from rollslip.results.figures import plot
 from rollslip.results.report import write_report
+from rollslip.results.words import REST
 from rollslip.scene import resolved
 from rollslip.scene.reading import load_scene
 from rollslip.studies.effective_friction.study import EffectiveFriction
@@ -99,6 +100,21 @@ def written(results, figures, folder, **attributes):
 @pytest.fixture
 def page(results, figures, tmp_path):
     return written(results, figures, tmp_path, **provenance())
+
+
+def test_bounds_of_less_consequence_are_folded_below_the_warnings(results, figures, tmp_path):
+    told = [
+        {"law": f"law {k}", "made_for": "x < 1", "weight": 1.0 / k, "text": f"sentence {k}", "short": f"short {k}",
+         "warned": k < 6, "measured": False}
+        for k in range(1, 7)
+    ]  # fmt: skip
+    warnings = json.dumps(["mind the load", *(f"sentence {k}" for k in range(1, 6)), f"{REST} small: short 6"])
+    said = provenance() | {"warnings": warnings, "validity": json.dumps({"told": told})}
+    page = written(results, figures, tmp_path, **said)
+    top, folded = page[page.index('<section id="warnings"') :].split("</section>")[0].split("<details>")
+    assert re.findall("<li>(.*?)</li>", top) == ["mind the load", "sentence 1", "sentence 2", "sentence 3"]
+    assert re.findall("<li>(.*?)</li>", folded) == ["sentence 4", "sentence 5", "sentence 6"]
+    assert "<summary>3 more bounds of laws are left" in folded
 
 
 class Page(HTMLParser):

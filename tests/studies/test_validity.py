@@ -23,8 +23,9 @@ from rollslip.errors import DomainError
 from rollslip.lubricant.pressure import Barus, Roelands
 from rollslip.models import ISOTHERMAL, ContactModel, FilmModel, SliceModel, Tabled, TractionModel, Validity
 from rollslip.planning.execution import warnings
+from rollslip.results.words import warned as together
 from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.validity import Filled, difference, filled, laws_of, outside, sentences
+from rollslip.studies.validity import Difference, Filled, difference, filled, laws_of, outside, sentences, told
 from rollslip_kernels.stages.stress import maxwell_eyring, muraki
 from rollslip_plugins.film.line_contact import solve_line_contact
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
@@ -45,7 +46,11 @@ def bound(model, name):
     return found
 
 
-def told(dataset):
+def record_of(dataset):
+    return json.loads(dataset.attrs["validity"])
+
+
+def warned(dataset):
     return json.loads(dataset.attrs["warnings"])
 
 
@@ -217,14 +222,14 @@ def test_a_share_is_of_the_force_and_of_the_ring_that_has_more_of_it():
     assert (found.share, found.ring, found.values) == (0.75, "outer", (pytest.approx(1.0),) * 2)
     (found,) = (one for one in outside([contact], inner * 2) if one.validity.quantity == "load_parameter")
     assert (found.share, found.ring) == (0.25, ""), "both alike"
-    (said,) = sentences([found], None)
+    (said,) = sentences(told([found], None))
     assert said.startswith("contact 'palmgren' was made for load parameter M >= 2; 25 % of the contact force is out")
     assert "its mean by load is up to 58 % lower; remedy: none" in said
 
 
 def test_nothing_is_said_within_the_bounds_and_of_what_is_not_known():
     quiet = tables(film_thickness=1e-5, pressure=5e7, film_viscosity=0.01, rolling_speed=1.0, sliding_speed=1e-4)
-    assert sentences(outside([get_model("contact", "palmgren"), get_model("film", "moes")], quiet), None) == []
+    assert told(outside([get_model("contact", "palmgren"), get_model("film", "moes")], quiet), None) == []
     unknown = attrs.evolve(quiet[0].slices.conditions, conductivity=math.nan)
     quiet[0].slices.conditions = unknown
     (heat,) = (one for one in outside([get_model("film", "moes")], quiet) if one.validity is ISOTHERMAL)
@@ -245,9 +250,78 @@ def test_a_blend_takes_care_of_asperities_and_its_parts_of_the_rest():
 
 
 def test_a_bound_in_si_is_told_in_the_units_of_engineers():
-    (said,) = sentences(outside([Barus()], tables(pressure=4e8)), None)
+    (said,) = sentences(told(outside([Barus()], tables(pressure=4e8)), None))
     assert said.startswith("'barus' was made for pressure <= 100 MPa; 100 % of the contact force is outside, where the")
     assert "is 266 % above Roelands's" in said, "exp(alpha p)/exp(k [(1 + p/p0)^z - 1]) = 3.655 by hand"
+
+
+def made_for(high, error=None, **more):
+    """A law whose friction is outside by a share of sliding, of an error."""
+    text = "it is {error} off" if error is not None else "it is off"
+    bound = Validity(
+        quantity="sliding_speed", high=high, consequence=text, error=error, remedy="none", source="a test", **more
+    )
+
+    class Law(Slow):
+        validity = (bound,)
+
+    return Law()
+
+
+def test_warnings_come_by_share_times_consequence_and_small_ones_are_counted():
+    slices = tables(force=(1.0, 3.0), sliding_speed=[1.0, 3.0])
+    laws = [
+        made_for(2.0, lambda _: 20.0),
+        made_for(0.5, lambda v: 30.0 if v < 2.0 else 10.0),
+        made_for(2.5, lambda _: 0.1),
+    ]
+    said = told(outside(laws, slices), None, tolerance=1e-2)
+    # by hand: three quarters of 20 %; all of it, of which the middle by force is the faster one's 10 %; 3/4 of 0.1 %
+    assert [(one.weight, one.warned) for one in said] == [
+        (pytest.approx(0.15), True), (pytest.approx(0.1), True), (pytest.approx(0.00075), False),
+    ]  # fmt: skip
+    *texts, rest = sentences(said, 1e-2)
+    assert texts == [one.text for one in said[:2]]
+    assert rest == (
+        "laws are outside what they were made for, too, where the consequence is not known or below "
+        "accuracy.tolerance = 0.01: traction 'made-for-slow' (sliding speed <= 2.5 m/s; 75 % outside); rollslip info "
+        "of the stored result tells of each"
+    )
+
+
+def test_a_consequence_that_nobody_knows_leads_unless_nearly_every_bearing_has_it():
+    slices = tables(force=(1.0, 3.0), sliding_speed=[1.0, 3.0])
+    laws = [made_for(2.0, common=True), made_for(0.5, lambda _: 90.0), made_for(2.0)]
+    known, unknown, common = told(outside(laws, slices), None)
+    assert (known.weight, unknown.weight, common.weight) == (pytest.approx(0.9), 0.75, 0.75)
+    assert [one.warned for one in (known, unknown, common)] == [True, True, False]
+    (heavy,) = told(outside([made_for(2.0, lambda _: 90.0, common=True)], slices), None)
+    assert heavy.warned, "common, but its consequence is known"
+
+
+def test_what_a_law_is_off_another_comes_first_while_it_is_more_than_the_tolerance():
+    found = outside([made_for(0.5)], tables(sliding_speed=1.0))
+    off = Difference(law="simple", reference="exact", key="models.traction", rms=0.01, mean=0.01, largest=0.01)
+    assert [one.measured for one in told(found, off, tolerance=1e-3)] == [True, False]
+    assert [(one.measured, one.warned) for one in told(found, off, tolerance=0.1)] == [(False, True), (True, False)]
+
+
+def test_several_results_warn_of_a_bound_once_where_it_counts_most():
+    results = [
+        run(evolve(PAPER, QUICK | {"accuracy.tolerance": 1e-2}), study)
+        for study in ("effective-friction", "friction-curve")
+    ]
+    first, more = together(results)
+    few, first = first[:-3], first[-3:]
+    assert all("slices leave a relative error" in text for text in few)
+    every = {(one["law"], one["made_for"]) for result in results for one in record_of(result)["told"]}
+    assert len(first) + len(more) == len(every) >= 6
+    largest = max((record_of(result)["approximation"]["rms"], result) for result in results)[1]
+    assert first[0] == next(text for text in warned(largest) if "approximates" in text)
+    assert first[1].startswith("'barus' was made for")
+    assert any(text.startswith("film 'moes' (film parameter Lambda >= 3;") for text in more)
+    for result in results:
+        assert all(one["text"] in warned(result) for one in record_of(result)["told"] if one["warned"])
 
 
 # Results --------------------------------------------------------------------------------------------------------------
@@ -256,7 +330,7 @@ def test_a_bound_in_si_is_told_in_the_units_of_engineers():
 def test_a_result_says_how_far_muraki_is_off_the_exact_law_at_its_own_slips():
     scene = evolve(PAPER, QUICK)
     found = run(scene, "effective-friction")
-    (said,) = (text for text in told(found) if "the law that it approximates" in text)
+    (said,) = (text for text in warned(found) if "the law that it approximates" in text)
     off = json.loads(found.attrs["validity"])["approximation"]
     assert (off["law"], off["reference"]) == ("muraki", "maxwell-eyring")
     exact = run(evolve(scene, {"models.traction.hydrodynamic": "maxwell-eyring"}), "effective-friction")
@@ -276,8 +350,8 @@ def test_a_result_says_how_far_muraki_is_off_the_exact_law_at_its_own_slips():
 def test_every_study_tells_it(study):
     drags = {"cage.drag": ["petroff-land", "rolling-resistance"]}
     found = run(evolve(PAPER, QUICK | drags | {"accuracy.tolerance": 1e-2}), study)
-    assert sum("the law that it approximates" in text for text in told(found)) == 1
-    assert any(text.startswith("contact 'palmgren' was made for load parameter M >= 2; ") for text in told(found))
+    assert sum("the law that it approximates" in text for text in warned(found)) == 1
+    assert any(text.startswith("contact 'palmgren' was made for load parameter M >= 2; ") for text in warned(found))
     bounds = json.loads(found.attrs["validity"])["bounds"]
     assert {row["law"] for row in bounds} == {"contact 'palmgren'", "film 'moes'", "'barus'", "traction 'muraki'"} | (
         {"drag 'rolling-resistance'"} if study == "steady-slip" else set()
@@ -288,7 +362,7 @@ def test_every_study_tells_it(study):
 def test_the_end_of_a_motion_is_judged_too():
     scene = evolve(load_scene("1032930-50C"), {"study.dynamics.duration": "2 ms", "study.dynamics.points": 5})
     found = run(scene, "dynamics")
-    (said,) = (text for text in told(found) if "the law that it approximates" in text)
+    (said,) = (text for text in warned(found) if "the law that it approximates" in text)
     assert "at the end of the motion" in said
 
 
@@ -297,7 +371,7 @@ def test_a_scene_that_names_no_law_gets_the_exact_one_and_no_word_of_approximati
     made = plan(scene, "effective-friction")
     assert made.assembly.traction.hydrodynamic == MaxwellEyring()
     found = run(scene, "effective-friction")
-    assert not any("approximates" in text for text in told(found))
+    assert not any("approximates" in text for text in warned(found))
     assert json.loads(found.attrs["validity"])["approximation"] is None
 
 
@@ -320,7 +394,9 @@ def test_what_cannot_be_judged_is_said_and_loses_no_result(monkeypatch):
 
     monkeypatch.setattr(EffectiveFriction, "judged_slices", refuses)
     found = run(evolve(PAPER, QUICK), "effective-friction")
-    assert told(found)[0] == "whether models were used for what they were made for could not be judged: no slices here"
+    assert (
+        warned(found)[0] == "whether models were used for what they were made for could not be judged: no slices here"
+    )
     assert np.isfinite(found.effective_friction).all()
 
 
@@ -371,7 +447,7 @@ def test_a_law_of_a_stranger_states_it_the_same_way(monkeypatch):
     monkeypatch.setattr(discovery, "_registered", {})
     register(Slow)
     found = run(evolve(PAPER, QUICK | {"models.traction": "made-for-slow"}), "effective-friction")
-    (said,) = (text for text in told(found) if "made-for-slow" in text)
+    (said,) = (text for text in warned(found) if "made-for-slow" in text)
     assert said.startswith("traction 'made-for-slow' was made for sliding <= 0.01; ")
     assert said.endswith("; remedy: take another")
     (row,) = models_as_dict("made-for-slow")["traction"]["made_for"]
@@ -396,7 +472,7 @@ def test_a_film_of_a_stranger_that_knows_its_regime_only_warns_as_before():
         def evaluate(self, slices):
             slices.film_thickness[...] = 1e-6
 
-    (said, *_) = sentences(outside([Rigid()], tables(load=1e6)), None)
+    (said, *_) = sentences(told(outside([Rigid()], tables(load=1e6)), None))
     assert said.startswith("film 'strange-film' was made for the rigid-isoviscous regime; 100 % of the contact force ")
     assert "where its film may be far off; remedy: film 'moes', which covers all regimes" in said
 

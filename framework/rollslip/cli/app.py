@@ -194,8 +194,18 @@ class Results:
         return {"folder": str(self.target), "files": self._files}
 
     def tell(self, *datasets: "xr.Dataset") -> None:
-        """Print the warnings of results, each once, and where everything was written to."""
-        warn(text for dataset in datasets for text in json.loads(dataset.attrs["warnings"]))
+        """Print the warnings of results, those of most consequence, and where everything was written to."""
+        from rollslip.results.words import warned
+
+        first, more = warned(datasets)
+        warn(first)
+        if more:
+            warn(
+                [
+                    f"{len(more)} more bounds of laws are left, with less consequence or one that nobody knows: "
+                    f"{'; '.join(more)}; rollslip info of the .nc files in {self.target} tells of each"
+                ]
+            )
         click.echo(f"written to {self.target}: {', '.join(self._files)}")
 
     # Runs that can go on after an interruption ------------------------------------------------------------------------

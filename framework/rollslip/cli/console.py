@@ -196,6 +196,7 @@ def result_info(path: Path) -> Sections:
 
     dataset = open_result(path)
     a = dataset.attrs
+    less = [one["text"] for one in json.loads(a.get("validity", "{}")).get("told", ()) if not one["warned"]]
     return {
         "result": [
             ("study", a["study"]),
@@ -208,6 +209,7 @@ def result_info(path: Path) -> Sections:
         ],
         "packages": list(json.loads(a["packages"]).items()),
         "warnings": [("", text) for text in json.loads(a["warnings"])],
+        **({"bounds left with less consequence": [("", text) for text in less]} if less else {}),
     }
 
 

@@ -174,13 +174,15 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     The second is what models were made for and how far that was left, as plain values (`rollslip.studies.validity`).
     """
     running, assembly = plan.studies[study], plan.assemblies[study]
+    accuracy, said = plan.scene.accuracy, list[validity.Told]()
     assembly = assembly.with_resistance() if running.with_cage else assembly
     try:
         slices = validity.filled(running.judged_slices(assembly, dataset), assembly)
         laws = [m for m in assembly.inner.chain.models if not isinstance(m, TractionModel)]
         outside = validity.outside([*laws, plan.assembly.traction], slices)
         off = validity.difference(plan.assembly.traction, slices, assembly)
-        found = validity.sentences(outside, off, running.judged_at)
+        said = validity.told(outside, off, running.judged_at, tolerance=accuracy.tolerance)
+        found = validity.sentences(said, accuracy.tolerance)
     except RollslipError as refusal:  # what was computed stands
         outside, off = [], None
         found = [f"whether models were used for what they were made for could not be judged: {refusal}"]
@@ -188,11 +190,10 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     found += validity.corrections(assembly.film)
     temperatures = dict.fromkeys(raceway.conditions.temperature for raceway in assembly.raceways)
     found += dict.fromkeys(note for T in temperatures for note in assembly.lubricant.notes(T))
-    accuracy = plan.scene.accuracy
     if accuracy.slices is not None and (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
         found.append(
             f"{plan.estimated[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "
             f"accuracy.tolerance = {accuracy.tolerance:g}; raise accuracy.slices, or let a plan choose by --set "
             "accuracy.slices=auto"
         )
-    return found, validity.record(outside, off)
+    return found, validity.record(outside, off, said)

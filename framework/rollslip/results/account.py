@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ACCOUNT", "Account", "Contact", "PlainAccount", "Story", "Table", "account_of", "capital", "headline_of",
-    "with_unit",
+    "untold", "with_unit",
 ]  # fmt: skip
 
 
@@ -88,6 +88,10 @@ class Account:
 
     def chance(self, dataset: "xr.Dataset") -> str:
         """Return how probably the cage does not run away where data scatter; nothing where it is not known."""
+        return ""
+
+    def untold(self, dataset: "xr.Dataset | None") -> str:
+        """Return what its study would add to a verdict, with what to type, where it did not run or does not say it."""
         return ""
 
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
@@ -195,6 +199,13 @@ class PlainAccount(Account):
 def headline_of(datasets: "Iterable[xr.Dataset]") -> str:
     """Return the headline of the first result that has one; nothing if none has."""
     return next(filter(None, (account_of(dataset).headline(dataset) for dataset in datasets)), "")
+
+
+def untold(datasets: "Iterable[xr.Dataset]") -> list[str]:
+    """Return what studies and campaigns that some results are not of would add to their verdict."""
+    there = {str(dataset.attrs.get("study", "")): dataset for dataset in datasets}
+    accounts: Iterator[Account] = (get_class("account", name) for name in available("account"))
+    return [text for account in accounts if (text := account.untold(there.get(account.name)))]
 
 
 def account_of(dataset: "xr.Dataset") -> Account:

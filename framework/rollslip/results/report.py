@@ -32,7 +32,7 @@ from rollslip.references import Citation
 from rollslip.results.account import Table, account_of, capital
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
-from rollslip.results.words import verdict
+from rollslip.results.words import verdict, warned
 from rollslip.scene.schema import schema
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS
@@ -108,9 +108,16 @@ def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Seq
 
 
 def _warnings(datasets: "Datasets") -> str:
-    return "".join(
-        heading + _list(warnings) for heading, warnings in _per_study(datasets, "warnings", structured=True) if warnings
-    )
+    """Those of most consequence, and all others folded below."""
+    first, more = warned(datasets.values())
+    if not more:
+        return _list(first)
+    body = ""
+    for heading, judged in _per_study(datasets, "validity", structured=True):
+        if rest := [one["text"] for one in judged.get("told", ()) if one["text"] not in first]:
+            body += heading + _list(rest)
+    summary = f"{len(more)} more bounds of laws are left, with less consequence or one that nobody knows"
+    return f"{_list(first)}<details>{_tag('summary', summary)}{body}</details>"
 
 
 def _findings(datasets: "Datasets") -> str:

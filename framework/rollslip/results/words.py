@@ -5,14 +5,14 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Final
 
-from rollslip.results.account import account_of, headline_of
+from rollslip.results.account import account_of, headline_of, untold
 from rollslip.results.curves import percent
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["TOLD_FROM", "UNSURE", "runs_at", "runs_away", "verdict"]
+__all__ = ["REST", "TOLD_FROM", "UNSURE", "runs_at", "runs_away", "verdict", "warned"]
 
 #: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.
 UNSURE: Final = (
@@ -23,6 +23,10 @@ UNSURE: Final = (
 
 #: Share of the contact force outside a bound from which on it counts.
 TOLD_FROM: Final = 0.005
+#: How the warning begins that counts bounds which are no warnings of their own.
+REST: Final = "laws are outside what they were made for, too, where the consequence is"
+#: Bounds that are told at once, at most.
+_MOST: Final = 3
 
 
 def runs_away(slip: float, drag: float, status: str) -> str:
@@ -72,13 +76,33 @@ def verdict(datasets: "Iterable[xr.Dataset]") -> list[str]:
     told = sorted(((account_of(d), d) for d in every), key=lambda one: -one[0].knows_operation)
     runs = next(filter(None, (account.operation(dataset) for account, dataset in told)), "")
     chance = next(filter(None, (account.chance(dataset) for account, dataset in told)), "")
-    return [first, *filter(None, ["; ".join(filter(None, [runs, chance])), _trust(every, known=bool(chance))])]
+    return [first, *filter(None, ["; ".join(filter(None, [runs, chance])), _trust(every)])]
 
 
-def _trust(datasets: "list[xr.Dataset]", *, known: bool) -> str:
+def warned(datasets: "Iterable[xr.Dataset]") -> tuple[list[str], list[str]]:
+    """Return the warnings of results that are told at once, and the bounds of laws that are told where asked for.
+
+    What several results warn of alike is told once, where its consequence is largest. No full stops.
+    """
+    others, bounds = dict[str, None](), dict[tuple[str, str], dict[str, Any]]()
+    for dataset in datasets:
+        said = json.loads(dataset.attrs["validity"]).get("told", []) if dataset.attrs.get("validity") else []
+        texts = {one["text"] for one in said}
+        warnings = json.loads(dataset.attrs.get("warnings", "[]"))
+        others |= dict.fromkeys(text for text in warnings if text not in texts and not text.startswith(REST))
+        for one in said:
+            known = bounds.setdefault((one["law"], one["made_for"]), one)
+            if (one["warned"], one["weight"]) > (known["warned"], known["weight"]):
+                bounds[one["law"], one["made_for"]] = one
+    ranked = sorted(bounds.values(), key=lambda one: (not one["warned"], not one["measured"], -one["weight"]))
+    first = [one["text"] for one in ranked[:_MOST] if one["warned"]]
+    return [*others, *first], [one["short"] for one in ranked[len(first) :]]
+
+
+def _trust(datasets: "list[xr.Dataset]") -> str:
     """Say what results rest on: a law that approximates another, bounds that were left, and the data of the oil.
 
-    Where it is not known what scatter of the data does, this says what to type.
+    Then what is not told, with what to type.
     """
     judged: list[dict[str, Any]] = [json.loads(d.attrs["validity"]) for d in datasets if d.attrs.get("validity")]
     said = list[str]()
@@ -95,6 +119,7 @@ def _trust(datasets: "list[xr.Dataset]", *, known: bool) -> str:
         said.append(
             f"oil data of grade{'s' * (len(grades) > 1)} {' and '.join(dict.fromkeys((grades[0], grades[-1])))}"
         )
-    if not known and (source := next((d.attrs["source"] for d in datasets if d.attrs.get("source")), "")):
-        said.append(f"how probably scatter of the data makes it run away, rollslip uncertainty {source} says")
-    return f"how far to trust it: {'; '.join(said)}" if said else ""
+    lines = [f"how far to trust it: {'; '.join(said)}"] if said else []
+    if missing := untold(datasets):
+        lines.append(f"not told here: {', '.join(missing)}")
+    return "; ".join(lines)

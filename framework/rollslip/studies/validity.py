@@ -2,10 +2,14 @@
 
 - Bounds, consequences and remedies are the models' own (`rollslip.models.Validity`); nothing here knows a model by
   name. They are held against the slices at the state that a result speaks of (`Study.judged_slices`).
+- Warnings come by consequence: what a law is off another, measured on the slices of the result, then the share of the
+  force outside times the consequence in the middle of it. One that nobody knows counts as the whole. What is below the
+  tolerance, and what nearly every bearing leaves with a consequence that nobody knows, is counted in one sentence.
 - A law that approximates another (``solved_by``) is evaluated beside it on the same slices: what it is off there is
   known, so that its own bounds are told with it and not one by one.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
@@ -26,7 +30,7 @@ from rollslip.models import (
     TractionModel,
     Validity,
 )
-from rollslip.results.words import TOLD_FROM
+from rollslip.results.words import REST, TOLD_FROM
 from rollslip.studies.answers import Evaluated
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
@@ -35,6 +39,7 @@ __all__ = [
     "Difference",
     "Filled",
     "Outside",
+    "Told",
     "bound_of",
     "corrections",
     "difference",
@@ -43,6 +48,7 @@ __all__ = [
     "quantity",
     "record",
     "sentences",
+    "told",
 ]
 
 _KINDS: Final = ((ContactModel, "contact"), (FilmModel, "film"), (TractionModel, "traction"))
@@ -52,17 +58,46 @@ _KINDS: Final = ((ContactModel, "contact"), (FilmModel, "film"), (TractionModel,
 class Outside:
     """How much of a ring's contact force, or of rows of data, lies outside one bound of a law.
 
-    ``law`` is kind and name, ``share`` is 1 for all, ``values`` what the quantity is outside, by force from 5 to 95 %;
-    ``known`` is False where the quantity takes data that the oil does not give.
+    ``law`` is kind and name, ``share`` is 1 for all, ``values`` what the quantity is outside, by force from 5 to 95 %,
+    and ``middle`` in the middle of it; ``known`` is False where the quantity takes data that the oil does not give.
     """
 
     law: str
     validity: Validity
     share: float
     values: tuple[float, ...] = ()
+    middle: float = math.nan
     ring: str = ""
     detail: str = ""
     known: bool = True
+
+    @property
+    def weight(self) -> float:
+        """Share of the force outside times the consequence in its middle; that is 1 where nobody knows it."""
+        error = self.validity.error
+        return self.share * (0.01 * error(self.middle) if error is not None and self.values else 1.0)
+
+    @property
+    def counted(self) -> bool:
+        """Whether nearly every bearing leaves the bound, with a consequence that nobody knows."""
+        return self.validity.common and self.validity.error is None
+
+
+@attrs.frozen(kw_only=True)
+class Told:
+    """A bound that was left, in a sentence and in a few words.
+
+    ``weight`` is its consequence, relative, ``measured`` whether on the slices of the result; ``warned`` is one that is
+    a warning of its own.
+    """
+
+    law: str
+    made_for: str
+    weight: float
+    text: str
+    short: str
+    warned: bool
+    measured: bool = False
 
 
 @attrs.frozen(kw_only=True)
@@ -179,16 +214,26 @@ def _share(validity: Validity, values: Array, force: Array) -> float:
 
 
 def _outside(label: str, validity: Validity, share: float, values: Array, force: Array, ring: str) -> Outside:
-    spread, detail = tuple[float, ...](), ""
+    spread, middle, detail = tuple[float, ...](), math.nan, ""
     if share > 0.0:
         beyond = validity.excess(values) > 0.0
-        spread = _quantiles(values[beyond], force[beyond], (0.05, 0.95))
+        low, middle, high = _quantiles(values[beyond], force[beyond], (0.05, 0.5, 0.95))
+        spread = low, high
     if validity.quantity == "film_regime" and share > 0.0:
         parts = {LONG_NAMES[name]: float(force[values == code].sum() / force.sum()) for code, name in enumerate(NAMES)}
         told = (name for name in parts if parts[name] > 0.0 and name not in validity.bound)
         detail = " and ".join(f"{_percent(parts[name])} {name}" for name in told)
     known = not bool(np.isnan(values).all())
-    return Outside(law=label, validity=validity, share=share, values=spread, ring=ring, detail=detail, known=known)
+    return Outside(
+        law=label,
+        validity=validity,
+        share=share,
+        values=spread,
+        middle=middle,
+        ring=ring,
+        detail=detail,
+        known=known,
+    )
 
 
 def _quantiles(values: Array, weight: Array, places: Sequence[float]) -> tuple[float, ...]:
@@ -254,34 +299,74 @@ def _key_of(law: TractionModel, traction: TractionModel) -> str:
     return f"models.traction{child}"
 
 
-def sentences(
-    found: Sequence[Outside], off: Difference | None, where: str = "", what: str = "of the contact force"
-) -> list[str]:
-    """Return the warnings: what is outside, with share, consequence and remedy; none has its full stop.
+def told(
+    found: Sequence[Outside],
+    off: Difference | None,
+    where: str = "",
+    what: str = "of the contact force",
+    tolerance: float = 0.0,
+) -> list[Told]:
+    """Return what was left, with share, consequence and remedy, by consequence; no sentence has its full stop.
 
     Parameters
     ----------
     found : sequence of Outside
         Where slices lie outside.
     off : Difference, optional
-        How far the law of the full film is off.
+        How far the law of the full film is off; it comes first, since it is measured.
     where : str, optional
         The state that was looked at: "at the steady slip".
     what : str, optional
         What the shares are of.
+    tolerance : float, optional
+        Relative consequence from which on one is a warning of its own.
     """
-    said = [] if off is None else [_off(off, found, where, what)]
-    for one in found:
+    said = list[Told]()
+    for one in sorted(found, key=lambda each: (each.counted, -each.weight)):
         if one.share < TOLD_FROM or (off is not None and _told_with(one, off)):
             continue
         ring = f" of the {one.ring} ring" if one.ring else ""
         detail = f" ({one.detail})" if one.detail else ""
-        said.append(
+        text = (
             f"{one.law} was made for {bound_of(one.validity)}; {_percent(one.share)} {what}{ring} is outside"
             f"{f' {where}' if where else ''}{detail}, where {one.validity.consequence_at(*one.values)}; "
             f"remedy: {one.validity.remedy}"
         )
+        short = f"{one.law} ({bound_of(one.validity)}; {_percent(one.share)} outside)"
+        warned = not one.counted and one.weight > tolerance
+        said.append(
+            Told(
+                law=one.law,
+                made_for=bound_of(one.validity),
+                weight=one.weight,
+                text=text,
+                short=short,
+                warned=warned,
+            )
+        )
+    if off is not None:
+        text, short = _off(off, found, where, what), f"{off.law!r} for {off.reference!r}"
+        first = Told(
+            law=off.law,
+            made_for=off.reference,
+            weight=off.rms,
+            text=text,
+            short=short,
+            warned=off.rms > tolerance,
+            measured=True,
+        )
+        said.insert(0 if first.warned else len(said), first)
     return said
+
+
+def sentences(said: Sequence[Told], tolerance: float = 0.0) -> list[str]:
+    """Return the warnings of what was left, and one sentence that counts the rest; none has its full stop."""
+    rest = [one.short for one in said if not one.warned]
+    texts = [one.text for one in said if one.warned]
+    if not rest:
+        return texts
+    below = f" or below accuracy.tolerance = {tolerance:g}" if tolerance > 0.0 else ""
+    return [*texts, f"{REST} not known{below}: {'; '.join(rest)}; rollslip info of the stored result tells of each"]
 
 
 def _percent(share: float) -> str:
@@ -328,8 +413,8 @@ def corrections(film: FilmModel) -> list[str]:
     return [f"the film is thinned for {' and '.join(told)}, as the scene asks"] if told else []
 
 
-def record(found: Sequence[Outside], off: Difference | None) -> dict[str, Any]:
-    """Return both as plain values: each bound with its share, and what the law is off; NaN is None."""
+def record(found: Sequence[Outside], off: Difference | None, said: Sequence[Told] = ()) -> dict[str, Any]:
+    """Return all as plain values: each bound with its share, what the law is off, and how it is told; NaN is None."""
     rows = [
         {
             "law": one.law,
@@ -343,4 +428,8 @@ def record(found: Sequence[Outside], off: Difference | None) -> dict[str, Any]:
         }
         for one in found
     ]
-    return {"bounds": rows, "approximation": None if off is None else attrs.asdict(off)}
+    return {
+        "bounds": rows,
+        "approximation": None if off is None else attrs.asdict(off),
+        "told": [attrs.asdict(one) for one in said],
+    }

@@ -337,7 +337,7 @@ def _warnings(fitted: Fit, sets: Sequence[Indices]) -> list[str]:
     rows = [validity.Filled("", slices, np.ones(len(slices))) for _, _, slices in problem.tables]
     # oil and traction are what is fitted: within the data their values make up for what the laws are off
     given = [model for kind, model in problem.models.items() if kind != "traction"]
-    said += validity.sentences(validity.outside(given, rows), None, what="of the rows")
+    said += [one.text for one in validity.told(validity.outside(given, rows), None, what="of the rows")]
     return said
 
 

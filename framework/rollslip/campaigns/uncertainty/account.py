@@ -21,6 +21,12 @@ class UncertaintyAccount(Account):
         """Return how probably the cage runs below the slip at which it runs away, where steady slips were sampled."""
         return findings.margin(dataset) if "margin" in dataset else ""
 
+    def untold(self, dataset: "xr.Dataset | None") -> str:
+        """Return how to know what scatter does."""
+        if dataset is not None and "margin" in dataset:
+            return ""
+        return "how probably scatter of the data makes the cage run away (rollslip uncertainty SCENE)"
+
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
         return findings.topics(dataset)

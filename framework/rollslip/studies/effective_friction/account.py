@@ -14,11 +14,6 @@ if TYPE_CHECKING:
 
 _RUNAWAY: Final = ("runaway_slip", "runaway_drag", "runaway_status")
 _STEADY: Final = ("steady_cage_slip", "steady_drag", "steady_status")
-#: What tells the load of a slip.
-_LEAST_LOAD: Final = (
-    "the least load that keeps it below a slip of yours, 5 % for example, comes with --study steady-slip --set "
-    "study.steady-slip.acceptable_slip=0.05"
-)
 
 
 def _curves(dataset: "xr.Dataset") -> "xr.Dataset":
@@ -43,14 +38,13 @@ class EffectiveFrictionAccount(PlainAccount):
         return runs_away(*away)
 
     def operation(self, dataset: "xr.Dataset") -> str:
-        """Return steady slip and reserve of drag, and what tells the load that a slip takes."""
+        """Return steady slip and reserve of drag."""
         if "steady_cage_slip" not in dataset:
             return ""
         slip, drag, status = (dataset[name].item() for name in _STEADY)
         if math.isnan(slip):
             return str(status)
-        said = runs_at(slip, drag, dataset["runaway_drag"].item(), dataset["runaway_slip"].item())
-        return f"{said}; {_LEAST_LOAD}" if slip > 0.0 else said
+        return runs_at(slip, drag, dataset["runaway_drag"].item(), dataset["runaway_slip"].item())
 
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say where the cage runs away and runs, and what was found of each curve."""

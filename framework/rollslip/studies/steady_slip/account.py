@@ -30,6 +30,15 @@ class SteadySlipAccount(Account):
         """Return steady slip, reserve of drag, and the least load of an acceptable slip."""
         return findings.operation(dataset)
 
+    def untold(self, dataset: "xr.Dataset | None") -> str:
+        """Return how to know the load that a slip takes."""
+        if dataset is not None and "least_load" in dataset:
+            return ""
+        return (
+            "the least load of a cage slip, of 5 % for example, beside what makers ask for (--study steady-slip --set "
+            "study.steady-slip.acceptable_slip=0.05)"
+        )
+
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
         return findings.topics(dataset)
