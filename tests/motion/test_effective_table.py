@@ -151,6 +151,18 @@ def test_critical_speed_and_slope_at_no_slip_are_kept_to_the_stated_errors(case)
     assert friction_of(table, [0.99 * best, table.critical_speed, 1.01 * best]).argmax() == 1
 
 
+@pytest.mark.parametrize("w", [6.3, 50.0])
+def test_a_rise_that_is_smaller_than_the_tolerance_keeps_its_slope(w):
+    """Asperities of a hundredth of the friction, met at a thousandth of the film's speed, are most of the slope."""
+    law = Hump(a=0.1, v=3.16, w=w, b=1e-3, z=0.0316)
+    table = curve_table(law, ROLLING, 1e-2)
+    middle = table.nodes.shape[0] // 2
+    slope = table.nodes[middle, 1] * middle / table.limits[1] / table.sliding_scale
+    assert slope == pytest.approx(law.slope(0.0), rel=1e-8)
+    assert table.slope_error <= 1e-6
+    assert table.error <= 1e-2
+
+
 @given(tabulated())
 @settings(max_examples=15, deadline=None)
 def test_an_odd_law_stays_odd_and_the_ends_are_held(case):

@@ -19,7 +19,9 @@
 - Friction of a slice depends on its load: thousands of loaded slices are gathered into classes of equal force, as many
   as the tolerance needs to keep friction, slope at no slip and critical speed.
 - Cells are halved until friction at the quarters of each is right to the tolerance, relative to the largest at that
-  rolling speed; a tenth of the tolerance is left to the classes and a tenth to what lies between the quarters.
+  rolling speed, and the slope at no slip is within the limits of its cells: a rise may be too small for the tolerance
+  and yet be most of that slope. A tenth of the tolerance is left to the classes and a tenth to what lies between the
+  quarters.
 """
 
 import json
@@ -61,6 +63,8 @@ _ALIKE: Final = 0.05
 _PLACE: Final = 1e-7
 #: Sliding speed, relative to that at which friction has risen by half, from which the slope at none is taken.
 _NEAR: Final = 1e-4
+#: What the limits of slopes may leave of the slope at no slip, relative to it.
+_SLOPE: Final = 1e-9
 
 Law = Callable[[Array], Array]
 
@@ -203,7 +207,7 @@ def curve_table(friction: Law, rolling: float, tolerance: float) -> EffectiveTab
         values = fine[::4]
         slopes = _slopes(limit, values, scale * shape.slope, share if shape.has_critical else 0.0)
         error = _missed(fine, slopes)
-        if error <= tolerance:
+        if error <= tolerance and (cells >= _MOST_CELLS or _rises(limit, slopes, scale * shape.slope)):
             break
         if cells >= _MOST_CELLS:
             raise _too_coarse(error, tolerance)
@@ -254,7 +258,8 @@ def map_table(friction: Callable[[float, Array], Array], epicyclic: float, toler
             _relative(_between(values_there, slopes_there, q / 4) - true[1::2, q::4], true[1::2]) for q in (1, 2, 3)
         )
         error = max(along, across, inside)
-        if error <= tolerance:
+        steep = cells < _MOST_CELLS and not _rises(limit, slopes[middle], rise[middle])
+        if error <= tolerance and not steep:
             nodes = np.stack((values, slopes, rising, twisting), axis=-1)
             table = EffectiveTable(
                 nodes,
@@ -265,7 +270,7 @@ def map_table(friction: Callable[[float, Array], Array], epicyclic: float, toler
                 error=error,
             )
             return _stated(table, shape, nodes[middle], scale)
-        cells *= 2 if along > 0.5 * tolerance else 1
+        cells *= 2 if steep or along > 0.5 * tolerance else 1
         rows *= 2 if max(across, inside) > max(0.5 * tolerance, along) else 1
     raise _too_coarse(error, tolerance)
 
@@ -414,6 +419,12 @@ def _slopes(limit: float, values: Array, rise: Any, share: float = 0.0) -> Array
         if np.array_equal(values, -values[..., ::-1]):
             slopes[..., middle - critical] = 0.0
     return np.clip(slopes, *_bounds(values, slopes))
+
+
+def _rises(limit: float, slopes: Array, rise: float) -> bool:
+    """Whether the slope in the middle is the law's, and not that of the limits: three times the chord beside it."""
+    middle = slopes.size // 2
+    return _apart(float(slopes[middle]) * middle / limit, rise) <= _SLOPE
 
 
 def _bounds(values: Array, slopes: Array) -> tuple[Array, Array]:
