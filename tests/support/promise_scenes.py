@@ -190,7 +190,7 @@ def judge(one):
         if made.estimated[STUDY].failed:
             return Promise(one, refused=made.estimated[STUDY].failed)
         result = execute(made, STUDY)
-        study, own = made.studies[STUDY], attrs.evolve(made.estimated[STUDY].resolution)
+        study, own = made.studies[STUDY], made.estimated[STUDY].resolution
         for times in (4, 8):
             actual = errors_between(study.judged, result, finer(study, one, own, times))
             if not CLOSE[0] <= max(actual.values()) / one.accuracy.tolerance <= CLOSE[1]:

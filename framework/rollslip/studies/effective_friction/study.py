@@ -179,10 +179,10 @@ class EffectiveFriction(Study):
             anew = attrs.evolve(some, known_loads={})
             times["load distribution"].append(timed(partial(anew.load_distribution, m), 1))
             raceways = self.loaded(anew, m)
+            closure = timed(partial(raceways.speeds, slip), 1) / slip.size  # a free roller's spin is a root, found once
             speeds = raceways.speeds(slip)
             one, regimes = (timed(partial(work, speeds)) / slip.size for work in (raceways.evaluated, raceways.regimes))
-            closure = timed(partial(raceways.speeds, slip), 1) / slip.size  # a free roller's spin is a root to be found
-            times["friction"].append(one * (self.points + _SEARCH / 2) + closure * (2 * self.points + _SEARCH / 4))
+            times["friction"].append(one * (self.points + _SEARCH / 2) + closure * (self.points + _SEARCH / 4))
             times["film regimes"].append(regimes * self.points)
         more, instants = assembly.slices / some.slices, resolution.instants or INSTANTS[-1]
         costs = {part: more * onwards(INSTANTS, each, instants) for part, each in times.items()}
