@@ -27,6 +27,7 @@ __all__ = [
     "field",
     "in_range",
     "non_negative",
+    "one_at_least",
     "one_of",
     "own_unit",
     "parameter",
@@ -197,6 +198,12 @@ def at_least(low: float) -> _Range:
 def in_range(low: float, high: float, *, open: bool = False) -> _Range:
     """Return a validator: from `low` to `high`, with the ends unless the interval is `open`."""
     return _Range(low, high, open)
+
+
+def one_at_least(instance: object, attribute: "attrs.Attribute[Any]", value: Any) -> None:
+    """Validator: a list is not empty."""
+    if not value:
+        raise FieldError(attribute.name, "is an empty list; at least one value is needed")
 
 
 def one_of(*options: object) -> _OneOf:

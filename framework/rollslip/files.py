@@ -10,11 +10,12 @@ import math
 import os
 import re
 import shutil
+import stat
 import tempfile
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import attrs
 
@@ -33,6 +34,58 @@ def decoded(content: bytes, source: str) -> str:
         raise SceneError([f"{source}:{line}: not UTF-8 text; save the file in the encoding UTF-8"]) from None
 
 
+def readable(name: str) -> str:
+    """Return the name of a file, or an argument, as text that can be stored and shown.
+
+    What the system gives in bytes that its encoding does not have, Python keeps in halves of characters, which nothing
+    can write: most often it is UTF-8 in a C locale.
+    """
+    return name.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+
+
+def content_of(path: Path) -> bytes:
+    """Return what stands in a file of some pages, or comes through a pipe.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read, is larger than any text for a person, or nothing comes through the pipe.
+    """
+    if stat.S_ISFIFO(path.stat().st_mode) and hasattr(os, "O_NONBLOCK"):
+        return _through_pipe(path)
+    with path.open("rb") as file:
+        return _small(file.read(_LARGEST + 1))
+
+
+def _small(read: bytes) -> bytes:
+    if len(read) > _LARGEST:
+        raise OSError(0, f"has more than {_LARGEST >> 20} MB")
+    return read
+
+
+def _through_pipe(path: Path) -> bytes:
+    """Read a pipe to its end; one that nobody writes to would be waited for without end."""
+    import select
+
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        waiting, read = select.poll(), b""
+        waiting.register(descriptor, select.POLLIN)
+        while len(read) <= _LARGEST:
+            if not waiting.poll(1e3 * _PATIENCE):
+                raise OSError(0, f"is a pipe through which nothing came for {_PATIENCE:g} s")
+            if not (part := os.read(descriptor, 1 << 16)):
+                return read
+            read += part
+        return _small(read)
+    finally:
+        os.close(descriptor)
+
+
+#: Bytes that a text for a person does not have.
+_LARGEST: Final = 1 << 26
+#: Seconds for which nothing may come through a pipe.
+_PATIENCE: Final = 10.0
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 
 

@@ -115,7 +115,7 @@ def test_another_law_of_the_full_film_takes_its_place():
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"slices": 0}, "slices: must be from 1 to 10000, not 0"),
+        ({"slices": 0}, "slices: must be from 1 to 20000, not 0"),
         ({"instants": 0}, "instants: must be at least 1, not 0"),
         ({"quadrature": "simpson"}, "quadrature: must be one of"),
         ({"table_tolerance": 0.0}, "table_tolerance: must be between 0 and 1"),

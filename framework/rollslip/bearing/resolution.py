@@ -74,7 +74,7 @@ class Resolution:
         If a value is not allowed.
     """
 
-    slices: int = parameter(default=101, doc="slices along a roller", validator=in_range(1, 10_000))
+    slices: int = parameter(default=101, doc="slices along a roller", validator=in_range(1, 20_000))
     quadrature: str = parameter(default="equal", doc="where slices lie", validator=one_of("equal", "gauss"))
     instants: int | None = parameter(
         default=None, doc="instants of a roller pitch", validator=attrs.validators.optional(at_least(1))

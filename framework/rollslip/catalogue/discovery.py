@@ -4,7 +4,7 @@
 - Entry points are loaded one by one by us: pluggy's own loader stops at the first broken one and takes the host down.
 - Each module gets a plugin manager of its own: packages cannot meet in one, neither after a fault nor from two threads.
 - A module that calls sys.exit when imported is broken like any other; one that hangs cannot be told from a slow one, so
-  that it is waited for.
+  that it is waited for, and after a while it is said for what.
 - Of two packages that offer one name neither is taken, and a scene cannot pick one: a name means the same to whoever
   reads the scene, and uninstalling or disabling one of them is easy.
 - What a process registers stands beside what is installed, in a table of its own.
@@ -14,7 +14,10 @@ import difflib
 import importlib.metadata
 import os
 import re
-from collections.abc import Iterable, Mapping
+import sys
+import threading
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from functools import cache
 from types import MappingProxyType
 from typing import Any, Final
@@ -28,6 +31,8 @@ from rollslip.units import as_written
 #: In place of the package and the version of what this process has registered.
 THIS_PROCESS: Final = "(this process)"
 UNPACKAGED: Final = "unpackaged"
+#: Seconds that an import may take without a word.
+_SLOW: Final = 10.0
 
 
 @attrs.frozen(kw_only=True)
@@ -219,7 +224,8 @@ def _load(offer: Offer) -> Any:
     blame = f"{offer.kind} {offer.name!r} of package {offer.package} {offer.version}"
     remedy = f"repair or uninstall {offer.package}"
     try:
-        module = importlib.import_module(offer.module)
+        with _told_if_slow(offer):
+            module = importlib.import_module(offer.module)
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -239,6 +245,29 @@ def _load(offer: Offer) -> Any:
             return thing
     names = ", ".join(repr(name) for name, _ in offered) or "nothing"
     raise PluginError(f"{blame}: its {hook}() offers {names}, but its entry point promises {offer.name!r}")
+
+
+@contextmanager
+def _told_if_slow(offer: Offer) -> Iterator[None]:
+    """Say on the standard error what is being imported, once it has taken longer than anybody is patient."""
+    told = threading.Timer(_SLOW, _tell_slow, (offer,))
+    told.daemon = True
+    told.start()
+    try:
+        yield
+    finally:
+        told.cancel()
+
+
+def _tell_slow(offer: Offer) -> None:
+    disabled = ",".join(filter(None, (os.environ.get("ROLLSLIP_DISABLED_PLUGINS"), offer.package)))
+    with suppress(OSError, ValueError, AttributeError):  # there may be nobody to tell
+        sys.stderr.write(
+            f"{offer.kind} {offer.name!r} of package {offer.package} {offer.version}: importing {offer.module} has "
+            f"taken {_SLOW:g} s and goes on; if it hangs, interrupt (Ctrl-C) and do without the package: "
+            f"ROLLSLIP_DISABLED_PLUGINS={disabled}\n"
+        )
+        sys.stderr.flush()
 
 
 def _collected(module: object, hook: str) -> list[Any]:

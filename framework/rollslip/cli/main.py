@@ -1,8 +1,11 @@
 """The command line as a whole: all commands in one group, and errors turned into one sentence and an exit code."""
 
+import io
+import os
 import signal
 import sys
 from collections.abc import Sequence
+from contextlib import ExitStack, redirect_stderr, redirect_stdout
 from typing import Any, NoReturn
 
 import click
@@ -35,20 +38,82 @@ def _terminated(*_: object) -> NoReturn:
     raise SystemExit(128 + signal.SIGTERM)
 
 
+class _Sink(io.FileIO):
+    """The file behind a standard stream; what it does not take is lost, the first time with its reason.
+
+    A full disk or a reader who has left must not end a computation whose results go elsewhere.
+    """
+
+    lost: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        """Write, or forget."""
+        try:
+            return super().write(data)
+        except OSError as error:
+            self.lost = self.lost or error
+            return memoryview(data).nbytes
+
+
+def _patient(stream: Any, into: ExitStack) -> tuple[Any, _Sink | None]:
+    """Return a standard stream that never raises, and what it writes to; others, of tests and hosts, as they are."""
+    if stream is None:  # closed
+        return into.enter_context(open(os.devnull, "w", encoding="utf-8")), None
+    if stream not in (sys.__stdout__, sys.__stderr__):
+        return stream, None
+    try:
+        stream.flush()
+        sink = _Sink(stream.fileno(), "w", closefd=False)
+        text = io.TextIOWrapper(
+            io.BufferedWriter(sink), stream.encoding, "backslashreplace", line_buffering=stream.line_buffering
+        )
+    except (OSError, ValueError):  # it has no file
+        return stream, None
+    into.callback(text.close)
+    return text, sink
+
+
 def main(arguments: Sequence[str] | None = None) -> Any:
     """Run the command line and leave with its exit code."""
+    for descriptor in (0, 1, 2):
+        try:
+            os.fstat(descriptor)
+        except OSError:  # closed by the shell: the next file that is opened must not take its place
+            os.open(os.devnull, os.O_RDWR)
     signal.signal(signal.SIGTERM, _terminated)  # so that half-written results are removed
+    with ExitStack() as stack:
+        output, sink = _patient(sys.stdout, stack)
+        errors, _ = _patient(sys.stderr, stack)
+        stack.enter_context(redirect_stdout(output))
+        stack.enter_context(redirect_stderr(errors))
+        try:
+            code: Any = _run(arguments)
+        except SystemExit as leaving:
+            code = leaving.code
+        except KeyboardInterrupt:  # a second one, while the first was told
+            code = INTERRUPTED
+        for stream in (output, errors):
+            stream.flush()
+        if sink is not None and sink.lost is not None and not isinstance(sink.lost, BrokenPipeError):
+            reason = sink.lost.strerror or sink.lost
+            click.echo(f"standard output: cannot be written ({reason}); free some space, or write elsewhere", err=True)
+            code = code or BAD_SCENE
+    sys.exit(code)
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    """Run the command line; return its exit code, after an error in one sentence."""
     try:
         cli.main(args=arguments, standalone_mode=False, prog_name="rollslip")
     except (KeyboardInterrupt, click.Abort):
         click.echo("interrupted; nothing was left behind", err=True)
-        sys.exit(INTERRUPTED)
+        return INTERRUPTED
     except click.ClickException as error:
         error.show()
-        sys.exit(error.exit_code)
+        return error.exit_code
     except RollslipError as error:
         click.echo(str(error), err=True)
-        sys.exit(
+        return (
             BAD_PLUGIN
             if isinstance(error, PluginError)
             else NOT_CONVERGED
@@ -59,14 +124,13 @@ def main(arguments: Sequence[str] | None = None) -> Any:
         if error.name != "ROLLSLIP_SIMD":
             raise
         click.echo(str(error), err=True)
-        sys.exit(BAD_SCENE)
+        return BAD_SCENE
     except BrokenPipeError:
-        sys.stderr.close()  # the reader of our output has left; there is nobody to tell
-        sys.exit(OK)
+        return OK  # the reader of our output has left; there is nobody to tell
     except Exception as error:
         notes = [note for note in getattr(error, "__notes__", ()) if note.startswith("raised by ")]
         if not notes:
             raise
         click.echo(f"{type(error).__name__}: {error}; {notes[0]}", err=True)  # somebody's model, not a fault of ours
-        sys.exit(BAD_PLUGIN)
-    sys.exit(OK)
+        return BAD_PLUGIN
+    return OK

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from rollslip.errors import OutputError
-from rollslip.files import whole_file
+from rollslip.files import readable, whole_file
 from rollslip.references import Citation, from_dict, once
 
 if TYPE_CHECKING:
@@ -46,7 +46,8 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     OutputError
         If it cannot be written.
     """
-    content = bytes(dataset.to_netcdf(engine="h5netcdf"))
+    told = {key: readable(value) if isinstance(value, str) else value for key, value in dataset.attrs.items()}
+    content = bytes(dataset.assign_attrs(told).to_netcdf(engine="h5netcdf"))
     with whole_file(path) as partial:
         partial.write_bytes(content + _SEAL % (FORMAT, sha256(content).hexdigest().encode()))
 

@@ -8,6 +8,7 @@ import attrs
 
 from rollslip.errors import SceneError, nearest
 from rollslip.fields import FieldError
+from rollslip.files import readable
 from rollslip.scene.reading import checked_scene
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import attributes, bare_key, key_of, thawed, types_of
@@ -160,7 +161,7 @@ def parse_set(text: str) -> tuple[str, object]:
     >>> parse_set("operation.radial_load=500 N"), parse_set("accuracy.slices=21")
     (('operation.radial_load', '500 N'), ('accuracy.slices', 21))
     """
-    key, equals, value = text.partition("=")
+    key, equals, value = readable(text).partition("=")
     if not equals or not key.strip():
         raise SceneError([f"{as_written(text)}: write KEY=VALUE, such as operation.radial_load='500 N'"])
     key, value = key.strip(), value.strip()

@@ -16,7 +16,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.errors import PluginError, SceneError, nearest
-from rollslip.files import decoded
+from rollslip.files import content_of, decoded, readable
 from rollslip.scene.plausibility import impossible_relations
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable, Location, attributes, bare_key, key_of, structure, thawed
@@ -56,8 +56,8 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
     PluginError
         If a bearing or surface that it names is not there.
     """
-    source = os.fspath(name_or_path)
-    path = Path(source)
+    path = Path(os.fspath(name_or_path))
+    source = readable(os.fspath(name_or_path))
     if isinstance(name_or_path, str) and not source.endswith(".toml"):
         shipped = _shipped()
         if source in shipped:
@@ -68,7 +68,7 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
                 [f"{source!r}: no scene of this name is shipped; nearest: {alike} (a file's name ends in .toml)"]
             )
     try:
-        content = path.read_bytes()
+        read = content_of(path)
     except FileNotFoundError:
         raise SceneError([f"{source}: there is no such file"]) from None
     except IsADirectoryError:
@@ -76,7 +76,7 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
     except (OSError, ValueError) as error:  # ValueError: a null byte in the path
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise SceneError([f"{source}: cannot be read: {reason}"]) from None
-    return parse_scene(decoded(content, source), source)
+    return parse_scene(decoded(read, source), source)
 
 
 def parse_scene(text: str, source: str) -> Scene:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from rollslip.datasets import Material
 from rollslip.errors import SceneError
 from rollslip.fields import field, positive
-from rollslip.files import decoded, read_columns
+from rollslip.files import content_of, decoded, read_columns, readable
 from rollslip.scene.values import LubricantTable, Models
 from rollslip.structure import Location, structure
 from rollslip.toml import parse
@@ -134,7 +134,7 @@ def read_data(path: str | os.PathLike[str]) -> RigData:
     SceneError
         With every fault of the file, each as ``data.csv:7: friction: sentence``.
     """
-    source = os.fspath(path)
+    source = readable(os.fspath(path))
     content = _content(Path(path))
     text = decoded(content, source)
     faults: list[str] = []
@@ -155,7 +155,7 @@ def read_data(path: str | os.PathLike[str]) -> RigData:
 
 def _content(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return content_of(path)
     except OSError as error:
         raise SceneError([f"{path}: cannot be read: {error.strerror or error}"]) from None
 
@@ -228,7 +228,7 @@ def load_rig(path: str | os.PathLike[str]) -> Rig:
     SceneError
         With every fault of the file, each with file, line and key; if there is no such file, with an example of one.
     """
-    source = os.fspath(path)
+    source = readable(os.fspath(path))
     if not Path(path).exists():
         raise SceneError(
             [f"{source}: there is no such file; it says what contact and oil data are of, for example:\n\n{EXAMPLE}"]

@@ -14,7 +14,7 @@ from rollslip.bearing.critical import PURE_SLIDING, locate, slip_grid
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError
-from rollslip.fields import at_least, one_of, parameter, positive
+from rollslip.fields import at_least, one_at_least, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
@@ -71,7 +71,7 @@ class FrictionCurve(Study):
         default=(300.0,),
         unit="N",
         doc="normal forces of the contact",
-        validator=attrs.validators.deep_iterable(positive),
+        validator=attrs.validators.and_(one_at_least, attrs.validators.deep_iterable(positive)),
         usual=(0, 1e6),
         possible=(0, 1e9),
     )

@@ -1,0 +1,122 @@
+"""What is around a command may be in any state: streams that are full or closed, pipes, names in other encodings."""
+
+import os
+import shlex
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import rollslip
+from rollslip.errors import SceneError
+from rollslip.files import readable
+
+PROGRAM = f"{shlex.quote(sys.executable)} -c 'from rollslip.cli import main; main()'"
+CURVE = "run 1032930-70C --study friction-curve --no-plots --out o"
+SHIPPED = Path(rollslip.__file__).parent / "scenes" / "1032930-70C.toml"
+FULL = "standard output: cannot be written (No space left on device); free some space, or write elsewhere\n"
+
+
+def shell(command: str, folder: Path, **environment: str) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        ["bash", "-c", f"set -o pipefail; {command}"],
+        cwd=folder,
+        env={**os.environ, **environment},
+        capture_output=True,
+        encoding="utf-8",
+        errors="backslashreplace",
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("command", ["schema", "--help", "models film", CURVE])
+def test_a_full_output_is_one_sentence(command: str, tmp_path: Path) -> None:
+    done = shell(f"{PROGRAM} {command} >/dev/full", tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.endswith(FULL)
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "o" / "friction-curve.nc").exists() == (command == CURVE)
+
+
+@pytest.mark.parametrize("where", [">&-", "2>&-", "2>/dev/full", ">&- 2>&- <&-", "2>/dev/full | head -1"])
+def test_results_are_kept_whatever_becomes_of_the_streams(where: str, tmp_path: Path) -> None:
+    done = shell(f"{PROGRAM} {CURVE} {where}", tmp_path)
+    assert done.returncode == 0
+    assert rollslip.open_result(tmp_path / "o" / "friction-curve.nc").attrs["study"] == "friction-curve"
+    assert "Traceback" not in done.stderr + done.stdout
+
+
+def test_a_name_that_the_locale_cannot_write_loses_nothing(tmp_path: Path) -> None:
+    (tmp_path / "größe.toml").write_bytes(SHIPPED.read_bytes())
+    old = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    command = "run größe.toml --set title=Öl --study friction-curve --no-plots"
+    done = shell(f"{PROGRAM} {command}", tmp_path, **old)
+    assert done.returncode == 0, done.stderr
+    result = rollslip.open_result(tmp_path / "größe-results" / "friction-curve.nc")
+    assert (result.attrs["source"], result.attrs["title"]) == ("größe.toml", "Öl")
+    assert readable("a\udcff") == r"a\xff"
+
+
+def test_pipes_are_read_and_not_waited_for_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert shell(f"{PROGRAM} info <(cat {SHIPPED})", tmp_path).returncode == 0
+    os.mkfifo(tmp_path / "pipe.toml")
+    monkeypatch.setattr("rollslip.files._PATIENCE", 0.1)
+    with pytest.raises(SceneError, match=r"pipe.toml: cannot be read: is a pipe through which nothing came for 0.1 s"):
+        rollslip.load_scene(tmp_path / "pipe.toml")
+    with pytest.raises(SceneError, match=r"cannot be read: has more than 64 MB"):
+        rollslip.load_scene("/dev/zero")
+
+
+@pytest.mark.faults
+def test_an_interrupt_while_the_commands_are_imported_is_quiet() -> None:
+    """Interrupts from the first import of ours on; before it is Python's own start."""
+    begun = """
+import sys
+
+class Announced:
+    def find_spec(self, name, path=None, target=None):
+        if name == "rollslip.cli.main":
+            print(flush=True)
+
+sys.meta_path.insert(0, Announced())
+from rollslip.cli import main; main(["--version"])
+"""
+    for milliseconds in range(0, 100, 10):
+        process = subprocess.Popen(
+            [sys.executable, "-c", begun], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        assert process.stdout is not None
+        assert process.stdout.readline() == "\n"
+        time.sleep(milliseconds / 1e3)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate()
+        assert (process.returncode, "Traceback" in err) in ((130, False), (0, False)), err
+        assert out or err in ("", "interrupted; nothing was left behind\n")
+
+
+def test_a_package_that_hangs_is_named_with_a_way_round_it(tmp_path: Path) -> None:
+    (tmp_path / "hanging.py").write_text("import time\ntime.sleep(30.0)\n")
+    information = tmp_path / "rollslip_hanging-1.0.dist-info"
+    information.mkdir()
+    (information / "METADATA").write_text("Metadata-Version: 2.1\nName: rollslip-hanging\nVersion: 1.0\n")
+    (information / "entry_points.txt").write_text("[rollslip.film]\nhanging = hanging\n")
+    program = "import rollslip.catalogue.discovery as d; d._SLOW = 0.1; from rollslip.cli import main; main()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, "models", "hanging"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stderr is not None
+    told = process.stderr.readline()
+    process.send_signal(signal.SIGINT)
+    process.communicate()
+    assert told == (
+        "film 'hanging' of package rollslip-hanging 1.0: importing hanging has taken 0.1 s and goes on; if it hangs, "
+        "interrupt (Ctrl-C) and do without the package: ROLLSLIP_DISABLED_PLUGINS=rollslip-hanging\n"
+    )
+    assert process.returncode == 130
