@@ -10,12 +10,13 @@ import pytest
 
 import rollslip
 from rollslip import evolve, get_model, load_scene, open_result, run
+from rollslip.campaigns.comparison.attribution import Bins
 from rollslip.campaigns.comparison.comparison import compare, plan_comparison
 from rollslip.campaigns.comparison.findings import _in_words, bin_tables, findings, members, records, tables
 from rollslip.catalogue import discovery
 from rollslip.cli import main
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError
-from rollslip.models import FilmModel, TractionModel
+from rollslip.models import FILM_REGIMES, FilmModel, TractionModel
 from rollslip.results.account import account_of
 from rollslip.results.curves import curve_names
 from rollslip.results.dataset import save
@@ -619,3 +620,22 @@ def test_a_figure_is_the_same_bytes_each_time(tmp_path):
 )
 def test_a_mean_difference_of_nothing_is_neither_above_nor_below(difference, said):
     assert _in_words(difference) == said
+
+
+def test_slices_are_sorted_by_the_limits_that_are_told():
+    made, lambdas, groups = rollslip.plan(SCENE, "friction-curve"), [0.001, 0.01, 0.02, 1.5, 1.6, 9.0], {}
+    for name in ("strain rate", "heating", "elasticity"):
+        groups[name] = [np.array([0.01, 0.1, 0.11, 1.0, 1.1, 9.0])]
+    regimes = [np.array([0.0, 1.0, 2.0, 3.0, 0.0, 3.0])]
+    found = {"friction": [np.zeros(6)], "film regime": regimes, "film parameter": [np.array(lambdas)], **groups}
+    bins = Bins.of(made, found)
+    where = {
+        name: dict(zip(found[name][0].tolist(), codes.tolist(), strict=True))
+        for name, codes in zip(bins.names, bins.codes[0], strict=True)
+    }
+    assert where["film regime"] == {0.0: 0, 1.0: 1, 2.0: 2, 3.0: 3}
+    assert bins.names["film regime"] == tuple(f"in the {name} regime" for name in FILM_REGIMES.values())
+    assert where["film parameter"] == {0.001: 0, 0.01: 0, 0.02: 1, 1.5: 1, 1.6: 2, 9.0: 2}
+    for name, symbol in (("strain rate", "sigma"), ("heating", "Phi sigma S"), ("elasticity", "D")):
+        assert where[name] == {0.01: 0, 0.1: 0, 0.11: 1, 1.0: 1, 1.1: 2, 9.0: 2}
+        assert bins.names[name] == (f"where {symbol} <= 0.1", f"where 0.1 < {symbol} <= 1", f"where {symbol} > 1")

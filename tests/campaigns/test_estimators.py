@@ -202,3 +202,26 @@ def test_intervals_of_replicates_hold_what_unknown_samples_would_have_given(seed
     found, exact = (quantile(one, p, replicates=REPLICATES) for one in (gaps, whole))
     assert found.low <= exact.low
     assert exact.high <= found.high
+
+
+@pytest.mark.parametrize("p", [0.3, 0.5])
+@pytest.mark.parametrize("filled", [-9.0, 9.0])
+def test_unknown_samples_of_one_replicate_widen_the_interval_by_all_that_they_may(p, filled):
+    """All unknown samples in the one replicate that differs, so that they may move the spread the most."""
+    values = np.repeat(np.linspace(0.0, 1.0, 100), REPLICATES)
+    values[::REPLICATES] -= 0.4
+    values[::REPLICATES][-10:] = np.nan
+    found = quantile(values, p, replicates=REPLICATES)
+    exact = quantile(np.where(np.isnan(values), filled, values), p, replicates=REPLICATES)
+    assert found.low <= exact.low
+    assert exact.high <= found.high
+
+
+def test_intervals_of_indices_have_the_confidence_asked_for():
+    """Resampled indices are nearly normal: intervals of 68.27 and 95 % are 1 and 1.96 standard deviations wide."""
+    values = _g_function(probabilities("saltelli", 1024, 4, 11)).reshape(-1, 6)
+    wide, narrow = (
+        indices(values[:, 0], values[:, 1], values[:, 2:].T, 0, confidence) for confidence in (0.95, 0.6827)
+    )
+    ratio = (wide.total[2] - wide.total[1]) / (narrow.total[2] - narrow.total[1])
+    assert ratio == pytest.approx(np.full(4, 1.96), rel=0.15)

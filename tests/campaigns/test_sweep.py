@@ -6,6 +6,7 @@ import json
 import pickle
 import queue
 import random
+import sqlite3
 import threading
 import tracemalloc
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
@@ -27,7 +28,7 @@ from rollslip.campaigns.sweep.definition import Resolutions, here
 from rollslip.campaigns.sweep.findings import record as sweep_record
 from rollslip.campaigns.sweep.findings import sentences
 from rollslip.campaigns.sweep.folder import begin, finish, merge, status
-from rollslip.campaigns.sweep.journal import STATUSES, Journal, Row, journals, states
+from rollslip.campaigns.sweep.journal import STATUSES, Journal, Row, journals, sessions, states
 from rollslip.campaigns.sweep.point import Done, _packed, compute
 from rollslip.campaigns.sweep.result import collect
 from rollslip.campaigns.sweep.run import run_sweep
@@ -751,3 +752,27 @@ def test_what_has_no_value_says_why_most_of_them_have_none():
         "critical_cage_slip, inner ring: 0.2 to 0.2, median 0.2; 1 value, 2 without one (rises at 0.4)",
         "critical_cage_slip, outer ring: none; 0 values, 3 without one (mostly no friction)",
     ]
+
+
+def test_the_first_samples_of_a_design_are_asked_for_at_every_point_of_its_grid():
+    uncertain = {"distribution": "uniform", "scatter": 0.2}
+    scene = rollslip.evolve(
+        SCENE, {"uncertainty": {"lubricant": {"viscosity_factor": uncertain}}, "accuracy.slices": 5}
+    )
+    sweep = plan_sweep(scene, {"operation.radial_load": ["1 kN", "2 kN"]}, samples=8)
+    assert attrs.evolve(sweep, first=3).numbers == [0, 1, 2, 8, 9, 10]
+    assert list(attrs.evolve(sweep, first=3, shard=(2, 2)).numbers) == [1, 9]
+    assert list(attrs.evolve(sweep, shard=(2, 3)).numbers) == [1, 4, 7, 10, 13]
+
+
+def test_the_time_left_is_that_of_the_points_that_are_left(tmp_path):
+    """Four points in two seconds, of ten: six are left, which take three."""
+    sweep = plan_sweep(SCENE, {"operation.radial_load": "500:5000:10"})
+    folder = begin(sweep, tmp_path / "s")
+    journal = Journal(folder, {"engine": "serial", "sweep": sweep.hash})
+    journal.write([Row(n, "", "crashed", "a test", 0.5) for n in range(4)])
+    journal.close("interrupted")
+    (session,) = sessions(folder)
+    with contextlib.closing(sqlite3.connect(session.path, isolation_level=None)) as connection:
+        connection.execute("update about set value = ? where name = 'started'", (repr(session.last - 2.0),))
+    assert status(folder).left == pytest.approx(3.0, abs=1e-6)

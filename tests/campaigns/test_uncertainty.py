@@ -228,6 +228,17 @@ def test_an_interval_that_ends_beyond_the_range_says_so_and_failed_points_do_not
     assert said in first
 
 
+def test_rollers_that_do_not_drive_the_cage_allow_no_slip(tmp_path, monkeypatch):
+    def points(sweep, folder):
+        found = _points(["ok"] * 64, np.where(np.arange(64) < 16, np.nan, 0.3))
+        words = np.where(np.arange(64) < 16, "the rollers do not drive the cage at any slip up to 0.99", "found")
+        return found.assign(runaway_status=("sample", words))
+
+    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, steady=0, probability=0.9)
+    assert found.sel(quantity="slip of running away").value.to_numpy().tolist() == [0.0] * 16 + [0.3] * 48
+    assert float(found.allowable_slip) == 0.0
+
+
 def test_batches_end_where_more_samples_say_nothing_more(tmp_path, monkeypatch):
     monkeypatch.setattr(allowable, "_FIRST", 64)
 

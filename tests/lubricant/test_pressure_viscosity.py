@@ -81,6 +81,16 @@ def test_barus_and_roelands_differ_fourfold_at_0_4_gigapascals():
     assert rows["barus", 303.15, 4e8] / rows["roelands", 303.15, 4e8] == pytest.approx(4.497, rel=1e-3)
 
 
+@pytest.mark.parametrize("pressure", [1e8, 4e8, 6e8])
+def test_what_barus_is_said_to_be_above_roelands_is_what_the_laws_give(pressure):
+    there = Conditions(
+        viscosity=8.58e-3, pressure_viscosity=10.74e-9, thermoviscosity=0.0284, pressure_thermoviscosity=0.0
+    )
+    barus, roelands = (float(law.at(there, pressure)[0]) for law in (Barus(), Roelands()))
+    (validity,) = Barus.validity
+    assert validity.error(pressure) == pytest.approx(100.0 * (barus / roelands - 1.0), rel=1e-6)
+
+
 @every_law
 @settings(deadline=None, max_examples=60)
 @given(T=st.floats(300.0, 380.0), p=or_zero(decades(3, 8)), more=st.floats(1.0, 1.5))

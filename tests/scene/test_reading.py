@@ -215,6 +215,7 @@ def test_a_fault_in_an_optional_table_is_reported_with_its_line(lines: list[str]
         ('{ shape = "table" }', "bearing.profile.position: a table needs at least 2 places, not 0"),
         ('{ shape = "table", position = [0, 1], drop = [0] }', "bearing.profile.drop: needs one value for each of 2"),
         ('{ shape = "table", position = [1, 0], drop = [0, 0] }', "bearing.profile.position: must ascend"),
+        ('{ shape = "table", position = [0, 0], drop = [0, 0] }', "bearing.profile.position: must ascend"),
         ('{ shape = "table", position = [0, 1], drop = [0, -1] }', "bearing.profile.drop: must be at least 0, not -1"),
         ('{ shape = "table", position = [0, "1 kg"], drop = [0, 0] }', "bearing.profile.position[1]: '1 kg' is a mass"),
     ],

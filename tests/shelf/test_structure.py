@@ -64,6 +64,14 @@ def test_faults_of_a_class_are_collected(raw: object, message: str) -> None:
     assert problems[1].startswith(message)
 
 
+def test_a_whole_number_has_64_bits() -> None:
+    made = structure(Law, {"modulus": 1, "steps": 2**63 - 1}, "law", [])
+    assert made.steps == 2**63 - 1
+    problems: list[str] = []
+    assert structure(Law, {"modulus": 1, "steps": 2**63}, "law", problems) is None
+    assert problems[0].startswith("law.steps: a whole number is expected")
+
+
 def test_parameters_are_reported_with_the_line_in_the_scene() -> None:
     scene = parse_scene(scene_with("[models.traction]", 'model = "law"', 'modulus = "3 m"'), "scene.toml")
     problems: list[str] = []

@@ -12,7 +12,17 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rollslip.errors import RollslipError
-from rollslip.units import UnitError, as_written, check_unit, expectation, format_quantity, likely, quantity, unit_given
+from rollslip.units import (
+    UnitError,
+    as_written,
+    check_unit,
+    evenly,
+    expectation,
+    format_quantity,
+    likely,
+    quantity,
+    unit_given,
+)
 
 pytestmark = pytest.mark.quick
 
@@ -278,3 +288,9 @@ def test_importing_units_is_cheap() -> None:
     heavy = "numpy", "scipy", "attrs", "json", "pint"
     code = f"import sys, rollslip.units; sys.exit(any(name in sys.modules for name in {heavy}))"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(("low", "high", "bare"), [("500", "5 kN", "500"), ("0.5 kN", "5000", "5000")])
+def test_both_ends_of_a_grid_have_a_unit_or_none(low, high, bare):
+    with pytest.raises(UnitError, match=f"'{bare}' has no unit, the other end has one; write it at both ends"):
+        evenly(low, high, 3, "N")

@@ -36,6 +36,21 @@ PAPER = load_scene("1032930-70C")
 QUICK = {"study.effective-friction.points": 9, "study.effective-friction.map_points": 0, "accuracy.slices": 5}
 
 
+@pytest.mark.parametrize(
+    ("bound", "told"),
+    [
+        ({"high": 6.0}, "it is 60 to 180 % off (at 6 to 18)"),
+        ({"low": 6.0}, "it is 20 to 60 % off (at 6 to 2)"),
+    ],
+)
+def test_a_bound_is_told_with_its_error_up_to_three_times_beyond_it(bound, told):
+    made = Validity(
+        quantity="load_parameter", consequence="it is {error} off", error=lambda value: 10.0 * value, remedy="measure",
+        source="a test", **bound,
+    )  # fmt: skip
+    assert made.told == told
+
+
 def rows(name):
     with (TABLES / f"{name}.csv").open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
