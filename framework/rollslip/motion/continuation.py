@@ -41,6 +41,8 @@ _MOST_STEPS = 600
 #: Precision of a point of a branch, as a share of the box.
 _PRECISE = 1e-7
 _SECANTS = 12
+#: How far from where it is surmised a steady slip may be, relative to it.
+_FAR = 0.5
 #: Step by which the excess torque is differentiated, as a share of the box.
 _NUDGE = 1e-5
 
@@ -163,6 +165,58 @@ def steady_slips(curve: TorqueCurve, torque: Callable[[float], float], drag: Cal
             if abs(excess(root)) <= 1e-3 * abs(left - right):  # else a jump past zero, at which nothing is in balance
                 roots.append(root)
     return sorted(roots)
+
+
+def surmised(
+    slip: Array, torque: Array, drag: Callable[[float], float], error: float
+) -> list[tuple[float, float]] | None:
+    """Return where a torque that is known roughly balances a drag, with the slopes of the excess; None if it is unsure.
+
+    Parameters
+    ----------
+    slip, torque : ndarray
+        Driving torque [N m] from no slip to the largest one, (n,).
+    drag : callable
+        Torque that resists, negative, at a slip.
+    error : float
+        By how much the torque may be off, relative to itself. Unsure is where it all but balances the drag without
+        crossing it, or at the end.
+    """
+    from scipy.interpolate import CubicSpline
+
+    curve = CubicSpline(slip, torque)
+    fine = np.append(np.concatenate([np.linspace(a, b, _BETWEEN, endpoint=False) for a, b in _pairs(slip)]), slip[-1])
+    drives = curve(fine)
+    excess = drives + np.array([drag(float(s)) for s in fine])
+    rises = np.diff(excess) > 0.0
+    turns = 1 + np.flatnonzero(rises[1:] != rises[:-1])
+    ends = np.array([0, *turns, fine.size - 1])
+    if np.any(np.abs(excess[ends]) <= error * np.abs(drives[ends])):
+        return None
+    crossed = np.flatnonzero(excess[1:] * excess[:-1] < 0.0)
+    widths = fine[crossed + 1] - fine[crossed]
+    slopes = (excess[crossed + 1] - excess[crossed]) / widths
+    return list(zip((fine[crossed] - excess[crossed] / slopes).tolist(), slopes.tolist(), strict=True))
+
+
+def crossing(
+    excess: Callable[[float], float], start: float, slope: float, largest: float, tolerance: float
+) -> tuple[float, float] | None:
+    """Return where an excess torque is zero, by secants from near it, and its slope; None if they lead elsewhere.
+
+    The last step is below the tolerance, relative to the slip; what is left is far less.
+    """
+    at, value = start, excess(start)
+    for _ in range(_SECANTS):
+        step = -value / slope if slope else np.inf
+        if not (0.0 < at + step <= largest and abs(at + step - start) <= _FAR * start):
+            return None
+        at += step
+        if abs(step) <= tolerance * at:
+            return at, slope
+        before, value = value, excess(at)
+        slope = (value - before) / step
+    return None
 
 
 def _pairs(values: Array) -> list[tuple[float, float]]:

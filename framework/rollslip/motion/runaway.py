@@ -88,7 +88,7 @@ def runaway(assembly: Assembly, instants: int, largest: float, allow: str, *, ef
     Runaway
         Place and height of the maximum; the place is known to about a thousandth of itself where it is flat.
     """
-    slips, torques, refusal = _scan(assembly, largest, effective)
+    slips, torques, refusal = scan(assembly, largest, effective=effective)
     found = _largest(assembly, instants, slips, torques, refusal, allow, effective)
     return attrs.evolve(found, slips=slips, torques=torques)
 
@@ -212,8 +212,11 @@ def _unknown(why: str) -> Runaway:
     return _none(f"it is not known where the cage runs away: {why}")
 
 
-def _scan(assembly: Assembly, largest: float, effective: bool) -> tuple[Array, Array, str]:
-    """Cage slips, torques without inertia, few slices and the laws of the scene, and what ended the range early."""
+def scan(assembly: Assembly, largest: float, *, effective: bool = False) -> tuple[Array, Array, str]:
+    """Return 17 cage slips above zero, torques there, (n,), and what ended the range early; a quick first look.
+
+    Without inertia, on few slices and with the laws of the scene: mostly within a few percent.
+    """
     own = assembly.resolution
     few = attrs.evolve(
         own, slices=min(_SLICES, own.slices), quadrature="equal", boundary=True, traction="named", traction_error=0.0
