@@ -31,6 +31,8 @@ _LEFT_OUT = 4.0
 _NARROWEST = 1e-4
 #: Points within an interval at which the drag is looked at.
 _BETWEEN = 16
+#: Those of a torque that is known roughly.
+_FEW_BETWEEN = 4
 #: Excess torque that counts as none, relative to the largest torque: there the branches meet.
 _MEETING = 1e-9
 #: Steps along a branch in shares of the box: the first one, the largest, and the smallest before giving up.
@@ -184,10 +186,10 @@ def surmised(
     """
     from scipy.interpolate import CubicSpline
 
-    curve = CubicSpline(slip, torque)
-    fine = np.append(np.concatenate([np.linspace(a, b, _BETWEEN, endpoint=False) for a, b in _pairs(slip)]), slip[-1])
-    drives = curve(fine)
-    excess = drives + np.array([drag(float(s)) for s in fine])
+    between = np.linspace(0.0, 1.0, _FEW_BETWEEN, endpoint=False)
+    fine = np.append((slip[:-1, None] + np.diff(slip)[:, None] * between).ravel(), slip[-1])
+    drives = CubicSpline(slip, torque)(fine)
+    excess = drives + np.array([drag(s) for s in fine.tolist()])
     rises = np.diff(excess) > 0.0
     turns = 1 + np.flatnonzero(rises[1:] != rises[:-1])
     ends = np.array([0, *turns, fine.size - 1])

@@ -29,8 +29,8 @@ from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.torque_balance import Conventional, Spin, TorqueBalance, effective_curves
 from rollslip.units import format_quantity
 
-#: Cage slips and slices with which the maximum is looked for, at one instant.
-_SLIPS, _SLICES = 17, 12
+#: Cage slips, slips with loads of their own, and slices with which the maximum is looked for, at one instant.
+_SLIPS, _LOADS, _SLICES = 17, 5, 12
 #: Positions of an orbit, at least, on which rollers with inertia are followed.
 _POSITIONS = 56
 #: Steps by which the maximum is climbed, relative to the slip, and the one at which it is found.
@@ -228,13 +228,13 @@ def scan(assembly: Assembly, largest: float, *, effective: bool = False) -> tupl
             if effective:
                 balance = rollers(simple, 1, effective=True, inertia=False)
                 return slips, np.array([balance.torque(float(slip)) for slip in slips]), refusal
-            return slips, free_torques(*_resisted(simple), 1, slips), refusal
+            return slips, free_torques(*_resisted(simple), 1, slips, _LOADS), refusal
         except (DomainError, ConvergenceError) as error:
             slips, refusal = slips[:-1], str(error)
     return slips, slips, refusal
 
 
-def free_torques(bearing: Assembly, drags: Drags, instants: int, slip: Array) -> Array:
+def free_torques(bearing: Assembly, drags: Drags, instants: int, slip: Array, few: int = 0) -> Array:
     """Return the torque on the cage of rollers without inertia at cage slips above zero, all found at once.
 
     Parameters
@@ -247,6 +247,8 @@ def free_torques(bearing: Assembly, drags: Drags, instants: int, slip: Array) ->
         Instants of a roller pitch.
     slip : ndarray
         Cage slips S_c, (n,).
+    few : int, optional
+        At how many of them the loads are found, which are linear over centrifugal force between; by default at all.
 
     Returns
     -------
@@ -261,16 +263,23 @@ def free_torques(bearing: Assembly, drags: Drags, instants: int, slip: Array) ->
         If the loads or the spin of a roller are not found.
     """
     balance = TorqueBalance(bearing, drags, instants=instants, inertia=False)
-    loads = [bearing.load_distribution(instants, balance.cage_speed(float(one))) for one in slip]
+    solved = np.unique(np.linspace(0, slip.size - 1, few or slip.size).astype(int))
+    loads = [bearing.load_distribution(instants, balance.cage_speed(float(slip[k]))) for k in solved]
     positions = bearing.scene.bearing.rollers * instants
     half = positions // 2 + 1  # positions k and -k of the orbit carry the same
     count = np.full(half, 2.0)
     count[0] = 1.0
     count[-1] -= positions % 2 == 0 and positions > 1
 
+    force = balance.cage_speed(0.0) ** 2 * (1.0 - slip) ** 2  # in proportion
+    last = np.clip(np.searchsorted(solved, np.arange(slip.size)), 1, solved.size - 1)
+    before, after = force[solved[last - 1]], force[solved[last]]
+    share = ((force - before) / np.where(after == before, 1.0, after - before))[:, None, None]
+
     def of(raceway: Raceway, each: list[Array]) -> Conventional:
-        halves = [load.swapaxes(0, 1).reshape(positions, -1)[:half] for load in each]
-        return Conventional(raceway, np.concatenate(halves), bearing.widths, np.tile(count, slip.size))
+        halves = np.array([load.swapaxes(0, 1).reshape(positions, -1)[:half] for load in each])
+        whole = halves[last - 1] + share * (halves[last] - halves[last - 1]) if few else halves
+        return Conventional(raceway, whole.reshape(-1, bearing.slices), bearing.widths, np.tile(count, slip.size))
 
     contacts = (
         of(bearing.inner, [one.inner_load for one in loads]),

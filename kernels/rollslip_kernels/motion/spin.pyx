@@ -32,6 +32,7 @@ cdef enum:   # how it ended; below, the ring whose chain refused
 
 cdef enum:
     STEPS = 80           # of Newton's method
+    OUTRIGHT = 20        # of one that sets out without damping, and mostly needs 4 to 8
     BISECTIONS = 120
     NEAR = 4             # known rows that the next one goes on from
 
@@ -467,7 +468,7 @@ cdef class Spin:
             return ended
         size = self.largest
         left[0] = _unbalanced(K, slip, torque, inertia, residual)
-        for _ in range(STEPS):
+        for _ in range(STEPS if damping > 0.0 else OUTRIGHT):
             for k in range(K):
                 there[k] = slip[k] + NUDGE
             ended = self._torques(there, torque_there, cage, K)
