@@ -4,15 +4,18 @@ import csv
 import json
 import math
 from pathlib import Path
+from types import MappingProxyType
 
+import attrs
 import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rollslip import Chain, Conditions, evolve, get_model, load_scene, plan, run
+from rollslip import Chain, Conditions, evolve, get_model, load_scene, plan, register, run
 from rollslip.bearing.assembly import assemble
+from rollslip.catalogue import discovery
 from rollslip.errors import DomainError, SceneError
 from rollslip.lubricant import Constant, Lubricant, lubricant_from_table
 from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi, from_oil, with_law
@@ -239,12 +242,32 @@ def test_the_law_reaches_a_model_and_its_children_that_ask_for_it():
     assert with_law(untouched, Roelands()) is untouched
 
 
-def test_an_oil_without_the_data_of_its_law_is_refused_in_words():
+@attrs.frozen
+class ReadsGamma(TractionModel):
+    """A law that takes gamma from the oil."""
+
+    name, equation, references = "reads-gamma", "mu = 0.01", ()
+    reads = frozenset({"pressure_thermoviscosity"})
+    domain = MappingProxyType({"pressure_thermoviscosity": (0.0, 1.0)})
+
+    def evaluate(self, slices):
+        slices.friction[...] = 0.01
+
+
+def test_an_oil_without_the_data_of_its_law_is_refused_in_words(monkeypatch):
+    monkeypatch.setattr(discovery, "_registered", {})
+    register(ReadsGamma)
     scene = evolve(
         load_scene("1032930-70C"),
         {"lubricant.pressure_viscosity_law": "yasutomi", **{f"lubricant.yasutomi.{k}": v for k, v in ETHER.items()}},
     )
     assert assemble(scene).lubricant.pressure_viscosity_law == FIVE_RINGS
+    with pytest.raises(SceneError) as refused:
+        assemble(evolve(scene, {"models.traction": "reads-gamma"}))
+    assert "gives no pressure_thermoviscosity" in str(refused.value)
+    advice = "'yasutomi' lets none be given: take another lubricant.pressure_viscosity_law or choose another model"
+    assert advice in str(refused.value)
+    assert "give lubricant.pressure_thermoviscosity" not in str(refused.value)
     bare = Lubricant(
         name="thin", description="", source="", viscosity=Constant(0.01), minimum_temperature=290.0,
         maximum_temperature=390.0,

@@ -331,12 +331,20 @@ def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring
     )
 
 
+def _given_by(member: str, conditions: Conditions, lubricant: Lubricant) -> str:
+    """What to type to have a member of the oil; a law that fixes how viscosity rises with pressure lets none be given."""
+    law = lubricant.pressure_viscosity_law
+    if member.startswith("pressure_") and not math.isnan(law.coefficient(conditions.temperature)):
+        return f"{law.name!r} lets none be given: take another lubricant.pressure_viscosity_law"
+    return f"give lubricant.{member}"
+
+
 def _check_given(models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Location) -> None:
     """Refuse models that read what the scene does not give."""
     problems = [
         where.at("lubricant").says(
             f"oil {lubricant.name!r} gives no {member} ({CONDITIONS[member][1]}, {CONDITIONS[member][0]}), "
-            f"which model {model.name!r} needs; give lubricant.{member} or choose another model"
+            f"which model {model.name!r} needs; {_given_by(member, conditions, lubricant)} or choose another model"
         )
         for model in models
         for member in sorted(model.reads & CONDITIONS.keys())
