@@ -9,7 +9,7 @@ from rollslip.fields import FieldError, at_least, field, in_range, non_negative,
 from rollslip.references import Citation
 from rollslip.units import format_quantity
 
-__all__ = ["Bearing", "BearingData", "Material", "Profile", "Surface", "SurfaceData"]
+__all__ = ["Bearing", "BearingData", "Catalogue", "Material", "Profile", "Surface", "SurfaceData"]
 
 
 @attrs.frozen(kw_only=True)
@@ -90,6 +90,30 @@ class Profile:
             raise FieldError("position", "must ascend from one end of the roller to the other")
 
 
+@attrs.frozen(kw_only=True)
+class Catalogue:
+    """What a maker's catalogue lists of the bearing: read by rules of its least load alone, never computed with."""
+
+    dynamic_rating: float | None = field(
+        default=None,
+        unit="N",
+        doc="basic dynamic load rating C",
+        validator=attrs.validators.optional(positive),
+    )
+    minimum_load_factor: float | None = field(
+        default=None,
+        unit="1",
+        doc="SKF's factor k_r of the least load, 0.1 to 0.3 for one row with a cage",
+        validator=attrs.validators.optional(positive),
+    )
+    reference_speed: float | None = field(
+        default=None,
+        unit="rad/s",
+        doc="SKF's reference speed n_r",
+        validator=attrs.validators.optional(positive),
+    )
+
+
 def _radial_clearance(bearing: "Bearing") -> float:
     gap = bearing.outer_raceway_diameter - bearing.inner_raceway_diameter - 2 * bearing.roller_diameter
     # The subtraction leaves rounding noise: on a grid of a picometre a nominal clearance of zero is zero (not -0.0).
@@ -122,6 +146,9 @@ class Bearing:
     )
     profile: Profile = field(default=Profile(), doc="roller profile")
     material: Material = field(default=Material(), doc="material of rings and rollers")
+    catalogue: Catalogue | None = field(
+        default=None, doc="what the catalogue lists, for makers' rules of the least load"
+    )
 
     def __attrs_post_init__(self) -> None:
         inner, outer = self.inner_raceway_diameter, self.outer_raceway_diameter

@@ -17,7 +17,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import Drags
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
-from rollslip.datasets import Bearing
+from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
@@ -783,6 +783,26 @@ def test_makers_rules_differ_as_they_are_said_to():
         outer_raceway_diameter=0.163,
     )
     assert static_rating(nu_2220) == pytest.approx(445e3, rel=0.005)
-    asked = {maker: rule.share * static_rating(nu_2220) for maker, rule in RULES.items()}
+    speed = 3000.0 * np.pi / 30.0
+    asked = {maker: rule.asked(nu_2220, speed)[0] for maker, rule in RULES.items()}
     assert asked["NTN"] == pytest.approx(17.8e3, rel=0.005)
     assert asked["Schaeffler"] == pytest.approx(7.4e3, rel=0.01)
+    assert np.isnan(asked["SKF"])
+    assert np.isnan(asked["NKE"])
+    listed = Catalogue(minimum_load_factor=0.20, reference_speed=speed, dynamic_rating=335e3)
+    asked = {maker: rule.asked(attrs.evolve(nu_2220, catalogue=listed), speed)[0] for maker, rule in RULES.items()}
+    # by hand with d_m = 140 mm of bore and outside: 0.20 (6 + 4) 1.4^2 = 3.9 kN; the pitch circle is 0.7 % wider
+    assert asked["SKF"] == pytest.approx(3.92e3, rel=0.015)
+    assert asked["NKE"] == pytest.approx(6.7e3, rel=1e-12)
+    half = RULES["SKF"].asked(attrs.evolve(nu_2220, catalogue=listed), 0.5 * speed)[0]
+    assert half == pytest.approx(0.8 * asked["SKF"], rel=1e-12)
+
+
+def test_a_maker_whose_rule_takes_a_catalogue_says_which_keys():
+    scene = evolve(dragged(STRAIGHT, brake(0.3)), {"bearing.catalogue.dynamic_rating": "20 kN"})
+    found = run(scene, points=8, acceptable_slip=0.05)
+    assert float(found.makers_least_load.sel(maker="NKE")) == pytest.approx(400.0)
+    assert np.isnan(found.makers_least_load.sel(maker="SKF"))
+    (said,) = topics(found)["least load"]
+    assert "NKE 400 N, for any oil and cage; SKF's rule takes bearing.catalogue.minimum_load_factor and " in said
+    assert said.endswith("bearing.catalogue.reference_speed")

@@ -132,11 +132,15 @@ def _least_load(dataset: "xr.Dataset") -> str:
         said = f"no least radial load of a cage slip of {slip}: {dataset['least_load_status'].item()}"
     else:
         said = f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
+    makers = dict(zip(dataset["maker"].to_numpy(), dataset["makers_least_load"].to_numpy(), strict=True))
     asked = ", ".join(
-        f"{maker.item()} {format_quantity(float(value), 'N', 3)}"
-        for maker, value in zip(dataset["maker"], dataset["makers_least_load"], strict=True)
+        f"{maker} {format_quantity(float(value), 'N', 3)}" for maker, value in makers.items() if math.isfinite(value)
     )
-    return f"{said}; makers ask for {asked}, for any oil, speed and cage"
+    said += f"; makers ask for {asked}, for any oil and cage"
+    if "makers_status" in dataset:
+        statuses = zip(makers.items(), dataset["makers_status"].to_numpy(), strict=True)
+        said += "".join(f"; {maker}'s rule {status}" for (maker, value), status in statuses if math.isnan(value))
+    return said
 
 
 def _first(dataset: "xr.Dataset") -> str:

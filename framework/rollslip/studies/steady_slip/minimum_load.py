@@ -9,11 +9,11 @@
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Final
+from typing import Any, Final
 
 import attrs
 
-from rollslip.datasets import Bearing
+from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.units import format_quantity
@@ -80,15 +80,50 @@ def static_rating(bearing: Bearing) -> float:
 
 @attrs.frozen
 class Rule:
-    """A maker's rule of the least radial load: a share of the static rating, where it is from, and its grade."""
+    """A maker's rule of the least radial load: the load [N] by bearing and speed [rad/s], where it is from, its grade.
 
-    share: float
+    ``takes`` are the keys of ``bearing.catalogue`` that it reads.
+    """
+
+    load: Callable[[Bearing, float], float]
     text: str
     grade: str
+    takes: tuple[str, ...] = ()
+
+    def asked(self, bearing: Bearing, speed: float) -> tuple[float, str]:
+        """Return the load [N] and "found", or NaN and what the scene has to give."""
+        given = bearing.catalogue or Catalogue()
+        missing = [f"bearing.catalogue.{key}" for key in self.takes if getattr(given, key) is None]
+        return (math.nan, f"takes {' and '.join(missing)}") if missing else (self.load(bearing, speed), "found")
 
 
-#: Maker -> its rule. Others take what no scene has: SKF its factor k_r and reference speed, NKE the dynamic rating.
+def _skf(bearing: Bearing, speed: float) -> float:
+    """SKF's rule F = k_r (6 + 4 n/n_r) (d_m/100)^2 kN, d_m in mm, which is taken on the pitch circle here."""
+    catalogue: Any = bearing.catalogue
+    pitch = 0.5 * (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter)
+    return float(
+        1e3 * catalogue.minimum_load_factor * (6.0 + 4.0 * speed / catalogue.reference_speed) * (10.0 * pitch) ** 2
+    )
+
+
+def _nke(bearing: Bearing, speed: float) -> float:
+    catalogue: Any = bearing.catalogue
+    return float(0.02 * catalogue.dynamic_rating)
+
+
+#: Maker -> its rule. SKF's mean diameter is that of bore and outside, 0 to 1.2 % below the pitch circle.
 RULES: Final[Mapping[str, Rule]] = {
-    "NTN": Rule(0.040, "0.040 C0r for roller bearings, catalogue 2203/E, section 8.4", "A"),
-    "Schaeffler": Rule(1.0 / 60.0, "C0r/60, recalled, not read", "C"),
+    "NTN": Rule(
+        lambda bearing, speed: 0.040 * static_rating(bearing),
+        "0.040 C0r for roller bearings, catalogue 2203/E, section 8.4",
+        "A",
+    ),
+    "Schaeffler": Rule(lambda bearing, speed: static_rating(bearing) / 60.0, "C0r/60, recalled, not read", "C"),
+    "SKF": Rule(
+        _skf,
+        "k_r (6 + 4 n/n_r) (d_m/100)^2 kN for one row with a cage, catalogue 17000, page 509",
+        "A",
+        ("minimum_load_factor", "reference_speed"),
+    ),
+    "NKE": Rule(_nke, "0.02 C for a cylindrical roller bearing with a cage, catalogue", "A", ("dynamic_rating",)),
 }

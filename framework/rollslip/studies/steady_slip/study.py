@@ -45,7 +45,7 @@ from rollslip.scene.values import Scene
 from rollslip.studies import estimates
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Some
 from rollslip.studies.raceways import REGIMES, regime_variables, unloaded
-from rollslip.studies.steady_slip.minimum_load import RULES, least_load, static_rating
+from rollslip.studies.steady_slip.minimum_load import RULES, least_load
 from rollslip.studies.steady_slip.statuses import VARIED, no_fold, status_of
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
@@ -118,7 +118,10 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             status="least_load_status",
         ),
         "least_load_status": Output("", "1", "what was found of the least load"),
-        "makers_least_load": Output("maker", "N", "least radial load that a maker of bearings asks for"),
+        "makers_least_load": Output(
+            "maker", "N", "least radial load that a maker of bearings asks for", status="makers_status"
+        ),
+        "makers_status": Output("maker", "1", "what the rule of a maker takes that the scene does not give"),
         "driving_torque": Output("cage_slip", "N m", "torque with which the rollers drive the cage"),
         "drag_torque": Output("cage_slip", "N m", "torque with which the drags resist the cage"),
         **{name: output for varied in VARIED for name, output in _followed_outputs(varied).items()},
@@ -128,7 +131,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
 
 
 #: What an acceptable slip gives.
-_LEAST_LOAD: Final = frozenset({"least_load", "least_load_status", "makers_least_load"})
+_LEAST_LOAD: Final = frozenset({"least_load", "least_load_status", "makers_least_load", "makers_status"})
 
 
 def _range(name: str) -> Any:
@@ -526,9 +529,13 @@ class SteadySlip(Study):
         load, status = least_load(
             self._balances(assembly, instants, "radial_load"), assembly.scene.operation.radial_load, slip
         )
-        rating = static_rating(assembly.scene.bearing)
-        makers = np.array([rule.share * rating for rule in RULES.values()])
-        return self.variables(least_load=load, least_load_status=status, makers_least_load=makers)
+        operation = assembly.scene.operation
+        speed = abs(operation.inner_speed - operation.outer_speed)
+        asked = [rule.asked(assembly.scene.bearing, speed) for rule in RULES.values()]
+        makers, statuses = np.array([load for load, _ in asked]), np.array([status for _, status in asked])
+        return self.variables(
+            least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses
+        )
 
     def _followed(
         self,
