@@ -277,8 +277,13 @@ def _critical(dataset: "xr.Dataset") -> str:
     a = dataset.attrs
     critical, rests_on = float(a["critical_cage_slip"]), str(a.get("curves_with", ""))
     if math.isnan(critical):
-        return f"critical slip of the inner ring's friction curve unknown: {a['critical_status']}"
-    return f"critical slip of the inner ring's friction curve {_share(critical)} {rests_on}".rstrip()
+        said = f"critical slip of the inner ring's friction curve unknown: {a['critical_status']}"
+    else:
+        said = f"critical slip of the inner ring's friction curve {_share(critical)} {rests_on}".rstrip()
+    first = float(a.get("first_maximum_slip", math.nan))
+    if first < (math.inf if math.isnan(critical) else critical):
+        said += f"; friction falls already from a slip of {_share(first)} on, then rises again"
+    return said
 
 
 def _running_away(dataset: "xr.Dataset") -> list[str]:

@@ -388,9 +388,10 @@ class Dynamics(Study):
             .assign(regimes)
             .assign_attrs(
                 {
-                    **{f"runaway_{name}": value for name, value in attrs.asdict(away).items()},
+                    **{f"runaway_{name}": getattr(away, name) for name in ("slip", "drag", "status")},
                     "critical_cage_slip": critical.slip,
                     "critical_status": critical.status,
+                    "first_maximum_slip": critical.first_slip,
                     "curves_with": CLOSURES[settings.closure],
                 }
             )
