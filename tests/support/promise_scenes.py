@@ -41,8 +41,8 @@ OILS = (
 )  # fmt: skip
 #: Close verdicts are looked at twice as finely.
 CLOSE = (0.5, 2.0)
-#: Slices evaluated for a reference, beyond which a scene asks for four times the error: some ten seconds.
-MOST = 2e8
+#: Slices evaluated for a reference, beyond which a scene asks for four times the error: some seconds.
+MOST = 5e7
 
 
 def scene(k, seed=16):

@@ -16,7 +16,7 @@ from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.results.account import account_of
 from rollslip.results.words import verdict
-from rollslip.scene.values import Scene, scene_hash
+from rollslip.scene.values import EXACT, Scene, scene_hash
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def kept(dataset: "xr.Dataset") -> str:
             if row[which] is not None
         ]
         texts.append(f"{name} {' and '.join(errors) or 'unknown'} of {row['tolerance']:g}")
-        if row["found"] is not None and row["found"] > row["tolerance"]:
+        if row["found"] is not None and row["found"] > row["tolerance"] > EXACT:
             texts[-1] += ", not kept"
     cost = json.loads(dataset.attrs["cost"])
     times = f"{format_quantity(cost['actual'], 's', 2)}, estimated {format_quantity(cost['estimated'], 's', 2)}"
