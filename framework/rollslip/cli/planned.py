@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rollslip.cli.console import headline_of
+from rollslip.planning.plan import duration
 from rollslip.scene.values import scene_hash
 
 if TYPE_CHECKING:
@@ -101,18 +102,6 @@ def sweep_planned(sweep: "Sweep") -> list[str]:
     piece = f" of {sweep.design.size}, piece {sweep.shard[0]} of {sweep.shard[1]}" if sweep.shard[1] > 1 else ""
     lines.append(f"{own} points{piece}; of each {', '.join(sweep.outputs)}")
     return lines
-
-
-def duration(seconds: float) -> str:
-    """Return a time in words: "0.3 s", "12 s", "3 min 20 s", "2 h 5 min"."""
-    whole = round(seconds)
-    if seconds < 1.0:
-        return f"{seconds:.1g} s"
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"
 
 
 def sweep_progress(of: "Progress") -> str:

@@ -43,6 +43,8 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, res
     made = plan(scene_of(scene, changes), study)
     if not results.as_json:
         click.echo(console.headline(made))
+    for sentence in made.foreseen:
+        click.echo(f"note: {sentence}", err=True)
     results.go_to(f"{Path(scene).stem}-results")
     kept = results.kept()
     go_on = results.go_on(
@@ -108,6 +110,8 @@ def plan(scene: str, study: str | None, changes: Sequence[str], other: str | Non
     else:
         click.echo(console.headline(made))
         console.print_plan(made)
+        for sentence in made.foreseen:
+            click.echo(f"note: {sentence}", err=True)
 
 
 @click.command()

@@ -58,6 +58,7 @@ def uncertainty(
     from rollslip.campaigns.uncertainty.margin import expected_seconds, plan_margin, run_margin
     from rollslip.cli import planned
     from rollslip.errors import EngineError
+    from rollslip.planning.plan import duration
     from rollslip.results.account import account_of
 
     made = plan_margin(
@@ -79,7 +80,7 @@ def uncertainty(
         sweeps = made.sweeps.values()
         click.echo("\n".join(dict.fromkeys(f"  {line}" for one in sweeps for line in planned.sweep_planned(one))))
         for name, seconds in expected_seconds(made).items():
-            click.echo(f"  {name}: about {planned.duration(seconds)} of one core")
+            click.echo(f"  {name}: about {duration(seconds)} of one core")
     go_on = f"go on by the same command with --out {shlex.quote(str(results.target))}"
     try:
         with progress("uncertainty") as show:

@@ -2,12 +2,18 @@
 
 It is made before anything runs and executed as printed: a run takes its studies and their bearings, at the resolution
 that was chosen for them (`rollslip.studies.estimates`), from it.
+
+What it will cost is told before it is spent. Time is that of the estimate, or what the evaluations take at the least,
+the larger one; estimates from small parts may be off by a factor of two or three, so nothing is refused for its time. A
+result that does not fit into the memory of the machine is refused: it would end the process, or the machine's other
+work, after minutes.
 """
 
 import math
+import os
 import time
 from collections.abc import Collection, Mapping
-from typing import Any
+from typing import Any, Final
 
 import attrs
 
@@ -15,13 +21,18 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import LeftOut, Resolution
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
-from rollslip.errors import RollslipError
+from rollslip.errors import RollslipError, SceneError
 from rollslip.models import FilmModel, SliceModel
 from rollslip.scene.reading import load_scene
-from rollslip.scene.values import Scene
+from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.study import Study, settings
+
+#: Time that is told before it is spent [s].
+LONG: Final = 60.0
+#: Time of a slice at the least, all stages compiled [s], and size of a number [bytes].
+_SLICE, _NUMBER = 2e-8, 8
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -56,6 +67,11 @@ class Plan:
     def seconds_of(self, study: str) -> float:
         """Return the estimated cost of a study."""
         return sum(part.seconds or 0.0 for part in self.parts if part.study == study)
+
+    @property
+    def foreseen(self) -> list[str]:
+        """What somebody should know before it is run, in words: that it takes long, or asks for what there is not."""
+        return foreseen(self.scene, self.seconds, self.evaluations)
 
     @property
     def models(self) -> tuple[tuple[str, Any], ...]:
@@ -138,7 +154,7 @@ def plan(
     Raises
     ------
     SceneError
-        If the scene is wrong; all faults that can be found at once.
+        If the scene is wrong, all faults that can be found at once, or a result would not fit into memory.
     PluginError
         If a package it requires or a model it names is missing or broken.
     """
@@ -148,6 +164,7 @@ def plan(
     check_required(scene.plugins.require, Location(scene.origins, ("plugins", "require")))
     studies = {name: one.without(frozenset(without)) for name, one in settings(scene, study).items()}
     stated = assemble(scene)
+    require_memory(studies, stated)
     estimated = {name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()}
     studies = {name: one.at(estimated[name].resolution) for name, one in studies.items()}
     assemblies = {name: stated.at(one.resolution).with_bounds(*one.left_out) for name, one in estimated.items()}
@@ -205,6 +222,99 @@ def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> 
         return study.estimate(assembly, cheaper_laws=cheaper_laws)
     except RollslipError as error:
         return Estimated(resolution=assembly.resolution, failed=str(error))
+
+
+# What it costs, told before it is spent ------------------------------------------------------------------------------
+
+
+def require_memory(studies: Mapping[str, Study], assembly: Assembly, memory: float | None = None) -> None:
+    """Refuse studies whose results do not fit into memory.
+
+    Parameters
+    ----------
+    studies : mapping
+        Studies by name, with their settings.
+    assembly : Assembly
+        Their bearing.
+    memory : float, optional
+        Memory [bytes]; by default that of this machine, where it says how much it has.
+
+    Raises
+    ------
+    SceneError
+        With the setting that asks for most, of each study that asks for more than there is.
+    """
+    memory = _memory() if memory is None else memory
+    problems = []
+    for study in studies.values():
+        of = study.numbers(assembly)
+        needed = _NUMBER * sum(of.values())
+        if needed > memory:
+            setting = max(of, key=lambda name: of[name])
+            problems.append(
+                f"{study.table}.{setting} = {getattr(study, setting):g} asks for at least {_size(needed)} of memory, "
+                f"and this machine has {_size(memory)}; lower it"
+            )
+    if problems:
+        raise SceneError(problems)
+
+
+def foreseen(scene: Scene, seconds: float, evaluations: int) -> list[str]:
+    """Return in words what somebody should know before a plan is run; empty if there is nothing.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is planned.
+    seconds : float
+        Estimated cost.
+    evaluations : int
+        Slices to evaluate.
+    """
+    said = [
+        f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05; nothing "
+        f'finer is computed than with accuracy.{name} = "exact"'
+        if name == "tolerance"
+        else f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05"
+        for name in ("tolerance", "critical_slip", "friction", "cage_speed")
+        if (value := getattr(scene.accuracy, name)) is not None and value < EXACT
+    ]
+    seconds = max(seconds, _SLICE * evaluations)
+    if seconds > LONG:
+        said.append(
+            f"this will take about {duration(seconds)} of the processor, {evaluations:.1e} slices to evaluate; "
+            "Ctrl-C ends it, and rollslip plan says what the time goes to"
+        )
+    return said
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words: "0.3 s", "12 s", "3 min 20 s", "2 h 5 min", "12 days"."""
+    whole = round(seconds)
+    if seconds < 1.0:
+        return f"{seconds:.1g} s"
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    if whole < 172800:
+        return f"{whole // 3600} h {whole % 3600 // 60} min"
+    return f"{whole // 86400} days"
+
+
+def _size(number: float) -> str:
+    return f"{number / 1e9:.2g} GB"
+
+
+def _memory() -> float:
+    """Memory of this machine [bytes]; without bound where it does not say."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, ValueError, OSError):
+        return float("inf")
+
+
+# Its lines ------------------------------------------------------------------------------------------------------------
 
 
 def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:

@@ -105,6 +105,8 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
         errors["slices"] = of_slices(SOME)
     if curved.averaged:
         errors["instants"] = of_instants(few)
+    if accuracy.exact:
+        return Judgement(errors=errors)
     # before a suspicion is told it is looked into, at what the run itself has
     if over(1.0, total(errors)) and few is not assembly and over(_CLEAR, errors.get("instants", {})):
         errors["instants"] = of_instants(assembly)

@@ -132,6 +132,10 @@ class Study(abc.ABC):
         """Return about how many slices the study will evaluate; 0 where nobody knows."""
         return 0
 
+    def numbers(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return how many numbers it holds at least, by the setting that they go with; empty where that is little."""
+        return {}
+
     def evolved(self, **settings: Any) -> Self:
         """Return the study with other settings."""
         return attrs.evolve(self, **settings)

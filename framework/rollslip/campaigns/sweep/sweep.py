@@ -32,7 +32,7 @@ from rollslip.catalogue.registry import find
 from rollslip.errors import OutputError, RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.files import whole_file
-from rollslip.planning.plan import estimate
+from rollslip.planning.plan import estimate, require_memory
 from rollslip.planning.provenance import cited, data_references
 from rollslip.planning.quantities import quantities
 from rollslip.references import Citation
@@ -118,6 +118,7 @@ def plan_sweep(
     cls = study_class(name, base)
     names = _noted(problems, lambda: named_outputs(cls, table.output), ())
     studies, assembly = settings(base, name), assemble(base)
+    require_memory(studies, assembly)
     known = quantities(assembly, studies)
     sampled = table.samples is not None
     wanted = [
@@ -279,8 +280,8 @@ def _tried(base: Scene, study: str, design: Design) -> list[Assembly]:
         for value in values:
             try:
                 scene = evolve(base, {axis.key: value})
-                settings(scene, study)
                 assemblies.append(assemble(scene))
+                require_memory(settings(scene, study), assemblies[-1])
             except SceneError as error:
                 number = axis.values.index(value) + 1
                 problems.append(

@@ -285,6 +285,10 @@ class Dynamics(Study):
             ),
         ]
 
+    def numbers(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return how many numbers the stored instants hold at least."""
+        return {"points": 4.0 * self.points}
+
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate, from steps such as bearings of this size took."""
         if self.friction != "conventional":

@@ -160,6 +160,13 @@ class EffectiveFriction(Study):
         surface = self.map_points * max(2 * self.map_points - 1, 0)
         return contacts * (curves * per_point + instants * PROBES * bool(surface)) + 2 * 16 * surface
 
+    def numbers(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return how many numbers curves and map hold at least: what is stored of a slip, and the rollers' speeds."""
+        rollers = assembly.scene.bearing.rollers
+        of_rollers = 6 * (self.closure == "free-roller") + 2 * self.per_roller
+        surface = float(self.map_points) * max(2 * self.map_points - 1, 0)
+        return {"points": float(self.points) * (16 + of_rollers * rollers), "map_points": 8.0 * surface}
+
     def without(self, outputs: frozenset[str]) -> "EffectiveFriction":
         """Return a study without the map and without running away, which are most of the work, and single rollers."""
         return attrs.evolve(

@@ -84,6 +84,10 @@ class FrictionCurve(Study):
         half = -(-assembly.slices // 2)  # the other carries the same
         return len(self.normal_force) * self.points * (half + 1)
 
+    def numbers(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return how many numbers the curves hold at least."""
+        return {"points": 10.0 * self.points * len(self.normal_force)}
+
     @property
     def slip_range(self) -> float:
         """Slip up to which the curves go."""

@@ -184,6 +184,10 @@ class SteadySlip(Study):
             if limits and not (len(limits) == 2 and limits[0] < limits[1]):
                 raise FieldError(name, f"must be two values that ascend, or empty, not {list(limits)}")
 
+    def numbers(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return how many numbers the slip-drag curve holds at least."""
+        return {"points": 4.0 * self.points}
+
     def evaluations(self, assembly: Assembly) -> int:
         """Return about how many slices the study will evaluate."""
         loads = assembly.load_distribution(1)

@@ -1,0 +1,75 @@
+"""What cannot be paid is refused at once, and what takes long is told before it is spent."""
+
+import pytest
+from click.testing import CliRunner
+
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.campaigns.sweep.sweep import plan_sweep
+from rollslip.cli.main import cli
+from rollslip.errors import SceneError
+from rollslip.planning.plan import LONG, duration, foreseen, plan, require_memory
+from rollslip.studies.study import settings
+
+SCENE = "1032930-70C"
+DEAR = {
+    "effective-friction": ("points", 10**10),
+    "friction-curve": ("points", 10**10),
+    "steady-slip": ("points", 10**11),
+    "dynamics": ("points", 10**11),
+}
+
+
+@pytest.mark.parametrize(("study", "setting"), DEAR.items(), ids=[*DEAR])
+def test_a_result_that_no_memory_holds_is_refused_before_anything_runs(study, setting):
+    name, number = setting
+    scene = evolve(load_scene("1032930-50C"), {f"study.{study}.{name}": number})
+    with pytest.raises(SceneError, match=rf"study\.{study}\.{name} = 1e\+1[01] asks for at least .* GB of memory"):
+        plan(scene, study)
+
+
+def test_of_map_and_curve_the_one_that_asks_for_most_is_named():
+    """8 numbers of 8 bytes for each of 1e6 cage slips and 2e6 - 1 roller slips."""
+    scene = evolve(load_scene(SCENE), {"study.effective-friction.map_points": 10**6})
+    with pytest.raises(SceneError, match=r"effective-friction\.map_points = 1e\+06 asks for at least 1\.3e\+05 GB"):
+        plan(scene)
+
+
+def test_memory_is_counted_in_bytes_and_enough_of_it_is_no_fault():
+    """10 numbers of 8 bytes for each of a thousand points of one curve."""
+    scene = evolve(load_scene(SCENE), {"study.friction-curve": {"points": 1000, "normal_force": ["300 N"]}})
+    studies, assembly = settings(scene, "friction-curve"), assemble(scene)
+    require_memory(studies, assembly, 80_000.0)
+    with pytest.raises(SceneError, match=r"asks for at least 8e-05 GB of memory, and this machine has 8e-05 GB"):
+        require_memory(studies, assembly, 79_999.0)
+
+
+def test_a_sweep_over_points_that_no_memory_holds_is_refused():
+    with pytest.raises(SceneError, match=r"effective-friction\.points = 1e\+10 asks for"):
+        plan_sweep(load_scene(SCENE), over={"study.effective-friction.points": [101, 10**10]})
+
+
+def test_what_takes_long_is_told_in_words():
+    scene = load_scene(SCENE)
+    assert foreseen(scene, 0.5 * LONG, 0) == []
+    (told,) = foreseen(scene, 7200.0, 10**6)
+    assert told.startswith("this will take about 2 h 0 min of the processor, 1.0e+06 slices to evaluate; Ctrl-C")
+    (by_slices,) = foreseen(scene, 0.0, 10**11)  # 20 ns each, whatever was estimated from small parts
+    assert "about 33 min 20 s" in by_slices
+
+
+def test_a_tolerance_that_nothing_reaches_is_told():
+    scene = evolve(load_scene(SCENE), {"accuracy.tolerance": 1e-12})
+    (told,) = foreseen(scene, 0.0, 0)
+    assert told.startswith("accuracy.tolerance = 1e-12 is less than the finest of everything leaves")
+    assert foreseen(evolve(scene, {"accuracy.tolerance": "exact"}), 0.0, 0) == []
+    said = CliRunner().invoke(cli, ["plan", SCENE, "--study", "friction-curve", "--set", "accuracy.tolerance=1e-12"])
+    assert f"note: {told}" in said.stderr
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.3, "0.3 s"), (59.0, "59 s"), (200.0, "3 min 20 s"), (7500.0, "2 h 5 min"), (1e6, "11 days")],
+)
+def test_a_time_reads_as_somebody_would_say_it(seconds, text):
+    assert duration(seconds) == text
