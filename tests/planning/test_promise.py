@@ -1,0 +1,128 @@
+"""A run that is off by more than its tolerance says so: what a plan missed, a witness of other instants sees.
+
+References are runs on other slices, instants and slips, at least four times as many of each; see promise_scenes.py.
+"""
+
+import json
+
+import attrs
+import numpy as np
+import pytest
+
+from promise_scenes import STUDY, finer, judge, scene
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.planning.execution import execute
+from rollslip.planning.plan import plan
+from rollslip.planning.verification import Judgement, told, verify
+from rollslip.studies.estimates import Probe, errors_between
+
+#: Few large rollers on smooth raceways: each has two balances from a slip of 0.25 to 0.75, and jumps at its own slip.
+JUMPS = evolve(
+    load_scene("1032930-70C"),
+    {
+        "bearing": {
+            "rollers": 7,
+            "roller_diameter": "333 mm",
+            "roller_length": "335 mm",
+            "inner_raceway_diameter": "1120 mm",
+            "outer_raceway_diameter": "1785.6 mm",
+            "radial_clearance": "0.1 mm",
+        },
+        "surface": {
+            "inner_raceway_roughness": "0.02 um",
+            "outer_raceway_roughness": "0.02 um",
+            "roller_roughness": "0.16 um",
+        },
+        "lubricant": {"name": "santotrac-50", "eyring_stress": "4 MPa"},
+        "operation": {"inner_speed": "5.3 rpm", "radial_load": "12.25 kN", "temperature": "137 degC"},
+        "models.traction": {"model": "lambda-blend", "hydrodynamic": "muraki"},
+        f"study.{STUDY}": {
+            "closure": "free-roller",
+            "max_cage_slip": 0.95,
+            "points": 41,
+            "map_points": 0,
+            "runaway_range": 0.0,
+        },
+        "accuracy": {"tolerance": 1e-3, "slices": "auto"},
+    },
+)
+
+
+def test_rollers_that_jump_between_two_balances_are_told_of():
+    """The plan sees a tenth of it or less, since its few slips lie beside those at which rollers jump."""
+    made = plan(JUMPS, STUDY)
+    result = execute(made, STUDY)
+    fine = finer(made.studies[STUDY], JUMPS, made.estimated[STUDY].resolution, 4)
+    actual = errors_between(made.studies[STUDY].judged, result, fine)["friction"]
+    (row,) = (row for row in json.loads(result.attrs["accuracy"]) if row["result"] == "friction")
+    assert actual > 3.0 * row["tolerance"]
+    assert row["estimated"] < row["tolerance"]
+    assert row["found"] >= 0.5 * actual
+    (said,) = (text for text in json.loads(result.attrs["warnings"]) if text.startswith("friction is off by about"))
+    assert f"about {row['found']:.1e}, more than the tolerance of 0.001" in said
+    assert "the instants; type --set accuracy." in said
+    assert "or go along more slips by --set study.effective-friction.points=121" in said
+
+
+@pytest.mark.parametrize("k", [21, 30])
+def test_a_miss_of_random_scenes_is_not_silent(k):
+    """Where the steps along the slip decide at which of them a roller jumps, and where few instants see few jumps."""
+    found = judge(scene(k))
+    assert not found.refused
+    assert not found.silent, (found.tolerance, found.actual, found.witnessed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("k", range(40))
+def test_no_random_scene_misses_in_silence(k):
+    found = judge(scene(k))
+    if found.refused:
+        pytest.skip(found.refused)
+    assert not found.silent, (found.tolerance, found.actual, found.witnessed)
+
+
+@pytest.mark.parametrize(("slices", "instants"), [(8, 16), (64, 1), (64, 2)])
+def test_too_few_slices_or_instants_are_seen(slices, instants):
+    """The error found is that of the finest, from a third of it to three times as much."""
+    one = evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic", "bearing.profile": "iso16281"})
+    made = plan(one, STUDY)
+    coarse = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=slices, instants=instants))
+    result = execute(coarse, STUDY)
+    rows, verified = (json.loads(d.attrs["accuracy"]) for d in (result, verify(coarse, STUDY, result)))
+    found, actual = ({row["result"]: row["found"] for row in of}["friction"] for of in (rows, verified))
+    assert actual > 1e-3
+    assert 1.0 / 3.0 <= found / actual <= 3.0
+    assert any(text.startswith("friction is off by about") for text in json.loads(result.attrs["warnings"]))
+
+
+def test_a_kept_word_has_no_warning():
+    made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
+    result = execute(made, STUDY)
+    assert all(row["found"] <= row["tolerance"] for row in json.loads(result.attrs["accuracy"]))
+    assert not any("accuracy." in text for text in json.loads(result.attrs["warnings"]))
+
+
+def test_what_is_to_be_typed_follows_the_order_that_was_seen():
+    """Errors tenfold: of second order a tolerance of a tenth, of first order of a hundredth, halved for safety."""
+    made = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY)
+    errors = {"instants": {"friction": 1e-2}}
+    for order, typed in ((2.0, "5e-05"), (1.0, "5e-06")):
+        (said,) = told(made, STUDY, Judgement(errors=errors, orders={"friction": order}))
+        assert f"with the order {order:.1f} of the instants; type --set accuracy.friction={typed}" in said
+    (said,) = told(made, STUDY, Judgement(errors=errors, orders={"friction": 0.1}))
+    assert "it does not fall with the instants; type --set accuracy.tolerance=exact" in said
+    most = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, slices=801, instants=128))
+    assert "raise accuracy.friction; this is the finest" in told(most, STUDY, Judgement(errors=errors))[0]
+    (said,) = told(made, STUDY, Judgement(errors={"instants": {"critical_slip": np.inf}}))
+    assert said.startswith("how far critical slip is off cannot be told")
+    assert told(made, STUDY, Judgement(errors={"instants": {"friction": 9e-4}})) == []
+
+
+def test_a_probe_on_the_way_returns_what_was_asked():
+    study = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY).studies[STUDY]
+    assembly = assemble(JUMPS, attrs.evolve(plan(JUMPS, STUDY).estimated[STUDY].resolution, instants=2))
+    slips = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    every, third = (Probe.over(study, slips, [(0, 0.3, 0.01)], n).measure(assembly, (2,))[0] for n in (1, 3))
+    np.testing.assert_array_equal(third[0], every[0][:, [2, 5, 6, 7, 8]])
+    np.testing.assert_array_equal(third[1], every[1])
