@@ -36,7 +36,7 @@ from rollslip.campaigns.sweep.sampling import parse_over, parse_overs, probabili
 from rollslip.campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep
 from rollslip.catalogue.discovery import get_class
 from rollslip.cli import main
-from rollslip.engine import Engine
+from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, PluginError, SceneError
 from rollslip.models import TractionModel
 from rollslip.scene.reading import parse_scene
@@ -776,3 +776,14 @@ def test_the_time_left_is_that_of_the_points_that_are_left(tmp_path):
     with contextlib.closing(sqlite3.connect(session.path, isolation_level=None)) as connection:
         connection.execute("update about set value = ? where name = 'started'", (repr(session.last - 2.0),))
     assert status(folder).left == pytest.approx(3.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["threads", "processes"])
+def test_an_engine_has_the_workers_asked_for(name):
+    for count, workers in ((3, 3), (0, cores())):
+        made = rollslip.get_model("engine", name, count=count)
+        executor = made.executor()
+        try:
+            assert executor._max_workers == made.workers(executor) == workers
+        finally:
+            made.end(executor, at_once=True)

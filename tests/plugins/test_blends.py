@@ -263,6 +263,16 @@ def test_parameters_out_of_range_are_refused(cls, parameters, field):
         cls(**parameters)
 
 
+@pytest.mark.parametrize("blend", [LambdaBlend, LinearBlend])
+def test_a_blend_is_as_exact_as_its_less_exact_child(blend):
+    @attrs.frozen(kw_only=True)
+    class Rough(Muraki):
+        tolerance = 1e-6
+
+    for children in ({"hydrodynamic": Rough()}, {"boundary": Rough(), "hydrodynamic": Muraki()}):
+        assert blend(**children).tolerance == 1e-6
+
+
 def test_extreme_constants_keep_a_film_parameter():
     assert ZhouHoeprich(factor=1e-300, exponent=0.01).full_film_from == np.inf
     assert share_of(ZhouHoeprich(factor=1e-300, exponent=0.01), 1e9) == pytest.approx(1.0)

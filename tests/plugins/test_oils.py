@@ -178,3 +178,11 @@ def test_the_laws_of_aviation_oils_agree_with_a_chart(name):
     """As far as two oils of one specification do: 15 %, 18 % at 8 degC, where viscosity falls by 5 % in a kelvin."""
     for fahrenheit, nu, difference in CHART[name]:
         assert kinematic(OILS[name], (fahrenheit - 32.0) / 1.8) == pytest.approx(nu, rel=difference)
+
+
+@every_oil
+def test_an_oil_expands_when_it_is_heated(oil):
+    """By 6 to 8 per 1e4 and K: swapped or mistyped densities are outside."""
+    if oil.density is not None:
+        cold, hot = (oil.density(celsius + 273.15) for celsius in (15.0, 100.0))
+        assert 5e-4 < (cold - hot) / (85.0 * cold) < 1e-3
