@@ -244,6 +244,8 @@ def whole_file(target: Path) -> Iterator[Path]:
         yield partial
         os.replace(partial, target)
     except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror or error})") from error
+        raise OutputError(
+            f"{target}: cannot be written ({error.strerror or error}); free space, or name another place"
+        ) from error
     finally:
         partial.unlink(missing_ok=True)

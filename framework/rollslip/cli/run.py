@@ -123,7 +123,6 @@ def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
     import tempfile
 
     from rollslip.errors import OutputError
-    from rollslip.files import whole_file
     from rollslip.results.dataset import open_result
     from rollslip.results.figures import plot
     from rollslip.results.report import is_report, write_report
@@ -136,11 +135,11 @@ def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
     for path in results:
         dataset = open_result(path)
         datasets[dataset.attrs["study"] if dataset.attrs["study"] not in datasets else str(path)] = dataset
-    with tempfile.TemporaryDirectory() as folder, whole_file(out) as partial:
+    with tempfile.TemporaryDirectory() as folder:
         figures = {}
         for k, (name, dataset) in enumerate(datasets.items()):
             place = Path(folder) / str(k)
             place.mkdir()
             figures[name] = plot(dataset, place)
-        write_report(datasets, figures, partial)
+        write_report(datasets, figures, out)
     click.echo(f"written to {out}")

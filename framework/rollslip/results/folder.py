@@ -57,7 +57,12 @@ def results_folder(target: Path, *, overwrite: bool = False) -> Iterator[Path]:
         with _blamed(target):
             lock.acquire(blocking=False)
             _clear_up(target, partial)
-        yield partial
+        try:
+            yield partial
+        except OutputError as error:  # of a file in the folder that nobody knows but us
+            if str(partial) not in str(error):
+                raise
+            raise OutputError(str(error).replace(str(partial), str(target))) from error
         _refuse(target, overwrite)  # somebody may have put something there meanwhile
         with _blamed(target):
             files = {name: _checksum(partial / name) for name in _files(partial)}

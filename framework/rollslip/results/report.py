@@ -26,6 +26,7 @@ from rollslip.bearing.regimes import LIGHT, LONG_NAMES
 from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.registry import get_class
 from rollslip.errors import PluginError
+from rollslip.files import whole_file
 from rollslip.lubricant.oil import legend
 from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
@@ -71,6 +72,11 @@ def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Seq
         SVG files of `rollslip.results.figures.plot`, under the names of their datasets.
     path : Path
         The file to write; an older one is replaced.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written; then an older one is left as it is.
     """
     sections = [
         ("Warnings", "warnings", _warnings(datasets)),
@@ -88,20 +94,21 @@ def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Seq
     ]
     shown = [section for section in sections if section[2]]
     titles = [title for _, title in _distinct(datasets, "title") if title]
-    path.write_text(
-        _PAGE.substitute(
-            title=escape(titles[0] if len(titles) == 1 else "Results of rollslip"),
-            style=_STYLE,
-            verdict="".join(_tag("p", f"{capital(line)}.") for line in verdict(datasets.values())),
-            introduction="".join(_tag("p", text) for _, text in _distinct(datasets, "description") if text),
-            contents="".join(f'<li><a href="#{key}">{heading}</a></li>' for heading, key, _ in shown),
-            sections="".join(
-                f'<section id="{key}" aria-labelledby="{key}-h"><h2 id="{key}-h">{heading}</h2>{body}</section>\n'
-                for heading, key, body in shown
+    with whole_file(path) as partial:
+        partial.write_text(
+            _PAGE.substitute(
+                title=escape(titles[0] if len(titles) == 1 else "Results of rollslip"),
+                style=_STYLE,
+                verdict="".join(_tag("p", f"{capital(line)}.") for line in verdict(datasets.values())),
+                introduction="".join(_tag("p", text) for _, text in _distinct(datasets, "description") if text),
+                contents="".join(f'<li><a href="#{key}">{heading}</a></li>' for heading, key, _ in shown),
+                sections="".join(
+                    f'<section id="{key}" aria-labelledby="{key}-h"><h2 id="{key}-h">{heading}</h2>{body}</section>\n'
+                    for heading, key, body in shown
+                ),
             ),
-        ),
-        encoding="utf-8",
-    )
+            encoding="utf-8",
+        )
 
 
 # Sections: each gives its HTML, or nothing if the datasets say nothing about it -------------------------------------

@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rollslip.files import whole_file
+
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
@@ -75,6 +77,11 @@ def save_figures(figures: "Iterable[tuple[str, str, Figure]]", findings: str, fo
         What the dataset says, for those who cannot see the figures.
     folder : Path
         Where the files go; it is made if it does not exist.
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written; then nothing is left of it.
     """
     from matplotlib import style
 
@@ -83,11 +90,12 @@ def save_figures(figures: "Iterable[tuple[str, str, Figure]]", findings: str, fo
         for name, caption, figure in figures:
             folder.mkdir(parents=True, exist_ok=True)
             files.append(folder / f"{name}.svg")
-            figure.savefig(
-                files[-1],
-                format="svg",
-                metadata={"Title": caption, "Description": findings, "Creator": "rollslip", "Date": None},
-            )
+            with whole_file(files[-1]) as partial:
+                figure.savefig(
+                    partial,
+                    format="svg",
+                    metadata={"Title": caption, "Description": findings, "Creator": "rollslip", "Date": None},
+                )
     return files
 
 
