@@ -14,12 +14,13 @@
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.bearing.resolution import COARSER_TABLES
@@ -27,6 +28,8 @@ from rollslip.errors import ConvergenceError
 
 _FIRST_INSTANTS, _MOST_INSTANTS = 2, 256
 _MOST_FORCES = 1025
+#: Up to how many halvings between forces a map is measured between positions: it errs there alike at forces alike.
+_MEASURED = 2
 
 
 @attrs.frozen(eq=False)
@@ -65,8 +68,12 @@ class LoadMap:
     @property
     def table(self) -> Array:
         """Loads and slopes as the compiled motion reads them, (C, K + 1, 2, channels, n), the first position twice."""
-        both = np.stack((self.loads, _slopes(self.loads))).transpose(1, 3, 0, 2, 4)
-        return np.concatenate((both, both[:, :1]), axis=1)
+        forces, channels, positions, slices = self.loads.shape
+        table = np.empty((forces, positions + 1, 2, channels, slices))
+        for one, loads in zip(table, self.loads, strict=True):  # each stays in the cache
+            one[:-1, 0], one[:-1, 1] = loads.swapaxes(0, 1), _slopes(loads).swapaxes(0, 1)
+        table[:, -1] = table[:, 0]
+        return table
 
     def at(self, psi: Array, centrifugal: float) -> Array:
         """Loads at positions [rad], (m,), and a centrifugal force [N] up to the last node: (channels, m, n)."""
@@ -112,11 +119,21 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
     ConvergenceError
         If the tolerance is not reached with the most nodes, or the bearing finds no equilibrium.
     """
+    sides = ((raceway.deflection, raceway.conditions) for raceway in assembly.raceways)
+    key = (assembly.slices, assembly.resolution.quadrature, tolerance, top_speed, *sides)
+    known: LoadMap | None = assembly.known_maps.get(key)
+    if known is None:
+        known = assembly.known_maps[key] = _built(assembly, tolerance, top_speed)
+    return known
+
+
+def _built(assembly: Assembly, tolerance: float, top_speed: float | None) -> LoadMap:
     per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
     top = per_square * (fastest(assembly.kinematics) if top_speed is None else top_speed) ** 2
-    instants = _FIRST_INSTANTS
+    instants, known = _FIRST_INSTANTS, dict[float, LoadDistribution]()
     while instants <= _MOST_INSTANTS:
-        orbits = _Orbits(assembly, per_square, instants)
+        orbits = _Orbits(assembly, per_square, instants, known)
+        known = orbits.distributions
         load_map = orbits.refined({0.0, min(assembly.centrifugal_force, top), top}, 0.5 * tolerance)
         if load_map is not None:
             return load_map
@@ -128,26 +145,39 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
 
 
 class _Orbits:
-    """Equilibria by centrifugal force, at twice as many positions as the map will have: the others measure it."""
+    """Equilibria by centrifugal force at the positions of a map, and at some forces half-way between: they measure it.
 
-    def __init__(self, assembly: Assembly, per_square: float, instants: int) -> None:
-        self.assembly, self.per_square, self.instants = assembly, per_square, instants
+    ``known`` are those of a map with half as many positions.
+    """
+
+    def __init__(
+        self, assembly: Assembly, per_square: float, instants: int, known: Mapping[float, LoadDistribution]
+    ) -> None:
+        self.assembly, self.per_square, self.instants, self._known = assembly, per_square, instants, known
+        self.distributions: dict[float, LoadDistribution] = {}
         self.solved: dict[float, Array] = {}
         #: largest share of the load at the wrong place half-way between positions
         self.over_position = 0.0
 
-    def at(self, force: float) -> Array:
-        """Loads of one roller over its orbit, (2, Z 2 instants, n)."""
-        if force not in self.solved:
-            assembly = self.assembly
-            loads = assembly.load_distribution(2 * self.instants, math.sqrt(force / self.per_square))
-            rows = (load.swapaxes(0, 1).reshape(-1, assembly.slices) for load in (loads.inner_load, loads.outer_load))
-            self.solved[force] = np.stack(tuple(rows))
-            nodes, between = self.solved[force][:, ::2], self.solved[force][:, 1::2]
-            slopes = _slopes(nodes)
-            half_way = 0.5 * (nodes + np.roll(nodes, -1, axis=1)) + 0.125 * (slopes - np.roll(slopes, -1, axis=1))
-            self.over_position = max(self.over_position, self.misplaced(half_way, between))
-        return self.solved[force]
+    def at(self, force: float, *, between: bool = False) -> Array:
+        """Loads of one roller over its orbit, (2, Z instants, n); positions between are looked at too, if so asked."""
+        if force in self.solved:
+            return self.solved[force]
+        assembly, speed = self.assembly, math.sqrt(force / self.per_square)
+        if between:
+            loads = assembly.load_distribution(2 * self.instants, speed, self._known.get(force))
+            self.distributions[force] = loads
+        else:
+            loads = assembly.load_distribution(self.instants, speed)
+        rings = (load.swapaxes(0, 1).reshape(-1, assembly.slices) for load in (loads.inner_load, loads.outer_load))
+        orbit = np.stack(tuple(rings))
+        if between:
+            orbit, true = orbit[:, ::2], orbit[:, 1::2]
+            slopes = _slopes(orbit)
+            half_way = 0.5 * (orbit + np.roll(orbit, -1, axis=1)) + 0.125 * (slopes - np.roll(slopes, -1, axis=1))
+            self.over_position = max(self.over_position, self.misplaced(half_way, true))
+        self.solved[force] = orbit
+        return orbit
 
     def misplaced(self, interpolated: Array, true: Array) -> float:
         """Share of the load of a ring that is at the wrong place, the larger of both rings; loads (2, m, n)."""
@@ -157,24 +187,27 @@ class _Orbits:
 
     def refined(self, nodes: set[float], tolerance: float) -> LoadMap | None:
         """Map with enough centrifugal forces; None if its positions are too few."""
-        pairs, over_force = list(itertools.pairwise(sorted(nodes))), 0.0
+        for force in nodes:
+            self.at(force, between=True)
+        pairs, over_force = [(*pair, 0) for pair in itertools.pairwise(sorted(nodes))], 0.0
         while pairs:
-            low, high = pairs.pop()
+            low, high, halvings = pairs.pop()
             middle = 0.5 * (low + high)
-            error = self.misplaced(0.5 * (self.at(low) + self.at(high)), self.at(middle))
+            there = self.at(middle, between=halvings < _MEASURED)
+            error = self.misplaced(0.5 * (self.at(low) + self.at(high)), there)
             if self.over_position > tolerance:
                 return None
             if error <= tolerance:
                 over_force = max(over_force, error)
                 continue
             nodes.add(middle)
-            pairs += [(low, middle), (middle, high)]
+            pairs += [(low, middle, halvings + 1), (middle, high, halvings + 1)]
             if len(nodes) > _MOST_FORCES:
                 raise ConvergenceError(
                     f"{_MOST_FORCES} centrifugal forces leave {error:.1e} of the load at the wrong place between "
                     f"{low:g} and {high:g} N; its table may leave {2.0 * tolerance:.1e}; {COARSER_TABLES}"
                 )
-        loads = np.stack([self.at(force)[:, ::2] for force in sorted(nodes)])
+        loads = np.stack([self.at(force) for force in sorted(nodes)])
         return LoadMap(np.array(sorted(nodes)), loads, self.assembly.widths, self.over_position + over_force)
 
 
@@ -183,12 +216,15 @@ def _slopes(loads: Array) -> Array:
 
     With |slope| <= 3 load at its ends, all Bernstein coefficients of a cell are positive or zero.
     """
-
-    def ahead(k: int) -> Array:
-        return np.roll(loads, -k, axis=-2)
-
-    slope = (8.0 * (ahead(1) - ahead(-1)) - (ahead(2) - ahead(-2))) / 12.0
-    return np.clip(slope, -3.0 * loads, 3.0 * loads)
+    around = np.concatenate((loads[..., -2:, :], loads, loads[..., :2, :]), axis=-2)
+    slope = around[..., 3:-1, :] - around[..., 1:-3, :]
+    slope *= 8.0
+    slope -= around[..., 4:, :] - around[..., :-4, :]
+    slope /= 12.0
+    limit = 3.0 * loads
+    np.minimum(slope, limit, out=slope)
+    np.negative(limit, out=limit)
+    return np.maximum(slope, limit, out=slope)
 
 
 def resistances(raceway: Raceway, load: Array, widths: Array, rolling_speed: float) -> Array:

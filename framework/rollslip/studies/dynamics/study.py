@@ -23,7 +23,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
-from rollslip.bearing.load_map import LoadMap
+from rollslip.bearing.load_map import LoadMap, build_load_map
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.resolution import Resolution, finest, refined
 from rollslip.catalogue.registry import find, structure_model
@@ -233,17 +233,21 @@ class Dynamics(Study):
         resolution = assembly.resolution
         slices = min(estimates.FEW, resolution.slices)
         few = assembly.at(attrs.evolve(resolution, slices=slices, quadrature="equal"))
-        more = assembly.slices / few.slices
+        more, built = assembly.slices / few.slices, 0.0
         begin = time.process_time()
+        if self.level != "planar" and self.friction != "effective":  # the run takes this map, the trial a rough one
+            build_load_map(assembly.with_resistance(), self._frictions().table_tolerance(assembly))
+            built, begin = time.process_time() - begin, time.process_time()
+            few = few.at(attrs.evolve(few.resolution, table_tolerance=max(_ROUGH, resolution.table_tolerance)))
         moving = self.moving(few)
-        tables, span = time.process_time() - begin, min(_SHORT, self.duration)
+        tables, span = built or more * (time.process_time() - begin), min(_SHORT, self.duration)
         # the beginning is the most abrupt: what goes on is taken from its second half
         begins, half = (
             timed(partial(self.tried, moving, np.array([0.0, share * span]), self.relative_tolerance), 1)
             for share in (1.0, 0.5)
         )
         whole = begins + 2.0 * max(begins - half, 0.0) * (self.duration / span - 1.0)
-        return {"tables": tables * more, "motion": whole * (more if self.friction == "conventional" else 1.0)}
+        return {"tables": tables, "motion": whole * (more if self.friction == "conventional" else 1.0)}
 
     def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
         """Return steps, friction, level and integrator."""
@@ -420,7 +424,13 @@ class Dynamics(Study):
         self, assembly: Assembly, loads: LoadMap | None = None, *, critical_slip: float = math.nan
     ) -> MovingBearing:
         """Return the bearing in motion; its loads over the orbit may be known, but for level planar."""
-        friction = FrictionSettings(
+        friction = self._frictions(critical_slip)
+        if self.level == "planar":
+            return planar_motion(assembly, self._of_planar(assembly), friction)
+        return carried_motion(assembly, friction, level=self.level, loads=loads)
+
+    def _frictions(self, critical_slip: float = math.nan) -> FrictionSettings:
+        return FrictionSettings(
             name=self.friction,
             effective_over=self.effective_over,
             coefficient=self.friction_coefficient,
@@ -428,9 +438,6 @@ class Dynamics(Study):
             critical_slip=critical_slip,
             film_limit=self.film_limit or math.nan,
         )
-        if self.level == "planar":
-            return planar_motion(assembly, self._of_planar(assembly), friction)
-        return carried_motion(assembly, friction, level=self.level, loads=loads)
 
     def _of_planar(self, assembly: Assembly) -> PlanarSettings:
         """Settings of level planar, which a scene that names it must give."""

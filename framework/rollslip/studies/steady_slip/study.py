@@ -13,6 +13,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -27,17 +28,8 @@ from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.motion.continuation import (
-    Branch,
-    TorqueCurve,
-    crossing,
-    follow,
-    steady_slips,
-    surmised,
-    torque_curve,
-)
+from rollslip.motion.continuation import Branch, TorqueCurve, follow, steady_slips, torque_curve
 from rollslip.motion.effective_table import table_records
-from rollslip.motion.runaway import scan
 from rollslip.motion.torque_balance import Orbit, TorqueBalance, effective_curves
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
@@ -45,6 +37,7 @@ from rollslip.scene.values import Scene
 from rollslip.studies import estimates
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Some
 from rollslip.studies.raceways import REGIMES, regime_variables, unloaded
+from rollslip.studies.steady_slip.crossings import MOST_INSTANTS, crossings
 from rollslip.studies.steady_slip.minimum_load import RULES, least_load
 from rollslip.studies.steady_slip.statuses import VARIED, no_fold, status_of
 from rollslip.studies.study import CONTACT_CHOICES, Study
@@ -53,8 +46,8 @@ from rollslip.studies.timing import timed
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Doublings start at this many positions of an orbit or more, and give up at this many instants of a pitch.
-_FIRST_POSITIONS, _MOST_INSTANTS = 56, 256
+#: Doublings start at this many positions of an orbit or more.
+_FIRST_POSITIONS = 56
 #: Slips at which accuracy is judged, relative to the largest.
 _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 #: Step of the slip by which the excess torque is differentiated, relative to the slip and to the largest one.
@@ -63,8 +56,6 @@ _STEP = 1e-4
 _LEVEL = 1e-3
 #: Shares of the tolerances that slices and instants may use, and that tables may take.
 _SHARE, _TABLES = 0.5, 0.2
-#: By how much the first look at the torques may be off, and to what a slip is then found, relative to them.
-_SURMISED, _CROSSED = 0.15, 1e-8
 #: Motions of the rollers that a steady slip takes beside twice the points of its curve, and those of a followed branch.
 _ORBITS, _BRANCH = 40, 350
 
@@ -347,10 +338,12 @@ class SteadySlip(Study):
         if not outputs <= {"steady_slip", "status"}:
             return None
         assembly = _loaded(assembly).with_resistance()
-        if (slips := self._crossings(assembly)) is not None:
+        instants, conventional = assembly.resolution.instants, self.friction == "conventional"
+        first = partial(self._balance, assembly)
+        slips = crossings(first, _first_instants(assembly), self.max_cage_slip) if conventional else None
+        if slips is not None:
             status = "found"
         else:
-            instants = assembly.resolution.instants
             balance = self._balance(assembly, instants) if instants is not None else self._doubled(assembly)[0]
             curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
             slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
@@ -359,38 +352,6 @@ class SteadySlip(Study):
         return self.variables(status=status, steady_slip=known), {
             "steady": ("steady", np.arange(known.size), about("1", "steady cage slip"))
         }
-
-    def _crossings(self, assembly: Assembly) -> list[float] | None:
-        """Steady slips from where a quick first look at the torques has them; None where that cannot tell them.
-
-        Instants are doubled until the slips move by less than the tolerance.
-        """
-        tolerance, fixed = assembly.scene.accuracy.tolerance, assembly.resolution.instants
-        balance = self._balance(assembly, fixed or _first_instants(assembly))
-        if balance.rolls_freely or self.friction != "conventional":
-            return None
-        slip, torque, refusal = scan(assembly, self.max_cage_slip)
-        if refusal:
-            return None
-        slip, torque = np.insert(slip, 0, 0.0), np.insert(torque, 0, balance.torque(0.0))
-        near = surmised(slip, torque, balance.drag, _SURMISED)
-        if not near:
-            return None
-        before: Array | None = None
-        while balance.instants <= _MOST_INSTANTS:
-            settled = fixed is not None or before is not None
-            found = [
-                crossing(balance.excess, *one, self.max_cage_slip, _CROSSED if settled else 0.1 * tolerance)
-                for one in near
-            ]
-            near = [one for one in found if one is not None]
-            if len(near) < len(found):
-                return None
-            slips = np.array([slip for slip, _ in near])
-            if fixed is not None or (before is not None and np.abs(slips / before - 1.0).max() <= tolerance):
-                return [float(slip) for slip in slips]
-            before, balance = slips, self._balance(assembly, 2 * balance.instants)
-        return None
 
     def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
         return TorqueBalance(
@@ -418,7 +379,7 @@ class SteadySlip(Study):
         """Double the instants until the torque moves by less than the tolerance, relative to its largest value."""
         tolerance, before = assembly.scene.accuracy.tolerance, None
         instants, moved = _first_instants(assembly), np.inf
-        while instants <= _MOST_INSTANTS:
+        while instants <= MOST_INSTANTS:
             balance = self._balance(assembly, instants)
             torque = self._judged(balance)
             if before is not None:
