@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from rollslip.bearing.assembly import assemble
+from rollslip.bearing.critical import slip_grid
 from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.regimes import film_by_regime, groups, moes_groups, regime_limits
 from rollslip.errors import SceneError
@@ -65,6 +66,44 @@ def test_unloaded_rollers_do_not_count():
     assert 0 < (forces == 0.0).sum() < forces.size
     assert np.isnan(friction[forces == 0.0]).all()
     assert np.isfinite(friction[forces > 0.0]).all()
+
+
+def test_a_free_roller_stays_on_its_balance_while_there_is_one():
+    changes = {
+        "operation.radial_load": "15.3 kN",
+        "operation.inner_speed": "694 rad/s",
+        "operation.temperature": "321.6 K",
+        "operation.misalignment": "0.5 mrad",
+        "bearing.radial_clearance": "42 um",
+        "lubricant.eyring_stress": "7.07 MPa",
+        "accuracy.slices": 21,
+    }
+    assembly = assemble(evolve(load_scene("1032930-70C"), changes))
+    slips = slip_grid(0.9, 61)[1:]
+    raceways = EffectiveFriction(closure="free-roller").loaded(assembly, 2)
+    rolling = assembly.kinematics.roller_slip_outer_rolling(slips)
+    found = (1.0 - raceways.speeds(slips).roller_speed / assembly.kinematics.epicyclic_roller_speed) / rolling[:, None]
+    # all balances of one roller at each slip, from where the difference of the pulls changes its sign on a fine grid
+    roller, shares, choices = 2, np.linspace(-0.85, 1.0, 1500), 0
+    inner, outer = raceways.inner, raceways.outer
+    for slip, lag, share in zip(slips, rolling, found[:, roller], strict=True):
+        speeds = assembly.kinematics.surface_speeds(np.full(shares.size, slip), lag * shares)
+        pulls = []
+        for contacts, u, V in (
+            (inner, speeds.inner_rolling, speeds.inner_sliding),
+            (outer, speeds.outer_rolling, speeds.outer_sliding),
+        ):
+            mine = contacts.owner == roller
+            slices = contacts.raceway.evaluate(
+                np.tile(contacts.slices.load[mine], shares.size), np.repeat(u, mine.sum()), np.repeat(V, mine.sum())
+            )
+            pulls.append(slices.friction.reshape(shares.size, -1) @ contacts.force[mine])
+        off = pulls[0] - pulls[1]
+        stable = shares[:-1][(off[:-1] < 0.0) & (off[1:] >= 0.0)]
+        choices += stable.size > 1
+        assert np.abs(stable - share).min() < 2.0 * (shares[1] - shares[0])
+    assert choices > 20  # else it could not have left one
+    assert np.abs(np.diff(found[:, roller])).max() < 0.2
 
 
 def test_a_free_roller_is_pulled_alike_by_both_rings():

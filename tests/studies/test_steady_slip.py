@@ -21,7 +21,7 @@ from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.models import NO_LIMITS, ResistanceModel, TractionModel
-from rollslip.motion.continuation import follow, steady_slips, torque_curve
+from rollslip.motion.continuation import crossing, follow, steady_slips, surmised, torque_curve
 from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
@@ -806,3 +806,52 @@ def test_a_maker_whose_rule_takes_a_catalogue_says_which_keys():
     (said,) = topics(found)["least load"]
     assert "NKE 400 N, for any oil and cage; SKF's rule takes bearing.catalogue.minimum_load_factor and " in said
     assert said.endswith("bearing.catalogue.reference_speed")
+
+
+#: Drags, and how many steady slips there are.
+SHORT_WAYS = {
+    "land": ({}, 1),
+    "thin oil": ({"operation.temperature": "90 degC"}, 1),
+    "two": (
+        {"operation.temperature": "30 degC", "cage.drag": [{"model": "constant-torque", "size": "0.56 N m"}]},
+        2,
+    ),
+    "hysteresis": ({"cage.drag": ["petroff-land", "hysteresis"]}, 1),
+    "more than is carried": ({"cage.drag": [{"model": "constant-torque", "size": "3 N m"}]}, 0),
+}
+
+
+@pytest.mark.parametrize("name", SHORT_WAYS)
+def test_steady_slips_alone_are_those_of_the_whole_study(name, monkeypatch):
+    changes, count = SHORT_WAYS[name]
+    assembly = assemble(evolve(SHIPPED, {"accuracy.slices": 21, **changes}))
+    study, solved = SteadySlip(), []
+    whole = study.run(assembly)
+    orbit = TorqueBalance.orbit
+    monkeypatch.setattr(TorqueBalance, "orbit", lambda *given: solved.append(given) or orbit(*given))
+    alone, _ = study.only(assembly, frozenset({"steady_slip", "status"}))
+    found = np.asarray(alone["steady_slip"][1])
+    assert found[~np.isnan(found)].size == count
+    # the whole study doubles its instants by the torque, the short way by the slips: both to a thousandth
+    np.testing.assert_allclose(found, whole.steady_slip, rtol=1e-4)
+    assert str(alone["status"][1]) == str(whole.status.item())
+    assert 0 < len(solved) <= 12 * count or not count
+
+
+def test_a_first_look_tells_crossings_only_where_they_are_beyond_doubt():
+    slip = np.linspace(0.0, 0.9, 19)
+    torque = slip * (1.2 - slip)  # 0.36 at most, 0.27 at the end
+    for drag, found in ((0.1, [0.0901]), (0.2, [0.2]), (0.25, None), (0.31, None), (0.355, None), (0.5, [])):
+        told = surmised(slip, torque, lambda _, drag=drag: -drag, 0.15)
+        assert told == found or [at for at, _ in told] == pytest.approx(found, abs=1e-4), drag
+    ((at, slope), (beyond, falls)) = surmised(slip, slip * (0.8 - slip), lambda _: -0.07, 0.15)
+    assert (at, beyond) == pytest.approx((0.1, 0.7), abs=1e-3)
+    assert (slope, falls) == pytest.approx((0.6, -0.6), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("start", "slope", "found"), [(0.1, 2.0, 0.12), (0.118, 5.0, 0.12), (0.5, 1.0, None), (0.1, -1.0, None)]
+)
+def test_a_crossing_is_found_from_near_it_or_not_at_all(start, slope, found):
+    told = crossing(lambda slip: np.tanh(3.0 * (slip - 0.12)), start, slope, 0.9, 1e-9)
+    assert told is None if found is None else told[0] == pytest.approx(found, rel=1e-12)

@@ -195,7 +195,7 @@ def surmised(
     ends = np.array([0, *turns, fine.size - 1])
     if np.any(np.abs(excess[ends]) <= error * np.abs(drives[ends])):
         return None
-    crossed = np.flatnonzero(excess[1:] * excess[:-1] < 0.0)
+    crossed = np.flatnonzero((excess[1:] >= 0.0) != (excess[:-1] >= 0.0))
     widths = fine[crossed + 1] - fine[crossed]
     slopes = (excess[crossed + 1] - excess[crossed]) / widths
     return list(zip((fine[crossed] - excess[crossed] / slopes).tolist(), slopes.tolist(), strict=True))

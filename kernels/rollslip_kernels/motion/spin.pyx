@@ -433,8 +433,8 @@ cdef class Spin:
                 before[k], value_before[k], at[k] = at[k], value[k], to
                 # what a secant leaves of its step: the share that this is of the one before, or, where that is small by
                 # chance, what the torque bends over the one before
-                if step <= BALANCED * reach or number and inside and (
-                        step * max(step / moved[k], BENDS * moved[k] / reach) <= BALANCED * reach):
+                if value_before[k] == value_before[k] and (step <= BALANCED * reach or number and inside and (
+                        step * max(step / moved[k], BENDS * moved[k] / reach) <= BALANCED * reach)):
                     continue
                 moved[k] = step
                 self.active[left] = k
