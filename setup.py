@@ -11,8 +11,8 @@ from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
 HERE = "kernels/rollslip_kernels"
-# Without the two -fno-...-math flags the block loops do not vectorise; -ffast-math would break exp's rounding. Without
-# contraction to fused multiply-adds a kernel gives the same bits on every instruction set.
+# Without the two -fno-...-math flags the block loops do not vectorise; -ffast-math would break exp's rounding. Fused
+# multiply-adds stand in the source (RS_FMA) and are not left to the compiler, so that all sets that have them agree.
 FLAGS = [] if sys.platform == "win32" else ["-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"]
 # Debug symbols are a quarter of the compiler's time and two thirds of a file's size; CFLAGS=-g keeps them.
 SYMBOLS = [] if sys.platform == "win32" or re.search(r"(^| )-g", os.environ.get("CFLAGS", "")) else ["-g0"]

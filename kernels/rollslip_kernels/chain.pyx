@@ -13,7 +13,7 @@
 import numpy as np
 
 from cpython.buffer cimport (
-    PyBUF_C_CONTIGUOUS, PyBUF_FORMAT, PyBUF_READ, PyBUF_WRITABLE, PyBUF_WRITE, PyBuffer_Release, PyObject_GetBuffer,
+    PyBUF_FORMAT, PyBUF_READ, PyBUF_STRIDES, PyBUF_WRITABLE, PyBUF_WRITE, PyBuffer_Release, PyObject_GetBuffer,
 )
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.memoryview cimport PyMemoryView_FromMemory
@@ -29,11 +29,27 @@ from rollslip_stage cimport rs_cut, rs_new_capsule, rs_new_model
 from rollslip_kernels.layout import COLUMNS, CONDITIONS, layout
 from rollslip_kernels.slices import Conditions, Slices
 
+cdef extern from *:
+    """
+    #if defined(__GNUC__)
+    #define RS_SOON(p) __builtin_prefetch(p, 1, 2)
+    #else
+    #define RS_SOON(p) ((void)(p))
+    #endif
+    /* Ask for n values of a column that are worked on soon: to the second-level cache, to be written */
+    static void rs_ask_for(const double *column, size_t n) {
+        for (size_t i = 0; i < n; i += 8) RS_SOON(column + i);
+    }
+    """
+    void rs_ask_for(const double *, size_t) noexcept nogil
+
 cdef enum:
     MAX_STAGES = 8
     MAX_CHECKS = 128
     BLOCK = 256          # 13 columns x 256 x 8 B = 26 KiB: one block stays in a 32 KiB L1 cache
     RELEASE = 4096       # slices from which on the GIL is released: who gives it up may wait 5 ms to get it back
+    ROLLSLIP_COLUMNS_MOST = 64
+    LARGE = 8192         # slices from which on a table is larger than a second-level cache
     PYTHON_RAISED = -1   # the Python error is set in this thread
 
 cdef const rs_blocks *BLOCKS = rs_active_blocks()
@@ -59,6 +75,8 @@ cdef struct chain_t:
     int n_columns
     check_t conditions[MAX_CHECKS]
     int n_conditions
+    size_t used[ROLLSLIP_COLUMNS_MOST]   # offsets of all columns that are read or written
+    int n_used
     rs_range ranges[MAX_CHECKS]
     int begins[MAX_STAGES + 2]   # of the ranges of the table's own columns, and of what each stage writes
     Py_ssize_t block
@@ -107,6 +125,9 @@ cdef class Chain:
                 self.chain.ranges[c] = rs_range(offsets[name], low if low else -0.0, high)
                 c += 1
             self.chain.begins[k + 1] = c
+        for c, name in enumerate(sorted({name for filter in filters for name in filter})):
+            self.chain.used[c] = offsets[name]
+            self.chain.n_used = c + 1
 
     @property
     def block(self):
@@ -385,6 +406,8 @@ cdef int _run(const chain_t *c, const rs_slices *whole, refusal_t *refusal) noex
         for k in range(c.n_stages):
             check = -1 if inside else _outside(c, &part, k, False, &at)
             if check < 0:
+                if n >= LARGE:
+                    _ask_for_next(c, &part, k, min(step, n - start - part.n))
                 status = c.stages[k].evaluate(&part, c.stages[k].params)
                 if status != 0:
                     at = -1 if status < 0 or status > <Py_ssize_t>part.n else <Py_ssize_t>start + status - 1
@@ -397,6 +420,14 @@ cdef int _run(const chain_t *c, const rs_slices *whole, refusal_t *refusal) noex
                 return 1
         start += step
     return 0
+
+
+cdef void _ask_for_next(const chain_t *c, const rs_slices *part, int stage, size_t n) noexcept nogil:
+    """A stage's share of the columns of the next block, so that memory works while the stages do."""
+    cdef int k = stage
+    while k < c.n_used:
+        rs_ask_for((<double **>(<char *>part + c.used[k]))[0] + part.n, n)
+        k += c.n_stages
 
 
 cdef inline bint _inside(const chain_t *c, const rs_slices *part, int point) noexcept nogil:
@@ -455,6 +486,12 @@ def python_stage(evaluate, writes):
     return rs_new_model(_call_python, &pointer, sizeof(pointer), callee)
 
 
+def runs_python(capsule):
+    """Return whether a stage calls Python: one of `python_stage`, or a chain, which may hold some."""
+    cdef const rs_model *model = <const rs_model *>PyCapsule_GetPointer(capsule, ROLLSLIP_MODEL)
+    return model.evaluate == _call_python or model.evaluate == _call_chain
+
+
 def bound(slices):
     """Return a capsule "rollslip.slices" of an ``rs_slices`` that points at the table of ``slices``."""
     cdef rs_slices *made = <rs_slices *>malloc(sizeof(rs_slices))
@@ -484,22 +521,23 @@ cdef int _bind(rs_slices *s, slices) except -1:
         READ = conditions
     s[0] = VALUES
     # a typed memoryview costs three times as much; the table itself outlives the call, or is kept by who binds it
-    PyObject_GetBuffer(slices._table, &buffer, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE | PyBUF_FORMAT)
+    PyObject_GetBuffer(slices._table, &buffer, PyBUF_STRIDES | PyBUF_WRITABLE | PyBUF_FORMAT)
     try:
-        if buffer.ndim != 2 or buffer.shape[0] != ROLLSLIP_N_COLUMNS or buffer.format != b"d":
+        if (buffer.ndim != 2 or buffer.shape[0] != ROLLSLIP_N_COLUMNS or buffer.format != b"d"
+                or buffer.strides[1] != sizeof(double) and buffer.shape[1] > 1 or buffer.strides[0] % sizeof(double)):
             raise ValueError(f"a table of slices is one of {ROLLSLIP_N_COLUMNS} rows of doubles")
         s.n = buffer.shape[1]
-        _point(s, <double *>buffer.buf)
+        _point(s, <double *>buffer.buf, buffer.strides[0] // <Py_ssize_t>sizeof(double))
     finally:
         PyBuffer_Release(&buffer)
     return 0
 
 
-cdef void _point(rs_slices *s, double *table) noexcept:
+cdef void _point(rs_slices *s, double *table, Py_ssize_t apart) noexcept:
     cdef double **columns = &s.approach
     cdef int k
     for k in range(ROLLSLIP_N_COLUMNS):
-        columns[k] = table + k * s.n
+        columns[k] = table + k * apart
 
 
 cdef int _call_python(const rs_slices *s, const void *params) noexcept nogil:

@@ -1,4 +1,7 @@
-"""Instruction sets: the one asked for runs, one that is not there is refused in words, all give the same bits."""
+"""Instruction sets: the one asked for runs, one that is not there is refused in words.
+
+All sets that fuse multiply-adds give the same bits; the baseline of x86-64 cannot fuse, and differs by rounding.
+"""
 
 import os
 import subprocess
@@ -15,11 +18,16 @@ from rollslip_kernels.stages import simd
 SUPPORT = Path(__file__).parents[1] / "support"
 
 
-def run(code, name):
+#: Largest relative difference of a result of the baseline from the other sets'. Compared are all laws with inputs over
+#: four decades, where the condition of the thermal laws lifts rounding a hundredfold.
+ROUNDING = 1e-13
+
+
+def run(code, name, *arguments):
     """Run Python code with the instruction set forced."""
     path = os.pathsep.join(filter(None, [str(SUPPORT), os.environ.get("PYTHONPATH")]))
     environment = os.environ | {"ROLLSLIP_SIMD": name, "PYTHONPATH": path}
-    return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    return subprocess.run([sys.executable, "-c", code, *arguments], env=environment, capture_output=True, text=True)
 
 
 def test_the_widest_set_runs_by_default():
@@ -38,9 +46,9 @@ def test_a_set_that_is_not_there_is_refused_in_words(name):
     assert f"it has {', '.join(simd.available())}" in done.stderr
 
 
-#: Digest of what every compiled stage fills: typical slices, all lengths of an odd end, and then wide ones.
-DIGEST = """
-import hashlib, random
+#: What every compiled stage fills: typical slices, all lengths of an odd end, and then wide ones.
+FILLED = """
+import sys
 import numpy as np
 from fuzz import stages
 from rollslip import Chain
@@ -49,37 +57,56 @@ from rollslip_kernels.stages import simd
 
 single, *_ = stages.stages()
 rng = np.random.default_rng(7)
-print(simd.active())
+filled = {}
 for model in single:
-    digest, refused = hashlib.sha256(), 0
     for n in (*range(1, 18), 255, 256, 257, 1000):
         for wide in (0.0, 2.0):
             slices = stages.table(stages.typical(n))
             varied = {"load", "approach", "rolling_speed", "sliding_speed", "film_thickness"}
             for column in sorted(model.reads & varied):
                 getattr(slices, column)[:] *= np.exp(wide * rng.normal(size=n))
+            name = f"{type(model).__module__} {model.name} {len(filled)}"
             try:
                 Chain(model)(slices)
             except DomainError:
-                refused += 1
-            for column in sorted(model.writes):
-                digest.update(getattr(slices, column).tobytes())
-    print(type(model).__module__, model.name, digest.hexdigest(), refused)
+                filled[name] = np.full(1, np.nan)  # refused
+            else:
+                filled[name] = np.array([getattr(slices, column) for column in sorted(model.writes)])
+np.savez(sys.argv[1], **filled)
+print(simd.active())
 """
 
 
-def test_all_sets_give_the_same_bits():
-    printed = {}
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory):
+    """Instruction set -> what its stages fill."""
+    found = {}
     for name in simd.available():
-        done = run(DIGEST, name)
+        file = tmp_path_factory.mktemp("filled") / f"{name}.npz"
+        done = run(FILLED, name, str(file))
         assert done.returncode == 0, done.stderr[-2000:]
-        active, *lines = done.stdout.splitlines()
-        assert active == name
-        printed[name] = lines
-    assert len(printed["baseline"]) > 30
-    assert sum(int(line.split()[-1]) for line in printed["baseline"]) < 200  # of some 1500: most are computed
-    for lines in printed.values():
-        assert lines == printed["baseline"]
+        assert done.stdout.split() == [name]
+        found[name] = dict(np.load(file))
+    stages_seen = {key.rpartition(" ")[0] for key in found["baseline"]}
+    assert len(stages_seen) > 30
+    refused = sum(np.isnan(values).all() for values in found["baseline"].values())
+    assert refused < 200 < len(found["baseline"])  # most are computed
+    return found
+
+
+def test_all_sets_that_fuse_give_the_same_bits(filled):
+    fused = [values for name, values in filled.items() if name != "baseline"]
+    for values in fused[1:]:
+        assert values.keys() == fused[0].keys()
+        for key, value in values.items():
+            assert value.tobytes() == fused[0][key].tobytes(), key
+
+
+def test_the_baseline_differs_by_rounding(filled):
+    widest = filled[simd.available()[-1]]
+    assert widest.keys() == filled["baseline"].keys()
+    for key, value in filled["baseline"].items():
+        np.testing.assert_allclose(value, widest[key], rtol=ROUNDING, atol=1e-290, err_msg=key)
 
 
 def test_neighbours_change_no_bit_of_a_slice():

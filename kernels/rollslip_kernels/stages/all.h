@@ -1,4 +1,6 @@
 /* Everything of one instruction set, and its table */
+#undef ROLLSLIP_MATH_H
+#include "rollslip_math.h"
 #include "stages/contact.h"
 #include "stages/film.h"
 #include "stages/viscosity.h"
@@ -52,6 +54,17 @@ STRESS(eyring_stress, (void)d; PATH(eyring_stress)(whole, s, w, stress))
  * operations on 64 bits every set has these. */
 RS_INLINE uint64_t PATH(outside)(size_t n, const double *x, double low, double high) {
     uint64_t sign = 0, lost = 0;
+    if (low == -DBL_MAX && high == DBL_MAX) {   /* as results mostly */
+        for (size_t i = 0; i < n; i++) lost |= rs_bits(x[i] - x[i]);
+        return lost;
+    }
+    if (high == DBL_MAX) {
+        for (size_t i = 0; i < n; i++) {
+            sign |= rs_bits(x[i] - low);
+            lost |= rs_bits(x[i] - x[i]);
+        }
+        return sign >> 63 | lost;
+    }
     for (size_t i = 0; i < n; i++) {
         sign |= rs_bits(x[i] - low) | rs_bits(high - x[i]);
         lost |= rs_bits(x[i] - x[i]);

@@ -1,20 +1,26 @@
 /* Blend of two traction models by the share of the load that asperities carry.
  *
  * - A share law is a stage that fills the friction with the share, from film parameter and pressure.
- * - The slices that need a child are copied into scratch columns on the stack, so that a child runs only where it is
- *   needed and never learns that it is one. */
+ * - A child that an eighth of a block needs runs on all of it, and what is not needed is not taken: copying costs more
+ *   than computing. Where fewer need it, or it refuses a slice of a block that it was not needed for, or it runs
+ *   Python, the slices that need it are copied into scratch columns on the stack. It never learns that it is a child. */
 
 /* ((Lambda_hd - Lambda)/(Lambda_hd - Lambda_bd))^m, 1 below and 0 above the limits */
 STAGE(power_share, COL_film_thickness, COL_friction) {
     const double *law = (const double *)params, *film = s->film_thickness;
     double *share = s->friction, low = law[0], top = law[1], per_band = 1.0 / (top - low), exponent = law[2];
-    double roughness = s->roughness, x[BLOCK];
+    double per_roughness = 1.0 / s->roughness, x[BLOCK];
     size_t n = WHOLE(s->n);
     EACH(i, n) {
-        double film_parameter = film[i] / roughness, left = rs_clamped((top - film_parameter) * per_band, 0.0, 1.0);
+        double film_parameter = film[i] * per_roughness, left = rs_clamped((top - film_parameter) * per_band, 0.0, 1.0);
         x[i] = film_parameter > low ? left : 1.0;
     }
-    if (exponent >= 1.0 && exponent <= 64.0 && exponent == floor(exponent)) {   /* as a rule: by squaring */
+    if (exponent == 6.0) {   /* as published */
+        EACH(i, n) {
+            double cube = x[i] * x[i] * x[i];
+            share[i] = cube * cube;
+        }
+    } else if (exponent >= 1.0 && exponent <= 64.0 && exponent == floor(exponent)) {   /* as a rule: by squaring */
         EACH(i, n) share[i] = 1.0;
         for (unsigned left = (unsigned)exponent; left; left >>= 1) {
             if (left & 1) EACH(i, n) share[i] *= x[i];
@@ -65,69 +71,82 @@ STAGE(greenwood_tripp_share, COL_film_thickness | COL_pressure, COL_friction) {
     return 0;
 }
 
-/* Friction of the m slices `index` of a block after `child`, put at their places in `result` */
-static int PATH(run_child)(
-    const rs_model *child, const rs_slices *block, size_t m, const size_t *index, double *result
+/* Friction of a whole block after `child` */
+static int PATH(run_whole)(const rs_model *child, const rs_slices *block, double *result) {
+    rs_slices part = *block;
+    int status;
+    part.friction = result;
+    status = child->evaluate(&part, child->params);
+    return status > (int)part.n ? NO_SUCH_STATUS : status;
+}
+
+/* The same of the slices whose factor is not 0, `needed` of them, put at their places in `result` */
+static int PATH(run_gathered)(
+    const rs_model *child, const rs_slices *block, given factor, size_t needed, double *result
 ) {
     double scratch[COLUMNS][BLOCK];
+    size_t index[BLOCK + 1], m = 0;
     rs_slices part = *block;
     double *const *from = (double *const *)&block->approach, **to = &part.approach;
     int status;
-    if (m == 0) return 0;
-    if (m == block->n) {
-        part.friction = result;
-        status = child->evaluate(&part, child->params);
-        return status > (int)m ? NO_SUCH_STATUS : status;
-    }
-    part.n = m;
-    for (int c = 0; c < COLUMNS; c++) {
-        to[c] = scratch[c];
-        for (size_t i = 0; i < m; i++) to[c][i] = from[c][index[i]];
-    }
-    status = child->evaluate(&part, child->params);
-    if (status > (int)m) return NO_SUCH_STATUS;
-    if (status > 0) return (int)index[status - 1] + 1;
-    for (size_t i = 0; i < m; i++) result[index[i]] = part.friction[i];
-    return status;
-}
-
-/* Places at which a factor is not 0, and their number; the places only if some, but not all, are meant */
-static size_t PATH(places)(size_t n, const double *factor, size_t *index) {
-    uint64_t count = 0;
-    size_t m = 0;
-    for (size_t i = 0; i < n; i++) count += (uint64_t)(factor[i] != 0.0);
-    if (count == 0 || count == n) return (size_t)count;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < block->n; i++) {
         index[m] = i;
         m += factor[i] != 0.0;
     }
-    return m;
+    part.n = needed;
+    for (int c = 0; c < COLUMNS; c++) {
+        to[c] = scratch[c];
+        for (size_t i = 0; i < needed; i++) to[c][i] = from[c][index[i]];
+    }
+    status = child->evaluate(&part, child->params);
+    if (status > (int)needed) return NO_SUCH_STATUS;
+    if (status > 0) return (int)index[status - 1] + 1;
+    for (size_t i = 0; i < needed; i++) result[index[i]] = part.friction[i];
+    return status;
+}
+
+/* Friction after `child` wherever a factor is not 0; elsewhere anything */
+static int PATH(run_child)(
+    const rs_model *child, int raises, const rs_slices *block, given factor, double *result
+) {
+    uint64_t needed = 0;
+    for (size_t i = 0; i < block->n; i++) needed += (uint64_t)(factor[i] != 0.0);
+    if (needed == 0) return 0;
+    if (needed == block->n || (8 * needed >= block->n && !raises)) {
+        int status = PATH(run_whole)(child, block, result);
+        if (status <= 0 || needed == block->n) return status;
+    }
+    return PATH(run_gathered)(child, block, factor, (size_t)needed, result);
 }
 
 /* mu = mu_hd + (mu_bd - mu_hd) share */
 static int PATH(blend)(const rs_slices *s, const void *params) {
     const blend_params *q = (const blend_params *)params;
     double share[BLOCK], rest[BLOCK], boundary[BLOCK], hydrodynamic[BLOCK];
-    size_t index[BLOCK];
     for (size_t start = 0; start < s->n; start += BLOCK) {
         rs_slices part = cut(s, start, s->n - start < BLOCK ? s->n - start : BLOCK), shared = part;
-        size_t n = part.n, rough;
+        size_t n = part.n;
         double *friction = part.friction;
+        uint64_t rough = 0;
         int status;
         shared.friction = share;
         q->share(&shared, q->law);
-        rough = PATH(places)(n, share, index);
+        for (size_t i = 0; i < n; i++) rough |= (uint64_t)(share[i] != 0.0);
         if (rough == 0) {   /* mostly: full films alone */
-            status = PATH(run_child)(&q->hydrodynamic, &part, n, index, friction);
+            status = PATH(run_whole)(&q->hydrodynamic, &part, friction);
         } else {
             EACH(i, n) {
                 rest[i] = 1.0 - share[i];
                 boundary[i] = hydrodynamic[i] = 0.0;
             }
-            status = PATH(run_child)(&q->boundary, &part, rough, index, boundary);
+            status = PATH(run_child)(&q->boundary, q->boundary_raises, &part, share, boundary);
             if (status == 0)
-                status = PATH(run_child)(&q->hydrodynamic, &part, PATH(places)(n, rest, index), index, hydrodynamic);
-            if (status == 0) EACH(i, n) friction[i] = hydrodynamic[i] + (boundary[i] - hydrodynamic[i]) * share[i];
+                status = PATH(run_child)(&q->hydrodynamic, q->hydrodynamic_raises, &part, rest, hydrodynamic);
+            if (status == 0)
+                EACH(i, n) {
+                    double full = rest[i] != 0.0 ? hydrodynamic[i] : 0.0, part_bd = share[i] != 0.0 ? boundary[i] : 0.0;
+                    friction[i] = RS_FMA(part_bd - full, share[i], full);
+                }
         }
         if (status) return status > 0 ? status + (int)start : status;
     }

@@ -6,6 +6,17 @@ from rollslip_abi cimport ROLLSLIP_MODEL, rs_evaluate, rs_model
 from rollslip_blocks cimport TERMS, blend_params, rs_active_blocks
 from rollslip_stage cimport rs_new_model
 
+from rollslip_kernels.chain import runs_python
+
+
+cdef bint _raises(capsule) except -1:
+    """Whether a stage runs Python, which may raise on a slice that it was not needed for."""
+    cdef const rs_model *model = <const rs_model *>PyCapsule_GetPointer(capsule, ROLLSLIP_MODEL)
+    if model.evaluate != rs_active_blocks().blend:
+        return runs_python(capsule)
+    cdef const blend_params *q = <const blend_params *>model.params
+    return q.boundary_raises or q.hydrodynamic_raises
+
 
 cdef object _new(boundary, hydrodynamic, rs_evaluate share, tuple law):
     """Stage that blends two capsules by a share law; they live as long as it does."""
@@ -13,6 +24,7 @@ cdef object _new(boundary, hydrodynamic, rs_evaluate share, tuple law):
     cdef int k
     q.boundary = (<rs_model *>PyCapsule_GetPointer(boundary, ROLLSLIP_MODEL))[0]
     q.hydrodynamic = (<rs_model *>PyCapsule_GetPointer(hydrodynamic, ROLLSLIP_MODEL))[0]
+    q.boundary_raises, q.hydrodynamic_raises = _raises(boundary), _raises(hydrodynamic)
     q.share = share
     for k in range(<int>len(law)):
         q.law[k] = law[k]

@@ -4,12 +4,15 @@
  *   `in_blocks` cuts, and copies an odd end into padded scratch, its last slice repeated.
  * - The files of bodies are compiled once for each instruction set, here, in one translation unit: PATH(name) is the
  *   name in the set that is being compiled.
- * - The same operations in the same order everywhere, without contraction to fused multiply-adds (setup.py): the same
- *   bits on every set. */
+ * - The same operations in the same order everywhere. Multiply-adds are fused where the source says RS_FMA, not where a
+ *   compiler likes (setup.py): the same bits on every set that fuses, v3, v4 and the baseline of ARM. The baseline of
+ *   x86-64 has no such instruction and differs by rounding. */
 #ifndef ROLLSLIP_BLOCKS_H
 #define ROLLSLIP_BLOCKS_H
 #include "stages/table.h"
-#include "rollslip_math.h"
+#include <float.h>
+#include <math.h>
+#include <string.h>
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"   /* taken for possible: a block without slices */
@@ -94,6 +97,8 @@ static int in_blocks(const rs_slices *s, const void *params, rs_evaluate body, u
 #define JOINED(name, path) JOIN(name, path)
 #define PATH(name) JOINED(name, SET)
 
+#include "stages/names.h"
+
 #define SET baseline
 #include "stages/all.h"
 #undef SET
@@ -110,6 +115,8 @@ static int in_blocks(const rs_slices *s, const void *params, rs_evaluate body, u
 #pragma GCC push_options
 #pragma GCC target("avx,avx2,bmi,bmi2,f16c,fma,lzcnt,movbe")
 #endif
+#undef RS_FMA
+#define RS_FMA(a, b, c) __builtin_fma(a, b, c)
 #define SET v3
 #include "stages/all.h"
 #undef SET

@@ -2,7 +2,8 @@
  *
  * - Powers are 2^(sum of exponents times logarithms).  A logarithm is kept as integer and rest and an exponent as a
  *   high and a low part, so that the products of the large parts are exact (rs_log2_parts).
- * - So are those of U and W, made of their factors' logarithms: no digit is lost where a group itself is denormal, and
+ * - Where divisions meet, one serves all: its inverse times what the others leave out.
+ * - Logarithms of U and W are in two parts too, made of their factors' logarithms: no digit is lost where a group itself is denormal, and
  *   units of length, mass and time that are powers of two change no bit. */
 
 #ifndef LOG_EP
@@ -37,18 +38,27 @@ RS_INLINE double PATH(log2_of)(double x, double k_scale, double l_scale, double 
     return rest + l_scale;
 }
 
-/* h = R c U^u G^g W^w, factor R c G^g */
+/* log2 of U^u W^w in two parts */
 RS_INLINE double PATH(power_law)(
-    double factor, PATH(exponent) u, PATH(exponent) w, double ku, double lu, double kw, double lw
+    PATH(exponent) u, PATH(exponent) w, double ku, double lu, double kw, double lw, double *low
 ) {
-    return rs_exp2_times(factor, u.high * ku + w.high * kw,
-                         (u.low * ku + w.low * kw) + (u.whole * lu + w.whole * lw));
+    *low = RS_FMA(u.low, ku, RS_FMA(w.low, kw, RS_FMA(u.whole, lu, w.whole * lw)));
+    return RS_FMA(u.high, ku, w.high * kw);
+}
+
+/* film = factor 2^(high + low), the factors given in film */
+static void PATH(times_powers)(size_t n, given high, given low, filled film) {
+    uint64_t far = 0;
+    for (size_t i = 0; i < n; i++)   /* or the factor itself is beyond 2^-120 to 2^120 */
+        far |= rs_bits(900.0 - fabs(high[i])) | rs_bits(film[i] - 0x1p-120) | rs_bits(0x1p120 - film[i]);
+    if (far >> 63) EACH(i, n) film[i] = rs_exp2_times(film[i], high[i], low[i]);
+    else EACH(i, n) film[i] = rs_exp2_times_normal(film[i], high[i], low[i]);
 }
 
 STAGE(power_film, COL_rolling_speed | COL_load, COL_film_thickness) {
     const power_law *q = (const power_law *)params;
     const double *speed = s->rolling_speed, *load = s->load;
-    double *film = s->film_thickness, kw[BLOCK], lw[BLOCK];
+    double *film = s->film_thickness, kw[BLOCK], lw[BLOCK], high[BLOCK], low[BLOCK];
     PATH(scales) to = PATH(scales_of)(s);
     double factor = s->radius * (q->c * rs_pow(s->pressure_viscosity * s->modulus, q->g));
     PATH(exponent) u = PATH(split_exponent)(q->u), w = PATH(split_exponent)(q->w);
@@ -56,8 +66,10 @@ STAGE(power_film, COL_rolling_speed | COL_load, COL_film_thickness) {
     EACH(i, n) lw[i] = PATH(log2_of)(load[i], to.kw, to.lw, &kw[i]);
     EACH(i, n) {
         double ku, lu = PATH(log2_of)(speed[i], to.ku, to.lu, &ku);
-        film[i] = PATH(power_law)(factor, u, w, ku, lu, kw[i], lw[i]);
+        high[i] = PATH(power_law)(u, w, ku, lu, kw[i], lw[i], &low[i]);
+        film[i] = factor;
     }
+    PATH(times_powers)(n, high, low, film);
     return 0;
 }
 
@@ -68,7 +80,7 @@ STAGE(power_film, COL_rolling_speed | COL_load, COL_film_thickness) {
 STAGE(moes_film, COL_rolling_speed | COL_load, COL_film_thickness) {
     const double *speed = s->rolling_speed, *load = s->load;
     double *film = s->film_thickness, k2[BLOCK], l2[BLOCK], km[BLOCK], lm[BLOCK], over[BLOCK];
-    double i_high[BLOCK], i_low[BLOCK], p_high[BLOCK], p_low[BLOCK], ratio[BLOCK];
+    double i_high[BLOCK], i_low[BLOCK], p_high[BLOCK], p_low[BLOCK], ratio[BLOCK], near[BLOCK];
     PATH(scales) to = PATH(scales_of)(s);
     double G = s->pressure_viscosity * s->modulus, radius = s->radius;
     double kg, lg = rs_log2_parts(G > 1e-300 ? G : 1e-300, &kg);   /* without pressure viscosity, nothing of H_EP */
@@ -86,42 +98,55 @@ STAGE(moes_film, COL_rolling_speed | COL_load, COL_film_thickness) {
         EACH(i, n) k2[i] = k;
     }
     EACH(i, n) {
-        lm[i] = PATH(log2_of)(load[i], to.kw, to.lw, &km[i]) - 0.5 * l2[i];
-        km[i] -= 0.5 * k2[i];
+        lm[i] = RS_FMA(-0.5, l2[i], PATH(log2_of)(load[i], to.kw, to.lw, &km[i]));
+        km[i] = RS_FMA(-0.5, k2[i], km[i]);
     }
-    /* H_EP or H_RP, the smaller one, times (1 + (smaller/larger)^(7/2))^(-2/7) */
+    /* H_EP or H_RP, the smaller one, to be times (1 + ratio)^(-2/7), ratio = (smaller/larger)^(7/2) */
     EACH(i, n) {
-        double kl = kg + 0.25 * k2[i], ll = lg + 0.25 * l2[i];
-        double ep_high = 0.75 * kl - 0.125 * km[i], ep_low = LOG_EP + (0.75 * ll - 0.125 * lm[i]);
-        double rp_high = l23.high * kl, rp_low = LOG_RP + (l23.low * kl + l23.whole * ll);
+        double kl = RS_FMA(0.25, k2[i], kg), ll = RS_FMA(0.25, l2[i], lg);
+        double ep_high = RS_FMA(0.75, kl, -0.125 * km[i]), ep_low = RS_FMA(0.75, ll, RS_FMA(-0.125, lm[i], LOG_EP));
+        double rp_high = l23.high * kl, rp_low = RS_FMA(l23.low, kl, RS_FMA(l23.whole, ll, LOG_RP));
         double x = (ep_high - rp_high) + (ep_low - rp_low);
         p_high[i] = x > 0.0 ? rp_high : ep_high;
         p_low[i] = x > 0.0 ? rp_low : ep_low;
         ratio[i] = rs_exp2_falling(-3.5 * fabs(x));
     }
-    EACH(i, n) p_low[i] -= 2.0 / 7.0 * rs_log2_plus_one(ratio[i]);
-    /* H_RI or H_EI, the larger one, times (1 + (smaller/larger)^(7/3))^(3/7); s = (7 + 8 exp(-2 H_EI/H_RI))/5 */
+    /* H_RI or H_EI, the larger one, to be times (1 + near)^(3/7), near = (smaller/larger)^(7/3) */
     EACH(i, n) {
-        double ei_high = m02.high * km[i], ei_low = LOG_EI + (m02.low * km[i] + m02.whole * lm[i]);
-        double high = r08.high * km[i], low = LOG_EI_RI + (r08.low * km[i] + r08.whole * lm[i]), x = high + low;
+        double ei_high = m02.high * km[i], ei_low = RS_FMA(m02.low, km[i], RS_FMA(m02.whole, lm[i], LOG_EI));
+        double low = RS_FMA(r08.low, km[i], RS_FMA(r08.whole, lm[i], LOG_EI_RI)), x = RS_FMA(r08.high, km[i], low);
         double third = 1.0 / 3.0 * fabs(x), root = rs_exp2_falling(-(third < 30.0 ? third : 30.0));
         double less = root * root * root;
         i_high[i] = x < 0.0 ? -km[i] : ei_high;
         i_low[i] = x < 0.0 ? LOG_RI - lm[i] : ei_low;
-        ratio[i] = less * less * root;
-        over[i] = x < 0.0 ? less : 1.0 / less;
+        near[i] = less * less * root;
+        over[i] = x < 0.0 ? less : -less;   /* H_EI/H_RI, or less what it is over 1 */
     }
-    EACH(i, n) i_low[i] += 3.0 / 7.0 * rs_log2_plus_one(ratio[i]);
-    EACH(i, n) over[i] = 1.4 + 1.6 * rs_exp2_falling(-2.0 * RS_INV_LN2 * over[i]);
+    EACH(i, n) {
+        double less = fabs(over[i]), of_ratio = ratio[i] + RS_SQRT2_MORE, of_near = near[i] + RS_SQRT2_MORE;
+        double both = of_ratio * of_near, inverse = 1.0 / (both * less), each = less * inverse;
+        double thinner = 0.5 + rs_log2_ratio((ratio[i] - RS_SQRT2_LESS) * (of_near * each));
+        double thicker = 0.5 + rs_log2_ratio((near[i] - RS_SQRT2_LESS) * (of_ratio * each));
+        p_low[i] = RS_FMA(-2.0 / 7.0, thinner, p_low[i]);
+        i_low[i] = RS_FMA(3.0 / 7.0, thicker, i_low[i]);
+        over[i] = over[i] > 0.0 ? less : both * inverse;
+    }
+    /* s = (7 + 8 exp(-2 H_EI/H_RI))/5 */
+    EACH(i, n) over[i] = RS_FMA(1.6, rs_exp2_falling(-2.0 * RS_INV_LN2 * over[i]), 1.4);
     /* and of these two the larger one, times (1 + (smaller/larger)^s)^(1/s), so that no power over- or underflows */
     EACH(i, n) {
         double ahead = (p_high[i] - i_high[i]) + (p_low[i] - i_low[i]);
-        p_high[i] = (ahead > 0.0 ? p_high[i] : i_high[i]) + 0.5 * k2[i];
-        p_low[i] = (ahead > 0.0 ? p_low[i] : i_low[i]) + 0.5 * l2[i];
+        p_high[i] = RS_FMA(0.5, k2[i], ahead > 0.0 ? p_high[i] : i_high[i]);
+        p_low[i] = RS_FMA(0.5, l2[i], ahead > 0.0 ? p_low[i] : i_low[i]);
         ratio[i] = rs_exp2_falling(-over[i] * fabs(ahead));
     }
-    EACH(i, n) p_low[i] += rs_log2_plus_one(ratio[i]) / over[i];
-    EACH(i, n) film[i] = rs_exp2_times(radius, p_high[i], p_low[i]);
+    EACH(i, n) {
+        double of_ratio = ratio[i] + RS_SQRT2_MORE, inverse = 1.0 / (of_ratio * over[i]);
+        double thicker = 0.5 + rs_log2_ratio((ratio[i] - RS_SQRT2_LESS) * (over[i] * inverse));
+        p_low[i] = RS_FMA(thicker, of_ratio * inverse, p_low[i]);
+        film[i] = radius;
+    }
+    PATH(times_powers)(n, p_high, p_low, film);
     return 0;
 }
 
@@ -129,25 +154,39 @@ STAGE(moes_film, COL_rolling_speed | COL_load, COL_film_thickness) {
 STAGE(regime_film, COL_rolling_speed | COL_load, COL_film_thickness | COL_regime) {
     const power_law *laws = &((const regime_laws *)params)->ri;
     const double *speed = s->rolling_speed, *load = s->load;
-    double *film = s->film_thickness, *regime = s->regime, ku[BLOCK], lu[BLOCK], kw[BLOCK], lw[BLOCK], h[4][BLOCK];
+    double *film = s->film_thickness, *regime = s->regime, ku[BLOCK], lu[BLOCK], kw[BLOCK], lw[BLOCK];
+    double high[BLOCK], low[BLOCK], factor[4], log_factor[4];
     PATH(scales) to = PATH(scales_of)(s);
-    double G = s->pressure_viscosity * s->modulus, radius = s->radius;
+    PATH(exponent) u[4], w[4];
+    double G = s->pressure_viscosity * s->modulus;
     size_t n = WHOLE(s->n);
+    for (int law = 0; law < 4; law++) {
+        factor[law] = s->radius * (laws[law].c * rs_pow(G, laws[law].g));
+        log_factor[law] = rs_log2(factor[law]);
+        u[law] = PATH(split_exponent)(laws[law].u);
+        w[law] = PATH(split_exponent)(laws[law].w);
+    }
     EACH(i, n) lu[i] = PATH(log2_of)(speed[i], to.ku, to.lu, &ku[i]);
     EACH(i, n) lw[i] = PATH(log2_of)(load[i], to.kw, to.lw, &kw[i]);
-    for (int law = 0; law < 4; law++) {
-        double factor = radius * (laws[law].c * rs_pow(G, laws[law].g));
-        PATH(exponent) u = PATH(split_exponent)(laws[law].u), w = PATH(split_exponent)(laws[law].w);
-        EACH(i, n) h[law][i] = PATH(power_law)(factor, u, w, ku[i], lu[i], kw[i], lw[i]);
-    }
-    EACH(i, n) {
-        double ri = h[0][i], rp = h[1][i], ei = h[2][i], ep = h[3][i];
-        double isoviscous = ri > ei ? ri : ei, piezoviscous = rp < ep ? rp : ep;
-        double thick = piezoviscous > isoviscous ? piezoviscous : isoviscous;
+    EACH(i, n) {   /* the films are compared by their logarithms, and one is computed */
+        double ri_low, rp_low, ei_low, ep_low;
+        double ri_high = PATH(power_law)(u[0], w[0], ku[i], lu[i], kw[i], lw[i], &ri_low);
+        double rp_high = PATH(power_law)(u[1], w[1], ku[i], lu[i], kw[i], lw[i], &rp_low);
+        double ei_high = PATH(power_law)(u[2], w[2], ku[i], lu[i], kw[i], lw[i], &ei_low);
+        double ep_high = PATH(power_law)(u[3], w[3], ku[i], lu[i], kw[i], lw[i], &ep_low);
+        double ri = ri_high + (ri_low + log_factor[0]), rp = rp_high + (rp_low + log_factor[1]);
+        double ei = ei_high + (ei_low + log_factor[2]), ep = ep_high + (ep_low + log_factor[3]);
+        double iso = ri > ei ? ri : ei, iso_high = ri > ei ? ri_high : ei_high, iso_low = ri > ei ? ri_low : ei_low;
+        double piezo = rp < ep ? rp : ep, piezo_high = rp < ep ? rp_high : ep_high;
+        double piezo_low = rp < ep ? rp_low : ep_low, iso_factor = ri > ei ? factor[0] : factor[2];
+        double piezo_factor = rp < ep ? factor[1] : factor[3];
         double if_iso = ei > ri ? 2.0 : 0.0, if_piezo = ep < rp ? 3.0 : 1.0;
-        film[i] = thick;
-        regime[i] = piezoviscous > isoviscous ? if_piezo : if_iso;
+        high[i] = piezo > iso ? piezo_high : iso_high;
+        low[i] = piezo > iso ? piezo_low : iso_low;
+        film[i] = piezo > iso ? piezo_factor : iso_factor;
+        regime[i] = piezo > iso ? if_piezo : if_iso;
     }
+    PATH(times_powers)(n, high, low, film);
     return 0;
 }
 

@@ -52,6 +52,7 @@ cdef extern from "stages/table.h" nogil:
 
     ctypedef struct blend_params:
         rs_model boundary, hydrodynamic
+        int boundary_raises, hydrodynamic_raises
         rs_evaluate share
         double law[28]
 
@@ -79,6 +80,8 @@ cdef extern from "stages/table.h" nogil:
         void (*asinh)(size_t, const double *, double *) noexcept nogil
         void (*exp2_falling)(size_t, const double *, double *) noexcept nogil
         void (*log2_plus_one)(size_t, const double *, double *) noexcept nogil
+        void (*exp_normal)(size_t, const double *, double *) noexcept nogil
+        void (*expm1_falling)(size_t, const double *, double *) noexcept nogil
         void (*pow)(size_t, const double *, const double *, double *) noexcept nogil
         rs_stress_law muraki_stress, maxwell_stress, eyring_stress
         ptrdiff_t (*first_outside)(size_t, const double *, double, double) noexcept nogil

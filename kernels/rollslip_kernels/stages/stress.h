@@ -23,19 +23,32 @@
  * for else GCC makes a path of each case and a vectorised loop takes both */
 static void PATH(asinh_quotient)(size_t n, given s, filled value, filled quotient) {
     double k[BLOCK], over[BLOCK], by[BLOCK];
-    EACH(i, n) {
-        int large = s[i] > 0x1p28;
-        double root = sqrt(1.0 + (large ? 0.0 : s[i] * s[i])), m = rs_split_normal(large ? s[i] : s[i] + root, &k[i]);
-        int small = k[i] == 0.0;
-        over[i] = small ? s[i] : m - 1.0;
-        value[i] = 1.0 + (small ? root : m);
-        by[i] = small ? 1.0 : s[i];
-        k[i] = large ? k[i] + 1.0 : k[i];
+    uint64_t beyond = 0;
+    for (size_t i = 0; i < n; i++) beyond |= rs_bits(0x1p28 - s[i]);
+    if (beyond >> 63) {
+        EACH(i, n) {
+            int large = s[i] > 0x1p28;
+            double finite = large ? 0.0 : s[i], root = sqrt(RS_FMA(finite, finite, 1.0));
+            double m = rs_split_normal(large ? s[i] : s[i] + root, &k[i]);
+            int small = k[i] == 0.0;
+            over[i] = small ? s[i] : m - 1.0;
+            value[i] = 1.0 + (small ? root : m);
+            by[i] = small ? 1.0 : s[i];
+            k[i] = large ? k[i] + 1.0 : k[i];
+        }
+    } else {
+        EACH(i, n) {
+            double root = sqrt(RS_FMA(s[i], s[i], 1.0)), m = rs_split_normal(s[i] + root, &k[i]);
+            int small = k[i] == 0.0;
+            over[i] = small ? s[i] : m - 1.0;
+            value[i] = 1.0 + (small ? root : m);
+            by[i] = small ? 1.0 : s[i];
+        }
     }
     EACH(i, n) {
         double inverse = 1.0 / (value[i] * by[i]), t = over[i] * (by[i] * inverse), rest = 2.0 + rs_artanh_rest(t);
-        double r = k[i] * RS_LN2_HIGH + (k[i] * RS_LN2_LOW + t * rest), ratio = k[i] == 0.0 ? rest : r * value[i];
-        quotient[i] = ratio * inverse;
+        double r = RS_FMA(k[i], RS_LN2_HIGH, RS_FMA(k[i], RS_LN2_LOW, t * rest));
+        quotient[i] = (k[i] == 0.0 ? rest : r * value[i]) * inverse;
         value[i] = s[i] > 0x1p-28 && s[i] < RS_INF ? r : s[i];
     }
 }
@@ -49,13 +62,13 @@ static void PATH(muraki_parts)(size_t n, given s, given deborah, given w, given 
     double L[BLOCK], c[BLOCK], v[BLOCK], margin[BLOCK];
     PATH(asinh_quotient)(n, s, L, margin);
     EACH(i, n) {
-        margin[i] = 1.0 + (1.0 + w[i]) - deborah[i] * margin[i];
+        margin[i] = RS_FMA(-deborah[i], margin[i], 1.0 + (1.0 + w[i]));
         v[i] = margin[i] < 0.0 ? 0.0 : margin[i];
         c[i] = w[i] < 1e100 ? 1.0 : 1e-200;   /* a^2 may overflow */
     }
     EACH(i, n) {
-        double a = 1.0 + w[i], r = sqrt(c[i] * c[i] + (w[i] * c[i]) * (v[i] * c[i]));
-        double plateau = (L[i] * c[i]) * ((c[i] + r) + v[i] * c[i]), share = (c[i] + r) * (a * c[i] + r);
+        double a = 1.0 + w[i], r = sqrt(RS_FMA(w[i] * c[i], v[i] * c[i], c[i] * c[i]));
+        double plateau = (L[i] * c[i]) * RS_FMA(v[i], c[i], c[i] + r), share = (c[i] + r) * RS_FMA(a, c[i], r);
         over[i] = margin[i] < 0.0 ? e[i] : plateau;
         under[i] = margin[i] < 0.0 ? 1.0 : share;
     }

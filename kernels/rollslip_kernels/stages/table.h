@@ -19,7 +19,12 @@ typedef struct { double stress, modulus; } rise_params;   /* dtau0/dp and dGamma
 typedef struct { double flash; rise_params rise; } eyring_params;
 typedef struct { double flash, accuracy; rise_params rise; } maxwell_params;
 enum { TERMS = 26, NO_SUCH_STATUS = -2 };   /* of Greenwood and Tripp's integral; more than its number of slices */
-typedef struct { rs_model boundary, hydrodynamic; rs_evaluate share; double law[TERMS + 2]; } blend_params;
+typedef struct {
+    rs_model boundary, hydrodynamic;
+    int boundary_raises, hydrodynamic_raises;   /* it runs Python, and so only on slices that need it */
+    rs_evaluate share;
+    double law[TERMS + 2];
+} blend_params;
 
 #define STAGES(X) \
     X(hertz_line) X(power_deflection) X(lundberg_deflection) \
@@ -28,7 +33,8 @@ typedef struct { rs_model boundary, hydrodynamic; rs_evaluate share; double law[
     X(muraki) X(maxwell_eyring) X(eyring) X(kragelsky) X(constant) X(gupta) \
     X(carreau) X(limiting_shear) X(newtonian_thermal) X(eyring_thermal) \
     X(power_share) X(exponential_share) X(greenwood_tripp_share) X(blend)
-#define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh) X(exp2_falling) X(log2_plus_one)
+#define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh) X(exp2_falling) X(log2_plus_one) \
+    X(exp_normal) X(expm1_falling)
 
 /* Of n values of sigma, D and Phi, to an accuracy where there is a choice */
 typedef void (*rs_stress_law)(size_t, const double *, const double *, const double *, double, double *);

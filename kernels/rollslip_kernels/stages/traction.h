@@ -22,7 +22,7 @@ static void PATH(groups)(
         double h = film[i], b = half_width[i], V = fabs(sliding[i]), flow = u[i] * h;
         double inverse = 1.0 / (flow * b), per = b * inverse;   /* one division for b/u, V/h and u/b */
         sigma[i] = fluid * viscosity[i] * (V * (u[i] * per));
-        w[i] = fall[i] * (flash * sqrt(b * (h * per)) + across * h) * (tau0 * V);
+        w[i] = fall[i] * RS_FMA(flash, sqrt(b * (h * per)), across * h) * (tau0 * V);
         deborah[i] = soft * viscosity[i] * (u[i] * (flow * inverse));
         ramp[i] = elastic * (b * V) * per;
     }
@@ -84,8 +84,8 @@ STAGE(kragelsky, COL_rolling_speed | COL_sliding_speed, COL_friction) {
     double *friction = s->friction, limit = q->limit, rise = q->rise, decay = q->decay;
     size_t n = WHOLE(s->n);
     EACH(i, n) {
-        double x = fabs(sliding[i]) / u[i], left, gone = rs_expm1_exp(-decay * x, &left);
-        friction[i] = copysign(rise * x * left - limit * gone, sliding[i]);
+        double x = fabs(sliding[i]) / u[i], left, gone = rs_expm1_exp_falling(-decay * x, &left);
+        friction[i] = copysign(RS_FMA(rise * x, left, -limit * gone), sliding[i]);
     }
     return 0;
 }

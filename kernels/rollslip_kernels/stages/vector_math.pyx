@@ -70,6 +70,16 @@ def log2_plus_one(x, simd=None):
     return _map(_blocks(simd).log2_plus_one, x)
 
 
+def exp_normal(x, simd=None):
+    """e^x for |x| <= 700."""
+    return _map(_blocks(simd).exp_normal, x)
+
+
+def expm1_falling(x, simd=None):
+    """e^x - 1 for x <= 0."""
+    return _map(_blocks(simd).expm1_falling, x)
+
+
 def pow(x, y, simd=None):
     """x^y for x >= 0, elementwise over two arrays of one shape."""
     cdef const double[::1] base = np.ascontiguousarray(x, dtype=np.float64).reshape(-1)

@@ -6,12 +6,13 @@ STAGE(barus, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     double *viscosity = s->film_viscosity, *fall = s->film_thermoviscosity;
     double ambient = s->viscosity, alpha = s->pressure_viscosity, beta = s->thermoviscosity;
     double gamma = s->pressure_thermoviscosity;
+    uint64_t far = 0;
     size_t n = WHOLE(s->n);
     (void)params;
-    EACH(i, n) {
-        viscosity[i] = ambient * rs_exp(alpha * pressure[i]);
-        fall[i] = beta + gamma * pressure[i];
-    }
+    for (size_t i = 0; i < n; i++) far |= rs_bits(700.0 - fabs(alpha * pressure[i]));
+    if (far >> 63) EACH(i, n) viscosity[i] = ambient * rs_exp(alpha * pressure[i]);
+    else EACH(i, n) viscosity[i] = ambient * rs_exp_normal(alpha * pressure[i]);
+    EACH(i, n) fall[i] = RS_FMA(gamma, pressure[i], beta);
     return 0;
 }
 
