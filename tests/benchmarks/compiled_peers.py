@@ -3,7 +3,7 @@
 - *Cython* and *C* are scalar loops with the mathematics of the C library and the flags of rollslip's own kernels.
 - *C, unfair* has what rollslip may not have: flags that let the compiler change results, and code for this machine
   alone. It is a bound of what a C compiler reaches with the vector functions of the C library (libmvec).
-- *C, prototype* is a bound for rollslip's own way, prototype.h: blocks, own vector mathematics, nothing but the friction.
+- *C, prototype* is a bound for rollslip's own way, prototype.h: blocks, own vector mathematics, nothing but friction.
 """
 
 import atexit

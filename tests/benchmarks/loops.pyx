@@ -1,5 +1,5 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
-"""The contact chain as a scalar loop in Cython with the C library's functions, and calls of the loops of loop.h and prototype.h.
+"""The contact chain as a scalar loop in Cython with functions of the C library; calls of loop.h and prototype.h.
 
 The file is compiled under three names, with as many sets of flags.
 """

@@ -54,11 +54,11 @@ STRESS(eyring_stress, (void)d; PATH(eyring_stress)(whole, s, w, stress))
  * operations on 64 bits every set has these. */
 RS_INLINE uint64_t PATH(outside)(size_t n, const double *x, double low, double high) {
     uint64_t sign = 0, lost = 0;
-    if (low == -DBL_MAX && high == DBL_MAX) {   /* as results mostly */
+    if (low == -LARGEST && high == LARGEST) {   /* as results mostly */
         for (size_t i = 0; i < n; i++) lost |= rs_bits(x[i] - x[i]);
         return lost;
     }
-    if (high == DBL_MAX) {
+    if (high == LARGEST) {
         for (size_t i = 0; i < n; i++) {
             sign |= rs_bits(x[i] - low);
             lost |= rs_bits(x[i] - x[i]);

@@ -10,7 +10,6 @@
 #ifndef ROLLSLIP_BLOCKS_H
 #define ROLLSLIP_BLOCKS_H
 #include "stages/table.h"
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -19,6 +18,7 @@
 #endif
 
 #define BLOCK 256
+#define LARGEST 0x1.fffffffffffffp1023
 #define LANES 8   /* of the widest set */
 
 /* Columns by their place in rs_slices, where they adjoin, and as bits */
