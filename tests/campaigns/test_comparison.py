@@ -601,7 +601,9 @@ def test_figures_and_report_of_a_stored_comparison(tmp_path, monkeypatch, capsys
     for text in (*findings(found), *found.combination.values, "relative differences by regime", "lambda-blend"):
         assert text[1:] in page
     for name in curve_names(found):
-        assert f"{name}: combinations of models against moes + muraki." in page
+        rests_on = "critical slips with rollers at their epicyclic spin"
+        assert f"{name}, {rests_on}: combinations of models against moes + muraki." in page
+        assert f"{name}, {rests_on}".capitalize() in page, "the caption of its table"
     for k, label in enumerate(found.combination.values):
         assert f"<!-- {k + 1}  {label}" in html
 

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 import rollslip
 from rollslip.campaigns.sweep.figures import models_apart
+from rollslip.campaigns.sweep.findings import sentences as sweep_sentences
 from rollslip.campaigns.sweep.journal import FAILED, STATUSES
 from rollslip.campaigns.sweep.run import Progress, Settled
 from rollslip.campaigns.uncertainty import estimators
@@ -27,6 +28,7 @@ from rollslip.results.account import account_of
 from rollslip.results.figures import plot
 from rollslip.scene import FrozenTable
 from rollslip.scene.reading import load_scene
+from rollslip.studies.effective_friction.study import CLOSURES
 
 #: Few slices and slips: what is tested is what is made of the points.
 SCENE = rollslip.evolve(load_scene("1032930-70C"), {"accuracy.slices": 3, "study.effective-friction.points": 9})
@@ -386,7 +388,15 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
 def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
     over = {"operation.radial_load": "2 kN:6 kN:2", "operation.inner_speed": "4000 rpm:8000 rpm:2"}
     grid = rollslip.sweep(SCENE, over, study="effective-friction")
-    assert [path.name for path in plot(grid, tmp_path)] == ["sweep-map.svg"]
+    (file,) = plot(grid, tmp_path)
+    assert file.name == "sweep-map.svg"
+    rests_on = CLOSURES[SCENE.study["effective-friction"].get("closure", "free-roller")]
+    assert f"Critical cage slip of the inner ring {rests_on} over operation.radial_load" in file.read_text()
+    assert any(line.startswith(f"critical_cage_slip, inner ring {rests_on}: ") for line in sweep_sentences(grid))
+    closures = {"study.effective-friction.closure": ["epicyclic", "outer-rolling"]}
+    varied = rollslip.sweep(SCENE, closures, study="effective-friction")
+    assert "curves_with" not in varied.attrs
+    assert any(line.startswith("critical_cage_slip, inner ring: ") for line in sweep_sentences(varied))
     over = {"lubricant.eyring_stress": "3 MPa:6 MPa", "models.film": ["moes", "dowson-1968"]}
     models = rollslip.sweep(SCENE, over, samples=4, study="effective-friction")
     (file,) = plot(models, tmp_path)

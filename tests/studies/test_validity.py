@@ -299,8 +299,8 @@ def test_warnings_come_by_share_times_consequence_and_small_ones_are_counted():
     assert texts == [one.text for one in said[:2]]
     assert rest == (
         "laws are outside what they were made for, too, where the consequence is not known or below "
-        "accuracy.tolerance = 0.01: traction 'made-for-slow' (sliding speed <= 2.5 m/s; 75 % outside); rollslip info "
-        "of the stored result tells of each"
+        "accuracy.tolerance = 0.01: traction 'made-for-slow' (sliding speed <= 2.5 m/s; 75 % outside); rollslip run "
+        "of the scene tells of each"
     )
 
 

@@ -334,7 +334,7 @@ def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring
 
 
 def _given_by(member: str, conditions: Conditions, lubricant: Lubricant) -> str:
-    """What to type to have a member of the oil; a law of the rise with pressure that fixes it lets none be given."""
+    """What to type to have a member of the oil; a law that fixes what pressure does to viscosity lets none be given."""
     law = lubricant.pressure_viscosity_law
     if member.startswith("pressure_") and not math.isnan(law.coefficient(conditions.temperature)):
         return f"{law.name!r} lets none be given: take another lubricant.pressure_viscosity_law"

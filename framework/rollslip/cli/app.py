@@ -195,17 +195,12 @@ class Results:
 
     def tell(self, *datasets: "xr.Dataset") -> None:
         """Print the warnings of results, those of most consequence, and where everything was written to."""
-        from rollslip.results.words import warned
+        from rollslip.results.words import counted, warned
 
         first, more = warned(datasets)
         warn(first)
         if more:
-            warn(
-                [
-                    f"{len(more)} more bounds of laws are left, with less consequence or one that nobody knows: "
-                    f"{'; '.join(more)}; rollslip info of the .nc files in {self.target} tells of each"
-                ]
-            )
+            warn([f"{counted(more)}; rollslip info of the .nc files in {self.target} tells of each"])
         click.echo(f"written to {self.target}: {', '.join(self._files)}")
 
     # Runs that can go on after an interruption ------------------------------------------------------------------------

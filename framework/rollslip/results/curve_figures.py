@@ -179,7 +179,7 @@ def finish(
     written = axes.text(0.015, 0.985, notes, transform=axes.transAxes, va="top", fontsize=6.5, color="0.25")
     written.set_in_layout(False)
     if critical:
-        words = "critical slip; friction falls beyond it"
+        words = f"critical slip {critical[0].rests_on}".rstrip() + "; friction falls beyond it"
         handles = [*handles, Line2D([], [], color="0.35", linestyle="dashed", label=words, **MARKER)]
     figure.legend(handles=handles, loc="outside upper left")
     figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))

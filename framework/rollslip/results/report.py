@@ -33,7 +33,7 @@ from rollslip.references import Citation
 from rollslip.results.account import Table, account_of, capital
 from rollslip.results.curves import percent
 from rollslip.results.dataset import citations_of
-from rollslip.results.words import verdict, warned
+from rollslip.results.words import counted, verdict, warned
 from rollslip.scene.schema import schema
 from rollslip.units import UnitError, format_quantity
 from rollslip_kernels.slices import CONDITIONS
@@ -123,7 +123,7 @@ def _warnings(datasets: "Datasets") -> str:
     for heading, judged in _per_study(datasets, "validity", structured=True):
         if rest := [one["text"] for one in judged.get("told", ()) if one["text"] not in first]:
             body += heading + _list(rest)
-    summary = f"{len(more)} more bounds of laws are left, with less consequence or one that nobody knows"
+    summary = counted(more).partition(":")[0]
     return f"{_list(first)}<details>{_tag('summary', summary)}{body}</details>"
 
 

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from rollslip.results.account import account_of, headline_of, untold
@@ -12,7 +12,7 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["REST", "TOLD_FROM", "UNSURE", "runs_at", "runs_away", "verdict", "warned"]
+__all__ = ["REST", "TOLD_FROM", "UNSURE", "counted", "runs_at", "runs_away", "verdict", "warned"]
 
 #: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.
 UNSURE: Final = (
@@ -97,6 +97,12 @@ def warned(datasets: "Iterable[xr.Dataset]") -> tuple[list[str], list[str]]:
     ranked = sorted(bounds.values(), key=lambda one: (not one["warned"], not one["measured"], -one["weight"]))
     first = [one["text"] for one in ranked[:_MOST] if one["warned"]]
     return [*others, *first], [one["short"] for one in ranked[len(first) :]]
+
+
+def counted(more: "Sequence[str]") -> str:
+    """Say how many bounds are not told at once, and which; no full stop."""
+    what = f"{len(more)} more bounds of laws are left, with less consequence or one that nobody knows"
+    return f"{what}: {'; '.join(more)}"
 
 
 def _trust(datasets: "list[xr.Dataset]") -> str:

@@ -112,7 +112,13 @@ class Study(abc.ABC):
     @property
     def attributes(self) -> dict[str, Any]:
         """The attributes by which a result is told from others."""
-        return {"study": self.name} | ({} if self.curves_of is None else {"curves": self.curves_of.attribute})
+        said = {"study": self.name} | ({} if self.curves_of is None else {"curves": self.curves_of.attribute})
+        return said | ({"curves_with": self.curves_with} if self.curves_with else {})
+
+    @property
+    def curves_with(self) -> str:
+        """What its curves rest on, told beside their critical slips: "with rollers that ..."; empty for nothing."""
+        return ""
 
     @classmethod
     def variables(cls, **values: Any) -> dict[str, Any]:

@@ -366,7 +366,7 @@ def sentences(said: Sequence[Told], tolerance: float = 0.0) -> list[str]:
     if not rest:
         return texts
     below = f" or below accuracy.tolerance = {tolerance:g}" if tolerance > 0.0 else ""
-    return [*texts, f"{REST} not known{below}: {'; '.join(rest)}; rollslip info of the stored result tells of each"]
+    return [*texts, f"{REST} not known{below}: {'; '.join(rest)}; rollslip run of the scene tells of each"]
 
 
 def _percent(share: float) -> str:

@@ -35,7 +35,8 @@ class ComparisonAccount(Account):
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return a table for each curve."""
-        return [Table(*table) for table in findings.tables(dataset)]
+        tables = findings.tables(dataset)
+        return [Table(findings.captioned(dataset, name), head, rows) for name, head, rows in tables]
 
     def story(self, dataset: "xr.Dataset") -> Story:
         """Return what was found, with the differences bin by bin."""

@@ -37,6 +37,8 @@ from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import origin, together
 from rollslip.results.curves import Curves
 from rollslip.results.dataset import CITED, about
+from rollslip.results.words import counted
+from rollslip.results.words import warned as of_consequence
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash
@@ -435,15 +437,17 @@ def _origin(
 
     warned: dict[str, list[str]] = {}
     packages: dict[str, str] = {}
-    for label, attributes in runs.items():
-        packages |= json.loads(attributes["packages"])
-        for warning in json.loads(attributes["warnings"]):
+    for label, result in done.items():
+        packages |= json.loads(result.attrs["packages"])
+        told, more = of_consequence([result])
+        for warning in (*told, *([f"{counted(more)}; rollslip run of the scene tells of each"] if more else [])):
             warned.setdefault(warning, []).append(label)
     largest = [key for key in ("instants_error", "slices_error", "force_residual", "moment_residual") if key in first]
     return {key: max(attributes[key] for attributes in runs.values()) for key in largest} | origin(
         study="comparison",
         compared=comparison.study,
         curves=comparison.curves.attribute,
+        **({"curves_with": first["curves_with"]} if "curves_with" in first else {}),
         reference=comparison.reference,
         reference_named=int(comparison.named),
         exchanged=comparison.exchanged,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.campaigns.comparison.findings import curves_of, members
+from rollslip.campaigns.comparison.findings import captioned, curves_of, members
 from rollslip.results.curves import curve_names, curves
 from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ROW, TWO_COLUMNS, axis_label
 
@@ -26,7 +26,7 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Draw a figure for each curve; give name, caption and figure."""
     names = curve_names(dataset)
     for position, name in enumerate(names):
-        caption = f"{name}: combinations of models against {dataset.attrs['reference']}."
+        caption = f"{captioned(dataset, name)}: combinations of models against {dataset.attrs['reference']}."
         slug = "" if len(names) == 1 else f"-{name.replace(' ', '-')}"
         yield f"comparison{slug}", caption, _comparison(dataset, position)
 

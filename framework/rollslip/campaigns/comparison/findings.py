@@ -106,6 +106,12 @@ def tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[
     return [(name, head, rows) for name, rows in found.items()]
 
 
+def captioned(dataset: "xr.Dataset", name: str) -> str:
+    """Return what a table or figure of a curve is called: with what its critical slips rest on."""
+    rests_on = dataset.attrs.get("curves_with", "")
+    return f"{name}, critical slips {rests_on}" if rests_on else name
+
+
 def bin_tables(dataset: "xr.Dataset") -> list[tuple[str, tuple[str, ...], list[list[str]]]]:
     """Return name, head and rows of a table of the differences in each bin, for each curve that has friction."""
     found: dict[str, dict[str, list[str]]] = {}

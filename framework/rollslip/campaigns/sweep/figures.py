@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.campaigns.sweep.findings import resting
 from rollslip.results.style import MM, MODEL_COLOURS, ONE_COLUMN, light_to_dark
 
 if TYPE_CHECKING:
@@ -44,8 +45,8 @@ def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     sampled = "sample" in dataset.dims
     if len(numbers) == 2 and not sampled and all(dataset.sizes[key] <= _PANELS for key in choices):
         caption = (
-            f"Critical cage slip of the inner ring over {numbers[0]} and {numbers[1]}; hatched where there is none in "
-            "the range, or its point failed."
+            f"Critical cage slip of the inner ring{resting(dataset)} over {numbers[0]} and {numbers[1]}; hatched where "
+            "there is none in the range, or its point failed."
         )
         yield "sweep-map", caption, _map(values, numbers, choices)
     if sampled and choices and not numbers:
@@ -67,8 +68,9 @@ def models_apart(dataset: "xr.Dataset") -> str:
     else:
         scatter = f"the middle half of {(~known).sum()} ends beyond the range"
     return (
-        f"Critical cage slip of the inner ring for {len(quantiles)} choices of {key}: median, middle half, and 5 to "
-        f"95 % of the samples (100 % where they lie beyond the range, or their point failed): {apart}, {scatter}."
+        f"Critical cage slip of the inner ring{resting(dataset)} for {len(quantiles)} choices of {key}: median, middle "
+        "half, and 5 to 95 % of the samples (100 % where they lie beyond the range, or their point failed): "
+        f"{apart}, {scatter}."
     )
 
 

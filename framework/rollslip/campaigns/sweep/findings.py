@@ -24,10 +24,16 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
             least, largest, median = (with_unit(row[which], row["unit"]) for which in ("least", "largest", "median"))
             where = f"{least} to {largest}, median {median}"
         why = f" ({row['why']})" if row["why"] else ""
+        called = f"{name}{resting(dataset)}" if name.startswith("critical_") else name
         lines.append(
-            f"{name}: {where}; {row['values']} value{'s' * (row['values'] != 1)}, {row['missing']} without one{why}"
+            f"{called}: {where}; {row['values']} value{'s' * (row['values'] != 1)}, {row['missing']} without one{why}"
         )
     return lines
+
+
+def resting(dataset: "xr.Dataset") -> str:
+    """Return what critical slips rest on, after a space; nothing where it varies or is not known."""
+    return f" {dataset.attrs['curves_with']}" if "curves_with" in dataset.attrs else ""
 
 
 def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:

@@ -22,6 +22,7 @@ from rollslip.campaigns.sweep.point import unpacked
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.results.dataset import about
+from rollslip.studies.study import settings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,6 +91,7 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
     return origin(
         study="sweep",
         swept=sweep.study,
+        **_resting(sweep),
         sweep_hash=sweep.hash,
         **scene_told(sweep.scene, sweep.given),
         axes=facts["axes"],
@@ -104,6 +106,14 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
         **citations_told(sweep.citations),
         warnings=warnings,
     )
+
+
+def _resting(sweep: Sweep) -> dict[str, str]:
+    """What the curves of all points rest on, as their study says it; nothing where that varies."""
+    if any(key.startswith(f"study.{sweep.study}.") for key in sweep.facts["axes"]):
+        return {}
+    said = settings(sweep.scene, sweep.study)[sweep.study].curves_with
+    return {"curves_with": said} if said else {}
 
 
 class _Fields:

@@ -123,8 +123,7 @@ def _map(dataset: "xr.Dataset") -> "Figure":
         Line2D([], [], color="black", linewidth=1.25, label="pure rolling, no friction"),
     ]
     if any(curve.has_critical for curve in curves(dataset)):
-        handles.append(
-            Line2D([], [], color="white", markeredgecolor="black", marker="o", markersize=5, label="critical cage slip")
-        )
+        label = f"critical cage slip {dataset.attrs.get('curves_with', '')}".rstrip()
+        handles.append(Line2D([], [], color="white", markeredgecolor="black", marker="o", markersize=5, label=label))
     figure.legend(handles=handles, loc="outside upper left", ncols=3)
     return figure

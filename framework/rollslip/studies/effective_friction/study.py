@@ -290,6 +290,11 @@ class EffectiveFriction(Study):
         return self.max_cage_slip
 
     @property
+    def curves_with(self) -> str:
+        """What the rollers do, by the closure."""
+        return CLOSURES[self.closure]
+
+    @property
     def averaged(self) -> bool:
         """Whether the curves are means over the instants of a pitch."""
         return True
@@ -408,7 +413,6 @@ class EffectiveFriction(Study):
             coords["map_roller_slip"] = ("map_roller_slip", roller, about("1", "roller slip"))
         said = {
             "closure": self.closure,
-            "curves_with": CLOSURES[self.closure],
             "instants": int(loads.psi.shape[0]),
             "slices": assembly.slices,
             "force_residual": loads.force_residual,
