@@ -1,7 +1,9 @@
 """Where a cage runs away: against other solvers, the figures it was first seen with, and what is said where not."""
 
 import csv
+import functools
 import math
+import re
 from pathlib import Path
 
 import attrs
@@ -12,9 +14,11 @@ from scipy.optimize import brentq
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import locate, slip_grid
+from rollslip.bearing.resolution import Resolution
 from rollslip.errors import DomainError
 from rollslip.models import NO_LIMITS, TractionModel
-from rollslip.motion.runaway import free_torques, rollers, runaway, running
+from rollslip.motion import runaway as module
+from rollslip.motion.runaway import Runaway, free_torques, near_running_away, rollers, runaway, running
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip_kernels.slices import Slices
@@ -252,3 +256,65 @@ def test_a_law_without_a_value_is_told_where_it_is_not_known_how_the_cage_runs(m
     monkeypatch.setattr("rollslip.motion.runaway.TorqueBalance.orbit", refused)
     assert running(assembly, 4, away).status == "it is not known at which slip the cage runs: no value here"
     assert running(assembly, 4, attrs.evolve(away, slips=away.slips[:0])).status == away.status
+
+
+# Near the slip of running away ---------------------------------------------------------------------------------------
+
+
+@functools.cache
+def few():
+    """The shipped bearing as choices are tried: few slices, one instant."""
+    return assemble(load_scene("1032930-50C"), Resolution(slices=12, quadrature="equal", table_tolerance=1e-3))
+
+
+def test_far_from_running_away_effective_friction_is_not_asked(monkeypatch):
+    asked = []
+    monkeypatch.setattr(module, "runaway", lambda *given, **named: asked.append(named) or Runaway(0.42, 0.72, "found"))
+    assert near_running_away(few(), 0.0) is None
+    assert near_running_away(few(), 0.05) is None
+    assert asked == [{}, {}]
+
+
+def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction_is_off():
+    """Against study steady-slip, which finds the largest drag on its own curve, by both frictions."""
+    both = [
+        SteadySlip(friction=friction).run(few().at(attrs.evolve(few().resolution, instants=2)))
+        for friction in ("conventional", "effective")
+    ]
+    conventional, effective = (float(one.largest_drag) for one in both)
+    said = near_running_away(few(), 0.4).text
+    slip, off = re.fullmatch(
+        r"with a cage slip of 40 % the cage is near that of running away, (\S+) %, where effective friction is off by "
+        r"(\S+) % of the drag",
+        said,
+    ).groups()
+    assert float(slip) == pytest.approx(100 * float(both[0].largest_drag_slip), abs=1.0)
+    assert float(off) == pytest.approx(100 * abs(effective / conventional - 1), rel=0.05)
+
+
+def test_beyond_the_slip_of_running_away_is_near_it():
+    assert near_running_away(few(), 0.5).text.startswith(
+        "with a cage slip of 50 % the cage is near that of running away"
+    )
+
+
+@pytest.mark.parametrize(
+    ("exact", "simple", "said"),
+    [
+        (0.42, math.nan, ", and it does so by one of both frictions alone"),
+        (math.nan, 0.42, ", and it does so by one of both frictions alone"),
+        (math.nan, math.nan, None),
+    ],
+)
+def test_a_cage_that_runs_away_by_one_friction_only_is_near_it(exact, simple, said, monkeypatch):
+    def found(assembly, instants, largest, allow, *, effective=False):
+        slip = simple if effective else exact
+        return Runaway(slip, 0.72 if slip > 0.0 else math.nan, "as it is")
+
+    monkeypatch.setattr(module, "runaway", found)
+    near = near_running_away(few(), 0.4)
+    if said is None:
+        assert near is None
+        return
+    assert near.text == f"with a cage slip of 40 % the cage is near that of running away, 42 %{said}"
+    assert near.off == math.inf

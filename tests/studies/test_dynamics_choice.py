@@ -2,7 +2,6 @@
 
 import functools
 import math
-import re
 
 import attrs
 import numpy as np
@@ -14,12 +13,10 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.discovery import available
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError
-from rollslip.motion.runaway import Runaway
 from rollslip.planning.plan import plan
 from rollslip.studies.dynamics import choice as estimates
-from rollslip.studies.dynamics.choice import choose_motion, near_running_away
+from rollslip.studies.dynamics.choice import choose_motion
 from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.steady_slip.study import SteadySlip
 
 SHIPPED = load_scene("1032930-50C")
 NAMED = {"friction": "effective", "level": "cage-set", "integrator": "rodas5p"}
@@ -165,65 +162,3 @@ def test_an_interrupt_while_a_choice_is_tried_is_one(setting, monkeypatch):
     monkeypatch.setattr("rollslip.motion.time_integration._Run._stretch", interrupted)
     with pytest.raises(KeyboardInterrupt):
         plan(scene, "dynamics")
-
-
-# Near the slip of running away ---------------------------------------------------------------------------------------
-
-
-@functools.cache
-def few():
-    """The shipped bearing as choices are tried: few slices, one instant."""
-    return bearing().at(Resolution(slices=12, quadrature="equal", table_tolerance=1e-3))
-
-
-def test_far_from_running_away_effective_friction_is_not_asked(monkeypatch):
-    asked = []
-    monkeypatch.setattr(
-        estimates, "runaway", lambda *given, **named: asked.append(named) or Runaway(0.42, 0.72, "found")
-    )
-    assert near_running_away(few(), 0.0) == ""
-    assert near_running_away(few(), 0.05) == ""
-    assert asked == [{}, {}]
-
-
-def test_near_running_away_it_is_told_by_how_much_of_the_drag_effective_friction_is_off():
-    """Against study steady-slip, which finds the largest drag on its own curve, by both frictions."""
-    both = [
-        SteadySlip(friction=friction).run(few().at(attrs.evolve(few().resolution, instants=2)))
-        for friction in ("conventional", "effective")
-    ]
-    conventional, effective = (float(one.largest_drag) for one in both)
-    said = near_running_away(few(), 0.4)
-    slip, off = re.fullmatch(
-        r"with a cage slip of 40 % the cage is near that of running away, (\S+) %, where effective friction is off by "
-        r"(\S+) % of the drag",
-        said,
-    ).groups()
-    assert float(slip) == pytest.approx(100 * float(both[0].largest_drag_slip), abs=1.0)
-    assert float(off) == pytest.approx(100 * abs(effective / conventional - 1), rel=0.05)
-
-
-def test_beyond_the_slip_of_running_away_is_near_it():
-    assert near_running_away(few(), 0.5).startswith("with a cage slip of 50 % the cage is near that of running away")
-
-
-@pytest.mark.parametrize(
-    ("exact", "simple", "said"),
-    [
-        (0.42, math.nan, ", and it does so by one of both frictions alone"),
-        (math.nan, 0.42, ", and it does so by one of both frictions alone"),
-        (math.nan, math.nan, ""),
-    ],
-)
-def test_a_cage_that_runs_away_by_one_friction_only_is_near_it(exact, simple, said, monkeypatch):
-    def found(assembly, instants, largest, allow, *, effective=False):
-        slip = simple if effective else exact
-        return Runaway(slip, 0.72 if slip > 0.0 else math.nan, "as it is")
-
-    monkeypatch.setattr(estimates, "runaway", found)
-    assert (
-        near_running_away(few(), 0.4).removeprefix(
-            "with a cage slip of 40 % the cage is near that of running away, 42 %"
-        )
-        == said
-    )

@@ -13,6 +13,8 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
+from rollslip import plan
+from rollslip import run as run_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import Drags
@@ -855,3 +857,38 @@ def test_a_first_look_tells_crossings_only_where_they_are_beyond_doubt():
 def test_a_crossing_is_found_from_near_it_or_not_at_all(start, slope, found):
     told = crossing(lambda slip: np.tanh(3.0 * (slip - 0.12)), start, slope, 0.9, 1e-9)
     assert told is None if found is None else told[0] == pytest.approx(found, rel=1e-12)
+
+
+# Effective friction near running away ---------------------------------------------------------------------------------
+
+NEAR = evolve(SHIPPED, {"study.steady-slip.friction": "effective", "study.steady-slip.points": 8})
+
+
+@pytest.mark.parametrize(
+    ("changes", "friction"),
+    [
+        ({"cage.drag": [brake(0.2)]}, "effective"),  # 0.72 N m can be carried
+        ({"cage.drag": [brake(0.69)]}, "conventional"),
+        ({"cage.drag": [brake(0.69)], "accuracy.friction": 0.1}, "effective"),  # it is off by 4 to 5 % of the drag
+        ({"cage.drag": [brake(1.5)]}, "conventional"),
+    ],
+)
+def test_a_plan_takes_effective_friction_where_its_known_error_near_running_away_is_allowed(changes, friction):
+    made = plan(evolve(NEAR, changes), "steady-slip")
+    assert made.studies["steady-slip"].friction == friction
+    (said,) = (part for part in made.parts if part.part == "friction of the raceways")
+    assert said.choice == friction
+    if friction == "effective":
+        assert said.reason == "study.steady-slip names it"
+    else:
+        assert said.reason.startswith("in place of effective friction: with a cage slip of")
+        assert said.reason.endswith("% of the drag; widen accuracy.friction beyond that to have it")
+
+
+def test_a_result_says_that_its_friction_is_not_the_one_that_was_named():
+    result = run_scene(evolve(NEAR, {"cage.drag": [brake(0.69)], "accuracy.tolerance": 1e-2}), "steady-slip")
+    assert result.attrs["friction"] == "conventional"
+    assert any(
+        text.startswith("study.steady-slip.friction is 'conventional', not 'effective', as the scene names it: with a")
+        for text in json.loads(result.attrs["warnings"])
+    )

@@ -38,6 +38,10 @@ _FIRST, _FOUND = 0.1, 2e-3
 _MOST_SLIPS = 24
 #: Points that a polynomial goes through near the maximum, and by how much it may miss the torque there.
 _FIVE, _SMOOTH = 5, 1e-5
+#: Largest cage slip at which it is looked whether the cage runs away where no study says one.
+_RANGE = 0.95
+#: Share of the largest drag below which a cage is far from running away, whatever effective friction is off.
+_FAR = 0.5
 #: Relative accuracy of the slip at which the cage runs.
 _RUNS = 1e-4
 #: What a maximum has to stand out by from the end of the range, relative to it; a slip at which the cage hardly turns.
@@ -116,6 +120,51 @@ def _largest(
         f"the cage was not found to run away up to a slip of {end:.4g}, where the rollers carry the largest drag, "
         f"{torques[best]:.3g} N m; {further}"
     )
+
+
+@attrs.frozen
+class Near:
+    """What effective friction leaves unknown near the slip of running away: in words, and relative to the drag."""
+
+    text: str
+    off: float
+
+
+def near_running_away(assembly: Assembly, slip: float | None = None) -> Near | None:
+    """Say what effective friction leaves unknown of a cage at a slip; None where it is far from running away.
+
+    Effective friction is off by some share of the largest drag. The cage is near where the drag that it carries at the
+    slip is less than twice that share below the largest one by either friction. Where it is less than half of it,
+    effective friction is not asked: it is off by 23 % at most (docs/tables/runaway_effective_summary.csv).
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing, with few slices.
+    slip : float, optional
+        The cage slip; by default that at which its drags are carried, or where they are not, that of running away.
+    """
+    exact = runaway(assembly, 1, _RANGE, "")
+    if slip is None:
+        slip = running(assembly, 1, exact).slip
+        slip = exact.slip if math.isnan(slip) else slip
+    carried = rollers(assembly, 1).torque(slip) if slip > 0.0 else 0.0
+    if slip < exact.slip and carried < _FAR * exact.drag:
+        return None
+    simple = runaway(assembly, 1, _RANGE, "", effective=True)
+    known = [one for one in (exact, simple) if not math.isnan(one.slip)]
+    if not known or math.isnan(slip):
+        return None
+    off = abs(simple.drag / exact.drag - 1.0) if len(known) == 2 else math.inf
+    least = min(known, key=lambda one: one.drag)
+    if slip < least.slip and carried < (1.0 - 2.0 * min(off, 0.5)) * least.drag:
+        return None
+    where = (
+        f"with a cage slip of {100.0 * slip:.3g} % the cage is near that of running away, {100.0 * known[0].slip:.3g} %"
+    )
+    if len(known) < 2:
+        return Near(f"{where}, and it does so by one of both frictions alone", off)
+    return Near(f"{where}, where effective friction is off by {100.0 * off:.2g} % of the drag", off)
 
 
 def running(assembly: Assembly, instants: int, away: Runaway) -> Running:

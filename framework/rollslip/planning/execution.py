@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -190,6 +190,13 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     found += validity.corrections(assembly.film)
     temperatures = dict.fromkeys(raceway.conditions.temperature for raceway in assembly.raceways)
     found += dict.fromkeys(note for T in temperatures for note in assembly.lubricant.notes(T))
+    given: Mapping[str, Any] = plan.scene.study.get(study, {})
+    found += [
+        f"study.{study}.{setting} is {getattr(running, setting)!r}, not {given[setting]!r}, as the scene names it: "
+        f"{reason}"
+        for setting, reason in plan.estimated[study].reasons.items()
+        if setting in given
+    ]
     if accuracy.slices is not None and (error := dataset.attrs.get("slices_error", 0.0)) > accuracy.tolerance:
         found.append(
             f"{plan.estimated[study].resolution.slices} slices leave a relative error of about {error:.1e}, more than "

@@ -29,17 +29,13 @@ from rollslip.catalogue.registry import available, get_model
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.models import IntegratorModel
 from rollslip.motion.moving_bearing import MovingBearing
-from rollslip.motion.runaway import rollers, runaway
+from rollslip.motion.runaway import near_running_away
 from rollslip.motion.time_integration import Trajectory
 
 #: What a plan chooses -> the finest of it that needs nothing more from a scene.
 OPEN: Final = {"friction": "conventional", "level": "pocket", "integrator": None}
 #: Slices and error of tables, with which motions are tried.
 _FEW, _TABLE = 12, 1e-3
-#: Largest cage slip at which it is looked whether the cage runs away.
-_RANGE: Final = 0.95
-#: Share of the largest drag below which a cage is far from running away, whatever effective friction is off.
-_FAR: Final = 0.5
 #: Shares of the tolerance of the cage speed that the simpler friction and the simpler level may take.
 _SHARE: Final = {"friction": 0.3, "level": 0.2}
 #: Error of their steps, relative to the tolerance of the cage speed, and the largest one.
@@ -186,7 +182,7 @@ class _Trials:
         if off <= allowed:
             reached = 1.0 - float(conventional.min())
             if near := near_running_away(self.few, reached):
-                return "conventional", f"{found}, but {near}", None
+                return "conventional", f"{found}, but {near.text}", None
             return "effective", f"{found}, less than the {allowed:.1e} that it may take", off
         return "conventional", f"{found}, more than the {allowed:.1e} that effective friction may take", None
 
@@ -254,33 +250,6 @@ class _Trials:
         begin = time.process_time()
         found = _finished(study, study.tried(moving, np.array([0.0, span]), _USUAL))
         return _Tried(found, time.process_time() - begin)
-
-
-def near_running_away(assembly: Assembly, slip: float) -> str:
-    """Say what effective friction leaves unknown of a cage at a slip; nothing where it is far from running away.
-
-    Effective friction is off by some share of the largest drag. The cage is near where the drag that it carries at the
-    slip is less than twice that share below the largest one by either friction. Where it is less than half of it,
-    effective friction is not asked: it is off by 23 % at most (docs/tables/runaway_effective_summary.csv).
-    """
-    exact = runaway(assembly, 1, _RANGE, "")
-    carried = rollers(assembly, 1).torque(slip) if slip > 0.0 else 0.0
-    if slip < exact.slip and carried < _FAR * exact.drag:
-        return ""
-    simple = runaway(assembly, 1, _RANGE, "", effective=True)
-    known = [one for one in (exact, simple) if not math.isnan(one.slip)]
-    if not known:
-        return ""
-    off = abs(simple.drag / exact.drag - 1.0) if len(known) == 2 else 1.0
-    least = min(known, key=lambda one: one.drag)
-    if slip < least.slip and carried < (1.0 - 2.0 * off) * least.drag:
-        return ""
-    where = (
-        f"with a cage slip of {100.0 * slip:.3g} % the cage is near that of running away, {100.0 * known[0].slip:.3g} %"
-    )
-    if len(known) < 2:
-        return f"{where}, and it does so by one of both frictions alone"
-    return f"{where}, where effective friction is off by {100.0 * off:.2g} % of the drag"
 
 
 @attrs.frozen(eq=False)

@@ -30,15 +30,17 @@ from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.motion.continuation import Branch, TorqueCurve, follow, steady_slips, torque_curve
 from rollslip.motion.effective_table import table_records
+from rollslip.motion.runaway import Near, near_running_away
 from rollslip.motion.torque_balance import Orbit, TorqueBalance, effective_curves
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies import estimates
-from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Some
-from rollslip.studies.raceways import REGIMES, regime_variables, unloaded
+from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Part, Some
+from rollslip.studies.raceways import regime_variables, unloaded
 from rollslip.studies.steady_slip.crossings import MOST_INSTANTS, crossings
 from rollslip.studies.steady_slip.minimum_load import RULES, least_load
+from rollslip.studies.steady_slip.outputs import OUTPUTS, followed_outputs
 from rollslip.studies.steady_slip.statuses import VARIED, no_fold, status_of
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
@@ -54,71 +56,12 @@ _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 _STEP = 1e-4
 #: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
 _LEVEL = 1e-3
+#: Error of tables, with which it is tried whether effective friction is enough.
+_TRIED: Final = 1e-3
 #: Shares of the tolerances that slices and instants may use, and that tables may take.
 _SHARE, _TABLES = 0.5, 0.2
 #: Motions of the rollers that a steady slip takes beside twice the points of its curve, and those of a followed branch.
 _ORBITS, _BRANCH = 40, 350
-
-
-def _followed_outputs(name: str) -> dict[str, Output]:
-    """Variables of the branches against one quantity of the operation."""
-    unit, what = VARIED[name]
-    points = f"{name}_point"
-    return {
-        name: Output(points, unit, what),
-        f"{name}_slip": Output(points, "1", "steady cage slip"),
-        f"{name}_stable": Output(points, "1", "whether the cage holds it"),
-        f"{name}_fold": Output(points, "1", "whether stable and unstable slips meet"),
-        f"{name}_branch": Output(points, "1", "number of the branch"),
-        f"{name}_limit": Output(
-            "", unit, f"{what} at which stable and unstable slips meet", status=f"{name}_limit_status"
-        ),
-        f"{name}_limit_slip": Output("", "1", "cage slip there"),
-        f"{name}_limit_status": Output("", "1", "what was found of the limit"),
-    }
-
-
-OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
-    {
-        "steady_slip": Output("steady", "1", "steady cage slip", status="status", default=True),
-        "status": Output("", "1", "what was found"),
-        "largest_drag": Output(
-            "", "N m", "largest drag torque that the cage can carry", status="largest_drag_status", default=True
-        ),
-        "largest_drag_slip": Output("", "1", "cage slip of the largest drag torque", status="largest_drag_status"),
-        "largest_drag_status": Output("", "1", "what was found of the largest drag torque"),
-        "first_maximum_torque": Output(
-            "", "N m", "driving torque from which it first falls with slip", status="largest_drag_status"
-        ),
-        "first_maximum_slip": Output("", "1", "cage slip there", status="largest_drag_status"),
-        "cage_speed": Output("steady", "rad/s", "cage speed", status="status"),
-        "torque": Output("steady", "N m", "drag torque that is carried", status="status"),
-        "stable": Output("steady", "1", "held"),
-        "stability": Output("steady", "1", "stability in words"),
-        "multiplier": Output(
-            "steady", "1", "what an orbit leaves of a disturbance of the rollers' spin", status="status"
-        ),
-        "effective_friction": Output("ring steady", "1", "effective friction coefficient, mean over the orbit"),
-        "film_parameter": Output("ring steady", "1", "smallest film parameter Lambda"),
-        "roller_slip": Output("steady angle", "1", "roller slip"),
-        "normal_force": Output("ring steady angle", "N", "normal force"),
-        "least_load": Output(
-            "",
-            "N",
-            "least radial load that keeps the slip acceptable",
-            status="least_load_status",
-        ),
-        "least_load_status": Output("", "1", "what was found of the least load"),
-        "makers_least_load": Output(
-            "maker", "N", "least radial load that a maker of bearings asks for", status="makers_status"
-        ),
-        "makers_status": Output("maker", "1", "what the rule of a maker takes that the scene does not give"),
-        "driving_torque": Output("cage_slip", "N m", "torque with which the rollers drive the cage"),
-        "drag_torque": Output("cage_slip", "N m", "torque with which the drags resist the cage"),
-        **{name: output for varied in VARIED for name, output in _followed_outputs(varied).items()},
-        **REGIMES,
-    }
-)
 
 
 #: What an acceptable slip gives.
@@ -203,8 +146,51 @@ class SteadySlip(Study):
         return False
 
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
-        """Choose slices, instants, tables and laws by the slip-drag curve."""
-        return estimates.by_curves(self, assembly, share=_SHARE, tables=_TABLES, cheaper_laws=cheaper_laws)
+        """Choose slices, instants, tables and laws by the slip-drag curve, and friction where effective is named.
+
+        Near the slip of running away effective friction is off by a known share of the drag; where that is more than
+        the tolerance of friction, conventional friction takes its place.
+        """
+        away = self._near_running_away(assembly)
+        study = self if away is None else attrs.evolve(self, friction="conventional")
+        found = estimates.by_curves(study, assembly, share=_SHARE, tables=_TABLES, cheaper_laws=cheaper_laws)
+        if away is None:
+            return found
+        reason = f"{away.text}; widen accuracy.friction beyond that to have it"
+        return attrs.evolve(
+            found,
+            resolution=attrs.evolve(found.resolution, friction="conventional"),
+            reasons={**found.reasons, "friction": reason},
+        )
+
+    def _near_running_away(self, assembly: Assembly) -> Near | None:
+        """What effective friction would leave, where it is named and that is too much."""
+        if self.friction != "effective" or assembly.scene.accuracy.exact:
+            return None
+        few = attrs.evolve(
+            assembly.resolution, slices=min(estimates.FEW, assembly.slices), quadrature="equal", table_tolerance=_TRIED
+        )
+        near = near_running_away(assembly.at(few))
+        return near if near is not None and near.off > assembly.scene.accuracy.of("friction") else None
+
+    def at(self, resolution: Resolution) -> "SteadySlip":
+        """Return the study with the friction of a plan that chose away from effective friction."""
+        return attrs.evolve(self, friction=resolution.friction or self.friction)
+
+    def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
+        """Return the friction of the raceways."""
+        named = "friction" in assembly.scene.study.get(self.name, {})
+        reason = f"study.{self.name} names it" if named else "default"
+        if "friction" in estimated.reasons:
+            reason = f"in place of effective friction: {estimated.reasons['friction']}"
+        return [
+            Part(
+                part="friction of the raceways",
+                choice=assembly.resolution.friction or self.friction,
+                resolution="every loaded slice" if self.friction == "conventional" else "curves of the raceways",
+                reason=reason,
+            )
+        ]
 
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution: the finest would take days."""
@@ -223,7 +209,7 @@ class SteadySlip(Study):
 
     def without(self, outputs: frozenset[str]) -> "SteadySlip":
         """Return a study that does not follow the slips against what nobody asked for."""
-        dropped: dict[str, object] = {name: () for name in VARIED if outputs >= _followed_outputs(name).keys()}
+        dropped: dict[str, object] = {name: () for name in VARIED if outputs >= followed_outputs(name).keys()}
         if outputs >= _LEAST_LOAD:
             dropped["acceptable_slip"] = None
         return self.evolved(**dropped) if dropped else self

@@ -1,0 +1,70 @@
+"""What a study of steady slips gives: its variables, with dimensions, unit and meaning."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from rollslip.studies.answers import Output
+from rollslip.studies.raceways import REGIMES
+from rollslip.studies.steady_slip.statuses import VARIED
+
+
+def followed_outputs(name: str) -> dict[str, Output]:
+    """Variables of the branches against one quantity of the operation."""
+    unit, what = VARIED[name]
+    points = f"{name}_point"
+    return {
+        name: Output(points, unit, what),
+        f"{name}_slip": Output(points, "1", "steady cage slip"),
+        f"{name}_stable": Output(points, "1", "whether the cage holds it"),
+        f"{name}_fold": Output(points, "1", "whether stable and unstable slips meet"),
+        f"{name}_branch": Output(points, "1", "number of the branch"),
+        f"{name}_limit": Output(
+            "", unit, f"{what} at which stable and unstable slips meet", status=f"{name}_limit_status"
+        ),
+        f"{name}_limit_slip": Output("", "1", "cage slip there"),
+        f"{name}_limit_status": Output("", "1", "what was found of the limit"),
+    }
+
+
+OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "steady_slip": Output("steady", "1", "steady cage slip", status="status", default=True),
+        "status": Output("", "1", "what was found"),
+        "largest_drag": Output(
+            "", "N m", "largest drag torque that the cage can carry", status="largest_drag_status", default=True
+        ),
+        "largest_drag_slip": Output("", "1", "cage slip of the largest drag torque", status="largest_drag_status"),
+        "largest_drag_status": Output("", "1", "what was found of the largest drag torque"),
+        "first_maximum_torque": Output(
+            "", "N m", "driving torque from which it first falls with slip", status="largest_drag_status"
+        ),
+        "first_maximum_slip": Output("", "1", "cage slip there", status="largest_drag_status"),
+        "cage_speed": Output("steady", "rad/s", "cage speed", status="status"),
+        "torque": Output("steady", "N m", "drag torque that is carried", status="status"),
+        "stable": Output("steady", "1", "held"),
+        "stability": Output("steady", "1", "stability in words"),
+        "multiplier": Output(
+            "steady", "1", "what an orbit leaves of a disturbance of the rollers' spin", status="status"
+        ),
+        "effective_friction": Output("ring steady", "1", "effective friction coefficient, mean over the orbit"),
+        "film_parameter": Output("ring steady", "1", "smallest film parameter Lambda"),
+        "roller_slip": Output("steady angle", "1", "roller slip"),
+        "normal_force": Output("ring steady angle", "N", "normal force"),
+        "least_load": Output(
+            "",
+            "N",
+            "least radial load that keeps the slip acceptable",
+            status="least_load_status",
+        ),
+        "least_load_status": Output("", "1", "what was found of the least load"),
+        "makers_least_load": Output(
+            "maker", "N", "least radial load that a maker of bearings asks for", status="makers_status"
+        ),
+        "makers_status": Output("maker", "1", "what the rule of a maker takes that the scene does not give"),
+        "driving_torque": Output("cage_slip", "N m", "torque with which the rollers drive the cage"),
+        "drag_torque": Output("cage_slip", "N m", "torque with which the drags resist the cage"),
+        **{name: output for varied in VARIED for name, output in followed_outputs(varied).items()},
+        **REGIMES,
+    }
+)
