@@ -53,6 +53,11 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
         r"rollslip \S+ \| 1032930-70C [0-9a-f]{12} \| contact palmgren \(rollslip \S+\), film moes", done.stdout
     )
     assert "inner ring: critical slip" in done.stdout
+    first, runs, trust = done.stdout.splitlines()[1:4]
+    assert re.fullmatch(r"the cage runs away at 42\.\d % cage slip, at a drag of 4\.0\d N m", first)
+    assert re.fullmatch(r"with the drags of the scene the cage runs at a slip of 0\.766 %, and could .* the drag", runs)
+    assert trust.startswith("how far to trust it: 'muraki' is 13 % (rms) off")
+    assert done.stdout.count(first) == done.stdout.count(runs) == 1
     warned = [line.removeprefix("warning: ") for line in done.stderr.splitlines() if line.startswith("warning: ")]
     assert [line.split("; ")[0] for line in warned[1:]] == [
         "'barus' was made for pressure <= 100 MPa",

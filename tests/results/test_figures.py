@@ -23,7 +23,7 @@ from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.friction_curve.study import FrictionCurve
 
 COLD = evolve(load_scene("1032930-30C"), {"bearing.profile": "none"})
-FALLING = "critical slip; friction falls beyond it"
+FALLING = "friction falls beyond it"
 
 
 def dataset(study, scene=COLD):
@@ -141,6 +141,7 @@ def test_a_thermal_branch_is_shown_exactly_where_there_is_a_maximum(tmp_path, sc
     path = only(plot(result, tmp_path))
     written, found = " ".join(words(path)), np.isfinite(result.critical_cage_slip.to_numpy())
     assert (FALLING in written) == found.any()
+    assert (f"critical slip {result.attrs['curves_with']};" in written) == found.any()
     assert ("no critical slip" in written) == (not found.all())
     dashed = r"stroke-dasharray: [^;]*; stroke-dashoffset: 0; stroke: #(?:0072b2|e69f00); stroke-width: 1\.4"
     assert len(re.findall(dashed, path.read_text())) == found.sum()

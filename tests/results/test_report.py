@@ -4,6 +4,7 @@ import json
 import re
 import xml.etree.ElementTree as ET
 from collections import Counter
+from html import escape
 from html.parser import HTMLParser
 from urllib.parse import urlsplit
 
@@ -12,10 +13,11 @@ import pytest
 
 from rollslip.bearing.assembly import assemble
 from rollslip.references import KLEBANOV, as_dict
+from rollslip.results.account import capital
 from rollslip.results.curves import percent
 from rollslip.results.figures import plot
 from rollslip.results.report import write_report
-from rollslip.results.words import REST
+from rollslip.results.words import REST, verdict
 from rollslip.scene import resolved
 from rollslip.scene.reading import load_scene
 from rollslip.studies.effective_friction.study import EffectiveFriction
@@ -100,6 +102,16 @@ def written(results, figures, folder, **attributes):
 @pytest.fixture
 def page(results, figures, tmp_path):
     return written(results, figures, tmp_path, **provenance())
+
+
+def test_the_verdict_stands_before_all_else(results, figures, tmp_path):
+    page = written(results, figures, tmp_path, **provenance())
+    lines = [f"{capital(line)}." for line in verdict(results.values())]
+    assert len(lines) == 3
+    assert lines[0].startswith("The cage runs away at")
+    at = [page.index(f"<p>{escape(line)}</p>") for line in lines]
+    assert at == sorted(at)
+    assert at[-1] < page.index('<section id="warnings"')
 
 
 def test_bounds_of_less_consequence_are_folded_below_the_warnings(results, figures, tmp_path):

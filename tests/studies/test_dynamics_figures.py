@@ -336,6 +336,23 @@ def test_slip_below_that_of_running_away_from_rest_and_without_one():
     )
 
 
+def test_effective_friction_is_not_trusted_from_half_the_slip_of_running_away_on():
+    unsure = "the slip by up to 41 points, and slip comes near: run with --set study.dynamics.friction=conventional"
+    for slip, told in ((0.054, False), (0.056, True), (0.2, True)):  # runs away at 11 %
+        said = of("running away", motion(lambda t, slip=slip: slip + 0.0 * t, friction="effective"))
+        assert (unsure in said) == told, said
+        assert unsure not in of("running away", motion(lambda t, slip=slip: slip + 0.0 * t))
+
+
+def test_the_first_of_two_maxima_of_the_friction_curve_is_told():
+    falls = "; friction falls already from a slip of 4 % on, then rises again"
+    assert of("critical slip", motion(first_maximum_slip=0.04)).endswith(f"spin{falls}")
+    assert "already" not in of("critical slip", motion(first_maximum_slip=0.2)), "the same maximum"
+    assert "already" not in of("critical slip", motion(first_maximum_slip=float("nan")))
+    unknown = motion(first_maximum_slip=0.04).assign_attrs(critical_cage_slip=float("nan"), critical_status="rises")
+    assert of("critical slip", unknown) == f"critical slip of the inner ring's friction curve unknown: rises{falls}"
+
+
 def test_a_result_of_an_older_version_says_that_it_does_not_know():
     older = motion(points=61)
     for name in ("slip", "drag", "status"):

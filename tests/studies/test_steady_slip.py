@@ -892,3 +892,14 @@ def test_a_result_says_that_its_friction_is_not_the_one_that_was_named():
         text.startswith("study.steady-slip.friction is 'conventional', not 'effective', as the scene names it: with a")
         for text in json.loads(result.attrs["warnings"])
     )
+
+
+def test_the_largest_drag_by_effective_friction_says_what_it_may_be_off():
+    scene = evolve(dragged(SHIPPED, brake(0.1)), {"accuracy.slices": 15})
+    found = run(scene, points=6, friction="effective")
+    (said,) = topics(found)["largest drag"]
+    assert "by effective friction the drag of running away is off by 2.7 %" in said
+    assert said.endswith("take --set study.steady-slip.friction=conventional where it matters")
+    assert findings.headline(found).endswith(", by the effective friction of the raceways")
+    conventional = found.assign_attrs(friction="conventional")
+    assert "2.7 %" not in topics(conventional)["largest drag"][0]

@@ -90,7 +90,7 @@ def print_changed(pairs: "Sequence[tuple[Part | None, Part | None]]", this: str,
 
 def findings(dataset: "xr.Dataset", told: Sequence[str] = ()) -> str:
     """Return what a study found, in a few lines, but for those that were told before."""
-    lines = (line for line in account_of(dataset).lines(dataset) if line not in told)
+    lines = (line for line in account_of(dataset).lines(dataset) if not any(line in one for one in told))
     return "\n  ".join((f"{dataset.attrs['study']}:", *lines))
 
 

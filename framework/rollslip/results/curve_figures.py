@@ -47,6 +47,9 @@ _PLACES: Final = tuple(
     for x, aligned in ((0, "center"), (4, "left"), (-4, "right"), (13, "left"), (-13, "right"))
 )
 
+#: What a marker says that is the largest friction of a curve.
+_CRITICAL = "critical slip; friction falls beyond it"
+
 
 def plain_curves(dataset: "xr.Dataset") -> "Figure":
     """Draw the curves of a dataset over slip, those of small numbers lighter, as its attribute ``curves`` has them."""
@@ -179,10 +182,12 @@ def finish(
     written = axes.text(0.015, 0.985, notes, transform=axes.transAxes, va="top", fontsize=6.5, color="0.25")
     written.set_in_layout(False)
     if critical:
-        words = f"critical slip {critical[0].rests_on}".rstrip() + "; friction falls beyond it"
+        rests_on = critical[0].rests_on  # on a line of its own, as wide as the figure is
+        words = f"critical slip {rests_on};\nfriction falls beyond it" if rests_on else _CRITICAL
         handles = [*handles, Line2D([], [], color="0.35", linestyle="dashed", label=words, **MARKER)]
     figure.legend(handles=handles, loc="outside upper left")
-    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
+    rows_of_legend = sum(1 + str(handle.get_label()).count("\n") for handle in handles)
+    figure.set_figheight(ONE_COLUMN[1] + ROW * rows_of_legend)
     figure.draw_without_rendering()  # places the axes, on which it depends what a label covers
     _write_critical(axes, critical, rows, written)
 

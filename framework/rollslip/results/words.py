@@ -127,5 +127,5 @@ def _trust(datasets: "list[xr.Dataset]") -> str:
         )
     lines = [f"how far to trust it: {'; '.join(said)}"] if said else []
     if missing := untold(datasets):
-        lines.append(f"not told here: {', '.join(missing)}")
+        lines.append(f"not told here: {' and '.join(missing)}")
     return "; ".join(lines)
