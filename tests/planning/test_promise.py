@@ -11,11 +11,10 @@ import pytest
 
 from promise_scenes import STUDY, finer, judge, scene
 from rollslip import evolve, load_scene
-from rollslip.bearing.assembly import assemble
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.planning.verification import Judgement, told, verify
-from rollslip.studies.estimates import Probe, errors_between
+from rollslip.studies.estimates import errors_between
 
 #: Few large rollers on smooth raceways: each has two balances from a slip of 0.25 to 0.75, and jumps at its own slip.
 JUMPS = evolve(
@@ -117,12 +116,3 @@ def test_what_is_to_be_typed_follows_the_order_that_was_seen():
     (said,) = told(made, STUDY, Judgement(errors={"instants": {"critical_slip": np.inf}}))
     assert said.startswith("how far critical slip is off cannot be told")
     assert told(made, STUDY, Judgement(errors={"instants": {"friction": 9e-4}})) == []
-
-
-def test_a_probe_on_the_way_returns_what_was_asked():
-    study = plan(evolve(JUMPS, {f"study.{STUDY}.closure": "epicyclic"}), STUDY).studies[STUDY]
-    assembly = assemble(JUMPS, attrs.evolve(plan(JUMPS, STUDY).estimated[STUDY].resolution, instants=2))
-    slips = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
-    every, third = (Probe.over(study, slips, [(0, 0.3, 0.01)], n).measure(assembly, (2,))[0] for n in (1, 3))
-    np.testing.assert_array_equal(third[0], every[0][:, [2, 5, 6, 7, 8]])
-    np.testing.assert_array_equal(third[1], every[1])

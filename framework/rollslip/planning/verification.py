@@ -2,20 +2,17 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import attrs
-import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.critical import slip_grid
-from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import finest
 from rollslip.planning.plan import Plan
 from rollslip.scene.values import EXACT
 from rollslip.studies.answers import Errors, Estimated, total
-from rollslip.studies.estimates import FEW, SOME, Curved, Peak, Probe, difference, errors_between
+from rollslip.studies.estimates import FEW, SOME, Probe, difference, errors_between
 from rollslip.studies.study import Study
 
 if TYPE_CHECKING:
@@ -29,7 +26,7 @@ _LEAST_ORDER, _MOST_ORDER = 0.5, 2.0
 _CLEAR = 0.3
 #: How many times as many slips a witness goes along where a curve is followed from slip to slip.
 _DENSER = 3
-#: Slips on which a witness sees a curve of which the result holds none.
+#: Slips on which a witness sees curves of which the result holds none.
 _WITNESSED = 25
 
 
@@ -53,12 +50,13 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     """Measure what slices and instants leave, by a witness that shares none of the choice's grounds.
 
     Slices are held against twice as many. Instants are held against 2 m + 1 others, of which only the one with a roller
-    in the line of load is among the m of the run, over all slips of the result: what was chosen by few slips may be
-    worse between them, and where rollers have several balances each goes its own way over the slips. A curve that is
-    followed from slip to slip is followed over three times as many, since its way may depend on the steps. An error
-    that is not clearly below its tolerance is held against half as many instants, too, for the order with which it
-    falls: that says how much the witness itself leaves. All that is done with few slices, on few instants; if it looks
-    bad, it is done again with those of the run. Of a study without curves nothing is known beyond its own estimate.
+    in the line of load is among the m of the run, over all slips of the result and with the maxima that the study finds
+    there: what was chosen by few slips may be worse between them, and where rollers have several balances each goes its
+    own way over the slips. A curve that is followed from slip to slip is followed over three times as many, since its
+    way may depend on the steps. An error that is not clearly below its tolerance is held against half as many instants,
+    too, for the order with which it falls: that says how much the witness itself leaves. All that is done with few
+    slices, on few instants; if it looks bad, it is done again with those of the run. Of a study without curves nothing
+    is known beyond its own estimate.
 
     Parameters
     ----------
@@ -87,17 +85,13 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
         return {name: error / 0.75 for name, error in moved.items()}  # an error that falls with the square
 
     def of_instants(at: Assembly) -> Errors:
-        slips, peaks = _witnessed(study, curved, dataset)
-        own = between = Probe.over(curved, slips, peaks)
-        if curved.followed:
-            between = Probe.over(curved, _denser(slips), peaks, every=_DENSER)
-        (witness,) = between.measure(at, (2 * m + 1,))
-        found = difference(own.measure(at, (m,))[0], witness)
+        off = _off(study, curved, at, dataset if at is assembly else None, m)
+        found = off(m)
         left = {name: _of_order(error, _LEAST_ORDER, m) for name, error in found.items()}
         if not over(_CLEAR, left):
             return left
         half = (m + 1) // 2
-        before = difference(own.measure(at, (half,))[0], witness) if half < m else {}
+        before = off(half) if half < m else {}
         orders.update({name: _order(half, m, before.get(name, 0.0), error) for name, error in found.items()})
         return {name: _of_order(error, orders[name], m) for name, error in found.items()}
 
@@ -115,23 +109,38 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     return Judgement(errors=errors, orders=orders)
 
 
-def _witnessed(study: Study, curved: Curved, dataset: "xr.Dataset") -> tuple[Array, list[Peak]]:
-    """Slips on which a result is witnessed: all that it has, and three around each of its critical slips."""
-    of = study.curves_of if curved is study else None
-    if of is None:
-        return slip_grid(curved.slip_range, _WITNESSED)[1:], []
-    slips = dataset[of.slip].to_numpy()
-    return slips[slips > 0.0], [
-        (k, float(at), min(0.5 * float(at), math.sqrt(at * slips[-1]) / _WITNESSED))
-        for k, at in enumerate(np.atleast_1d(dataset[of.critical].to_numpy()))
-        if 0.0 < at < slips[-1]
-    ]
+def _off(
+    study: Study, curved: Study, at: Assembly, own: "xr.Dataset | None", m: int
+) -> Callable[[int], Mapping[str, float]]:
+    """Return what says how far curves on some instants are off a witness of 2 m + 1; `own` are those of m, if known.
 
+    Curves and their maxima are what the study itself finds, if it has a short way to them.
+    """
+    import xarray as xr
 
-def _denser(slips: Array) -> Array:
-    """Return slips from zero with others between, of which every `_DENSER`-th is a given one."""
-    at = np.arange(1, _DENSER * slips.size + 1) / _DENSER
-    return np.interp(at, np.arange(slips.size + 1), np.concatenate(([0.0], slips)))
+    points = attrs.asdict(curved).get("points", 0) if curved is study else _WITNESSED
+
+    def seen(instants: int, times: int = 1) -> xr.Dataset | None:
+        made = curved.evolved(points=times * (points - 1) + 1) if points else curved
+        case = made, at.at(attrs.evolve(at.resolution, instants=instants))
+        some = type(made).together([case], frozenset(made.judged.values()))
+        if some is None or made.curves_of is None:
+            return None
+        return xr.Dataset(*some[0]).isel({made.curves_of.slip: slice(None, None, times)})
+
+    witness = seen(2 * m + 1, _DENSER if curved.followed and points else 1)
+    if witness is None:
+        probe = Probe(curved, at)
+        (apart,) = probe.measure(at, (2 * m + 1,))
+        return lambda instants: difference(probe.measure(at, (instants,))[0], apart)
+    known = {m: own} if curved is study and own is not None else {}
+
+    def off(instants: int) -> Mapping[str, float]:
+        some = known.get(instants)
+        some = seen(instants) if some is None else some
+        return {} if some is None else errors_between(curved.judged, some, witness)
+
+    return off
 
 
 def _order(few: int, many: int, before: float, after: float) -> float:

@@ -13,7 +13,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol
 
 import attrs
 import numpy as np
@@ -53,10 +53,6 @@ _LEVEL: Final = 1e-9
 _MARGIN: Final = 1.2
 
 
-#: Number of a curve, the place of a maximum of it and a step to either side.
-Peak: TypeAlias = tuple[int, float, float]
-
-
 class Curved(Protocol):
     """A study that gives curves over a slip, each with a maximum perhaps."""
 
@@ -73,11 +69,6 @@ class Curved(Protocol):
     @property
     def nested(self) -> bool:
         """Whether fewer instants are among more, and cost nothing beside them."""
-        ...
-
-    @property
-    def followed(self) -> bool:
-        """Whether a curve is followed from slip to slip, so that it may depend on the slips on the way."""
         ...
 
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
@@ -106,20 +97,7 @@ class Probe:
                 continue  # level: no maximum to be found
             self._peaks.append((k, len(slips), float(near[1] - near[0])))
             slips += [*near[at - 1 : at + 2]]
-        self._slip, self._kept = np.array(slips), np.arange(len(slips))
-
-    @classmethod
-    def over(cls, study: Curved, slips: Array, peaks: Sequence[Peak], every: int = 1) -> Self:
-        """Return a probe of given slips, and of three around each of the places of maxima that are known.
-
-        Curves are returned at the last of every so many slips; the others are gone through on the way.
-        """
-        probe = cls.__new__(cls)
-        around = [at + side * step for _, at, step in peaks for side in (-1.0, 0.0, 1.0)]
-        probe.study, probe._slip = study, np.concatenate((slips, around))
-        probe._kept = np.concatenate((np.arange(every - 1, slips.size, every), np.arange(slips.size, probe._slip.size)))
-        probe._peaks = [(k, slips.size + 3 * n, step) for n, (k, _, step) in enumerate(peaks)]
-        return probe
+        self._slip = np.array(slips)
 
     @staticmethod
     def _highest(curves: Array) -> Iterator[tuple[int, int]]:
@@ -135,9 +113,7 @@ class Probe:
     def measure(self, assembly: Assembly, instants: Sequence[int]) -> list[tuple[Array, Array]]:
         """Return the curves, and the slips of their maxima, on each of some numbers of instants."""
         found = self.study.curves(assembly, self._slip, instants)
-        return [
-            (curves[:, self._kept], np.array([self._vertex(curves, *peak) for peak in self._peaks])) for curves in found
-        ]
+        return [(curves, np.array([self._vertex(curves, *peak) for peak in self._peaks])) for curves in found]
 
     def _vertex(self, curves: Array, k: int, first: int, step: float) -> float:
         low, middle, high = curves[k, first : first + 3]

@@ -206,7 +206,7 @@ class Study(abc.ABC):
     def beyond(self, assembly: Assembly) -> None:  # noqa: B027 - most have nothing to do here
         """Evaluate a few contacts of what a run evaluates beside its curves."""
 
-    def curved(self, assembly: Assembly) -> estimates.Curved | None:
+    def curved(self, assembly: Assembly) -> "Study | None":
         """Return what gives the curves by which slices and instants are chosen and judged; None if nothing does."""
         return None if type(self).curves is Study.curves else self
 
