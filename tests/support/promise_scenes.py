@@ -41,8 +41,8 @@ OILS = (
 )  # fmt: skip
 #: Close verdicts are looked at twice as finely.
 CLOSE = (0.5, 2.0)
-#: Slices evaluated for a reference, beyond which a scene asks for four times the error: some seconds.
-MOST = 5e7
+#: Slices evaluated for a reference, beyond which a scene asks for four times the error: a second or two.
+MOST = 1e7
 
 
 def scene(k, seed=16):
