@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import attrs
+import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import finest
@@ -55,8 +56,9 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     own way over the slips. A curve that is followed from slip to slip is followed over three times as many, since its
     way may depend on the steps. An error that is not clearly below its tolerance is held against half as many instants,
     too, for the order with which it falls: that says how much the witness itself leaves. All that is done with few
-    slices, on few instants; if it looks bad, it is done again with those of the run. Of a study without curves nothing
-    is known beyond its own estimate.
+    slices, on few instants; if it looks bad, it is done again with those of the run. Only a curve that is followed is
+    always held against one with the slices of the run: of two maxima of nearly the same height few slices may have
+    another one for the largest. Of a study without curves nothing is known beyond its own estimate.
 
     Parameters
     ----------
@@ -73,7 +75,7 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     if resolution.instants is None or curved is None:
         return Judgement(errors={})
     m, few = resolution.instants, assembly.at(attrs.evolve(resolution, slices=FEW, quadrature="equal"))
-    few = few if few.slices < assembly.slices else assembly
+    few = assembly if curved.followed or few.slices >= assembly.slices else few
     errors, orders = dict[str, Errors](), dict[str, float]()
 
     def over(share: float, of: Errors) -> bool:
@@ -138,9 +140,34 @@ def _off(
     def off(instants: int) -> Mapping[str, float]:
         some = known.get(instants)
         some = seen(instants) if some is None else some
-        return {} if some is None else errors_between(curved.judged, some, witness)
+        if some is None:
+            return {}
+        found = errors_between(curved.judged, some, witness)
+        if curved.followed and "critical_slip" in found:
+            found["critical_slip"] = max(found["critical_slip"], _unsteady(curved, some, witness))
+        return found
 
     return off
+
+
+def _unsteady(curved: Study, own: "xr.Dataset", witness: "xr.Dataset") -> float:
+    """How far maxima may wander, relative to them, where a curve is made of jumps that are not the witness's.
+
+    What the two differ by is then rough along the slip, and a top that is rough by a may be highest wherever it is less
+    than a below its highest: within sqrt(2 a/|f''|), and at most between the slips next to it.
+    """
+    assert curved.curves_of is not None
+    slips, curves = own[curved.curves_of.slip].to_numpy(), own[curved.judged["friction"]].to_numpy()
+    apart, worst = curves - witness[curved.judged["friction"]].to_numpy(), 0.0
+    for k, at in enumerate(own[curved.judged["critical_slip"]].to_numpy()):
+        if not at > 0.0:
+            continue
+        j = min(max(int(np.searchsorted(slips, at)), 2), slips.size - 3)
+        rough = 0.25 * float(np.abs(np.diff(apart[k, j - 2 : j + 3], 2)).max())
+        curvature = -2.0 * float(np.polyfit(slips[j - 1 : j + 2], curves[k, j - 1 : j + 2], 2)[0])
+        most = float(slips[j + 1] - slips[j - 1])
+        worst = max(worst, min(math.sqrt(2.0 * rough / curvature) if curvature > 0.0 else most, most) / float(at))
+    return worst
 
 
 def _order(few: int, many: int, before: float, after: float) -> float:
