@@ -499,6 +499,62 @@ def _capsule(cls):
     return foreign_capsule(evaluate)
 
 
+@breaks("check_keeps_to_what_it_declares")
+@attrs.frozen(kw_only=True)
+class Overwrites(Film):
+    """It limits the load in its place."""
+
+    def evaluate(self, slices):
+        slices.load[...] = np.maximum(slices.load, 1.0)
+        slices.film_thickness[...] = self.law(slices, slices.conditions)
+
+
+@breaks("check_keeps_to_what_it_declares")
+@attrs.frozen(kw_only=True)
+class Unfilled(Film):
+    """It gives its result to a name of its own."""
+
+    def evaluate(self, slices):
+        film_thickness = self.law(slices, slices.conditions)  # noqa: F841 - that is the fault
+
+
+@breaks("check_keeps_to_what_it_declares")
+@attrs.frozen(kw_only=True)
+class Undeclared(Film):
+    """It reads the sliding speed, which it does not say."""
+
+    def law(self, s, c):
+        return super().law(s, c) * (1.0 + 1e-3 * s.sliding_speed / s.rolling_speed)
+
+
+@breaks("check_keeps_to_what_it_declares")
+@attrs.frozen(kw_only=True)
+class WritesRegime(Film):
+    """It writes the regime, which it does not say."""
+
+    def evaluate(self, slices):
+        slices.film_thickness[...] = self.law(slices, slices.conditions)
+        slices.regime[...] = 0.0
+
+
+@breaks("check_keeps_to_what_it_declares")
+@attrs.frozen(kw_only=True)
+class Misspelt(Film):
+    """It asks for a column that there is not."""
+
+    def law(self, s, c):
+        return super().law(s, c) * s.velocity
+
+
+@breaks("check_does_not_know_metre_kilogram_second_and_kelvin")
+@attrs.frozen(kw_only=True)
+class Jumps(Film):
+    """It jumps at a rolling speed that is written into it."""
+
+    def law(self, s, c):
+        return super().law(s, c) * np.where(s.rolling_speed > 10.0, 1.1, 1.0)
+
+
 @breaks("check_fills_what_it_writes_and_touches_nothing_else")
 @attrs.frozen(kw_only=True)
 class WritesAnotherColumn(_Kernel):

@@ -192,7 +192,7 @@ def test_the_kit_needs_hypothesis_and_says_so():
         "sys.modules['hypothesis'] = None\n"
         "from rollslip.errors import PluginError\n"
         "try:\n    import rollslip.testing\n"
-        "except PluginError as error:\n    assert 'install rollslip[test]' in str(error)\n"
+        "except PluginError as error:\n    assert 'install rollslip[kit]' in str(error)\n"
         "else:\n    raise SystemExit('no error')\n"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -43,6 +43,37 @@ def test_every_rule_has_a_broken_model():
     assert {rule for rule, _ in BROKEN} == {check.__name__ for check in all_checks()}
 
 
+ONCE = {
+    "Overwrites": "evaluate() writes to load, which it reads, as others do after it; work on a copy",
+    "Unfilled": "evaluate() leaves film_thickness as it was, in all slices; fill the column itself, "
+    "slices.film_thickness[...] = ..., and not a name of your own",
+    "Undeclared": "evaluate() gives film_thickness = nan where all that it reads is usual, so it reads what is not in "
+    "reads: sliding_speed; add it there, with its range in domain",
+    "WritesRegime": "evaluate() writes to regime, which is not in writes; add it there, or leave it alone",
+    "Misspelt": "evaluate() fails at usual values: AttributeError: these slices have no 'velocity'",
+}
+
+
+def broken(name):
+    return next(model for _, model in BROKEN_MODELS if type(model).__name__ == name)
+
+
+@pytest.mark.parametrize("name", ONCE)
+def test_what_all_rules_rest_on_is_said_once(name):
+    """A fault that would fail fourteen rules, each in other words, is one failure with its cause."""
+    findings = conformance(broken(name))
+    (failed,) = [finding for finding in findings if finding.status == "failed"]
+    assert (failed.check, failed.message) == ("check_keeps_to_what_it_declares", ONCE[name])
+    because = "not run: it rests on check_keeps_to_what_it_declares, which fails"
+    assert sum(finding.message == because for finding in findings) > 10
+
+
+def test_a_jump_is_told_in_units_that_people_read():
+    (failed,) = [finding for finding in conformance(broken("Jumps")) if finding.status == "failed"]
+    assert failed.message.startswith("counted in units of ")
+    assert "a number in it, such as the place of a jump, has a dimension that no parameter declares" in failed.message
+
+
 # Processes -----------------------------------------------------------------------------------------------------------
 
 

@@ -9,7 +9,7 @@ As a pytest class, one test for each model and rule::
         expected_failures = {"check_is_odd_in_slip": "the law has a preferred direction, doi:..."}
 
 as a function, without pytest: ``conformance(Carreau())`` returns a list of `Finding`; and in a process of its own,
-which may crash or hang: ``check_in_subprocess("traction", "cross")``. The kit needs ``rollslip[test]``.
+which may crash or hang: ``check_in_subprocess("traction", "cross")``. The kit needs ``rollslip[kit]``.
 """
 
 from rollslip.errors import PluginError
@@ -17,7 +17,7 @@ from rollslip.errors import PluginError
 try:
     import hypothesis as _hypothesis  # noqa: F401 - everything below needs it
 except ModuleNotFoundError as _missing:
-    raise PluginError("the conformance kit draws its inputs with hypothesis: install rollslip[test]") from _missing
+    raise PluginError("the conformance kit draws its inputs with hypothesis: install rollslip[kit]") from _missing
 
 from rollslip.testing.findings import Conformance, Finding, as_dict, conformance, format_findings
 from rollslip.testing.rules import Nonconformance, all_checks, checks_of

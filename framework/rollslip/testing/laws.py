@@ -38,6 +38,7 @@ from rollslip.testing.rules import (
     refuse_unless,
     rule,
     same,
+    without_evaluation,
 )
 from rollslip.testing.samples import BEARING, copy_of, evaluate, for_all, forms_of, picked, shown, signed, table
 from rollslip_kernels.slices import Slices
@@ -69,6 +70,7 @@ def check_half_width_rises_with_the_load(model: ContactModel) -> None:
 
 
 @rule(ContactModel)
+@without_evaluation
 def check_deflection_is_a_stage_of_its_own(model: ContactModel) -> None:
     """The deflection fills load and stiffness from the approach, and is the same stage whenever it is asked for."""
     one, other = model.deflection(), model.deflection()

@@ -46,12 +46,13 @@ class Inapplicable(Exception):  # noqa: N818 - a check that has nothing to look 
 _RULES: dict[type | str, list[Check]] = {}
 
 
-def rule(*kinds: type | str) -> Callable[[Check], Check]:
-    """Put a check on the list of those of a kind of model."""
+def rule(*kinds: type | str, first: bool = False) -> Callable[[Check], Check]:
+    """Put a check on the list of those of a kind of model, at its end unless the others rest on it."""
 
     def add(check: Check) -> Check:
         for kind in kinds:
-            _RULES.setdefault(kind, []).append(check)
+            checks = _RULES.setdefault(kind, [])
+            checks.insert(0 if first else len(checks), check)
         return check
 
     return add
@@ -59,6 +60,22 @@ def rule(*kinds: type | str) -> Callable[[Check], Check]:
 
 MODELS: Final = (SliceModel, DragModel, PocketFriction, IntegratorModel)
 STAGES: Final = (ContactModel, FilmModel, TractionModel, ResistanceModel)
+
+
+#: Rules of slice models that look at what is declared alone.
+_UNEVALUATED: set[Check] = set()
+
+
+def without_evaluation(check: Check) -> Check:
+    """Mark a rule of slice models that evaluates nothing."""
+    _UNEVALUATED.add(check)
+    return check
+
+
+def rests_on_evaluation(check: Check) -> bool:
+    """Tell whether a rule is one of slice models that evaluates them."""
+    kinds = {kind for kind, checks in _RULES.items() if check in checks}
+    return not kinds.isdisjoint({SliceModel, *STAGES, "deflection"}) and check not in _UNEVALUATED
 
 
 def kinds_of(model: object) -> Iterator[type | str]:

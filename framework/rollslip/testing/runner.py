@@ -20,7 +20,7 @@ from typing import Any, Final
 
 from rollslip.catalogue.registry import find, get_model
 from rollslip.errors import RollslipError
-from rollslip.testing.findings import NONE_EXPECTED, Finding, cases_of, name_of, run_check
+from rollslip.testing.findings import NONE_EXPECTED, Finding, cases_of, judge, name_of
 
 #: Checks that may run into the time limit before the others are given up.
 MAX_HANGS: Final = 2
@@ -138,7 +138,7 @@ def work() -> None:
             case = [name_of(model), check.__name__]
             if case not in order["ended"]:
                 note(begun=case)
-                finding, _ = run_check(model, check, reason)
+                finding, _ = judge(model, check, reason)
                 note(found={"model": case[0], "check": case[1], "status": finding.status, "message": finding.message})
         note(done=True)
         os._exit(0)  # not through what the plugin has left behind for the end of the process

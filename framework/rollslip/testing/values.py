@@ -24,6 +24,7 @@ from rollslip.testing.rules import (
     is_citation,
     refuse_unless,
     rule,
+    without_evaluation,
 )
 from rollslip.units import UnitError, check_unit
 
@@ -163,6 +164,7 @@ def _import_of(module: str, path: tuple[str, ...]) -> tuple[float, str]:
 
 
 @rule(*MODELS)
+@without_evaluation
 def check_says_what_it_is_and_where_it_comes_from(model: Any) -> None:
     """Name, one line of text, equation and citations: lists, reports and `rollslip cite` are made of them."""
     cls = type(model)
@@ -190,6 +192,7 @@ def check_says_what_it_is_and_where_it_comes_from(model: Any) -> None:
 
 
 @rule(*MODELS, Engine)
+@without_evaluation
 def check_every_parameter_has_a_meaning_and_a_unit(model: Any) -> None:
     """What a scene can set is explained there, and read with its unit."""
     for attribute in attrs.fields(attrs.resolve_types(type(model))):
@@ -209,6 +212,7 @@ def check_every_parameter_has_a_meaning_and_a_unit(model: Any) -> None:
 
 
 @rule(FilmModel)
+@without_evaluation
 def check_says_which_film_it_gives(model: FilmModel) -> None:
     """Minimum, central and dp/dx = 0 differ by a quarter, and the regimes by much more."""
     refuse_unless(
