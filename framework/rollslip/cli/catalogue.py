@@ -131,7 +131,9 @@ def plugins_list(requirements: bool, as_json: bool) -> None:
 @plugins.command("check")
 @click.argument("name")
 @click.option("--kind", metavar="KIND", help="Only the model of this kind, where several have the name.")
-@click.option("--time-limit", default=120.0, show_default=True, help="Seconds that a check may take.")
+@click.option(
+    "--time-limit", default=120.0, show_default=True, type=click.FloatRange(0.1), help="Seconds that a check may take."
+)
 @json_option
 def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool) -> None:
     """Check the model called NAME by the rules of its kind, in a process of its own."""

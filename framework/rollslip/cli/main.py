@@ -125,6 +125,11 @@ def _run(arguments: Sequence[str] | None) -> int:
             raise
         click.echo(str(error), err=True)
         return BAD_SCENE
+    except OSError as error:
+        if error.filename is None:
+            raise
+        click.echo(f"{error.filename}: cannot be used ({error.strerror}); name another place", err=True)
+        return BAD_SCENE
     except BrokenPipeError:
         return OK  # the reader of our output has left; there is nobody to tell
     except Exception as error:

@@ -62,7 +62,7 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
         shipped = _shipped()
         if source in shipped:
             return parse_scene(decoded(shipped[source].read_bytes(), source), source)
-        if not source or not path.exists():
+        if not source or not _exists(path):
             alike = ", ".join(nearest(source, shipped, cutoff=0.0)) or "none"
             raise SceneError(
                 [f"{source!r}: no scene of this name is shipped; nearest: {alike} (a file's name ends in .toml)"]
@@ -77,6 +77,13 @@ def load_scene(name_or_path: str | os.PathLike[str]) -> Scene:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise SceneError([f"{source}: cannot be read: {reason}"]) from None
     return parse_scene(decoded(read, source), source)
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # a name that is too long for a file
+        return False
 
 
 def parse_scene(text: str, source: str) -> Scene:
