@@ -1,6 +1,8 @@
 """The conformance kit refuses what is broken: for each rule a model that breaks it, and packages that crash or hang."""
 
 import os
+import tomllib
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -37,6 +39,11 @@ def test_a_broken_model_is_refused_by_the_rule_it_breaks(rule, model):
     assert len(finding.message) > 20
     if not isinstance(error, Nonconformance):  # an error of the model itself, not a fault of the check
         assert type(error).__name__ in finding.message
+
+
+def test_the_kit_needs_hypothesis_and_pytest_alone():
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert [one.partition(">")[0] for one in project["optional-dependencies"]["kit"]] == ["hypothesis", "pytest"]
 
 
 def test_every_rule_has_a_broken_model():

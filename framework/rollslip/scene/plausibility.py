@@ -22,13 +22,23 @@ from rollslip.fields import FieldError, Span, as_given, span_in_words, unusual
 from rollslip.structure import Location, attributes, key_of, types_of
 from rollslip.units import UnitError, format_quantity, likely, quantity, unit_given
 
-__all__ = ["RELATIONS", "Relation", "impossible_relations", "unusual_relations", "unusual_values"]
+__all__ = [
+    "RELATIONS",
+    "Relation",
+    "impossible_pressure",
+    "impossible_relations",
+    "unusual_model",
+    "unusual_relations",
+    "unusual_values",
+]
 
 Scene: TypeAlias = Any
 """A `rollslip.scene.values.Scene`; its tables are read by name here, as relations name them."""
 
 #: Largest roller force over the mean of all, sum F = F_r, where half the rollers carry (Stribeck's number) [1].
 _STRIBECK: Final = 5.0
+#: Pressure that is possible, five times that of the static rating of ISO 76 at most [Pa].
+_PRESSURE: Final[Span] = (0, 2e10)
 
 
 @attrs.frozen
@@ -141,8 +151,20 @@ def _most_loaded(scene: Scene) -> tuple[float, float, float]:
     return load, inner * roller / (inner + roller), b.material.elastic_modulus / (1 - b.material.poisson_ratio**2)
 
 
+def impossible_pressure(load: float, radius: float, modulus: float) -> str:
+    """Say that a load per length w [N/m] presses a contact, R [m] and E' [Pa], as none can be; nothing if it does not.
+
+    The largest pressure is that of Hertz, sqrt(w E'/(2 pi R)).
+    """
+    pressure = math.sqrt(load * modulus / (2 * math.pi * radius))
+    if pressure <= _PRESSURE[1]:
+        return ""
+    most = format_quantity(_PRESSURE[1], "Pa")
+    return f"{format_quantity(pressure, 'Pa', 3)} of pressure after Hertz, at most {most} is possible"
+
+
 def _pressure(scene: Scene) -> float:
-    """Hertz's largest pressure of the most loaded contact, sqrt(w E'/(2 pi R)) [Pa]."""
+    """Hertz's largest pressure of the most loaded contact [Pa]."""
     load, radius, modulus = _most_loaded(scene)
     return math.sqrt(load * modulus / (2 * math.pi * radius))
 
@@ -204,7 +226,7 @@ RELATIONS: Final = (
         "Pa",
         "of pressure in the most loaded contact, after Hertz",
         (0, 5e9),
-        (0, 2e10),
+        _PRESSURE,
         "the static rating of ISO 76 is at 4 GPa",
     ),
     *(

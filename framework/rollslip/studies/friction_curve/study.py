@@ -13,11 +13,13 @@ from rollslip.bearing.chain import along
 from rollslip.bearing.critical import PURE_SLIDING, locate, slip_grid
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
-from rollslip.errors import DomainError
+from rollslip.errors import DomainError, SceneError
 from rollslip.fields import at_least, one_at_least, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
+from rollslip.scene.plausibility import impossible_pressure
+from rollslip.structure import Location
 from rollslip.studies.answers import Evaluated, Keep, Output, Some
 from rollslip.studies.study import Study
 from rollslip.studies.timing import POINTS, onwards, timed
@@ -107,6 +109,13 @@ class FrictionCurve(Study):
     def contacts(self, assembly: Assembly) -> list[LoadedContacts]:
         """Return the loaded slices of the contact, for each normal force."""
         raceway = assembly.inner if self.ring == "inner" else assembly.outer
+        c, where = raceway.conditions, Location(assembly.scene.origins, ("study", self.name, "normal_force"))
+        if faults := [
+            where.at(k).says(f"{format_quantity(force, 'N')} is {fault}")
+            for k, force in enumerate(self.normal_force)
+            if (fault := impossible_pressure(force / c.length, c.radius, c.modulus))
+        ]:
+            raise SceneError(faults)
         return [
             LoadedContacts(raceway, balanced_load(assembly, raceway, force)[None], assembly.widths, 1.0)
             for force in self.normal_force
