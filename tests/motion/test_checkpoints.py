@@ -2,6 +2,7 @@
 
 import json
 import os
+import random
 import re
 import shlex
 import shutil
@@ -354,6 +355,31 @@ def test_a_killed_run_goes_on_from_its_last_part(scene, tmp_path, uninterrupted,
     assert np.array_equal(whole.time, uninterrupted.time)
     assert same(whole, uninterrupted)
     assert float(np.abs(whole.energy_residual).max()) < 1e-3
+
+
+@pytest.mark.faults
+def test_a_run_killed_at_twenty_random_moments_has_the_bits_of_an_uninterrupted_one(scene, tmp_path, uninterrupted):
+    def is_that_of_the_uninterrupted():
+        whole = open_result(tmp_path / "o" / "dynamics.nc")
+        assert whole.attrs["outcome"] == "finished"
+        assert whole.drop_attrs().identical(uninterrupted.drop_attrs())
+        shutil.rmtree(tmp_path / "o")
+
+    moments = random.Random(16)
+    for _ in range(20):
+        held = len(parts(tmp_path))
+        process = start(*RUN, *(["--resume"] if held else []), cwd=tmp_path, PAUSE="1e-3", EVERY="0.02")
+        while process.poll() is None and len(parts(tmp_path)) <= held:
+            time.sleep(0.01)
+        time.sleep(moments.uniform(0.0, 0.2))
+        process.kill()
+        _, err = process.communicate(timeout=120)
+        assert process.returncode in (0, -signal.SIGKILL), err
+        if (tmp_path / "o").exists():  # it came to its end, and the next one begins anew
+            is_that_of_the_uninterrupted()
+    if parts(tmp_path):
+        command(*RUN, "--resume", cwd=tmp_path)
+        is_that_of_the_uninterrupted()
 
 
 @pytest.mark.faults

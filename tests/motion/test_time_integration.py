@@ -10,6 +10,7 @@ from scipy.integrate import OdeSolver
 
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError
+from rollslip.motion import time_integration
 from rollslip.motion.time_integration import Event, InitialValueProblem, integrate
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
 from rollslip_kernels.motion.system import System, python_system
@@ -95,6 +96,32 @@ def test_tolerance_governs_the_error(name, compiled):
         for tol in (1e-5, 1e-8)
     ]
     assert errors[1] < errors[0] / 20.0
+
+
+def test_a_compiled_run_goes_on_bit_by_bit_from_any_state_it_has_kept(monkeypatch):
+    monkeypatch.setattr(time_integration, "_MANY", 1)
+    times, breaks = np.linspace(0.0, 3.0, 23), (1.0, 1.9)
+
+    def watch(t, y):
+        return np.array([y[0], y[1] - 0.5])
+
+    def made(**start):
+        return problem(oscillator, start.pop("y", START), True, watch, 2, breaks=breaks, **start)
+
+    kept = []
+    whole = run("rodas5p", made(), times, keep=lambda number, part: kept.append(part), every=-1.0)
+    assert len(kept) > 40
+    before = None
+    for part in kept:
+        before = part if before is None else before.then(part)
+        later = run(
+            "rodas5p", made(y=before.last_y, t=before.last_t), times[before.t.size :],
+            first_step=before.last_step, state=before.last_state,
+        )  # fmt: skip
+        again = before.then(later)
+        assert np.array_equal(again.y, whole.y)
+        assert again.events == whole.events
+        assert (again.steps, again.rejected) == (whole.steps, whole.rejected)
 
 
 def test_compiled_and_stepped_paths_agree():

@@ -64,6 +64,7 @@ class Checkpoints:
                 t=part.t,
                 y=part.y,
                 last_y=part.last_y,
+                last_state=part.last_state,
                 events=np.array([(e.time, e.watched, e.rising) for e in part.events]).reshape(-1, 3),
                 facts=np.frombuffer(
                     json.dumps(
@@ -107,6 +108,7 @@ class Checkpoints:
                     t=file["t"],
                     y=file["y"],
                     last_y=file["last_y"],
+                    last_state=file["last_state"] if "last_state" in file else np.zeros(0),  # of older versions
                     events=tuple(Event(float(t), int(k), bool(up)) for t, k, up in file["events"]),
                     outcome="interrupted",
                     message="",

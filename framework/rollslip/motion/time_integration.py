@@ -71,6 +71,8 @@ class Trajectory:
         Work done; rejected is -1 where the solver does not tell.
     wall_time : float
         [s].
+    last_state : ndarray
+        All that the next steps of a compiled solver depend on at ``last_t``; empty if it is not known.
     """
 
     t: Floats
@@ -87,6 +89,7 @@ class Trajectory:
     evaluations: int
     jacobians: int
     wall_time: float
+    last_state: Floats = attrs.field(factory=lambda: np.zeros(0))
 
     def then(self, later: "Trajectory") -> "Trajectory":
         """Return this trajectory with a later one that went on from it."""
@@ -142,6 +145,7 @@ def integrate(
     rtol: float,
     stop: frozenset[int] = frozenset(),
     first_step: float = 0.0,
+    state: Floats | None = None,
     keep: Callable[[int, Trajectory], None] | None = None,
     every: float = 10.0,
 ) -> Trajectory:
@@ -161,6 +165,8 @@ def integrate(
         Watched values whose rising through zero ends the run.
     first_step : float
         Step size to begin with; 0 leaves it to the solver.
+    state : ndarray, optional
+        ``last_state`` of a run that this one goes on from: a compiled solver then takes the steps that it would have.
     keep : callable, optional
         Given what was computed since it was last called, every so many seconds and when the run is interrupted, with
         a number; a progress bar and the writing of long runs hang on it. A call that an interrupt cut short is
@@ -168,7 +174,10 @@ def integrate(
     every : float
         Those seconds.
     """
-    return _Run(problem, integrator, np.asarray(times, dtype=float), rtol, stop, first_step, keep, every).to_the_end()
+    run = _Run(problem, integrator, np.asarray(times, dtype=float), rtol, stop, first_step, keep, every)
+    if state is not None:
+        run.state = state
+    return run.to_the_end()
 
 
 class _Run:
@@ -188,6 +197,7 @@ class _Run:
         self.problem, self.integrator, self.times, self.rtol, self.stop = problem, integrator, times, rtol, stop
         self.keep, self.every = keep, every
         self.t, self.y, self.h = problem.t, np.array(problem.y, dtype=float), first_step
+        self.state: Floats = np.zeros(0)  # of a compiled solver at t
         self.stored = np.full((times.size, self.y.size), np.nan)
         self.count = 0  # instants stored
         self.events: list[Event] = []
@@ -244,6 +254,7 @@ class _Run:
             evaluations=int(work[2]),
             jacobians=int(work[3]),
             wall_time=time.perf_counter() - (self.begin if count == 0 else self.clock),
+            last_state=self.state,
         )
 
     def _stretch(self, end: float, bound: float) -> str:
@@ -258,7 +269,10 @@ class _Run:
         if compiled is not None and isinstance(self.problem.rates, System):
             solver = compiled(self.problem.rates.capsule, self.t, self.y, bound, **options)
             state = solver.state
-            state[4 : 4 + self.sides.size] = self.sides  # which it may have left just before a break
+            if state.shape == self.state.shape and self.state[0] == self.t:
+                state, self.sides = self.state, self.state[4 : 4 + self.sides.size].copy()
+            else:
+                state[4 : 4 + self.sides.size] = self.sides  # which it may have left just before a break
             solver.state = state
             message = self._advanced(solver, bound)
         else:
@@ -286,7 +300,8 @@ class _Run:
                 self._store_until(solver.t, solver.y, solver.interpolate)
                 self.t, self.y, self.h = float(solver.t), solver.y, float(solver.h)
                 self.work = before + np.array([solver.steps, solver.rejected, solver.evaluations, solver.jacobians])
-                passed = self._changed_sides(solver.state[4 : 4 + self.sides.size])
+                self.state = solver.state
+                passed = self._changed_sides(self.state[4 : 4 + self.sides.size])
                 self.events += [Event(self.t, k, rising) for k, rising in passed]
                 stopped = any(rising and k in self.stop for k, rising in passed)
                 if stopped:

@@ -382,6 +382,7 @@ class Dynamics(Study):
             rtol=self.relative_tolerance,
             stop=frozenset({0} if self.stop_at == "critical" and not math.isnan(away.slip) else ()),
             first_step=first_step,
+            state=None if before is None else before.last_state,
             keep=keep,
         )
         found = explained(found, moving)
