@@ -32,11 +32,11 @@ from rollslip_kernels.slices import Conditions, Slices
 cdef extern from *:
     """
     #if defined(__GNUC__)
-    #define RS_SOON(p) __builtin_prefetch(p, 1, 2)
+    #define RS_SOON(p) __builtin_prefetch(p, 0, 2)
     #else
     #define RS_SOON(p) ((void)(p))
     #endif
-    /* Ask for n values of a column that are worked on soon: to the second-level cache, to be written */
+    /* Ask for n values of a column that are worked on soon, in the second-level cache */
     static void rs_ask_for(const double *column, size_t n) {
         for (size_t i = 0; i < n; i += 8) RS_SOON(column + i);
     }

@@ -80,9 +80,9 @@ static int PATH(run_whole)(const rs_model *child, const rs_slices *block, double
     return status > (int)part.n ? NO_SUCH_STATUS : status;
 }
 
-/* The same of the slices whose factor is not 0, `needed` of them, put at their places in `result` */
+/* The same of the slices whose share is not `without`, `needed` of them, put at their places in `result` */
 static int PATH(run_gathered)(
-    const rs_model *child, const rs_slices *block, given factor, size_t needed, double *result
+    const rs_model *child, const rs_slices *block, given share, double without, size_t needed, double *result
 ) {
     double scratch[COLUMNS][BLOCK];
     size_t index[BLOCK + 1], m = 0;
@@ -91,7 +91,7 @@ static int PATH(run_gathered)(
     int status;
     for (size_t i = 0; i < block->n; i++) {
         index[m] = i;
-        m += factor[i] != 0.0;
+        m += share[i] != without;
     }
     part.n = needed;
     for (int c = 0; c < COLUMNS; c++) {
@@ -105,47 +105,45 @@ static int PATH(run_gathered)(
     return status;
 }
 
-/* Friction after `child` wherever a factor is not 0; elsewhere anything */
+/* Friction after `child` wherever the share is not `without`, at `needed` slices; elsewhere anything */
 static int PATH(run_child)(
-    const rs_model *child, int raises, const rs_slices *block, given factor, double *result
+    const rs_model *child, int raises, const rs_slices *block, given share, double without, size_t needed, double *result
 ) {
-    uint64_t needed = 0;
-    for (size_t i = 0; i < block->n; i++) needed += (uint64_t)(factor[i] != 0.0);
     if (needed == 0) return 0;
     if (needed == block->n || (8 * needed >= block->n && !raises)) {
         int status = PATH(run_whole)(child, block, result);
         if (status <= 0 || needed == block->n) return status;
     }
-    return PATH(run_gathered)(child, block, factor, (size_t)needed, result);
+    return PATH(run_gathered)(child, block, share, without, needed, result);
 }
 
 /* mu = mu_hd + (mu_bd - mu_hd) share */
 static int PATH(blend)(const rs_slices *s, const void *params) {
     const blend_params *q = (const blend_params *)params;
-    double share[BLOCK], rest[BLOCK], boundary[BLOCK], hydrodynamic[BLOCK];
+    double share[BLOCK], boundary[BLOCK], hydrodynamic[BLOCK];
     for (size_t start = 0; start < s->n; start += BLOCK) {
         rs_slices part = cut(s, start, s->n - start < BLOCK ? s->n - start : BLOCK), shared = part;
         size_t n = part.n;
         double *friction = part.friction;
-        uint64_t rough = 0;
+        uint64_t rough = 0, smooth = 0;
         int status;
         shared.friction = share;
         q->share(&shared, q->law);
-        for (size_t i = 0; i < n; i++) rough |= (uint64_t)(share[i] != 0.0);
+        for (size_t i = 0; i < n; i++) {
+            rough += (uint64_t)(share[i] != 0.0);
+            smooth += (uint64_t)(share[i] != 1.0);
+        }
         if (rough == 0) {   /* mostly: full films alone */
             status = PATH(run_whole)(&q->hydrodynamic, &part, friction);
         } else {
-            EACH(i, n) {
-                rest[i] = 1.0 - share[i];
-                boundary[i] = hydrodynamic[i] = 0.0;
-            }
-            status = PATH(run_child)(&q->boundary, q->boundary_raises, &part, share, boundary);
+            status = PATH(run_child)(&q->boundary, q->boundary_raises, &part, share, 0.0, (size_t)rough, boundary);
             if (status == 0)
-                status = PATH(run_child)(&q->hydrodynamic, q->hydrodynamic_raises, &part, rest, hydrodynamic);
+                status = PATH(run_child)(
+                    &q->hydrodynamic, q->hydrodynamic_raises, &part, share, 1.0, (size_t)smooth, hydrodynamic);
             if (status == 0)
                 EACH(i, n) {
-                    double full = rest[i] != 0.0 ? hydrodynamic[i] : 0.0, part_bd = share[i] != 0.0 ? boundary[i] : 0.0;
-                    friction[i] = RS_FMA(part_bd - full, share[i], full);
+                    double full = share[i] != 1.0 ? hydrodynamic[i] : 0.0, solid = share[i] != 0.0 ? boundary[i] : 0.0;
+                    friction[i] = RS_FMA(solid - full, share[i], full);
                 }
         }
         if (status) return status > 0 ? status + (int)start : status;

@@ -46,11 +46,13 @@ RS_INLINE double PATH(power_law)(
     return RS_FMA(u.high, ku, w.high * kw);
 }
 
-/* film = factor 2^(high + low), the factors given in film */
-static void PATH(times_powers)(size_t n, given high, given low, filled film) {
-    uint64_t far = 0;
-    for (size_t i = 0; i < n; i++)   /* or the factor itself is beyond 2^-120 to 2^120 */
-        far |= rs_bits(900.0 - fabs(high[i])) | rs_bits(film[i] - 0x1p-120) | rs_bits(0x1p120 - film[i]);
+/* Whether a factor leaves room for a power of 2 up to 900 before it is no normal number */
+RS_INLINE int PATH(moderate)(double factor) { return factor > 0x1p-120 && factor < 0x1p120; }
+
+/* film = factor 2^(high + low), the factors given in film, moderate or not */
+static void PATH(times_powers)(size_t n, int moderate, given high, given low, filled film) {
+    uint64_t far = moderate ? 0 : RS_SIGN;
+    for (size_t i = 0; i < n; i++) far |= rs_bits(900.0 - fabs(high[i]));
     if (far >> 63) EACH(i, n) film[i] = rs_exp2_times(film[i], high[i], low[i]);
     else EACH(i, n) film[i] = rs_exp2_times_normal(film[i], high[i], low[i]);
 }
@@ -69,7 +71,7 @@ STAGE(power_film, COL_rolling_speed | COL_load, COL_film_thickness) {
         high[i] = PATH(power_law)(u, w, ku, lu, kw[i], lw[i], &low[i]);
         film[i] = factor;
     }
-    PATH(times_powers)(n, high, low, film);
+    PATH(times_powers)(n, PATH(moderate)(factor), high, low, film);
     return 0;
 }
 
@@ -115,7 +117,7 @@ STAGE(moes_film, COL_rolling_speed | COL_load, COL_film_thickness) {
     EACH(i, n) {
         double ei_high = m02.high * km[i], ei_low = RS_FMA(m02.low, km[i], RS_FMA(m02.whole, lm[i], LOG_EI));
         double low = RS_FMA(r08.low, km[i], RS_FMA(r08.whole, lm[i], LOG_EI_RI)), x = RS_FMA(r08.high, km[i], low);
-        double third = 1.0 / 3.0 * fabs(x), root = rs_exp2_falling(-(third < 30.0 ? third : 30.0));
+        double third = -1.0 / 3.0 * fabs(x), root = rs_exp2_times_normal(1.0, third < -30.0 ? -30.0 : third, 0.0);
         double less = root * root * root;
         i_high[i] = x < 0.0 ? -km[i] : ei_high;
         i_low[i] = x < 0.0 ? LOG_RI - lm[i] : ei_low;
@@ -146,7 +148,7 @@ STAGE(moes_film, COL_rolling_speed | COL_load, COL_film_thickness) {
         p_low[i] = RS_FMA(thicker, of_ratio * inverse, p_low[i]);
         film[i] = radius;
     }
-    PATH(times_powers)(n, p_high, p_low, film);
+    PATH(times_powers)(n, PATH(moderate)(radius), p_high, p_low, film);
     return 0;
 }
 
@@ -159,10 +161,12 @@ STAGE(regime_film, COL_rolling_speed | COL_load, COL_film_thickness | COL_regime
     PATH(scales) to = PATH(scales_of)(s);
     PATH(exponent) u[4], w[4];
     double G = s->pressure_viscosity * s->modulus;
+    int moderate = 1;
     size_t n = WHOLE(s->n);
     for (int law = 0; law < 4; law++) {
         factor[law] = s->radius * (laws[law].c * rs_pow(G, laws[law].g));
         log_factor[law] = rs_log2(factor[law]);
+        moderate &= PATH(moderate)(factor[law]);
         u[law] = PATH(split_exponent)(laws[law].u);
         w[law] = PATH(split_exponent)(laws[law].w);
     }
@@ -186,7 +190,7 @@ STAGE(regime_film, COL_rolling_speed | COL_load, COL_film_thickness | COL_regime
         film[i] = piezo > iso ? piezo_factor : iso_factor;
         regime[i] = piezo > iso ? if_piezo : if_iso;
     }
-    PATH(times_powers)(n, high, low, film);
+    PATH(times_powers)(n, moderate, high, low, film);
     return 0;
 }
 

@@ -59,18 +59,15 @@ static void PATH(asinh_quotient)(size_t n, given s, filled value, filled quotien
  * the plateau's share of the contact: S = (y/2) (1 + v).  v and the root r of the discriminant both follow from the same
  * margin m = 1 + a - D L/sigma without a difference of nearly equal terms, and the ramp fills the contact when m = 0. */
 static void PATH(muraki_parts)(size_t n, given s, given deborah, given w, given e, filled over, filled under) {
-    double L[BLOCK], c[BLOCK], v[BLOCK], margin[BLOCK];
+    double L[BLOCK], margin[BLOCK];
     PATH(asinh_quotient)(n, s, L, margin);
     EACH(i, n) {
-        margin[i] = RS_FMA(-deborah[i], margin[i], 1.0 + (1.0 + w[i]));
-        v[i] = margin[i] < 0.0 ? 0.0 : margin[i];
-        c[i] = w[i] < 1e100 ? 1.0 : 1e-200;   /* a^2 may overflow */
-    }
-    EACH(i, n) {
-        double a = 1.0 + w[i], r = sqrt(RS_FMA(w[i] * c[i], v[i] * c[i], c[i] * c[i]));
-        double plateau = (L[i] * c[i]) * RS_FMA(v[i], c[i], c[i] + r), share = (c[i] + r) * RS_FMA(a, c[i], r);
-        over[i] = margin[i] < 0.0 ? e[i] : plateau;
-        under[i] = margin[i] < 0.0 ? 1.0 : share;
+        double a = 1.0 + w[i], m = RS_FMA(-deborah[i], margin[i], 1.0 + a), v = m < 0.0 ? 0.0 : m;
+        double c = w[i] < 1e100 ? 1.0 : 1e-200;   /* a^2 may overflow */
+        double r = sqrt(RS_FMA(w[i] * c, v * c, c * c)), cool = c + r;
+        double plateau = (L[i] * c) * RS_FMA(v, c, cool), share = cool * RS_FMA(a, c, r);
+        over[i] = m < 0.0 ? e[i] : plateau;
+        under[i] = m < 0.0 ? 1.0 : share;
     }
 }
 

@@ -10,9 +10,11 @@ STAGE(barus, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     size_t n = WHOLE(s->n);
     (void)params;
     for (size_t i = 0; i < n; i++) far |= rs_bits(700.0 - fabs(alpha * pressure[i]));
+    EACH(i, n) {
+        viscosity[i] = ambient * rs_exp_normal(alpha * pressure[i]);
+        fall[i] = RS_FMA(gamma, pressure[i], beta);
+    }
     if (far >> 63) EACH(i, n) viscosity[i] = ambient * rs_exp(alpha * pressure[i]);
-    else EACH(i, n) viscosity[i] = ambient * rs_exp_normal(alpha * pressure[i]);
-    EACH(i, n) fall[i] = RS_FMA(gamma, pressure[i], beta);
     return 0;
 }
 
