@@ -436,6 +436,8 @@ def likely(value: float, given: str, unit: str, usual: Callable[[float], bool]) 
     >>> likely(0.16, "m", "m", lambda roughness: roughness < 3e-6)
     '0.16 um'
     """
+    if not math.isfinite(value):
+        return None
     size, zero = _scale(given, unit)
     number = f"{float((Fraction(value) - zero) / size):.12g}"
     if abs(float(number)) < _WRITTEN_LEAST:

@@ -65,7 +65,7 @@ class PlanarSettings:
         doc="mass that moves with the inner ring: the ring and its share of the shaft",
         validator=positive,
         usual=(1e-3, 1e5),
-        possible=(1e-9, 1e9),
+        possible=(1e-9, 1e15),  # one that nothing moves too
     )
     contact_damping: float = field(
         default=0.3,
