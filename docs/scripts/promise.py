@@ -88,12 +88,14 @@ def main(count=COUNT, seconds=float("inf")):
     signal.signal(signal.SIGVTALRM, stop)
     begin = time.process_time()
     judge(BASE)  # what is loaded once is not of the first scene
-    for k in range(len(rows), int(count)):
+    known = {int(one[0]) for one in rows}
+    for k in sorted(set(range(int(count))) - known):
         if time.process_time() - begin > float(seconds):
             break
         rows.append([str(cell) for cell in row(k)])
+        rows.sort(key=lambda one: int(one[0]))
         write_table("promise", HEADER, rows)
-        print(k, rows[-1][-1], rows[-1][2:-1] if rows[-1][-1] != "refused" else rows[-1][1][:80], flush=True)
+        print(k, next(one[-1] for one in rows if one[0] == str(k)), flush=True)
     head = ["closure", "scenes", *VERDICTS, "largest error over tolerance", "largest that was not told"]
     write_table("promise_summary", head, list(summary(rows)))
     left = {verdict: sum(one[-1] == verdict for one in rows) for verdict in ("refused", "too dear")}
