@@ -26,10 +26,13 @@ def table(raceway):
 
 @pytest.mark.parametrize("compiled", [True, False])
 @pytest.mark.parametrize("law", LAWS)
-def test_a_slice_has_the_stress_and_modulus_of_its_pressure(law, compiled):
+# 0.4 GPa raises 4 MPa to 12; the modulus decides little
+@pytest.mark.parametrize(("stress", "modulus", "least"), [(0.02, 3.0, 0.1), (0.02, 0.0, 0.1), (0.0, 3.0, 1e-6)])
+def test_a_slice_has_the_stress_and_modulus_of_its_pressure(law, compiled, stress, modulus, least):
     """As that slice alone, in an oil that has these values at all pressures."""
     both = {"models.traction": {"model": law}}
-    rising = assemble(evolve(SCENE, both | SLOPES)).inner
+    slopes = {"lubricant.eyring_stress_slope": stress, "lubricant.shear_modulus_slope": modulus}
+    rising = assemble(evolve(SCENE, both | slopes)).inner
     together = table(rising)
     oil = rising.chain.models[2]
     Chain(*rising.chain.models, compiled=compiled)(together)
@@ -37,7 +40,7 @@ def test_a_slice_has_the_stress_and_modulus_of_its_pressure(law, compiled):
     moved = []
     for k in range(len(together)):
         p = together.pressure[k]
-        own = attrs.evolve(c, eyring_stress=c.eyring_stress + 0.02 * p, shear_modulus=c.shear_modulus + 3.0 * p)
+        own = attrs.evolve(c, eyring_stress=c.eyring_stress + stress * p, shear_modulus=c.shear_modulus + modulus * p)
         alone = Slices(
             1, own, load=together.load[k], rolling_speed=30.0, sliding_speed=together.sliding_speed[k]
         )  # fmt: skip
@@ -47,7 +50,7 @@ def test_a_slice_has_the_stress_and_modulus_of_its_pressure(law, compiled):
         alone.conditions = c
         Chain(*rising.chain.models[:2], oil, plain)(alone)
         moved.append(abs(together.friction[k] / alone.friction[0] - 1.0))
-    assert max(moved) > 0.1  # 0.4 GPa raises 4 MPa to 12
+    assert max(moved) > least or (law == "eyring" and stress == 0.0)  # which knows no modulus
 
 
 @pytest.mark.parametrize("law", LAWS)
