@@ -1,0 +1,94 @@
+"""Write waiting.csv of docs/trust/time_of_a_run.rst: what users wait for, in this version and in an earlier one.
+
+``python docs/scripts/waiting.py BEFORE`` takes the folder of a clone of the earlier version, built in place. Each job is
+done in fresh processes of both versions in turn, twice; the least time of the processor counts, user and system. Some
+three minutes of processor, most of them the earlier version's.
+"""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from output import write_table
+
+HERE = Path(__file__).parents[2]
+#: Job -> how it is told.
+JOBS = {
+    "curve": "curve of 101 cage slips, free rollers, 70 degC",
+    "free-roller": "study effective-friction, free rollers, 70 degC",
+    "epicyclic": "the same with epicyclic rollers",
+    "critical": "sample of slip of running away and critical slip, 70 degC",
+    "steady": "sample of steady slip, 70 degC",
+    "motion": "plan and run of study dynamics, 50 degC",
+}
+_SAMPLES = 32
+_ROUNDS = 2
+
+
+def job(name):
+    """Return the processor's time [s] of one job, in this process."""
+    import time
+
+    import attrs
+
+    from rollslip import evolve, load_scene
+    from rollslip.bearing.assembly import assemble
+    from rollslip.bearing.critical import slip_grid
+    from rollslip.campaigns.sweep.point import compute
+    from rollslip.campaigns.uncertainty.margin import plan_margin
+    from rollslip.planning.execution import execute
+    from rollslip.planning.plan import plan
+    from rollslip.studies.effective_friction.study import EffectiveFriction
+
+    def took(function, *given):
+        begin = time.process_time()
+        function(*given)
+        return time.process_time() - begin
+
+    if name in ("curve", "free-roller", "epicyclic"):
+        changes = {"closure": "free-roller" if name == "curve" else name, "runaway_range": 0.0, "map_points": 0}
+        scene = evolve(
+            load_scene("1032930-70C"), {f"study.effective-friction.{key}": value for key, value in changes.items()}
+        )
+        assembly, study, slip = assemble(scene), EffectiveFriction.of(scene), slip_grid(0.4, 101)
+        if name != "curve":
+            study.run(assembly)  # what is imported and made once
+            return min(took(study.run, attrs.evolve(assembly, known_loads={})) for _ in range(3))
+        return min(took(lambda: study.loaded(assembly, 4).curve(slip)) for _ in range(3))
+    if name in ("critical", "steady"):
+        sweep = plan_margin("1032930-70C", samples=1024).sweeps[name]
+        points = [(number, sweep.design.changes(number)) for number in range(_SAMPLES)]
+        compute(sweep.work, points[:1])
+        return took(compute, sweep.work, points) / _SAMPLES
+    scene = load_scene("1032930-50C")
+    plan(scene, study="effective-friction")  # what is imported once
+    return took(lambda: execute(plan(scene, study="dynamics"), "dynamics"))
+
+
+def measured(root, name):
+    """Return what a job takes in the version of a folder."""
+    path = os.pathsep.join(str(root / part) for part in ("framework", "plugins", "kernels", ""))
+    told = subprocess.run(
+        [sys.executable, __file__, "--job", name],
+        env={**os.environ, "PYTHONPATH": path},
+        cwd=root,
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    return json.loads(told.stdout.splitlines()[-1])
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "--job":
+        print(json.dumps(job(sys.argv[2])))
+    else:
+        earlier, rows = Path(sys.argv[1]).resolve(), []
+        for name, what in JOBS.items():
+            times = [[measured(root, name) for root in (earlier, HERE)] for _ in range(_ROUNDS)]
+            before, after = (min(column) for column in zip(*times, strict=True))
+            rows.append((what, f"{1e3 * before:.3g}", f"{1e3 * after:.3g}", f"{before / after:.1f}"))
+            print(*rows[-1], sep=", ", flush=True)
+        write_table("waiting", ("what", "before [ms]", "now [ms]", "times as fast"), rows)
