@@ -1,8 +1,7 @@
 """Write waiting.csv of docs/trust/time_of_a_run.rst: what users wait for, in this version and in an earlier one.
 
-``python docs/scripts/waiting.py BEFORE`` takes the folder of a clone of the earlier version, built in place. Each job is
-done in fresh processes of both versions in turn, twice; the least time of the processor counts, user and system. Some
-three minutes of processor, most of them the earlier version's.
+``python docs/scripts/waiting.py BEFORE`` takes the folder of a clone of the earlier version, built in place. Each job
+is done in fresh processes of both versions in turn, twice; the least time of the processor counts, user and system.
 """
 
 import json
@@ -89,6 +88,6 @@ if __name__ == "__main__":
         for name, what in JOBS.items():
             times = [[measured(root, name) for root in (earlier, HERE)] for _ in range(_ROUNDS)]
             before, after = (min(column) for column in zip(*times, strict=True))
-            rows.append((what, f"{1e3 * before:.3g}", f"{1e3 * after:.3g}", f"{before / after:.1f}"))
+            rows.append((what, *(f"{float(f'{1e3 * one:.3g}'):g}" for one in (before, after)), f"{before / after:.1f}"))
             print(*rows[-1], sep=", ", flush=True)
         write_table("waiting", ("what", "before [ms]", "now [ms]", "times as fast"), rows)
