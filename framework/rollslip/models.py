@@ -111,7 +111,7 @@ class Validity:
             return self.consequence
         errors = [self.error(value) for value in values]
         ends = min(errors), max(errors)
-        low, high = (f"{end:.0f}" if end >= 1.0 or end == 0.0 else f"{end:.1g}" for end in ends)
+        low, high = (f"{end:.1g}" if 0.0 < end < 1.0 or end >= 1e4 else f"{end:.0f}" for end in ends)
         return self.consequence.replace("{error}", f"{high} %" if low == high else f"{low} to {high} %")
 
     @property
@@ -328,7 +328,7 @@ class ContactModel(SliceModel):
             quantity="load_parameter",
             low=HERTZIAN_FROM,
             consequence="the pressure in the film is far from Hertz's, on which traction is based: its mean by load is "
-            "up to {error} lower",
+            "at most {error} lower",
             error=Tabled(((0.1, 95.0), (0.2, 90.0), (0.5, 76.0), (1.0, 58.0), (2.0, 36.0))),
             remedy="none with a source is known; take what these contacts decide for a trend",
             source="the isoviscous contact, the worst of L = 0 to 15, by reynolds-line (docs/scripts/validity.py)",

@@ -148,7 +148,7 @@ class Muraki(_EyringFluid):
             quantity="deborah",
             called="Deborah number D",
             high=0.1,
-            consequence="its linear ramp gives up to {error} too much friction without heat",
+            consequence="its linear ramp gives at most {error} too much friction without heat",
             error=Tabled(((0.1, 2.6), (0.3, 8.8), (1.0, 32.1), (2.0, 36.0), (3.0, 25.6), (10.0, 12.0), (30.0, 7.0))),
             remedy=EXACT,
             source="maxwell-eyring at sigma 1e-3 to 1e4 (docs/scripts/validity.py)",
@@ -157,7 +157,7 @@ class Muraki(_EyringFluid):
             quantity="film_heating",
             called="heating of a Newtonian film Phi sigma",
             high=0.03,
-            consequence="it gives up to {error} too little friction in a heated film for Phi <= 1",
+            consequence="it gives at most {error} too little friction in a heated film for Phi <= 1",
             error=Tabled(
                 (
                     (0.03, 2.8),
@@ -319,7 +319,7 @@ class Eyring(_EyringFluid):
             quantity="deborah",
             called="Deborah number D",
             high=0.05,
-            consequence="without elasticity it gives up to {error} too much friction, most at small sigma",
+            consequence="without elasticity it gives at most {error} too much friction, most at small sigma",
             error=lambda deborah: 100.0 / (1.0 + 0.5 * deborah * math.expm1(-2.0 / deborah)) - 100.0,
             remedy=EXACT,
             source="small signal of maxwell-eyring, S = sigma [1 - (D/2) (1 - exp(-2/D))]",

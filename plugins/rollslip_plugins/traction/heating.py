@@ -61,7 +61,7 @@ NO_ASPERITIES: Final = Validity(
 MEAN_PRESSURE: Final = Validity(
     quantity="pressure_exponent",
     high=1.0,
-    consequence="the viscosity at the mean pressure is too low: friction by up to {error} where the oil is Newtonian "
+    consequence="the viscosity at the mean pressure is too low: friction by at most {error} where the oil is Newtonian "
     "(sigma < 0.3) and inelastic, by 4 % and less at sigma > 10 up to an exponent of 6",
     error=Tabled(((1.0, 3.5), (2.0, 12.2), (3.0, 23.1), (4.0, 34.5), (6.0, 54.9), (8.0, 70.3), (12.0, 88.0))),
     remedy="traction 'maxwell-eyring-field', which takes the local pressure",

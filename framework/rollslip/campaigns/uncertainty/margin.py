@@ -184,8 +184,8 @@ def plan_margin(
     probability : float
         With which the slip is to be below that of running away.
     steady : int, optional
-        Samples of the steady slip, each about as dear; by default 512 if the scene has a cage, 0 for none. So many and no
-        slip beyond that of running away leave a margin above 0.99 with 95 %.
+        Samples of the steady slip, each about as dear; by default 512 if the scene has a cage, 0 for none. So many
+        and no slip beyond that of running away leave a margin above 0.99 with 95 %.
     indices : int
         Rows of the design for Sobol indices of running away, critical slip and peak friction, a power of two, each
         inputs + 2 points; 0 for none.

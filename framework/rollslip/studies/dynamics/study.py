@@ -231,8 +231,7 @@ class Dynamics(Study):
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of the tables, and of a short part of the motion times what is left of it."""
         resolution = assembly.resolution
-        slices = min(estimates.FEW, resolution.slices)
-        few = assembly.at(attrs.evolve(resolution, slices=slices, quadrature="equal"))
+        few = assembly.at(attrs.evolve(resolution, slices=min(estimates.FEW, resolution.slices), quadrature="equal"))
         more, built = assembly.slices / few.slices, 0.0
         begin = time.process_time()
         if self.level != "planar" and self.friction != "effective":  # the run takes this map, the trial a rough one
