@@ -27,6 +27,8 @@ _LEAST_ORDER, _MOST_ORDER = 0.5, 2.0
 _CLEAR = 0.3
 #: How many times as many slips a witness goes along where a curve is followed from slip to slip.
 _DENSER = 3
+#: Second difference along the slip, relative to what differs, below which that is smooth.
+_ROUGH = 0.3
 #: Slips on which a witness sees curves of which the result holds none.
 _WITNESSED = 25
 
@@ -163,7 +165,8 @@ def _unsteady(curved: Study, own: "xr.Dataset", witness: "xr.Dataset") -> float:
         if not at > 0.0:
             continue
         j = min(max(int(np.searchsorted(slips, at)), 2), slips.size - 3)
-        rough = 0.25 * float(np.abs(np.diff(apart[k, j - 2 : j + 3], 2)).max())
+        rough, size = (float(np.abs(np.diff(apart[k, j - 2 : j + 3], n)).max()) for n in (2, 0))
+        rough *= 0.25 if rough > _ROUGH * size else 0.0
         curvature = -2.0 * float(np.polyfit(slips[j - 1 : j + 2], curves[k, j - 1 : j + 2], 2)[0])
         most = float(slips[j + 1] - slips[j - 1])
         worst = max(worst, min(math.sqrt(2.0 * rough / curvature) if curvature > 0.0 else most, most) / float(at))
