@@ -23,7 +23,7 @@ class Material:
         default=0.3, unit="1", doc="Poisson's ratio", validator=in_range(0, 0.5), usual=(0.15, 0.45)
     )
     density: float = field(
-        default=7800.0, unit="kg/m3", doc="density", validator=positive, usual=(2500, 9000), possible=(500, 25e3)
+        default=7800.0, unit="kg/m3", doc="density", validator=positive, usual=(2500, 9000), possible=(1e-12, 25e3)
     )
     specific_heat: float = field(
         default=470.0, unit="J/(kg K)", doc="specific heat", validator=positive, usual=(300, 1200), possible=(50, 1e4)

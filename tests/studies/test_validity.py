@@ -239,7 +239,7 @@ def test_a_share_is_of_the_force_and_of_the_ring_that_has_more_of_it():
     assert (found.share, found.ring) == (0.25, ""), "both alike"
     (said,) = sentences(told([found], None))
     assert said.startswith("contact 'palmgren' was made for load parameter M >= 2; 25 % of the contact force is out")
-    assert "its mean by load is up to 58 % lower; remedy: none" in said
+    assert "its mean by load is at most 58 % lower; remedy: none" in said
 
 
 def test_nothing_is_said_within_the_bounds_and_of_what_is_not_known():

@@ -82,9 +82,11 @@ STAGE(kragelsky, COL_rolling_speed | COL_sliding_speed, COL_friction) {
     const kragelsky_params *q = (const kragelsky_params *)params;
     const double *u = s->rolling_speed, *sliding = s->sliding_speed;
     double *friction = s->friction, limit = q->limit, rise = q->rise, decay = q->decay;
+    double far = 693.0 / decay;   /* beyond it the fast exponential falls no more, and x must not grow */
     size_t n = WHOLE(s->n);
     EACH(i, n) {
-        double x = fabs(sliding[i]) / u[i], left, gone = rs_expm1_exp_falling(-decay * x, &left);
+        double ratio = fabs(sliding[i]) / u[i], x = ratio > far ? far : ratio;
+        double left, gone = rs_expm1_exp_falling(-decay * x, &left);
         friction[i] = copysign(RS_FMA(rise * x, left, -limit * gone), sliding[i]);
     }
     return 0;
