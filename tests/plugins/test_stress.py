@@ -85,6 +85,15 @@ def test_maxwell_eyring_takes_known_values(law, sigma, deborah, heating, stress)
 
 
 @pytest.mark.parametrize("law", MAXWELL_EYRING, ids=name)
+@pytest.mark.parametrize(("sigma", "deborah"), [(2.50062e17, 1e16), (3.71118e16, 1.34279e15), (3.52e13, 1.38e12)])
+@pytest.mark.parametrize("heating", [0.0, 1e-20])
+def test_maxwell_eyring_far_beyond_its_range_where_little_of_an_oil_has_relaxed(law, sigma, deborah, heating):
+    """P = 50 to 55 relaxation lengths with B up to 5e17: B exp(-P) counts where exp(-P) is nothing beside 1."""
+    expected = float(fifty_digits(sigma, deborah, heating))
+    assert law(sigma, deborah, heating) == pytest.approx(expected, rel=1e-13)
+
+
+@pytest.mark.parametrize("law", MAXWELL_EYRING, ids=name)
 @pytest.mark.parametrize("cut", [0.25, 1.0, 50.0])
 def test_maxwell_eyring_is_seamless_where_the_method_changes(law, cut):
     sigma = np.logspace(-8, 8, 200)

@@ -178,7 +178,7 @@ static void PATH(maxwell_mean)(size_t n, given s, given deborah, given y, filled
     EACH(i, n) steady[i] = rs_log1p(steady[i]);   /* asinh(eps) */
     EACH(i, n) log_a[i] = rs_log1p(-a[i]);
     EACH(i, n) log_tanh[i] = rs_log(tanh_half[i]);
-    EACH(i, n) q[i] = p[i] < 50.0 ? rs_exp(-p[i]) : 0.0;
+    EACH(i, n) q[i] = rs_exp(-p[i]);   /* B q counts where exp(-P) alone is nothing */
     EACH(i, n) {
         double aq = a[i] * q[i], bq = b[i] * q[i], pull = p[i] * (sech[i] * sech[i]);
         double slope_b = -bq / (1.0 + bq) * (tanh_steady[i] + sech[i] + pull);
