@@ -25,13 +25,14 @@ from rollslip_plugins.traction.blend import (
 )
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
-from strategies import NumpyForm, decades, films, forms, law_of
+from strategies import NumpyForm, decades, evaluated, films, forms, law_of
 
 REFERENCE = Path(__file__).parents[1] / "references" / "greenwood_tripp.csv"
 WITH_INTEGRAL = [
     {key: float(value) for key, value in row.items()} for row in csv.DictReader(REFERENCE.read_text().splitlines())
 ]
 NOT_YET = {"boundary": Constant(coefficient=1.0), "hydrodynamic": Constant(coefficient=5e-324)}  # friction is the share
+ONLY_FILM = {"boundary": Constant(coefficient=5e-324), "hydrodynamic": Constant(coefficient=1.0)}  # that of the film
 
 BLENDS = [
     LinearBlend(),
@@ -47,9 +48,9 @@ ROUNDING = 2e-13
 STEEL = 2.286e11
 
 
-def share_of(model, film_parameter, pressure=4e8, modulus=STEEL):
+def share_of(model, film_parameter, pressure=4e8, modulus=STEEL, children=NOT_YET):
     """Share of boundary friction, through the chain: the friction of a boundary of 1 and a film of nothing."""
-    bare = attrs.evolve(law_of(model), **NOT_YET)
+    bare = attrs.evolve(law_of(model), **children)
     form = bare if law_of(model) is model else NumpyForm(bare)
     film_parameter, pressure = np.broadcast_arrays(np.atleast_1d(np.asarray(film_parameter, dtype=float)), pressure)
     slices = Slices(
@@ -140,6 +141,58 @@ def test_zhou_and_hoeprichs_share_is_as_printed(form, film_parameter, factor, ex
         np.testing.assert_allclose(share, expected, rtol=1e-15 * (2 + 4 * float(power)), atol=1e-323)
 
 
+@pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
+@some
+@given(thickness=decades(-18, 0), factor=decades(-1, 1), exponent=st.floats(0.3, 3.0))
+def test_what_zhou_and_hoeprich_leave_to_a_thin_film_keeps_its_digits(form, thickness, factor, exponent):
+    """1 - exp(-B Lambda^C) in sixty digits: the coefficient of the film may be far above that of the boundary."""
+    with mpmath.workdps(60):
+        power = mpmath.mpf(factor) * mpmath.mpf(thickness) ** mpmath.mpf(exponent)
+        expected = float(-mpmath.expm1(-power))
+    film = share_of(form(ZhouHoeprich(factor=factor, exponent=exponent)), thickness, children=ONLY_FILM)[0]
+    np.testing.assert_allclose(film, expected, rtol=2e-15, atol=1e-323)
+
+
+@pytest.mark.parametrize("form", [lambda model: model, NumpyForm], ids=["compiled", "numpy"])
+@pytest.mark.parametrize("exponent", [0.03, 1.0, 2.5, 3.0, 6.0, 7.0, 64.0, 100.0])
+@pytest.mark.parametrize("limits", [(0.0, 3.0), (0.5, 1.5)])
+@some
+@given(part=st.one_of(decades(-15, 0), decades(-15, 0).map(lambda part: 1 - part)))
+def test_what_a_power_leaves_to_the_film_keeps_its_digits(form, exponent, limits, part):
+    """1 - ((Lambda_hd - Lambda)/(Lambda_hd - Lambda_bd))^m in sixty digits, next to either limit."""
+    low, high = limits
+    film_parameter = (low + part * (high - low)) or 1e-30
+    with mpmath.workdps(60):
+        base = (high - mpmath.mpf(film_parameter)) / (mpmath.mpf(high) - mpmath.mpf(low))
+        expected = float(1 - base ** mpmath.mpf(exponent)) if film_parameter < high else 1.0
+    model = LambdaBlend(boundary_limit=low, hydrodynamic_limit=high, exponent=exponent)
+    film = share_of(form(model), film_parameter, children=ONLY_FILM)[0]
+    # a power by squaring adds up the roundings of its factors
+    np.testing.assert_allclose(film, expected, rtol=2e-15 + 5e-17 * exponent, atol=1e-323)
+
+
+@pytest.mark.parametrize("model", [LinearBlend(), LambdaBlend(exponent=0.03), LambdaBlend(exponent=7.0)])
+@some
+@given(limit=st.sampled_from([0.01, 1.5]), ulps=st.integers(-9, 9), roughness=decades(-8, -5))
+def test_both_forms_are_on_one_side_of_a_limit(model, limit, ulps, roughness):
+    """A share may rise without bound at its limit: one rounding of the film parameter more is another share."""
+    film = limit * roughness
+    slices = [
+        evaluated(
+            form(attrs.evolve(model, **children)),
+            Conditions(roughness=roughness),
+            film_thickness=np.array([film + ulps * np.spacing(film)]),
+            rolling_speed=1.0,
+            sliding_speed=1.0,
+        )
+        for children in (NOT_YET, ONLY_FILM)
+        for form in (lambda model: model, NumpyForm)
+    ]
+    compiled, numpy, compiled_film, numpy_film = (filled.friction for filled in slices)
+    np.testing.assert_allclose(compiled, numpy, rtol=3e-15, atol=1e-323)
+    np.testing.assert_allclose(compiled_film, numpy_film, rtol=3e-15, atol=1e-323)
+
+
 def test_zhou_and_hoeprichs_share_has_the_published_numbers():
     """Aihara: for Lambda over 2 almost all of the load is on the film. Wingertszahn et al.: B 2.32, C 0.97."""
     default, raceway = ZhouHoeprich(), get_model("traction", "zhou-hoeprich", factor=2.32, exponent=0.97)
@@ -202,9 +255,10 @@ def test_a_blend_is_its_children_by_their_shares(model, film, ratio):
     ]
     friction = film.friction(model, speed)
     slices = film.slices(law, speed)
-    share = law.share(slices)
+    share, rest = law.shares(slices)
     larger = np.maximum(*children)
-    expected = share * children[0] + (1 - share) * children[1]
+    expected = share * children[0] + rest * children[1]
+    assert np.all(np.abs(share + rest - 1) <= 4e-16)
     # the share, a film parameter of two roundings to a power or in an exponent, is known to some roundings of its own
     assert np.all(np.abs(friction - expected) <= ROUNDING * larger + 1e-300)
     assert np.all(friction >= np.minimum(*children) - ROUNDING * larger)

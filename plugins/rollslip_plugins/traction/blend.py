@@ -1,7 +1,9 @@
 """Mixed friction: a boundary and a hydrodynamic traction model, blended by the load that asperities carry.
 
-- All blends are mu = mu_hd + (mu_bd - mu_hd) share; they differ only in the share, a function of the film parameter
+- All blends are mu = share mu_bd + (1 - share) mu_hd; they differ only in the share, a function of the film parameter
   Lambda = h/(1.25 sqrt(Ra1^2 + Ra2^2)) and, for one of them, of the pressure.
+- What is left to the film is computed apart, as exactly as the share: the coefficient of a film of nearly nothing may
+  be far above that of the boundary, and the rounding of 1 - share would decide what it adds.
 - A child is evaluated only on the slices whose share needs it. An exponential never ends, so a share below 2^-53 of
   the one without a film, half a unit in the last place, counts as none.
 - Lambda is film over composite rms roughness in all of the sources; 1.25 Ra is the rms height of a Gaussian surface.
@@ -83,15 +85,15 @@ class _Blend(TractionModel, abc.ABC):
         return attrs.evolve(self, boundary=both[0], hydrodynamic=both[1])
 
     @abc.abstractmethod
-    def share(self, slices: Slices) -> Array:
-        """Return the share of boundary friction in each slice, from 0 to 1."""
+    def shares(self, slices: Slices) -> tuple[Array, Array]:
+        """Return the shares of boundary and of film friction in each slice, from 0 to 1, which add to 1."""
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient; each child sees only the slices that need it."""
-        share = self.share(slices)
+        share, rest = self.shares(slices)
         boundary = _where(self.boundary, slices, share > 0)
-        hydrodynamic = _where(self.hydrodynamic, slices, share < 1)
-        slices.friction[...] = hydrodynamic + (boundary - hydrodynamic) * share
+        hydrodynamic = _where(self.hydrodynamic, slices, rest > 0)
+        slices.friction[...] = boundary * share + hydrodynamic * rest
 
 
 @attrs.frozen(kw_only=True)
@@ -122,11 +124,15 @@ class _BetweenLimits(_Blend):
         """Film parameter from which on no boundary friction takes part."""
         return self.hydrodynamic_limit
 
-    def share(self, slices: Slices) -> Array:
-        """Return the share of boundary friction in each slice."""
+    def shares(self, slices: Slices) -> tuple[Array, Array]:
+        """Return the shares of boundary and of film friction in each slice."""
         film_parameter = slices.film_thickness / slices.conditions.roughness
         band = self.hydrodynamic_limit - self.boundary_limit
-        return np.asarray(np.clip((self.hydrodynamic_limit - film_parameter) / band, 0.0, 1.0) ** self.power)
+        x = np.clip((self.hydrodynamic_limit - film_parameter) / band, 0.0, 1.0)
+        y = np.clip((film_parameter - self.boundary_limit) / band, 0.0, 1.0)
+        with np.errstate(divide="ignore"):  # log(0) of a full film
+            log = np.where(y < 0.5, np.log1p(-np.minimum(y, 0.5)), np.log(x))
+        return x**self.power, -np.expm1(self.power * log)
 
     def kernel(self) -> object:
         """Return the compiled form, with each child's compiled form or a call of its NumPy form."""
@@ -287,11 +293,11 @@ class ZhouHoeprich(_Blend):
         with np.errstate(over="ignore"):  # small constants put it beyond the largest float
             return float(np.divide(53 * math.log(2), self.factor) ** (1 / self.exponent))
 
-    def share(self, slices: Slices) -> Array:
-        """Return the share of boundary friction in each slice."""
+    def shares(self, slices: Slices) -> tuple[Array, Array]:
+        """Return the shares of boundary and of film friction in each slice."""
         film_parameter = slices.film_thickness / slices.conditions.roughness
-        share = np.exp(-self.factor * film_parameter**self.exponent)
-        return np.where(film_parameter < self.full_film_from, share, 0.0)
+        power, mixed = -self.factor * film_parameter**self.exponent, film_parameter < self.full_film_from
+        return np.where(mixed, np.exp(power), 0.0), np.where(mixed, -np.expm1(power), 1.0)
 
     def kernel(self) -> object:
         """Return the compiled form, with each child's compiled form or a call of its NumPy form."""
@@ -396,11 +402,12 @@ class GreenwoodTripp(_Blend):
         """Film parameter from which on F_5/2 is below 2^-53 of its value at zero, which counts as none."""
         return REACH
 
-    def share(self, slices: Slices) -> Array:
-        """Return the share of boundary friction in each slice."""
+    def shares(self, slices: Slices) -> tuple[Array, Array]:
+        """Return the shares of boundary and of film friction in each slice."""
         touching = asperity_integral(slices.film_thickness / slices.conditions.roughness)
         share = np.minimum(self.coefficient * slices.conditions.modulus / slices.pressure * touching, 1.0)
-        return np.where(touching > 0, share, 0.0)  # whatever the pressure, which may make the quotient infinite
+        share = np.where(touching > 0, share, 0.0)  # whatever the pressure, which may make the quotient infinite
+        return share, 1.0 - share
 
     def kernel(self) -> object:
         """Return the compiled form, with each child's compiled form or a call of its NumPy form."""
