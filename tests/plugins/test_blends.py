@@ -14,7 +14,8 @@ from foreign_stages import Stage
 from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene, plan
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError
-from rollslip.testing import Conformance
+from rollslip.testing import Conformance, Nonconformance
+from rollslip.testing.checks import check_compiled_equals_numpy
 from rollslip_plugins.traction.blend import (
     REACH,
     GreenwoodTripp,
@@ -191,6 +192,23 @@ def test_both_forms_are_on_one_side_of_a_limit(model, limit, ulps, roughness):
     compiled, numpy, compiled_film, numpy_film = (filled.friction for filled in slices)
     np.testing.assert_allclose(compiled, numpy, rtol=3e-15, atol=1e-323)
     np.testing.assert_allclose(compiled_film, numpy_film, rtol=3e-15, atol=1e-323)
+
+
+@pytest.mark.parametrize("cls", [LinearBlend, LambdaBlend, ZhouHoeprich])
+def test_the_kit_sees_what_a_difference_of_children_loses(cls):
+    """mu_hd + (mu_bd - mu_hd) share rounds at the larger of the two, which may be a film of nearly no share."""
+
+    class ByDifference(cls):
+        def evaluate(self, slices):
+            share, _ = self.shares(slices)
+            self.boundary.evaluate(slices)
+            boundary = slices.friction.copy()
+            self.hydrodynamic.evaluate(slices)
+            slices.friction[...] = slices.friction + (boundary - slices.friction) * share
+
+    check_compiled_equals_numpy(cls())
+    with pytest.raises(Nonconformance, match="compiled against NumPy: friction"):
+        check_compiled_equals_numpy(ByDifference())
 
 
 def test_zhou_and_hoeprichs_share_has_the_published_numbers():

@@ -55,6 +55,7 @@ from rollslip.testing.samples import (
     refuses,
     shown,
     table,
+    thin_films,
     typical,
 )
 from rollslip.units import UnitError, _unit
@@ -254,6 +255,8 @@ def check_compiled_equals_numpy(model: SliceModel) -> None:
     slices = table(model, MANY)
     if not refuses(forms["NumPy"], slices):
         equal(slices)
+    if {"film_thickness", "roughness"} <= model.reads:
+        equal(thin_films(model, 4 * MANY))
 
 
 @rule(SliceModel)

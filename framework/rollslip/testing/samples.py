@@ -282,6 +282,24 @@ def table(model: SliceModel, n: int, magnitudes: Mapping[str, Limits] | None = N
     return accepted(model, slices)
 
 
+def thin_films(model: SliceModel, n: int) -> Slices:
+    """Return n slices with films of 1e-12 to 10 roughnesses, or next to a limit; those the model refuses are left out.
+
+    There a law that blends others has nearly none of one of them, whose coefficient may be far above the other's. A
+    limit of the film parameter is a parameter without a dimension; next to it is 1e-16 to 0.1 of it, on either side.
+    """
+    slices = table(model, n)
+    parameters = (getattr(model, a.name) for a in attrs.fields(type(model)) if a.metadata.get("unit") == "1")
+    limits = [value for value in parameters if isinstance(value, float) and value > 0.0]
+    share = np.arange(1, len(slices) + 1) * math.sqrt(31) % 1.0
+    ratio = 10.0 ** (13.0 * share - 12.0)
+    for k, limit in enumerate(limits, start=1):
+        at = slice(k, None, len(limits) + 1)
+        ratio[at] = limit * (1.0 + np.where(share[at] < 0.5, -1.0, 1.0) * 10.0 ** (30.0 * (share[at] % 0.5) - 16.0))
+    slices.film_thickness[:] = np.clip(ratio * slices.conditions.roughness, *model.domain["film_thickness"])
+    return accepted(model, slices)
+
+
 def accepted(model: SliceModel, slices: Slices) -> Slices:
     """Return the slices that a model does not refuse."""
     tried = copy_of(slices)
