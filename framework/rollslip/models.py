@@ -469,6 +469,8 @@ class TractionModel(SliceModel):
     closed_form: ClassVar[str | None] = None
     #: Name of the law that solves the equation of which this law is an approximation; None if it is none.
     solved_by: ClassVar[str | None] = None
+    #: By what comparisons sort slices, little up to 0.1 and much beyond 1: name -> one of `quantities`, its symbol.
+    regimes: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType({})
 
     def groups(self, slices: "Slices") -> "Mapping[str, NDArray[Any]]":
         """Return the dimensionless groups of evaluated slices with which the law and its closed form grow apart.

@@ -10,7 +10,7 @@ import pytest
 
 import rollslip
 from rollslip import evolve, get_model, load_scene, open_result, run
-from rollslip.campaigns.comparison.attribution import Bins
+from rollslip.campaigns.comparison.attribution import Bins, keep_criteria
 from rollslip.campaigns.comparison.comparison import compare, plan_comparison
 from rollslip.campaigns.comparison.findings import _in_words, bin_tables, findings, members, records, tables
 from rollslip.catalogue import discovery
@@ -230,10 +230,70 @@ def test_a_difference_that_is_the_same_everywhere_is_explained_by_no_regime():
 
 def test_slices_are_not_sorted_by_what_the_oil_does_not_give():
     bare = {"viscosity": "10 mPa s", "thermoviscosity": "0.03 1/K", "pressure_viscosity": "19 1/GPa"}
-    bare |= {"eyring_stress": "4 MPa", "shear_modulus": "0.3 GPa"}
-    scene = evolve(SCENE, {"lubricant": bare, "models.traction": "constant"})
-    found = compare(scene, film="moes,blok", traction="constant", study="friction-curve")
-    assert found["grouping"].values.tolist() == ["film regime", "strain rate", "elasticity"]  # nothing of its heat
+    bare |= {"eyring_stress": "4 MPa", "conductivity": "0.14 W/(m K)"}
+    scene = evolve(SCENE, {"lubricant": bare, "models.traction": "eyring"})
+    found = compare(scene, film="moes,blok", study="friction-curve")
+    assert found["grouping"].values.tolist() == ["film regime", "strain rate", "heating"]  # it has no shear modulus
+
+
+def test_heating_is_that_of_the_law_with_its_own_factor_and_the_stresses_risen_with_pressure():
+    rises = {"lubricant.eyring_stress_slope": 0.02, "lubricant.shear_modulus_slope": 1.5}
+    scene = evolve(SCENE, {"models.traction": {"model": "muraki", "flash": 2.0}, **rises})
+    made = rollslip.plan(scene, "friction-curve")
+    s = made.assembly.inner.evaluate(np.array([20.0, 200.0]), np.array([8.0, 9.0]), np.array([-0.1, 3.0]))
+    c, kept = s.conditions, keep_criteria(made.assembly.traction)(s)
+    zeta = 2.0 / c.effusivity * np.sqrt(s.half_width / (np.pi * s.rolling_speed))
+    zeta = zeta + s.film_thickness / (12 * c.conductivity)
+    heat = np.abs(s.friction * s.pressure * s.sliding_speed)
+    stress, modulus = c.eyring_stress + 0.02 * s.pressure, c.shear_modulus + 1.5 * s.pressure
+    np.testing.assert_allclose(kept["heating"], s.film_thermoviscosity * zeta * heat, rtol=1e-12)
+    rate = s.film_viscosity * np.abs(s.sliding_speed) / s.film_thickness
+    np.testing.assert_allclose(kept["strain rate"], rate / stress, rtol=1e-12)
+    deborah = s.film_viscosity * s.rolling_speed / s.half_width / modulus
+    np.testing.assert_allclose(kept["elasticity"], deborah, rtol=1e-12)
+
+
+def test_slices_are_sorted_by_film_alone_where_no_law_states_its_regimes():
+    scene = evolve(SCENE, {"models.traction": "constant"})
+    found = compare(scene, film="moes,blok", study="friction-curve")
+    assert found["grouping"].values.tolist() == ["film regime"]
+    assert found.attrs["sorted_by"] == ""
+    (said,) = (sentence for sentence in findings(found) if sentence.startswith("slices"))
+    assert said.startswith("slices are sorted by film alone, since no traction compared states regimes of its law")
+
+
+def test_a_reference_without_regimes_is_sorted_by_those_of_the_law_that_is_held_against_it():
+    found = compare(SCENE, traction=["muraki"], reference="constant", study="friction-curve")
+    assert found["grouping"].values.tolist()[2:] == ["strain rate", "heating", "elasticity"]
+    assert "slices of constant, whose law states no regimes, are sorted by film and those of traction 'muraki'" in (
+        findings(found)
+    )
+    own = findings(compare(SCENE, traction=["constant"], reference="muraki", study="friction-curve"))
+    assert not any(sentence.startswith("slices") for sentence in own)
+
+
+def test_a_law_of_a_stranger_states_its_own_regimes():
+    @attrs.frozen(kw_only=True)
+    class Fast(Muraki):
+        """Muraki's friction, a tenth lower where the slide-roll ratio is above 0.1."""
+
+        name = "fast"
+        regimes = MappingProxyType({"sliding": ("slide_roll_ratio", "|V|/u")})
+
+        def evaluate(self, slices):
+            super().evaluate(slices)
+            slow = np.abs(slices.sliding_speed) <= 0.1 * slices.rolling_speed
+            slices.friction[...] *= np.where(slow, 1.0, 0.9)
+
+        def kernel(self):
+            return None
+
+    rollslip.register(Fast)
+    found = compare(SCENE, traction=["muraki"], reference="fast", study="friction-curve").sel(combination="muraki")
+    assert found["grouping"].values.tolist() == ["film regime", "film parameter", "sliding"]
+    off = found["bin_difference"].sel(bin=["where |V|/u <= 0.1", "where 0.1 < |V|/u <= 1"])
+    np.testing.assert_allclose(off[:, 0], 0.0, atol=1e-12)
+    np.testing.assert_allclose(off[:, 1], 1 / 0.9 - 1, rtol=1e-9)
 
 
 def test_the_order_of_the_models_does_not_matter():
@@ -630,7 +690,7 @@ def test_slices_are_sorted_by_the_limits_that_are_told():
         groups[name] = [np.array([0.01, 0.1, 0.11, 1.0, 1.1, 9.0])]
     regimes = [np.array([0.0, 1.0, 2.0, 3.0, 0.0, 3.0])]
     found = {"friction": [np.zeros(6)], "film regime": regimes, "film parameter": [np.array(lambdas)], **groups}
-    bins = Bins.of(made, found)
+    bins = Bins.of(made, found, made.assembly.traction.full_film)
     where = {
         name: dict(zip(found[name][0].tolist(), codes.tolist(), strict=True))
         for name, codes in zip(bins.names, bins.codes[0], strict=True)

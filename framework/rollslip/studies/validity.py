@@ -144,7 +144,7 @@ def filled(contacts: Sequence[Evaluated], assembly: Assembly) -> list[Filled]:
 
 
 def quantity(model: SliceModel, name: str, slices: Slices) -> Array:
-    """Return a quantity in which a law states its validity, of evaluated slices; NaN where data are missing.
+    """Return a quantity in which a law states validity or regimes, of evaluated slices; NaN where data are missing.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def quantity(model: SliceModel, name: str, slices: Slices) -> Array:
     elif name in CONDITIONS:
         found = getattr(slices.conditions, name)
     else:
-        raise KeyError(f"{model.name!r} states its validity in {name!r}, which is no quantity")
+        raise KeyError(f"{model.name!r} states its validity or its regimes in {name!r}, which is no quantity")
     return np.broadcast_to(np.asarray(found, dtype=float), (len(slices),))
 
 

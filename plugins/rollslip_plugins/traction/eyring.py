@@ -53,6 +53,13 @@ class _EyringFluid(TractionModel, abc.ABC):
     domain: Domain = MappingProxyType({**HEATED, "eyring_stress": POSITIVE, "shear_modulus": POSITIVE})
     reads = frozenset(domain)
     validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, MEAN_PRESSURE, SLOW_SLIDING)
+    regimes: ClassVar[Mapping[str, tuple[str, str]]] = MappingProxyType(
+        {
+            "strain rate": ("strain_rate", "sigma"),
+            "heating": ("softening", "Phi sigma S"),
+            "elasticity": ("deborah", "D"),
+        }
+    )
     flash: float
     eyring_stress_slope: float = 0.0
     shear_modulus_slope: float = 0.0
@@ -87,6 +94,12 @@ class _EyringFluid(TractionModel, abc.ABC):
         deborah = eta * s.rolling_speed / (modulus * s.half_width)
         strain_rate = eta * s.sliding_speed / (tau0 * s.film_thickness)
         return {"strain_rate": strain_rate, "deborah": deborah, "heating": phi}
+
+    def quantities(self, slices: Slices) -> Mapping[str, Array]:
+        """Return sigma, D, Phi, and softening = Phi sigma S: by how much the heat of its friction lowers ln(eta)."""
+        found = self.groups(slices)
+        stress = slices.friction * slices.pressure / self.eyring_stress(slices)
+        return {**found, "softening": np.abs(found["heating"] * found["strain_rate"] * stress)}
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the traction coefficient."""
@@ -188,8 +201,8 @@ class Muraki(_EyringFluid):
     shear_modulus_slope: float = slope_of_oil(_RISE_OF_MODULUS)
 
     def quantities(self, slices: Slices) -> Mapping[str, Array]:
-        """Return sigma, D, Phi, and film_heating = Phi sigma, by which the stress of a Newtonian film falls."""
-        found = self.groups(slices)
+        """Return those of its fluid, and film_heating = Phi sigma, by which the stress of a Newtonian film falls."""
+        found = super().quantities(slices)
         return {**found, "film_heating": np.abs(found["heating"] * found["strain_rate"])}
 
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:

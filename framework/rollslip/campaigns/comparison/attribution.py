@@ -1,7 +1,9 @@
 """Where models differ and what they cost: every combination on the slices of one run, the reference's.
 
-- Slices are sorted into bins by what the reference says of them: film regime, film parameter, and the groups of an
-  Eyring fluid. Over the bins of a grouping the differences are sums, so their contributions add up to the whole.
+- Slices are sorted into bins by what the reference says of them: film regime, film parameter, and what its law of the
+  full film states to be sorted by (`TractionModel.regimes`); if that states nothing, by what the first compared law
+  states, of the reference's slices. Over the bins of a grouping the differences are sums, so their contributions add up
+  to the whole.
 - The correlation ratio (variance between the bins over the whole variance, weighted by the reference's friction force)
   says how much of a difference's variation a grouping explains.
 - Cost is the time of the bound chains, in turns within one process, of each part the least of a few rounds.
@@ -17,9 +19,11 @@ import numpy as np
 
 from rollslip.bearing.raceway import Array
 from rollslip.bearing.regimes import LONG_NAMES, NAMES, film_by_regime, groups
+from rollslip.models import TractionModel
 from rollslip.planning.plan import Plan
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated
+from rollslip.studies.validity import quantity
 from rollslip_kernels.slices import Slices
 
 if TYPE_CHECKING:
@@ -27,10 +31,7 @@ if TYPE_CHECKING:
 
 #: Takes from an evaluated table what is to be kept of it.
 Keep = Callable[[Slices], Mapping[str, Array]]
-#: Dimensionless groups by which slices are sorted, and the limits between little, some and much. sigma: strain rate
-#: over that at which a fluid is no longer Newtonian; Phi sigma S: what a film's own heat takes from ln(eta); D: twice
-#: the share of friction at small slip that elasticity takes.
-SYMBOLS: Final = {"strain rate": "sigma", "heating": "Phi sigma S", "elasticity": "D"}
+#: Limits between little, some and much of what a law states to be sorted by.
 LIMITS: Final = (0.1, 1.0)
 #: Rounds of timing at most, and the time [s] that is enough for one chain.
 _ROUNDS, _ENOUGH = 20, 1.0
@@ -107,22 +108,24 @@ def keep_friction(table: Slices) -> dict[str, Array]:
     return {"friction": table.friction.copy()}
 
 
-def keep_criteria(s: Slices) -> dict[str, Array]:
-    """Keep friction and what slices are sorted by, nan where the oil does not give it.
+def law_to_sort_by(tractions: Sequence[TractionModel]) -> TractionModel | None:
+    """Return the first law of the full film that states what to sort slices by; None if none does."""
+    return next((traction.full_film for traction in tractions if traction.full_film.regimes), None)
 
-    Strain rate and elasticity are those of Eyring stress and shear modulus at ambient pressure.
-    Heating is beta theta, by how much a slice's own heat lowers ln(eta) in the mean: Phi sigma S of an Eyring fluid.
-    """
-    c = s.conditions
-    zeta = 0.97 / (c.effusivity * np.sqrt(np.pi)) * np.sqrt(s.half_width / s.rolling_speed)
-    zeta = zeta + s.film_thickness / (12 * c.conductivity)
-    return keep_friction(s) | {
-        "film regime": film_by_regime(*groups(s))[1],
-        "film parameter": s.film_thickness / c.roughness,
-        "strain rate": s.film_viscosity * np.abs(s.sliding_speed) / (c.eyring_stress * s.film_thickness),
-        "heating": s.film_thermoviscosity * zeta * np.abs(s.friction * s.pressure * s.sliding_speed),
-        "elasticity": s.film_viscosity * s.rolling_speed / (c.shear_modulus * s.half_width),
-    }
+
+def keep_criteria(law: TractionModel | None) -> Keep:
+    """Keep friction and what slices are sorted by: film, and what a law states of them; nan where data are missing."""
+
+    def keep(s: Slices) -> dict[str, Array]:
+        with np.errstate(all="ignore"):
+            stated = {} if law is None else {name: quantity(law, of, s) for name, (of, _) in law.regimes.items()}
+        return keep_friction(s) | {
+            "film regime": film_by_regime(*groups(s))[1],
+            "film parameter": s.film_thickness / s.conditions.roughness,
+            **{name: np.abs(values) for name, values in stated.items()},
+        }
+
+    return keep
 
 
 def seconds_per_slice(work: EvaluatedSlices, made: Mapping[str, Plan], first: Mapping[str, Array]) -> dict[str, float]:
@@ -149,8 +152,8 @@ class Bins:
     codes: list[list[Any]]
 
     @classmethod
-    def of(cls, made: Plan, found: Mapping[str, list[Array]]) -> "Bins":
-        """Sort slices by their criteria, as far as the oil and the traction give them."""
+    def of(cls, made: Plan, found: Mapping[str, list[Array]], law: TractionModel | None) -> "Bins":
+        """Sort slices by their criteria, as far as the oil, the traction and the law that states some give them."""
         traction = made.assembly.traction
         bins: dict[str, tuple[str, ...]] = {"film regime": tuple(f"in the {LONG_NAMES[name]} regime" for name in NAMES)}
         limits: dict[str, tuple[float, ...]] = {"film regime": (0.5, 1.5, 2.5)}
@@ -158,7 +161,7 @@ class Bins:
             limits["film parameter"] = (float(getattr(traction, "boundary_limit", 0.0)), full)
             films = zip(("boundary", "mixed", "full"), _ranges("Lambda", limits["film parameter"]), strict=True)
             bins["film parameter"] = tuple(f"in {film} film, {words}" for film, words in films)
-        for grouping, symbol in SYMBOLS.items():
+        for grouping, (_, symbol) in () if law is None else law.regimes.items():
             if not any(np.isnan(values).any() for values in found[grouping]):
                 limits[grouping] = LIMITS
                 bins[grouping] = tuple(f"where {words}" for words in _ranges(symbol, LIMITS))

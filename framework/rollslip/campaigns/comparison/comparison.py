@@ -27,6 +27,7 @@ from rollslip.campaigns.comparison.attribution import (
     attribute_differences,
     keep_criteria,
     keep_friction,
+    law_to_sort_by,
     seconds_per_slice,
 )
 from rollslip.campaigns.comparison.choices import CHILD, KINDS, Choice, Model, read_choice
@@ -122,8 +123,9 @@ def compare(
         The curves of the study with a dimension ``combination`` (and contact, film, traction along it); relative
         ``difference`` over the curve with max_error and rms_error, critical_slip_error and peak_error, smallest_film
         and film_location, seconds_per_slice and cost (times that of the cheapest), status in words; and over the
-        dimension ``bin``, the slices of the reference sorted by film regime, film parameter, strain rate, heating, D:
-        bin_share of the contact force, bin_difference, bin_contribution to mean_difference; explained(grouping).
+        dimension ``bin``, the slices of the reference sorted by film regime, film parameter, and what its law states
+        to be sorted by (of an Eyring fluid strain rate, heating, D): bin_share of the contact force, bin_difference,
+        bin_contribution to mean_difference; explained(grouping).
 
     Raises
     ------
@@ -298,10 +300,11 @@ def run_comparison(comparison: Comparison) -> "xr.Dataset":
     # without the reference the slices of another serve to measure the cost
     standard = comparison.reference if comparison.reference in done else next(iter(done))
     work = EvaluatedSlices.of(plans[standard], comparison.study, done[standard])
+    law = law_to_sort_by([plans[label].assembly.traction for label in (standard, *done)])
     found, first = dict[str, dict[str, list[Any]]](), dict[str, Any]()
     for label in done:
         with _noted(errors, label):
-            keep = keep_criteria if label == comparison.reference else keep_friction
+            keep = keep_criteria(law) if label == comparison.reference else keep_friction
             found[label], first[label] = work.evaluate(plans[label], keep)
     _drop_failed(done, errors)
     failed = {label: f"failed: {_text(error)}" for label, error in errors.items()}
@@ -309,9 +312,11 @@ def run_comparison(comparison: Comparison) -> "xr.Dataset":
     dataset = dataset.assign(_costs(comparison, done, seconds_per_slice(work, plans, first)))
     dataset = dataset.assign(_errors(comparison, dataset))
     if comparison.reference in found:
-        by = Bins.of(plans[comparison.reference], found[comparison.reference])
+        by = Bins.of(plans[comparison.reference], found[comparison.reference], law)
         friction = {label: kept["friction"] for label, kept in found.items()}
         dataset = attribute_differences(dataset, comparison.curves.over, comparison.reference, work, friction, by)
+        own = law is not None and law is plans[comparison.reference].assembly.traction.full_film
+        dataset = dataset.assign_attrs(sorted_by="" if law is None else law.name, sorted_by_own=int(own))
     return dataset.assign_attrs(_origin(comparison, done, failed, time.perf_counter() - begin))
 
 

@@ -150,11 +150,23 @@ def findings(dataset: "xr.Dataset") -> list[str]:
         f"cost is the time of the models over that of {label}, {1e9 * time:.3g} ns for a slice",
         f"film is the smallest without slip, of what the models return: {films}",
     ]
+    if not dataset.attrs.get("sorted_by_own", 1):
+        said.append(_sorting(dataset.attrs["sorted_by"], reference))
     most: dict[str, dict[str, Any]] = {}
     for one in records(dataset):
         if one["combination"] != reference and one["bins"]:
             most[one["combination"]] = max(most.get(one["combination"], one), one, key=lambda each: each["rms_error"])
     return said + [_explanation(one, reference) for one in most.values()]
+
+
+def _sorting(law: str, reference: str) -> str:
+    """Say by what slices are sorted where the reference's own law does not state it."""
+    if law:
+        return f"slices of {reference}, whose law states no regimes, are sorted by film and those of traction {law!r}"
+    return (
+        "slices are sorted by film alone, since no traction compared states regimes of its law; "
+        "compare one that does as well, or give your law its regimes"
+    )
 
 
 def _explanation(one: Mapping[str, Any], reference: str) -> str:
