@@ -6,6 +6,7 @@ import json
 import pickle
 import queue
 import random
+import re
 import sqlite3
 import threading
 import tracemalloc
@@ -787,3 +788,38 @@ def test_an_engine_has_the_workers_asked_for(name):
             assert executor._max_workers == made.workers(executor) == workers
         finally:
             made.end(executor, at_once=True)
+
+
+def bounds_left(result):
+    """What the warnings of a sweep say of bounds that are left, by law and bound: points outside, and all judged."""
+    words = " ".join(json.loads(result.attrs["left"]))
+    told = re.findall(r"at (\d+) of (\d+) points judged: ([^;]*?) was made for ([^;]*?);", words)
+    return {(law, bound): (int(count), int(of)) for count, of, law, bound in told}
+
+
+def test_a_sweep_says_at_how_many_of_its_corners_a_law_is_outside_what_it_was_made_for():
+    over = {"models.film": ["moes", "dowson-1968"], "operation.radial_load": ["1 kN", "2 kN", "5 kN"]}
+    result = rollslip.sweep("1032930-70C", over, study="effective-friction")
+    found = bounds_left(result)
+    # three of the six points take the formula of Dowson (1968), and all have pressures above 100 MPa
+    assert found["film 'dowson-1968'", "the elastic-piezoviscous regime"] == (3, 6)
+    assert found["'barus'", "pressure <= 100 MPa"] == (6, 6)
+    said = json.loads(result.attrs["warnings"])
+    assert "all points were judged" in said[-1]
+    for number, film in enumerate(("moes", "dowson-1968")):
+        alone = rollslip.run(
+            rollslip.evolve(rollslip.load_scene("1032930-70C"), {"models.film": film}), "effective-friction"
+        )
+        outside = {row["law"] for row in json.loads(alone.attrs["validity"])["bounds"] if row["share_outside"]}
+        assert ("film 'dowson-1968'" in outside) == bool(number), "a run says so too"
+
+
+def test_of_many_points_the_corners_are_judged():
+    over = {"operation.radial_load": "500 N:5 kN:6", "operation.temperature": "50 degC:90 degC:5"}
+    result = rollslip.sweep("1032930-70C", over, study="effective-friction")
+    said = json.loads(result.attrs["left"])
+    assert bounds_left(result)["'barus'", "pressure <= 100 MPa"] == (8, 8)  # the one in the middle is the fifth of them
+    # Barus's viscosity is too high by most where the pressure is highest, at a corner: the largest load
+    (barus,) = (text for text in said if "'barus'" in text)
+    assert "operation.radial_load = 5 kN" in barus
+    assert "only 8 of 30 points were judged, which lie far apart" in said[-1]

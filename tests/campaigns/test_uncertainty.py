@@ -90,7 +90,9 @@ def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
         "lubricant.shear_modulus",
     ]
     found = uncertainty(SCENE, samples=8, steady=0)
-    (warning,) = json.loads(found.attrs["warnings"])
+    warning, *left = json.loads(found.attrs["warnings"])
+    assert left[0].startswith("at 8 of 8 points judged: ")
+    assert "all points were judged" in left[-1]
     assert "the scatter is the one that the oil comes with" in warning
     assert "So and Klaus" in warning
     assert not plan_margin(uncertain(**ALPHA), samples=8, steady=0).scatter

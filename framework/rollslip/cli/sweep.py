@@ -1,5 +1,6 @@
 """Commands about sweeps: run, resume and retry them, see how they stand, put their pieces together."""
 
+import json
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -19,6 +20,7 @@ from rollslip.cli.app import (
     scene_of,
     set_option,
     study_option,
+    warn,
 )
 
 if TYPE_CHECKING:
@@ -219,6 +221,7 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], as_json: bo
     else:
         click.echo("\n".join(f"  {line}" for line in account.lines(dataset)))
         click.echo(f"written to {folder}: {RESULT}")
+    warn(json.loads(dataset.attrs["left"]))
     if found["counts"]["ok"] < sum(found["counts"].values()):
         told = shlex.join(["rollslip", "sweep", "status", str(folder)])
         click.echo(f"some points have no result; see: {told}", err=True)

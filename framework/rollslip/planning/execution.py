@@ -12,7 +12,6 @@ import numpy as np
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import BoundBrokenError
 from rollslip.errors import RollslipError
-from rollslip.models import TractionModel
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
@@ -177,10 +176,8 @@ def warnings(plan: Plan, study: str, dataset: "xr.Dataset") -> tuple[list[str], 
     accuracy, said = plan.scene.accuracy, list[validity.Told]()
     assembly = assembly.with_resistance() if running.with_cage else assembly
     try:
-        slices = validity.filled(running.judged_slices(assembly, dataset), assembly)
-        laws = [m for m in assembly.inner.chain.models if not isinstance(m, TractionModel)]
-        outside = validity.outside([*laws, plan.assembly.traction], slices)
-        off = validity.difference(plan.assembly.traction, slices, assembly)
+        contacts = running.judged_slices(assembly, dataset)
+        outside, off = validity.judged(contacts, assembly, plan.assembly.traction)
         said = validity.told(outside, off, running.judged_at, tolerance=accuracy.tolerance)
         found = validity.sentences(said, accuracy.tolerance)
     except RollslipError as refusal:  # what was computed stands

@@ -34,10 +34,10 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["CONTACT_CHOICES", "Study", "settings", "study_class"]
+__all__ = ["CONTACT_CHOICES", "JUDGED", "Study", "settings", "study_class"]
 
 #: Slips of a curve at which models are judged.
-_JUDGED: Final = 5
+JUDGED: Final = 5
 #: Numerical and modelling choices that act on whatever evaluates contacts.
 CONTACT_CHOICES: Final = frozenset({"slices", "quadrature", "compiled", "traction", "film"})
 
@@ -305,13 +305,21 @@ class Study(abc.ABC):
         if type(self).evaluated is Study.evaluated:
             return []
         slips = dataset.sizes[self.curves_of.slip]
-        few = set(np.linspace(slips // _JUDGED, slips - 1, _JUDGED).astype(int).tolist())
+        few = set(np.linspace(slips // JUDGED, slips - 1, JUDGED).astype(int).tolist())
         seen, chosen = Counter[int](), []
         for one in self.evaluated(assembly, dataset):
             if seen[one.curve] in few:
                 chosen.append(one)
             seen[one.curve] += 1
         return chosen
+
+    def expected_slices(self, assembly: Assembly) -> tuple[str, list[Evaluated]]:
+        """Return a state in words and its slices, by which a point of a campaign is judged where no result is kept.
+
+        By default all that the bearing loads where it rolls without slip, if its loads take part; else none. It has to
+        cost little beside a run.
+        """
+        return "without slip", _rolling(assembly) if self.bearing_loads else []
 
     def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
         """Yield the slices that were evaluated for the curves, slip by slip; for studies that have curves.

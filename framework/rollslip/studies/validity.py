@@ -44,6 +44,7 @@ __all__ = [
     "corrections",
     "difference",
     "filled",
+    "judged",
     "outside",
     "quantity",
     "record",
@@ -141,6 +142,15 @@ def filled(contacts: Sequence[Evaluated], assembly: Assembly) -> list[Filled]:
         starts = np.cumsum([0, *(len(one.load) for one in those[:-1])], dtype=np.intp)
         tables.append(Filled(raceway.ring, slices, force.astype(float), starts))
     return tables
+
+
+def judged(
+    contacts: Sequence[Evaluated], assembly: Assembly, traction: TractionModel
+) -> tuple[list[Outside], Difference | None]:
+    """Return where slices lie outside of what all laws were made for, and what the traction that is named is off."""
+    tables = filled(contacts, assembly)
+    laws = [model for model in assembly.inner.chain.models if not isinstance(model, TractionModel)]
+    return outside([*laws, traction], tables), difference(traction, tables, assembly)
 
 
 def quantity(model: SliceModel, name: str, slices: Slices) -> Array:

@@ -4,30 +4,45 @@
 - What it takes of memory is the dataset: rows and layouts, of which every point may have its own, are read one by one.
 - Values are 64-bit floats, NaN where a point has none; its status and message say why. Nothing is left out.
 - ``status`` is that of the point; a study's own variable of this name is ``study_status``.
+- Whether laws are used for what they were made for is judged at a few points that have a result: the one in the middle
+  and those that lie farthest apart. It costs some milliseconds a point, and what lies between them is not looked at.
 - A coordinate of the study that is the same for all points, such as its cage slips, is one of the dataset. Where it
   differs between points it becomes a variable of its own over them, and points with fewer values are filled with NaN.
 """
 
 import json
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rollslip.bearing.assembly import assemble
 from rollslip.campaigns.sweep.definition import Sweep
 from rollslip.campaigns.sweep.journal import STATUSES, check_owner, layouts, records
 from rollslip.campaigns.sweep.point import unpacked
+from rollslip.campaigns.sweep.sampling import Design, far_apart
+from rollslip.errors import in_words
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.results.dataset import about
+from rollslip.results.words import counted
+from rollslip.scene.changes import evolve
+from rollslip.studies import validity
 from rollslip.studies.study import settings
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["collect"]
+
+#: Points at which laws are judged beside the one in the middle, and those among which they are looked for.
+_CORNERS: Final = 8
+_CANDIDATES: Final = 512
+#: Bounds that are told in full, at most.
+_TOLD: Final = 3
 
 
 def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
@@ -87,6 +102,7 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
     lost = [f"{count} {name}" for name, count in counts.items() if count and name != "ok"]
     warnings = [f"{own.size - counts['ok']} of {own.size} points have no result: {', '.join(lost)}"] if lost else []
     warnings += implausible(sweep.given)
+    left = _left(sweep, _corners(sweep.design, np.flatnonzero(status == "ok")))
     facts = sweep.facts
     return origin(
         study="sweep",
@@ -104,8 +120,68 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
         counts=counts,
         packages=facts["packages"],
         **citations_told(sweep.citations),
-        warnings=warnings,
+        left=left,
+        warnings=[*warnings, *left],
     )
+
+
+def _corners(design: Design, done: "np.ndarray[Any, Any]") -> list[int]:
+    """Numbers of some points that have a result: in the middle of all, and as far apart as can be."""
+    if not done.size:
+        return []
+    some = done[np.unique(np.linspace(0, done.size - 1, _CANDIDATES).astype(int))]
+    places = np.stack(np.unravel_index(some, design.shape), axis=-1)
+    columns = [
+        axis.coordinate[places[:, k]] if axis.coordinate.dtype.kind in "if" else places[:, k]
+        for k, axis in enumerate(design.axes)
+    ]
+    columns += [*design.samples[places[:, -1]].T] if design.has_samples else []
+    rows = np.array(columns, dtype=float).T
+    middle = np.linalg.norm((rows - np.median(rows, axis=0)) / np.maximum(np.ptp(rows, axis=0), 1e-300), axis=1)
+    return [int(some[k]) for k in dict.fromkeys([int(np.argmin(middle)), *far_apart(rows, _CORNERS)])]
+
+
+def _left(sweep: Sweep, numbers: list[int]) -> list[str]:
+    """Say at how many of some points laws are outside what they were made for, each where it matters most."""
+    worst, count, others = dict[tuple[str, str], validity.Told](), Counter[tuple[str, str]](), list[str]()
+    for number in numbers:
+        try:
+            said = _told(sweep, number)
+        except Exception as error:  # somebody's law may raise anything; what was computed stands
+            others.append(
+                f"whether laws were used for what they were made for could not be judged at "
+                f"{sweep.design.shown(number)}: {in_words(error)}"
+            )
+            continue
+        for one in said:
+            key = one.law, one.made_for
+            count[key] += 1
+            known = worst.setdefault(key, one)
+            if (one.warned, one.weight) > (known.warned, known.weight):
+                worst[key] = one
+    ranked = sorted(worst, key=lambda key: (not worst[key].warned, not worst[key].measured, -worst[key].weight))
+    first = [key for key in ranked[:_TOLD] if worst[key].warned]
+    found = [f"at {count[key]} of {len(numbers)} points judged: {worst[key].text}" for key in first]
+    if more := [f"{worst[key].short} at {count[key]} of them" for key in ranked[len(first) :]]:
+        found.append(counted(more))
+    if found:
+        which = f"only {len(numbers)} of {sweep.design.size} points were judged, which lie far apart"
+        whole = "all points were judged" if len(numbers) == sweep.design.size else which
+        found[-1] += f"; {whole}; rollslip run of the scene with the values of a point tells all of it"
+    return [*found, *others[:1]]
+
+
+def _told(sweep: Sweep, number: int) -> list[validity.Told]:
+    """Return what laws are outside of at a point, with its values, where the study expects it to be."""
+    changes = sweep.design.changes(number)
+    scene = evolve(sweep.scene, changes)
+    assembly = assemble(scene, sweep.resolutions.of(changes))
+    study = settings(scene, sweep.study)[sweep.study]
+    bearing = assembly.with_resistance() if study.with_cage else assembly
+    state, contacts = study.expected_slices(bearing)
+    outside, off = validity.judged(contacts, bearing, assembly.traction)
+    where = f"at {sweep.design.shown(number)}, {state}"
+    return validity.told(outside, off, where, tolerance=scene.accuracy.tolerance)
 
 
 def _resting(sweep: Sweep) -> dict[str, str]:

@@ -34,6 +34,7 @@ __all__ = [
     "SAMPLINGS",
     "Axis",
     "Design",
+    "far_apart",
     "label",
     "parse_over",
     "parse_overs",
@@ -308,3 +309,24 @@ class Design:
             "samples": hashlib.sha256(np.ascontiguousarray(self.samples, dtype="<f8").tobytes()).hexdigest(),
             "size": self.size,
         }
+
+
+def far_apart(values: Array, most: int) -> list[int]:
+    """Return some rows by number, the first far from the middle, each as far as can be from those before it.
+
+    Parameters
+    ----------
+    values : ndarray
+        A row for each point; distances are in shares of the ranges of the columns.
+    most : int
+        Rows at most.
+    """
+    width = np.ptp(values, axis=0)
+    values = (values - values.min(axis=0)) / np.where(width > 0.0, width, 1.0)
+    taken, distance = list[int](), np.linalg.norm(values - 0.5, axis=1)
+    for _ in range(min(most, len(values))):
+        k = int(np.argmax(distance))
+        apart = np.linalg.norm(values - values[k], axis=1)
+        distance = np.minimum(distance, apart) if taken else apart
+        taken.append(k)
+    return taken

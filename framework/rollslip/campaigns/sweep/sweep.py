@@ -20,12 +20,11 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.sweep.definition import Resolutions, Sweep, SweepTable, name_of
 from rollslip.campaigns.sweep.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip.campaigns.sweep.journal import died, journals
-from rollslip.campaigns.sweep.sampling import Axis, Design, probabilities, read_axis
+from rollslip.campaigns.sweep.sampling import Axis, Design, far_apart, probabilities, read_axis
 from rollslip.catalogue.discovery import THIS_PROCESS, named_data
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
@@ -404,19 +403,10 @@ def _finest(chosen: Sequence[Resolution]) -> Resolution:
 
 
 def _far_apart(design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> list[int]:
-    """Numbers of some points, each as far as can be from those before it, in shares of the ranges of their values."""
+    """Numbers of some points that lie far apart in the numbers that they vary."""
     some = numbers[np.unique(np.linspace(0, numbers.size - 1, _CANDIDATES).astype(int))]
     rows = [[v for v in design.changes(int(number)).values() if isinstance(v, int | float)] for number in some]
-    values: Array = np.array(rows, dtype=float)
-    width = np.ptp(values, axis=0)
-    values = (values - values.min(axis=0)) / np.where(width > 0.0, width, 1.0)
-    taken, distance = list[int](), np.linalg.norm(values - 0.5, axis=1)
-    for _ in range(min(_SPREAD, some.size)):
-        k = int(np.argmax(distance))
-        apart = np.linalg.norm(values - values[k], axis=1)
-        distance = np.minimum(distance, apart) if taken else apart
-        taken.append(k)
-    return [int(some[k]) for k in taken]
+    return [int(some[k]) for k in far_apart(np.array(rows, dtype=float), _SPREAD)]
 
 
 # Folders -------------------------------------------------------------------------------------------------------------

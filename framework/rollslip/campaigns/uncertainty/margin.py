@@ -22,7 +22,7 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -492,7 +492,7 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
         variables |= found
         coords["indexed"] = ("indexed", np.array(names), about("1", "what the indices are of"))
     failed = {name: _failures(one) for name, one in points.items()}
-    return xr.Dataset(variables, coords, _attributes(made, failed, values))
+    return xr.Dataset(variables, coords, _attributes(made, failed, json.loads(critical.attrs.get("left", "[]"))))
 
 
 def _estimate(name: str, of: Estimate, doc: str) -> dict[str, Any]:
@@ -553,7 +553,7 @@ def _failures(points: "xr.Dataset") -> dict[str, int]:
     return {str(name): int(count) for name, count in zip(names, counts, strict=True)}
 
 
-def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], values: Mapping[str, Array]) -> dict[str, Any]:
+def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], left: Sequence[str]) -> dict[str, Any]:
     sweep, study = made.critical, EffectiveFriction.of(made.critical.scene)
     warnings = [
         f"{name}: {count} of {sum(counts.values())} points are {status}; they count as the worst and as the best"
@@ -566,7 +566,7 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], values: M
             f"the scene has no table [uncertainty]; the scatter is the one that the oil comes with: "
             f"{'; '.join(made.scatter)}"
         )
-    warnings += implausible(sweep.given)
+    warnings += [*implausible(sweep.given), *left]
     return origin(
         study="uncertainty",
         **scene_told(sweep.scene, sweep.given),

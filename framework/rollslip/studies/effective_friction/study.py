@@ -34,7 +34,7 @@ from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Output, Some
 from rollslip.studies.raceways import REGIMES, LoadedRaceways, evaluated_together, largest_change, regime_variables
-from rollslip.studies.study import CONTACT_CHOICES, Study
+from rollslip.studies.study import CONTACT_CHOICES, JUDGED, Study
 from rollslip.studies.timing import INSTANTS, POINTS, onwards, timed
 
 if TYPE_CHECKING:
@@ -204,8 +204,16 @@ class EffectiveFriction(Study):
 
     def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
         """Yield the slices of both rings, slip by slip."""
-        raceways = self.loaded(assembly, dataset.attrs["instants"])
-        for both in raceways.contacts(raceways.speeds(dataset["cage_slip"].to_numpy())):
+        yield from self._evaluated(assembly, dataset.attrs["instants"], dataset["cage_slip"].to_numpy())
+
+    def expected_slices(self, assembly: Assembly) -> tuple[str, list[Evaluated]]:
+        """Return the slices of both rings at a few slips of the curves, of one instant."""
+        slips = np.linspace(self.max_cage_slip / JUDGED, self.max_cage_slip, JUDGED)
+        return "over the curves", [*self._evaluated(assembly, 1, slips)]
+
+    def _evaluated(self, assembly: Assembly, instants: int, cage_slip: Array) -> Iterator[Evaluated]:
+        raceways = self.loaded(assembly, instants)
+        for both in raceways.contacts(raceways.speeds(cage_slip)):
             for k, (contacts, u, V) in enumerate(both):
                 yield Evaluated(k, RINGS[k], contacts.slices.load, u, V, contacts.force)
 

@@ -21,7 +21,7 @@ from rollslip.results.dataset import about
 from rollslip.scene.plausibility import impossible_pressure
 from rollslip.structure import Location
 from rollslip.studies.answers import Evaluated, Keep, Output, Some
-from rollslip.studies.study import Study
+from rollslip.studies.study import JUDGED, Study
 from rollslip.studies.timing import POINTS, onwards, timed
 from rollslip.units import format_quantity
 
@@ -128,10 +128,17 @@ class FrictionCurve(Study):
 
     def evaluated(self, assembly: Assembly, dataset: "xr.Dataset") -> Iterator[Evaluated]:
         """Yield the slices of each normal force, slip by slip."""
-        u = dataset.attrs["rolling_speed"]
+        yield from self._evaluated(assembly, dataset.attrs["rolling_speed"], dataset["slip"].to_numpy())
+
+    def expected_slices(self, assembly: Assembly) -> tuple[str, list[Evaluated]]:
+        """Return the slices of each normal force at a few slips of the curves."""
+        slips = np.linspace(self.max_slip / JUDGED, self.max_slip, JUDGED)
+        return "over the curves", [*self._evaluated(assembly, self.rolling_speed(assembly), slips)]
+
+    def _evaluated(self, assembly: Assembly, u: float, slips: Array) -> Iterator[Evaluated]:
         for k, contacts in enumerate(self.contacts(assembly)):
             load, force = contacts.slices.load, contacts.force
-            for slip in dataset["slip"].to_numpy():
+            for slip in slips:
                 yield Evaluated(k, contacts.raceway.ring, load, u, slip * u, force)
 
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
