@@ -5,6 +5,7 @@ import doctest
 import importlib.util
 import json
 import math
+import random
 import re
 import shlex
 import shutil
@@ -138,10 +139,56 @@ HEAD = "slide_roll_ratio [1], load [N], rolling_speed [m/s], temperature [degC],
         (f"{HEAD}\n0.1, , 3, 40, 0.1", "load: '' is not a number"),
         (f"{HEAD}\n0.1, 1e999, 3, 40, 0.1", "load: '1e999 N' is not a finite number"),
         (f"{HEAD}\n0.1, 5, 3, 40, 0.1\n-0.1, 5, 3, 40, 0.1", "friction: is positive where slide_roll_ratio is"),
+        (f"{HEAD}\n0.1, 5, 3, 40, 0\n0.2, 5, 3, 40, -0.0", "friction: is 0 in every row, so that there is nothing"),
+        (f"{HEAD}\n0.1, 5, 3, 40, 1e308", "friction: must be from -10 to 10, not 1e+308; in percent"),
     ],
 )  # fmt: skip
 def test_a_file_that_cannot_be_used_is_refused(tmp_path, text, said):
     assert said in " ".join(problems(tmp_path / "data.csv", text))
+
+
+def test_changed_bytes_and_cells_of_data_are_read_or_told_with_their_place(tmp_path):
+    whole, rng, read = (ROOT / "docs" / "examples" / "twin-disc.csv").read_bytes(), random.Random(16), 0
+    lines = [line.split(b", ") for line in whole.splitlines()]
+    cells = [b"nan", b"-inf", b"", b"1e308", b"-1e308", b"5e-324", b"0", b"9" * 5000, b'"', b"\xff", b"\x00", b"0x1"]
+    path = tmp_path / "data.csv"
+    for number in range(300):
+        if number % 2:
+            row = rng.randrange(2, len(lines))
+            changed = [list(line) for line in lines]
+            changed[row][rng.randrange(5)] = rng.choice(cells)
+            path.write_bytes(b"\n".join(map(b", ".join, changed)))
+        else:
+            first, last = sorted(rng.sample(range(len(whole)), 2))
+            last = rng.choice([first + 1, last])
+            path.write_bytes(whole[:first] + rng.randbytes(rng.choice([0, 1, 7])) + whole[last:])
+        told = list[str]()
+        try:
+            assert all(np.isfinite(column).all() for column in read_data(path).columns.values())
+            read += 1
+        except SceneError as error:
+            told = error.problems
+        assert all(text.startswith(f"{path}:") for text in told), told
+        assert len("".join(told)) < 6000
+    assert 30 < read < 270
+
+
+@pytest.mark.parametrize(
+    ("column", "cell"), [(3, "0"), (2, "1e-12"), (1, "1e308"), (4, "10"), (4, "1e-300")]
+)
+def test_data_at_the_ends_of_what_is_read_are_fitted_or_told(examples, capsys, column, cell):
+    lines = [line.split(", ") for line in Path("twin-disc.csv").read_text(encoding="utf-8").splitlines()]
+    rows = [", ".join([*row[:column], cell, *row[column + 1 :]]) for row in lines[2::6]]
+    Path("twin-disc.csv").write_text("\n".join([", ".join(lines[1]), *rows]), encoding="utf-8")
+    with pytest.raises(SystemExit) as left:
+        main([*shlex.split(PROMISED), "--no-plots"])
+    said = capsys.readouterr()
+    assert "Traceback" not in said.err
+    assert left.value.code in (0, 2, 3)
+    if left.value.code:
+        assert said.err.startswith("twin-disc.csv")
+    else:
+        assert "nan" not in said.out
 
 
 def test_a_file_that_is_wrong_all_over_does_not_fill_the_terminal(tmp_path):

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from rollslip.datasets import Material
 from rollslip.errors import SceneError
-from rollslip.fields import field, positive
+from rollslip.fields import FieldError, field, positive
 from rollslip.files import content_of, decoded, read_columns, readable
 from rollslip.scene.values import LubricantTable, Models
 from rollslip.structure import Location, structure
@@ -48,24 +48,36 @@ traction = "muraki"
 """
 
 _MOST_FAULTS = 20
+#: Coefficients of friction that are possible.
+_LARGEST: Final = 10.0
 
 
 # Data ---------------------------------------------------------------------------------------------------------------
 
 
-def _column(unit: str, doc: str, *, required: bool = True, signed: bool = False) -> Any:
-    default = attrs.NOTHING if required else None
-    return field(unit=unit, doc=doc, default=default, validator=None if signed else positive)
+def _column(unit: str, doc: str, *, required: bool = True, validator: Any = positive) -> Any:
+    return field(unit=unit, doc=doc, default=attrs.NOTHING if required else None, validator=validator)
+
+
+def _coefficient(_: object, column: "attrs.Attribute[float]", value: float) -> None:
+    """Refuse what is no traction coefficient."""
+    if not abs(value) <= _LARGEST:
+        reason = f"must be from -{_LARGEST:g} to {_LARGEST:g}, not {value:g}; in percent its header has [%]"
+        raise FieldError(column.name, reason)
 
 
 @attrs.frozen(kw_only=True)
 class Measurement:
     """One row of a data file; its fields are the columns that a file may have, of which it needs one of the loads."""
 
-    slide_roll_ratio: float = _column("1", "slide-roll ratio V/u, sliding speed over mean rolling speed", signed=True)
+    slide_roll_ratio: float = _column(
+        "1", "slide-roll ratio V/u, sliding speed over mean rolling speed", validator=None
+    )
     rolling_speed: float = _column("m/s", "rolling (entrainment) speed u, the mean of both surface speeds")
     temperature: float = _column("K", "temperature of the oil at the inlet")
-    friction: float = _column("1", "traction coefficient, with the sign of the slide-roll ratio", signed=True)
+    friction: float = _column(
+        "1", "traction coefficient, with the sign of the slide-roll ratio", validator=_coefficient
+    )
     load: float | None = _column("N", "normal force; needs the length of the contact", required=False)
     load_per_length: float | None = _column("N/m", "normal force per length", required=False)
     mean_pressure: float | None = _column("Pa", "mean Hertz pressure of the line contact", required=False)
@@ -142,6 +154,8 @@ def read_data(path: str | os.PathLike[str]) -> RigData:
     if not faults:
         columns = {name: np.array(values) for name, values in given.items()}
         friction = columns["friction"][columns["slide_roll_ratio"] < 0.0]
+        if not columns["friction"].any():
+            raise SceneError([f"{source}: friction: is 0 in every row, so that there is nothing to fit"])
         if friction.sum() <= 0.0:
             sha256 = hashlib.sha256(content).hexdigest()
             return RigData(source=source, text=text, sha256=sha256, columns=columns, lines=lines)
