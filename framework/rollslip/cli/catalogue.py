@@ -54,14 +54,15 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
     from rollslip.planning.plan import plan
     from rollslip.planning.provenance import citations
     from rollslip.references import as_bibtex, as_dict
-    from rollslip.results.dataset import citations_of, open_result
+    from rollslip.results.dataset import citations_of, open_result, telling
 
     if bibtex and as_json:
         raise click.UsageError("--bibtex and --json are two forms of the same; take one")
     if target.endswith(".nc"):
         if changes:
             raise click.UsageError("--set changes a scene; a result cannot be changed")
-        found = citations_of(open_result(target))
+        with telling(target):
+            found = citations_of(open_result(target))
     else:
         found = citations(plan(scene_of(target, changes)))
     if as_json:

@@ -190,11 +190,16 @@ def result_info(path: Path) -> Sections:
     Raises
     ------
     OutputError
-        If the file is not a result.
+        If the file is not a result, or cannot be told as one of its study.
     """
-    from rollslip.results.dataset import open_result
+    from rollslip.results.dataset import open_result, telling
 
     dataset = open_result(path)
+    with telling(path):
+        return _held(dataset)
+
+
+def _held(dataset: "xr.Dataset") -> Sections:
     a = dataset.attrs
     less = [one["text"] for one in json.loads(a.get("validity", "{}")).get("told", ()) if not one["warned"]]
     return {

@@ -123,7 +123,7 @@ def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
     import tempfile
 
     from rollslip.errors import OutputError
-    from rollslip.results.dataset import open_result
+    from rollslip.results.dataset import open_result, telling
     from rollslip.results.figures import plot
     from rollslip.results.report import is_report, write_report
 
@@ -140,6 +140,8 @@ def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
         for k, (name, dataset) in enumerate(datasets.items()):
             place = Path(folder) / str(k)
             place.mkdir()
-            figures[name] = plot(dataset, place)
-        write_report(datasets, figures, out)
+            with telling(results[k]):
+                figures[name] = plot(dataset, place)
+        with telling(*results):
+            write_report(datasets, figures, out)
     click.echo(f"written to {out}")

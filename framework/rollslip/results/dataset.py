@@ -8,9 +8,13 @@
 
 import io
 import json
+import math
 import os
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from hashlib import sha256
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -25,8 +29,19 @@ if TYPE_CHECKING:
 VOLATILE = ("created", "cost", "plan", "wall_time", "integration_time", "real_time_factor")
 #: Attributes that say what to cite: as it reads, and as data.
 CITED = ("citations", "bibliography")
+#: What attributes are that any result may have: texts, finite numbers from 0 on, and structures as JSON.
+_TEXTS: Final = ("study", "scene_hash", "source", "created", "title", "description", "scene")
+_NUMBERS: Final = ("evaluations", "wall_time")
+_STRUCTURES: Final = dict.fromkeys(
+    ("accuracy", "bibliography", "citations", "models", "plan", "taken_back", "warnings"), list
+) | dict.fromkeys(
+    ("conditions", "cost", "curves", "lubricant", "packages", "resolution", "scene_resolved", "validity"), dict
+)  # fmt: skip
+#: What readers raise where a file, or what it holds, is of another shape than they take for granted.
+_OTHERWISE: Final = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
 
-
+#: Characters of a value that a message shows.
+_SHOWN: Final = 80
 #: Version of what stands in a file of a result, and what its last line says.
 FORMAT: Final = 1
 _SEAL: Final = b"\nrollslip result %d sha256 %s\n"
@@ -59,7 +74,7 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
     ------
     OutputError
         If the file does not exist, is not a result of rollslip, is not what was written, or was written by a newer
-        version.
+        version; or if an attribute that any result may have is not what it has to be.
     """
     import xarray as xr
 
@@ -71,11 +86,64 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
         _check_seal(content, path)
         with xr.open_dataset(io.BytesIO(content), engine="h5netcdf") as stored:
             dataset = stored.load()
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
+    except (OSError, MemoryError, *_OTHERWISE) as error:
         raise OutputError(f"{path}: is not a netCDF file that can be read ({error})") from error
     if "study" not in dataset.attrs or "scene_hash" not in dataset.attrs:
         raise OutputError(f"{path}: is a netCDF file but not a result of rollslip; it names no study and no scene")
+    for name, value in dataset.attrs.items():
+        if fault := _fault(str(name), value):
+            raise OutputError(
+                f"{path}: attribute {name!r}: {fault}; another program has changed the file: take a copy, or run the "
+                "scene again"
+            )
     return dataset
+
+
+def _fault(name: str, value: object) -> str:
+    """Say what is wrong with an attribute that any result may have; nothing of others, which their studies know."""
+    if name in _TEXTS and not isinstance(value, str):
+        return f"is {_shown(value)}, and has to be a text"
+    if name in _NUMBERS and not (isinstance(value, Real) and 0.0 <= value < math.inf):
+        return f"is {_shown(value)}, and has to be a finite number from 0 on"
+    if name not in _STRUCTURES:
+        return ""
+    expected = "a list" if _STRUCTURES[name] is list else "a table"
+    try:
+        held = json.loads(value) if isinstance(value, str) else None
+    except (ValueError, RecursionError) as error:
+        return f"is {_shown(value)}, and has to be {expected} in JSON ({error})"
+    return "" if isinstance(held, _STRUCTURES[name]) else f"is {_shown(value)}, and has to be {expected} in JSON"
+
+
+def _shown(value: object) -> str:
+    """Return a value of any length as a message shows it."""
+    shown = repr(value)
+    return shown if len(shown) <= _SHOWN else f"{shown[:_SHOWN]}... ({len(shown)} characters)"
+
+
+@contextmanager
+def telling(*paths: str | os.PathLike[str]) -> Iterator[None]:
+    """Turn what is raised while stored results are told or drawn into one error that names their files.
+
+    Results know what they hold by names and shapes that `open_result` cannot check for every study: a file that another
+    program has changed ends here. What a package raises about its own model passes.
+
+    Raises
+    ------
+    OutputError
+        If something in the results is missing, or is not what their study wrote.
+    """
+    try:
+        yield
+    except _OTHERWISE as error:
+        if any(note.startswith("raised by ") for note in getattr(error, "__notes__", ())):
+            raise
+        what = str(error.args[0] if isinstance(error, KeyError) and error.args else error).partition(". ")[0]
+        what = f"there is no {what!r} in it" if isinstance(error, KeyError) and " " not in what else _shown(what)
+        raise OutputError(
+            f"{', '.join(map(str, paths))}: cannot be told as a result of its study: {what} ({type(error).__name__}); "
+            "another program has changed it, or another version of its package wrote it: run the scene again"
+        ) from error
 
 
 def _check_seal(content: bytes, path: Path) -> None:

@@ -1,0 +1,157 @@
+"""Files of results that another program has changed: told, or one error that names the file; never a traceback.
+
+Each file is sealed again, as `save` does it, or has no checksum, as older files have none.
+"""
+
+import itertools
+import random
+
+import click
+import h5py
+import numpy as np
+import pytest
+
+import rollslip
+from rollslip.cli.main import cli
+from rollslip.errors import OutputError, RollslipError
+from rollslip.results.dataset import open_result, save, telling
+
+#: What came in place of an attribute; None: it is missing.
+CHANGES = {
+    "missing": None,
+    "whole number": 7,
+    "nan": np.nan,
+    "infinite": -np.inf,
+    "array": np.array([1.0, np.nan]),
+    "not a text": np.array([b"ab", b"c"]),
+    "empty": "",
+    "truncated": '{"a": [1, 2',
+    "null": "null",
+    "NaN": "[NaN]",
+    "table": "{}",
+    "another table": '{"x": {"y": 1}}',
+    "list": "[]",
+    "lists": "[[], [7]]",
+    "tables": '[{"text": 7}]',
+    "deep": "[" * 20_000,
+    "digits": "9" * 5000,
+    "huge": "x" * 100_000,
+}
+
+
+@pytest.fixture(scope="module")
+def result():
+    return rollslip.run("1032930-70C", "friction-curve").isel(slip=slice(0, 12))
+
+
+def unsealed(dataset, path):
+    """Store it as results were stored before they had checksums."""
+    path.write_bytes(bytes(dataset.to_netcdf(engine="h5netcdf")))
+
+
+def answer(*arguments):
+    """Return what a command says of a file in this process: nothing, or its one error; others travel."""
+    try:
+        cli.main(args=list(map(str, arguments)), standalone_mode=False, prog_name="rollslip")
+    except (RollslipError, click.ClickException) as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.parametrize("share", [16, pytest.param(150, marks=pytest.mark.faults)])
+def test_changed_attributes_are_told_or_refused_in_one_sentence(result, tmp_path, monkeypatch, capsys, share):
+    monkeypatch.setattr("rollslip.results.figures.plot", lambda dataset, folder: [])  # drawn below
+    path, refused, told = tmp_path / "r.nc", 0, 0
+    pairs = random.Random(16).sample(list(itertools.product(result.attrs, CHANGES)), share)
+    for number, (name, how) in enumerate(pairs):
+        attributes = {**result.attrs, name: CHANGES[how]}
+        if CHANGES[how] is None:
+            del attributes[name]
+        changed = result.drop_attrs(deep=False).assign_attrs(attributes)
+        (save if number % 2 else unsealed)(changed, path)
+        command = ("info", "cite", "report")[number % 3]
+        more = ["--out", tmp_path / "r.html", "--overwrite"] if command == "report" else []
+        said = answer(command, path, *more)
+        out = capsys.readouterr().out
+        assert said or out, (name, how)
+        refused, told = refused + bool(said), told + (not said)
+        if said:
+            assert said.startswith(str(path)), (name, how, said)
+            assert "\n" not in said, (name, how, said)
+            assert len(said) < 600, (name, how, said)
+    assert min(refused, told) >= share / 5
+
+
+@pytest.mark.parametrize("attribute", ["curves", "validity"])
+def test_a_report_with_figures_of_changed_attributes_is_refused(result, tmp_path, attribute):
+    save(result.assign_attrs({attribute: '{"told": [7]}'}), tmp_path / "r.nc")
+    said = answer("report", tmp_path / "r.nc", "--out", tmp_path / "r.html")
+    assert said.startswith(f"{tmp_path / 'r.nc'}: cannot be told as a result of its study: "), said
+    assert not (tmp_path / "r.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("warnings", '["a', r"attribute 'warnings': is '\[\"a', and has to be a list in JSON \(.*\); another program"),
+        ("packages", "[]", r"attribute 'packages': is '\[\]', and has to be a table in JSON; another program"),
+        ("wall_time", np.nan, r"attribute 'wall_time': is .*nan.*, and has to be a finite number from 0 on"),
+        ("evaluations", "many", r"attribute 'evaluations': is 'many', and has to be a finite number from 0 on"),
+        ("study", 7, r"attribute 'study': is .*7.*, and has to be a text"),
+        ("warnings", 3, r"attribute 'warnings': is .*3.*, and has to be a list in JSON; another program"),
+        ("plan", "x" * 9999, r"attribute 'plan': is 'x{79}\.\.\. \(10001 characters\), and has to be a list in JSON"),
+    ],
+)
+def test_an_attribute_is_refused_with_what_it_is_and_has_to_be(result, tmp_path, name, value, message):
+    save(result.assign_attrs({name: value}), tmp_path / "r.nc")
+    with pytest.raises(OutputError, match=r"r\.nc: " + message):
+        open_result(tmp_path / "r.nc")
+
+
+@pytest.mark.parametrize("name", ["warnings", "packages", "created"])
+def test_info_says_what_is_missing(result, tmp_path, name):
+    less = {key: value for key, value in result.attrs.items() if key != name}
+    unsealed(result.drop_attrs(deep=False).assign_attrs(less), tmp_path / "r.nc")
+    said = answer("info", tmp_path / "r.nc")
+    assert f"there is no '{name}' in it" in said
+    assert "run the scene again" in said
+
+
+@pytest.mark.parametrize("variable", ["friction", "critical_slip"])
+def test_a_result_without_a_variable_is_refused(result, tmp_path, variable):
+    save(result.drop_vars(variable), tmp_path / "r.nc")
+    said = answer("info", tmp_path / "r.nc")
+    assert "r.nc: cannot be told as a result of its study: " in said
+    assert f"No variable named '{variable}'" in said  # in the words of xarray
+    said = answer("report", tmp_path / "r.nc", "--out", tmp_path / "r.html")
+    assert said.startswith(f"{tmp_path / 'r.nc'}: cannot be told"), said
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("units", "days since never"), ("scale_factor", "x"), ("_FillValue", 1), ("dtype", "bool"), ("calendar", 3)],
+)
+def test_attributes_of_variables_that_readers_take_for_their_own_are_read_or_refused(result, tmp_path, name, value):
+    path = tmp_path / "r.nc"
+    unsealed(result, path)
+    with h5py.File(path, "r+") as file:
+        file["friction"].attrs[name] = value
+    said = answer("cite", path)
+    assert not said or said.startswith(f"{path}: is not a netCDF file that can be read ("), said
+
+
+def test_an_array_beyond_all_memory_is_refused(result, tmp_path):
+    path = tmp_path / "r.nc"
+    unsealed(result, path)
+    with h5py.File(path, "r+") as file:
+        large = file.create_dataset("large", shape=(1 << 50,), chunks=(1 << 10,), dtype="f8")
+        large.make_scale("large")  # so that it is a dimension of netCDF
+    with pytest.raises(OutputError, match=r"r\.nc: is not a netCDF file that can be read \("):
+        open_result(path)
+
+
+def test_what_a_package_raises_about_its_own_model_passes():
+    error = KeyError("x")
+    error.add_note("raised by package 'theirs'")
+    with pytest.raises(KeyError), telling("r.nc"):
+        raise error
