@@ -1,10 +1,12 @@
 """An interrupt at any moment of any command ends it with 130 and one sentence, and changes nothing else."""
 
 import random
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -51,3 +53,80 @@ def test_an_interrupt_at_any_moment_is_heard(name, moment, tmp_path):
     kept = {"o.unfinished", "o"}.intersection(path.name for path in tmp_path.iterdir())
     assert [path.name for path in tmp_path.iterdir()] == sorted(kept)
     assert bool(kept) <= (name in KEEPING)  # what it has computed, to go on with
+
+
+# Commands that take results or folders of others, and short ones ------------------------------------------------------
+
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
+SWEEP = ["sweep", "run", "1032930-70C", "--set", "accuracy.slices=7", "--over", "operation.radial_load=500:5000:40"]
+#: Command -> arguments, the longest time until it is interrupted [s], and what it may leave beside what was there.
+OTHERS = {
+    "fit": (["fit", "twin-disc.csv", "--traction", "muraki", "--parameters", "eyring_stress", "--out", "o"], 2.0, "o"),
+    "report": (["report", "r/friction-curve.nc", "--out", "o"], 1.5, "o"),
+    "resume": (["sweep", "resume", "part"], 1.0, ""),
+    "retry": (["sweep", "retry", "part", "--failed"], 1.0, ""),
+    "merge": (["sweep", "merge", "pieces"], 1.0, ""),
+    "status": (["sweep", "status", "part"], 0.5, ""),
+    "cite": (["cite", "1032930-70C"], 0.8, ""),
+    "info": (["info", "1032930-70C"], 0.8, ""),
+    "info of a result": (["info", "r/friction-curve.nc"], 0.8, ""),
+    "models": (["models"], 0.5, ""),
+    "schema": (["schema"], 0.5, ""),
+    "doctor": (["doctor"], 2.0, ""),
+    "list": (["plugins", "list"], 0.5, ""),
+    "check": (["plugins", "check", "muraki"], 3.0, ""),
+    "new": (["plugins", "new", "mine", "--kind", "traction"], 0.4, "mine"),
+}
+
+
+@pytest.fixture(scope="module")
+def there(tmp_path_factory):
+    """A stored result, a sweep with points to do, the pieces of another, and data of a rig."""
+    folder = tmp_path_factory.mktemp("there")
+    for name in ("twin-disc.csv", "rig.toml"):
+        shutil.copy(EXAMPLES / name, folder)
+    shared = {"cwd": folder, "capture_output": True, "text": True, "check": True}
+    call = [sys.executable, "-c", PROGRAM]
+    subprocess.run([*call, "run", "1032930-70C", "--study", "friction-curve", "--no-plots", "--out", "r"], **shared)
+    for shard in (1, 2):
+        subprocess.run([*call, *SWEEP, "--shard", f"{shard}/2", "--out", f"pieces/shard-{shard}-of-2"], **shared)
+    with subprocess.Popen([*call, *SWEEP, "--out", "part", "--engine", "serial"], cwd=folder) as process:
+        while not list((folder / "part").glob("*.sqlite*")) and process.poll() is None:
+            time.sleep(0.01)
+        process.kill()
+    assert (folder / "part" / "sweep.json").is_file()
+    return folder
+
+
+@pytest.mark.parametrize("moment", range(3))
+@pytest.mark.parametrize("name", OTHERS)
+def test_an_interrupt_at_any_moment_of_another_command_is_heard(name, moment, there, tmp_path):
+    arguments, longest, left = OTHERS[name]
+    folder = tmp_path / "f"
+    shutil.copytree(there, folder)
+    before = {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    process = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, *arguments],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline() == "begun\n"
+    time.sleep(random.Random(f"{name} {moment}").uniform(0.0, longest))
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert "Traceback" not in err + out
+    ended = process.returncode == 0 or (process.returncode == -signal.SIGINT and out)  # all was done, Python was leaving
+    assert ended or process.returncode == 130, f"{process.returncode}\n{out}\n{err}"
+    now = {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    if process.returncode == 130:
+        assert "interrupted" in err + out
+        left = ""
+    added = {path.parts[0] for path in now.keys() - before.keys()}
+    if name in ("resume", "retry", "merge"):  # the sweep, as far as it is done; a later one goes on
+        assert added <= {"part", "pieces"}
+        assert not {path.name for path in now.keys() - before.keys() if path.name.endswith(".partial")}
+    else:
+        assert added <= {left}
+        assert all(now[path] == content for path, content in before.items())

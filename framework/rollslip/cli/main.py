@@ -1,9 +1,11 @@
 """The command line as a whole: all commands in one group, and errors turned into one sentence and an exit code."""
 
+import _thread
 import io
 import os
 import signal
 import sys
+import time
 from collections.abc import Sequence
 from contextlib import ExitStack, redirect_stderr, redirect_stdout
 from typing import Any, NoReturn
@@ -36,6 +38,24 @@ for _command in (
 
 def _terminated(*_: object) -> NoReturn:
     raise SystemExit(128 + signal.SIGTERM)
+
+
+def _heard(into: ExitStack) -> None:
+    """Let no interrupt be lost: where Python ignores what is raised, in finalizers, it is raised again outside."""
+    before = sys.unraisablehook
+
+    def again() -> None:
+        time.sleep(0.02)  # until the finalizer has ended
+        _thread.interrupt_main()
+
+    def ignored(lost: Any) -> None:
+        if issubclass(lost.exc_type, KeyboardInterrupt):
+            _thread.start_new_thread(again, ())
+        else:
+            before(lost)
+
+    sys.unraisablehook = ignored
+    into.callback(setattr, sys, "unraisablehook", before)
 
 
 class _Sink(io.FileIO):
@@ -86,6 +106,7 @@ def main(arguments: Sequence[str] | None = None) -> Any:
         errors, _ = _patient(sys.stderr, stack)
         stack.enter_context(redirect_stdout(output))
         stack.enter_context(redirect_stderr(errors))
+        _heard(stack)
         try:
             code: Any = _run(arguments)
         except SystemExit as leaving:
