@@ -1,4 +1,4 @@
-"""The compiled blend and what its compiled children refuse."""
+"""The compiled blend and what its compiled children refuse, and what a compiled stage refuses of many slices."""
 
 import numpy as np
 import pytest
@@ -49,3 +49,12 @@ def test_a_refusal_of_a_slice_that_was_not_needed_is_not_heard(needed):
 def test_a_refusal_of_a_slice_that_was_needed_names_it(needed):
     at = int(np.flatnonzero(needed)[2])
     assert refused(at, needed) == ("status", 0, "", at)
+
+
+@pytest.mark.parametrize("at", [0, 255, 256, 300, 599])
+def test_a_stage_that_is_called_with_many_slices_names_the_one_it_refuses(at):
+    """It works in blocks of 256 of its own, whose numbers begin again at one."""
+    slices = Slices(600, Conditions(length=0.015, radius=0.006875, modulus=2.3e11), approach=2e-6)
+    slices.approach[at] = 1.0
+    stages = [(contact.lundberg_deflection(), {}, {"load", "stiffness"})]
+    assert Chain(stages, block=600).run(slices) == ("status", 0, "", at)
