@@ -289,7 +289,7 @@ def thin_films(model: SliceModel, n: int) -> Slices:
     limit of the film parameter is a parameter without a dimension; next to it is 1e-16 to 0.1 of it, on either side.
     """
     slices = table(model, n)
-    parameters = (getattr(model, a.name) for a in attrs.fields(type(model)) if a.metadata.get("unit") == "1")
+    parameters = (getattr(model, a.name) for a in attrs.fields(cast(Any, type(model))) if a.metadata.get("unit") == "1")
     limits = [value for value in parameters if isinstance(value, float) and value > 0.0]
     share = np.arange(1, len(slices) + 1) * math.sqrt(31) % 1.0
     ratio = 10.0 ** (13.0 * share - 12.0)
