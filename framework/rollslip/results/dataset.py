@@ -103,7 +103,7 @@ def _fault(name: str, value: object) -> str:
     """Say what is wrong with an attribute that any result may have; nothing of others, which their studies know."""
     if name in _TEXTS and not isinstance(value, str):
         return f"is {_shown(value)}, and has to be a text"
-    if name in _NUMBERS and not (isinstance(value, Real) and 0.0 <= value < math.inf):
+    if name in _NUMBERS and not (isinstance(value, Real) and 0.0 <= float(value) < math.inf):
         return f"is {_shown(value)}, and has to be a finite number from 0 on"
     if name not in _STRUCTURES:
         return ""
