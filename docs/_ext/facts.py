@@ -332,6 +332,7 @@ def sentences():
 
 PARTS = {
     "scene-keys": scene_keys,
+    "relations": relations,
     "oil-keys": oil_keys,
     "cage-keys": cage_keys,
     "study-keys": study_keys,
