@@ -210,8 +210,10 @@ def test_the_kit_does_not_need_pytest():
 # The process ---------------------------------------------------------------------------------------------------------
 
 
-def test_a_good_model_passes_in_a_process_of_its_own():
+def test_a_good_model_passes_in_a_process_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     findings = check_in_subprocess("traction", "kragelsky")
+    assert not [*tmp_path.iterdir()], "nothing is left where the user works"
     assert {finding.status for finding in findings} == {"ok"}
     assert by_check(findings).keys() == by_check(conformance(Kragelsky())).keys()
 

@@ -88,6 +88,7 @@ def _child(folder: Path, order: dict[str, Any], time_limit: float) -> tuple[list
             stdin=subprocess.DEVNULL,
             stdout=stream,
             stderr=stream,
+            env=os.environ | {"HYPOTHESIS_STORAGE_DIRECTORY": str(folder / "hypothesis")},  # not where the user works
         )
         hung, size, since = False, -1, time.monotonic()
         try:
