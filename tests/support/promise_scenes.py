@@ -15,6 +15,7 @@ import math
 import attrs
 import numpy as np
 
+from plan_scenes import Verdict
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import RollslipError
@@ -123,31 +124,11 @@ def described(one):
 
 
 @attrs.frozen
-class Promise:
+class Promise(Verdict):
     """What came of a scene: errors found beside those claimed; ``refused`` is why there are none."""
 
-    scene: object
-    refused: str = ""
-    resolution: dict = attrs.Factory(dict)
-    estimated: dict = attrs.Factory(dict)
     witnessed: dict = attrs.Factory(dict)
-    actual: dict = attrs.Factory(dict)
     warned: tuple = ()
-
-    @property
-    def tolerance(self):
-        """What the scene asks for."""
-        return self.scene.accuracy.tolerance
-
-    @property
-    def error(self):
-        """Largest of the actual errors."""
-        return max(self.actual.values())
-
-    @property
-    def kept(self):
-        """Whether it is within the tolerance."""
-        return self.error <= self.tolerance
 
     @property
     def silent(self):
