@@ -79,10 +79,6 @@ OTHERS = {
 }
 
 
-#: Of some hundred interrupts of a fit one or two have ended otherwise; it is not known why.
-LOST = pytest.mark.xfail(reason="an interrupt may fall into a callback of the fitting library", strict=False)
-
-
 @pytest.fixture(scope="module")
 def there(tmp_path_factory):
     """A stored result, a sweep with points to do, the pieces of another, and data of a rig."""
@@ -103,7 +99,7 @@ def there(tmp_path_factory):
 
 
 @pytest.mark.parametrize("moment", range(3))
-@pytest.mark.parametrize("name", [pytest.param(one, marks=LOST if one == "fit" else ()) for one in OTHERS])
+@pytest.mark.parametrize("name", OTHERS)
 def test_an_interrupt_at_any_moment_of_another_command_is_heard(name, moment, there, tmp_path):
     arguments, longest, left = OTHERS[name]
     folder = tmp_path / "f"

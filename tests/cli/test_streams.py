@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -97,6 +98,24 @@ from rollslip.cli import main; main(["--version"])
         assert (process.returncode, "Traceback" in err) in ((130, False), (0, False), (-2, False)), err
         assert out or process.returncode != -signal.SIGINT
         assert out or err.strip() in ("", "interrupted; nothing was left behind")
+
+
+def test_what_an_interrupt_leaves_half_built_ends_in_silence(monkeypatch, capsys) -> None:
+    """As h5netcdf does, which closes a file in a finalizer that its interrupted constructor has not opened."""
+
+    class Half:
+        def __init__(self, **_: object) -> None:
+            self.me = self
+            raise KeyboardInterrupt
+
+        def __del__(self) -> None:
+            raise AttributeError("_closed")
+
+    program = import_module("rollslip.cli.main")
+    monkeypatch.setattr(program.cli, "main", Half)
+    with pytest.raises(SystemExit, match="130"):
+        program.main([])
+    assert capsys.readouterr().err == "interrupted; nothing was left behind\n"
 
 
 def test_a_package_that_hangs_is_named_with_a_way_round_it(tmp_path: Path) -> None:

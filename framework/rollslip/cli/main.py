@@ -1,6 +1,7 @@
 """The command line as a whole: all commands in one group, and errors turned into one sentence and an exit code."""
 
 import _thread
+import gc
 import io
 import os
 import signal
@@ -113,6 +114,9 @@ def main(arguments: Sequence[str] | None = None) -> Any:
             code = leaving.code
         except KeyboardInterrupt:  # a second one, while the first was told
             code = INTERRUPTED
+        if code == INTERRUPTED:  # what was half built when it came ends here, and its finalizers have nothing to tell
+            sys.unraisablehook = lambda lost: None
+            gc.collect()
         for stream in (output, errors):
             stream.flush()
         if sink is not None and sink.lost is not None and not isinstance(sink.lost, BrokenPipeError):
