@@ -3,6 +3,9 @@
 Each worker gets one thread for linear algebra: two workers with as many threads each as there are cores only wait for
 each other.
 
+The short profile draws the same examples in every run: hypothesis also draws constants that it finds in the modules
+imported so far, which differ with the split of the tests among workers, so it is kept from that. The long one searches.
+
 A quick run imports only files that have quick tests: importing all would take longer than its tests.
 """
 
@@ -12,15 +15,25 @@ import signal
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import pytest
 from hypothesis import settings
+from hypothesis.internal.conjecture.providers import HypothesisProvider
+from hypothesis.internal.constants_ast import Constants
 
 # a shell starts its jobs in the background with SIGINT ignored, and what tests start would ignore it too
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-settings.register_profile("short", max_examples=40)
-settings.register_profile("thorough", max_examples=1000)
+settings.register_profile("short", max_examples=40, derandomize=True)
+settings.register_profile("thorough", max_examples=1000, derandomize=False)
 settings.load_profile("short")
+
+
+@pytest.hookimpl(trylast=True)  # after hypothesis has read which profile was asked for
+def pytest_configure(config):
+    """Give a short run the same examples whatever was imported before a test."""
+    if settings.default.derandomize:
+        HypothesisProvider._local_constants = Constants()  # a property otherwise, of nothing public
 
 
 def pytest_ignore_collect(collection_path, config):

@@ -173,7 +173,10 @@ def test_bearings_like_those_of_catalogues_are_usual(
     temperature: float,
     roughness: float,
 ) -> None:
-    """Loads up to half the static rating 44 (1 - D/d_m) Z l D [N, mm] of ISO 76, speeds up to n d_m = 1e6 mm/min."""
+    """Loads up to half the static rating 44 (1 - D/d_m) Z l D [N, mm] of ISO 76, speeds up to n d_m = 1e6 mm/min.
+
+    No catalogue allows the smallest bearings more than some 40,000 rpm, whatever n d_m says.
+    """
     pitch = diameter / slender
     rollers = max(int(fill * math.pi / math.asin(slender)), 7)
     rating = 44e6 * (1 - slender) * rollers * length * diameter**2
@@ -187,7 +190,7 @@ def test_bearings_like_those_of_catalogues_are_usual(
         "radial_clearance": clearance * diameter,
     }
     operation = {
-        "inner_speed": f"{speed / (1e3 * pitch)} rpm",
+        "inner_speed": f"{min(speed / (1e3 * pitch), 5e4)} rpm",
         "radial_load": load * rating,
         "temperature": f"{temperature} degC",
         "misalignment": "3 arcmin",
