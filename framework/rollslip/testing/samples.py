@@ -207,15 +207,14 @@ def _parts(member: str, limits: Limits, magnitudes: Limits | None = None) -> tup
     return parts, edges
 
 
-def _between(part: Limits, share: float) -> float:
-    """Return the value at a share of an interval: even in the logarithm, unless the interval crosses zero."""
+def _between(part: Limits, share: Any) -> Any:
+    """Return the values at shares of an interval: even in the logarithm, unless the interval crosses zero."""
     low, high = part
     if low > 0 or high < 0:
-        sign = math.copysign(1.0, low)
-        value = sign * math.exp((1 - share) * math.log(abs(low)) + share * math.log(abs(high)))
+        value = math.copysign(1.0, low) * np.exp((1 - share) * math.log(abs(low)) + share * math.log(abs(high)))
     else:
         value = low + share * (high - low)
-    return min(max(value, low), high)
+    return np.clip(value, low, high)
 
 
 def values(member: str, limits: Limits) -> "st.SearchStrategy[float]":
@@ -245,16 +244,17 @@ def members(model: SliceModel, of: Mapping[str, object]) -> list[str]:
 # Tables --------------------------------------------------------------------------------------------------------------
 
 
-@st.composite
-def drawn_tables(draw: Any, model: SliceModel) -> Slices:
+def drawn_tables(model: SliceModel) -> "st.SearchStrategy[Slices]":
     """Return a strategy of tables of one to four slices that a model reads."""
-    conditions = {name: draw(values(name, _limits(model, name))) for name in members(model, CONDITIONS)}
-    n = draw(st.integers(1, 4))
-    columns = {
-        name: draw(st.lists(values(name, _limits(model, name)), min_size=n, max_size=n))
-        for name in members(model, COLUMNS)
-    }
-    return Slices(n, Conditions(**conditions), **columns)
+    conditions, columns = members(model, CONDITIONS), members(model, COLUMNS)
+    row = st.tuples(*(values(name, _limits(model, name)) for name in columns))
+
+    def slices(of_all: tuple[float, ...], rows: list[tuple[float, ...]]) -> Slices:
+        given = dict(zip(columns, zip(*rows, strict=True), strict=True))
+        return Slices(len(rows), Conditions(**dict(zip(conditions, of_all, strict=True))), **given)
+
+    of_all = st.tuples(*(values(name, _limits(model, name)) for name in conditions))
+    return st.builds(slices, of_all, st.lists(row, min_size=1, max_size=4))
 
 
 def table(model: SliceModel, n: int, magnitudes: Mapping[str, Limits] | None = None) -> Slices:
@@ -275,7 +275,9 @@ def table(model: SliceModel, n: int, magnitudes: Mapping[str, Limits] | None = N
         parts, edges = _parts(name, _limits(model, name), None if magnitudes is None else magnitudes.get(name))
         # Multiples of an irrational number fill an interval evenly, those of different roots independently.
         shares = np.arange(1, n + 1) * math.sqrt((2, 3, 5, 7, 11, 13, 17, 19, 23, 29)[k]) % 1.0
-        column = [_between(parts[i % len(parts)], share) if parts else edges[0] for i, share in enumerate(shares)]
+        column = np.full(n, edges[0] if edges else 0.0)
+        for i, part in enumerate(parts):
+            column[i :: len(parts)] = _between(part, shares[i :: len(parts)])
         for i, edge in zip(range(k, n, 2 * len(COLUMNS)), itertools.cycle(edges)) if edges and parts else ():
             column[i] = edge
         getattr(slices, name)[:] = np.arange(n) % 4 if name == "regime" else column
