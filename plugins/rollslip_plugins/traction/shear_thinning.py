@@ -26,6 +26,8 @@ from rollslip_plugins.traction.heating import (
 )
 
 EULER = np.euler_gamma
+ROOTS, WEIGHTS = np.polynomial.legendre.leggauss(12)
+PLACE, WEIGHT = (1 + ROOTS) / 2, WEIGHTS / 2  # of Gauss's rule from 0 to 1
 
 
 @attrs.frozen(kw_only=True)
@@ -211,18 +213,15 @@ def transit(strain: Array, duration: Array) -> tuple[Array, Array]:
 
 def _early(eps: Array, p: Array) -> tuple[Array, Array]:
     """Return mean and end of S by Gauss's rule in v."""
-    place, weight = np.polynomial.legendre.leggauss(12)
-    place, weight = (1 + place) / 2, weight / 2
     v = p
     for _ in range(MAX_STEPS):
-        step = (v * (np.exp(eps[..., None] * np.expm1(-v[..., None] * place)) @ weight) - p) / np.exp(
-            eps * np.expm1(-v)
-        )
+        step = v * (np.exp(eps[..., None] * np.expm1(-v[..., None] * PLACE)) @ WEIGHT) - p
+        step /= np.exp(eps * np.expm1(-v))
         v = v - step
         if not np.any(np.abs(step) > 1e-9 * v):  # quadratic
             break
-    stress = -np.expm1(eps[..., None] * np.expm1(-v[..., None] * place))
-    return v * ((stress * (1 - stress)) @ weight) / p, -np.expm1(eps * np.expm1(-v))
+    stress = -np.expm1(eps[..., None] * np.expm1(-v[..., None] * PLACE))
+    return v * ((stress * (1 - stress)) @ WEIGHT) / p, -np.expm1(eps * np.expm1(-v))
 
 
 def _late(eps: Array, p: Array) -> tuple[Array, Array]:
@@ -270,10 +269,12 @@ def _scaled(x: Array) -> Array:
     small = np.minimum(x, 40.0)
     term, total = np.ones_like(small), np.zeros_like(small)
     for k in range(1, 160):
-        term = term * small / k
-        total = total + term / k
-        if not np.any(term > 1e-17 * total):
+        term *= small / k
+        total += term / k
+        if not (term > 1e-17 * total).any():
             break
+    if not (x > 40.0).any():
+        return np.exp(-small) * total
     large = np.maximum(x, 40.0)
     term, tail = 1 / large, np.zeros_like(large)
     for k in range(1, 41):

@@ -17,6 +17,7 @@ Floats: TypeAlias = NDArray[np.float64]
 
 MAX_STEPS = 60  # never reached: a dozen are enough over the range above
 LINEAR = 1e-150  # below, every law is linear in sigma to the last bit, and is scaled: its products would be denormal
+ROOTS, WEIGHTS = np.polynomial.legendre.leggauss(14)
 
 
 def muraki_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Floats:
@@ -215,13 +216,12 @@ def _eyring_bound(sigma: Floats, phi: Floats) -> Floats:
 
 def _ramp_mean(eps: Floats, c: Floats, p: Floats) -> tuple[Floats, Floats]:
     """Return F and -dF/dy for P < 1 by Gauss's rule: the closed form cancels, while S(X) is smooth and small."""
-    place, weight = np.polynomial.legendre.leggauss(14)
-    x = p[..., None] * (1 + place) / 4  # P X/4
+    x = p[..., None] * (1 + ROOTS) / 4  # P X/4
     eps, c = eps[..., None], c[..., None]
     th = np.tanh(x)
     z = eps * th / (c + th)  # tanh(S/2)
     fall = eps * (th**2 + (th - (1 - th**2) * x) / c) / ((c + th) ** 2 * (1 - z**2))  # -d artanh(z)/dy
-    return np.arctanh(z) @ weight, fall @ weight
+    return np.arctanh(z) @ WEIGHTS, fall @ WEIGHTS
 
 
 def _layer_mean(eps: Floats, c: Floats, p: Floats) -> tuple[Floats, Floats]:
