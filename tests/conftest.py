@@ -24,8 +24,8 @@ from hypothesis.internal.constants_ast import Constants
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-settings.register_profile("short", max_examples=40, derandomize=True)
-settings.register_profile("thorough", max_examples=1000, derandomize=False)
+settings.register_profile("short", max_examples=25, deadline=None, derandomize=True)
+settings.register_profile("thorough", max_examples=1000, deadline=None, derandomize=False)
 settings.load_profile("short")
 
 

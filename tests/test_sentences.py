@@ -1,5 +1,6 @@
 """Every sentence that the program can say has been read, and what it tells one to type exists."""
 
+import functools
 import re
 
 import attrs
@@ -16,12 +17,12 @@ from rollslip.studies.study import study_class
 
 pytestmark = pytest.mark.quick
 
-FOUND = sentences.sentences()
+every = functools.cache(sentences.sentences)  # by the tests, not by the collection of them
 
 
 def test_the_list_of_all_sentences_is_up_to_date():
     stored = sentences.LIST.read_text(encoding="utf-8").splitlines()
-    now = sentences.as_csv(FOUND).splitlines()
+    now = sentences.as_csv(every()).splitlines()
     new, gone = sorted(set(now) - set(stored)), sorted(set(stored) - set(now))
     assert not new, "read them, then write the list by: python tests/support/sentences.py"
     assert not gone, "write the list by: python tests/support/sentences.py"
@@ -98,20 +99,20 @@ UNTYPABLE = re.compile(rf"(?<![\w.])(?:{'|'.join(SETTINGS)})\b|(?:take|with|set)
 
 
 def test_every_key_and_option_that_a_sentence_names_exists():
-    assert [(one, wrong) for one in FOUND if one.kind != "source" and (wrong := names_nothing(one.text))] == []
-    assert sum(bool(KEY.search(bare(one.text))) for one in FOUND) > 10
+    assert [(one, wrong) for one in every() if one.kind != "source" and (wrong := names_nothing(one.text))] == []
+    assert sum(bool(KEY.search(bare(one.text))) for one in every()) > 10
 
 
 def test_every_command_that_a_sentence_names_exists():
     words = re.compile(r"(?:by: |'|`|take )rollslip ([a-z]+)(?: ([a-z]+))?")
-    named = {pair for one in FOUND for pair in words.findall(one.text)}
+    named = {pair for one in every() for pair in words.findall(one.text)}
     assert {command for command, _ in named} - cli.commands.keys() == set()
     groups = {pair for pair in named if hasattr(cli.commands[pair[0]], "commands")}
     assert {pair for pair in groups if pair[1] not in cli.commands[pair[0]].commands} == set()
     assert ("sweep", "merge") in groups
 
 
-def test_a_key_or_an_option_that_does_not_exist_is_found():
+def test_a_key_or_an_option_that_does_not_exist_is_every():
     said = (
         "raise accuracy.tolerances, study.dynamics.durations or lubricant.{name}, by --sets or --set accuracy.tolerance"
     )
@@ -123,7 +124,7 @@ def test_a_key_or_an_option_that_does_not_exist_is_found():
 def test_no_sentence_names_a_setting_without_its_table():
     """A key can be typed as it stands: ``study.friction-curve.max_slip``, not ``max_slip``."""
     # what a study says of its own setting stands behind the place of that setting
-    told = [one for one in FOUND if one.kind in ("told", "error") and "__attrs_post_init__" not in one.where]
+    told = [one for one in every() if one.kind in ("told", "error") and "__attrs_post_init__" not in one.where]
     assert [one for one in told if UNTYPABLE.search(bare(one.text))] == []
     assert UNTYPABLE.search("raise max_cage_slip")
     assert UNTYPABLE.search("take inertia = true")

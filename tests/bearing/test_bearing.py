@@ -3,7 +3,7 @@
 import attrs
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rollslip.bearing.kinematics import Kinematics
@@ -41,7 +41,6 @@ def test_values_of_the_1032930():
     assert 0.0207 * BEARING.epicyclic_cage_speed**2 * BEARING.orbit_radius == pytest.approx(174, abs=0.5)
 
 
-@settings(deadline=None)
 @given(bearings())
 def test_nothing_slides_at_the_epicyclic_speeds(bearing):
     speeds = bearing.surface_speeds(0.0, 0.0)
@@ -49,7 +48,6 @@ def test_nothing_slides_at_the_epicyclic_speeds(bearing):
     assert speeds.inner_rolling == speeds.outer_rolling > 0.0
 
 
-@settings(deadline=None)
 @given(bearings(), slips, slips)
 def test_surface_speeds_are_those_of_the_cage_and_roller_speeds(bearing, cage_slip, roller_slip):
     b, s = bearing, bearing.surface_speeds(cage_slip, roller_slip)
@@ -66,14 +64,12 @@ def test_surface_speeds_are_those_of_the_cage_and_roller_speeds(bearing, cage_sl
     assert 1 - s.cage_speed / b.epicyclic_cage_speed == pytest.approx(cage_slip, abs=1e-13)
 
 
-@settings(deadline=None)
 @given(bearings(), slips)
 def test_outer_contact_rolls_at_the_roller_slip_that_says_so(bearing, cage_slip):
     s = bearing.surface_speeds(cage_slip, bearing.roller_slip_outer_rolling(cage_slip))
     assert abs(s.outer_sliding) <= 1e-14 * (abs(s.inner_sliding) + s.inner_rolling)
 
 
-@settings(deadline=None)
 @given(bearings(), slips, slips)
 def test_bearing_turning_backwards_is_described_by_its_mirror_image(bearing, cage_slip, roller_slip):
     mirrored = attrs.evolve(bearing, inner_speed=-bearing.inner_speed, outer_speed=-bearing.outer_speed)
@@ -112,7 +108,6 @@ def test_cage_slip_needs_a_moving_cage():
         bearing.roller_slip_outer_rolling(0.1)
 
 
-@settings(deadline=None)
 @given(st.floats(1e-3, 1.0), st.integers(1, 200))
 def test_slices_are_equal_symmetric_and_inside(length, n):
     x = slice_positions(length, n)
@@ -145,7 +140,6 @@ def test_logarithmic_profile_has_its_quadratic_limit_in_the_middle():
     assert profile_drop("iso16281", x, 0.015, 0.012) == pytest.approx(0.00035 * 0.012 * (2 * x / 0.015) ** 2, rel=1e-9)
 
 
-@settings(deadline=None)
 @given(st.lists(st.floats(0, 1e-4), min_size=2, max_size=8))
 def test_profile_table_is_met_at_its_points_and_not_exceeded_between(drops):
     positions = np.linspace(-0.0075, 0.0075, len(drops))

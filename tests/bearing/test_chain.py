@@ -195,7 +195,7 @@ def test_results_do_not_depend_on_the_block(models, block):
     np.testing.assert_array_equal(at(block), at(None))
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(order=st.permutations(range(40)), block=st.sampled_from([1, 7, 256, 0]))
 def test_results_do_not_depend_on_the_order_of_slices(order, block):
     straight, shuffled = bearing_slices(40), bearing_slices(40)

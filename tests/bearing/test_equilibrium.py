@@ -7,7 +7,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq, root
 
@@ -263,14 +263,12 @@ mechanics = st.fixed_dictionaries(
 )
 
 
-@settings(deadline=None, max_examples=300)
 @given(mechanics, st.floats(0.0, 1.0))
 def test_any_bearing_balances(values, turn):
     c = case(psi=angular_positions(values["Z"], 3) + turn, **values)
     check(c, solve_equilibrium(c, iso16281()))
 
 
-@settings(deadline=None, max_examples=30)
 @given(mechanics)
 def test_mirrored_misalignment_mirrors_the_loads(values):
     values |= {"instants": 2}
@@ -283,7 +281,6 @@ def test_mirrored_misalignment_mirrors_the_loads(values):
     assert mirrored.moment == pytest.approx(-s.moment, abs=1e-9 * scale * LENGTH**2)
 
 
-@settings(deadline=None, max_examples=30)
 @given(mechanics)
 def test_symmetric_instants_load_both_sides_alike(values):
     """psi and -psi are the same bearing seen from its other side; so are the instants a share before and after."""
@@ -309,7 +306,6 @@ def test_tighter_bearings_load_more_rollers():
     assert loaded[0] < loaded[-1] == 4 * 28
 
 
-@settings(deadline=None)
 @given(st.integers(1, 60), st.integers(1, 20))
 def test_instants_spread_over_one_pitch(rollers, instants):
     psi = angular_positions(rollers, instants)

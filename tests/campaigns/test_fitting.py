@@ -422,7 +422,7 @@ def test_values_and_covariance_are_those_of_scipy_on_a_law_of_our_own():
     np.testing.assert_allclose(found["fitted_friction"], law(slips, *values), rtol=1e-8)
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(st.floats(1.5e6, 1.2e7), st.floats(0.8, 1.25))
 def test_data_without_noise_give_the_truth(stress, factor):
     truth = {"eyring_stress": stress, "pressure_viscosity_factor": factor}

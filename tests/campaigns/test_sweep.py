@@ -472,7 +472,7 @@ def serial(tmp_path_factory):
 MANY = {"operation.radial_load": "500:5000:5", "models.traction.hydrodynamic": ["muraki", "eyring"]}
 
 
-@settings(deadline=None, max_examples=5)
+@settings(max_examples=5)
 @given(seed=st.integers(0, 1000), task_seconds=st.sampled_from([0.0, 0.005, 0.02, 10.0]))
 def test_order_and_size_of_tasks_change_nothing(seed, task_seconds, serial, tmp_path_factory):
     folder = tmp_path_factory.mktemp("shuffled")
@@ -482,7 +482,7 @@ def test_order_and_size_of_tasks_change_nothing(seed, task_seconds, serial, tmp_
     assert same(collect(sweep, folder), serial)
 
 
-@settings(deadline=None, max_examples=5)
+@settings(max_examples=5)
 @given(tasks=st.lists(st.integers(0, 3), min_size=1, max_size=3))  # fewer than the ten points
 def test_a_run_that_is_cut_off_and_gone_on_with_gives_the_same(tasks, serial, tmp_path_factory):
     folder = tmp_path_factory.mktemp("cut")

@@ -168,14 +168,14 @@ FATED = {
 }
 
 
-@settings(deadline=None, max_examples=8)
+@settings(max_examples=8)
 @given(**FATED)
 def test_nothing_that_happens_changes_a_bit(runs, seed, task_seconds, serial, tmp_path_factory):
     survives(runs, seed, task_seconds, serial, tmp_path_factory.mktemp("fated"))
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=500)
+@settings(max_examples=500)
 @given(**FATED)
 def test_nothing_that_happens_changes_a_bit_over_many_draws(runs, seed, task_seconds, serial, tmp_path_factory):
     survives(runs, seed, task_seconds, serial, tmp_path_factory.mktemp("fated"))
@@ -184,7 +184,7 @@ def test_nothing_that_happens_changes_a_bit_over_many_draws(runs, seed, task_sec
 # What failed is counted ----------------------------------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 @given(
     journals=st.lists(
         st.lists(st.tuples(st.integers(0, COUNT - 1), st.sampled_from(STATUSES)), max_size=2 * COUNT), max_size=3
@@ -221,7 +221,7 @@ def kept(tmp_path_factory):
     return folder
 
 
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(data=st.data())
 def test_a_damaged_journal_is_refused_or_changes_no_bit(data, kept, serial, tmp_path_factory):
     content = bytearray((kept / "journal-000000.sqlite").read_bytes())

@@ -267,7 +267,7 @@ def test_an_interval_of_a_figure_that_is_not_known_draws_without_a_warning(tmp_p
     assert [path.name for path in plot(found, tmp_path)] == ["uncertainty.svg"]
 
 
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 @given(
     ends=st.lists(st.sampled_from([*STATUSES, "ok", "ok", "ok"]), min_size=16, max_size=16), beyond=st.integers(0, 16)
 )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from attrs import asdict, evolve
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rollslip.errors import DomainError, SceneError
@@ -233,7 +233,6 @@ def test_vogel_finds_its_own_constants():
         assert asdict(law) == pytest.approx(asdict(truth), rel=1e-7)
 
 
-@settings(deadline=None)
 @given(st.lists(st.floats(-0.02, 0.02), min_size=7, max_size=7))
 def test_fits_through_more_points_are_least_squares(noise):
     truth = Vogel(5e-5, 900.0, 170.0)

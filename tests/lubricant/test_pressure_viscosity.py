@@ -10,7 +10,7 @@ import attrs
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rollslip import Chain, Conditions, evolve, get_model, load_scene, plan, register, run
@@ -95,7 +95,6 @@ def test_what_barus_is_said_to_be_above_roelands_is_what_the_laws_give(pressure)
 
 
 @every_law
-@settings(deadline=None, max_examples=60)
 @given(T=st.floats(300.0, 380.0), p=or_zero(decades(3, 8)), more=st.floats(1.0, 1.5))
 def test_viscosity_rises_with_pressure_from_that_of_the_oil(law, T, p, more):
     oil_here = conditions(law, T)
@@ -145,7 +144,6 @@ def test_roelands_has_no_value_for_an_oil_thinner_than_its_pole(law):
 
 
 @pytest.mark.parametrize("law", LAWS[:2], ids=lambda law: law.name)
-@settings(deadline=None, max_examples=60)
 @given(
     viscosity=decades(-3.9, 1),
     alpha=or_zero(decades(-10, -7.5)),

@@ -104,7 +104,7 @@ def tabulated(draw):
 
 
 @given(tabulated())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_a_cell_without_an_extremum_stays_between_its_ends_and_no_extremum_is_invented(case):
     law, _, table = case
     V = places(table, 24)
@@ -120,7 +120,7 @@ def test_a_cell_without_an_extremum_stays_between_its_ends_and_no_extremum_is_in
 
 
 @given(tabulated())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_the_error_between_all_nodes_is_the_stated_one(case):
     law, tolerance, table = case
     V = places(table, 37)
@@ -131,7 +131,7 @@ def test_the_error_between_all_nodes_is_the_stated_one(case):
 
 
 @given(tabulated())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_critical_speed_and_slope_at_no_slip_are_kept_to_the_stated_errors(case):
     law, _, table = case
     middle = table.nodes.shape[0] // 2
@@ -164,7 +164,7 @@ def test_a_rise_that_is_smaller_than_the_tolerance_keeps_its_slope(w):
 
 
 @given(tabulated())
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_an_odd_law_stays_odd_and_the_ends_are_held(case):
     _, _, table = case
     np.testing.assert_array_equal(table.nodes[:, 0], -table.nodes[::-1, 0])
@@ -178,7 +178,7 @@ def test_an_odd_law_stays_odd_and_the_ends_are_held(case):
 
 
 @given(tabulated())
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_value_and_slope_are_continuous_at_the_nodes(case):
     _, _, table = case
     x = np.linspace(*table.limits, table.nodes.shape[0])
@@ -287,7 +287,7 @@ SCENES = st.fixed_dictionaries(
 
 
 @given(SCENES, st.integers(0, 1))
-@settings(max_examples=12, deadline=None, phases=[Phase.explicit, Phase.generate], derandomize=True)
+@settings(max_examples=12, phases=[Phase.explicit, Phase.generate], derandomize=True)
 def test_curves_of_bearings_are_those_of_all_their_slices(changes, ring):
     assembly = bearing(**changes)
     raceway, distribution = assembly.raceways[ring], assembly.load_distribution(4)

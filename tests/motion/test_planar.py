@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.special import gamma
@@ -719,7 +719,6 @@ def test_a_centred_journal_is_damped_alike_in_every_direction():
         assert [x, y] == pytest.approx(expected, rel=1e-13, abs=1e-13 * np.abs(expected).max())
 
 
-@settings(deadline=None, max_examples=60)
 @given(
     eps=st.floats(1e-3, 0.97),
     angle=st.floats(-7.0, 7.0),

@@ -37,7 +37,6 @@ MODELS = [
     Regime(),
 ]
 every_model = pytest.mark.parametrize("model", forms(MODELS))
-some = settings(deadline=None, max_examples=40)
 
 # pow and exp are right to an ulp or two, and an exponent of at most 3.5 multiplies the relative error of its argument:
 # some twenty operations give at most 50 units of 1.1e-16.
@@ -48,7 +47,6 @@ ROUNDING = 1e-14
 
 
 @every_model
-@some
 @given(contact=contacts(), factor=decades(0, 2))
 def test_film_is_positive_falls_with_load_and_rises_with_speed_and_viscosity(model, contact, factor):
     """Rigid-piezoviscous films do not feel the load; the composite does not rise with it either, over the range."""
@@ -65,7 +63,6 @@ def test_film_is_positive_falls_with_load_and_rises_with_speed_and_viscosity(mod
 
 
 @every_model
-@some
 @given(contact=contacts(), powers=st.tuples(*[st.integers(-8, 8)] * 3))
 def test_film_does_not_know_metre_kilogram_and_second(model, contact, powers):
     """Other units of length, mass and time: h/R keeps its bits, for powers of two scale without rounding."""
@@ -98,7 +95,6 @@ def in_domain(model, contact):
 
 
 @by_name
-@settings(deadline=None, max_examples=100)
 @given(contact=any_oil)
 def test_compiled_and_numpy_agree(model, contact):
     assume(in_domain(model, contact))
@@ -107,7 +103,7 @@ def test_compiled_and_numpy_agree(model, contact):
 
 @pytest.mark.slow
 @by_name
-@settings(deadline=None, max_examples=5000)
+@settings(max_examples=5000)
 @given(contact=any_oil)
 def test_compiled_and_numpy_agree_long(model, contact):
     assume(in_domain(model, contact))
@@ -136,7 +132,6 @@ def hhat(law, contact):
 
 
 @pytest.mark.parametrize("model", forms([Martin(), Blok(), Herrebrugh(), Dowson1968()]))
-@some
 @given(contact=contacts())
 def test_film_agrees_with_its_form_in_johnsons_groups(model, contact):
     expected = contact.radius * hhat(law_of(model), contact)
@@ -153,7 +148,6 @@ PRINTED = {  # c, U, G, W; mean entrainment
 
 
 @pytest.mark.parametrize("model", forms(MODELS[3:8]))
-@some
 @given(contact=contacts())
 def test_elastic_piezoviscous_films_are_the_printed_power_laws(model, contact):
     """By logarithms: ln(h/R) = ln c + u ln U + g ln G + w ln W."""
@@ -187,7 +181,6 @@ MOES = forms([Moes()])
 
 
 @pytest.mark.parametrize("model", MOES)
-@settings(deadline=None, max_examples=150)
 @given(contact=any_oil)
 def test_moes_agrees_with_its_printed_form_in_forty_digits(model, contact):
     np.testing.assert_allclose(contact.film(model), moes(contact)[0], rtol=ROUNDING)
@@ -304,7 +297,6 @@ def test_rigid_meets_elastic_isoviscous_at_the_published_number(model, gV):
 
 
 @pytest.mark.parametrize("model", REGIME)
-@some
 @given(gV=decades(-2, 6), gE=decades(-2, 4), angle=st.floats(0, 6.28))
 def test_regime_film_has_no_jump(model, gV, gE, angle):
     """A small step in any direction changes the film by the step times at most the steepest exponent in use."""
@@ -345,7 +337,6 @@ def test_moes_groups_are_those_of_the_sum_of_speeds():
 
 
 @every_model
-@some
 @given(contact=any_oil)
 def test_film_thickness_is_the_chains(model, contact):
     assume(in_domain(law_of(model), contact))

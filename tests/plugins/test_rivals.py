@@ -39,7 +39,7 @@ every_heated = pytest.mark.parametrize("model", forms(HEATED))
 ROUNDING = 3e-13
 NO_HEAT = {"effusivity": 1e200, "conductivity": 1e200}
 
-few = settings(deadline=None, max_examples=15)
+few = settings(max_examples=15)
 
 
 class TestOtherParameters(Conformance):

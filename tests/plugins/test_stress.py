@@ -5,7 +5,7 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fifty_digits import maxwell_eyring_stress as fifty_digits
@@ -167,7 +167,6 @@ def test_short_series_join_where_the_layer_changes():
 
 
 @given(sigma=sigmas, deborah=deborahs, factor=st.floats(1, 100))
-@settings(deadline=None, max_examples=100)
 def test_short_series_rise_with_strain_rate(sigma, deborah, factor):
     cold = short_maxwell_eyring(sigma, deborah, 0)
     assert cold <= np.arcsinh(sigma) * (1 + 1e-6)
@@ -187,7 +186,6 @@ def test_accuracy_chooses_the_series():
 
 @pytest.mark.parametrize("law", EYRING, ids=name)
 @given(sigma=sigmas, heating=heatings)
-@settings(deadline=None, max_examples=100)
 def test_eyring_solves_its_equation(law, sigma, heating):
     with mpmath.workdps(40):
         stress = mpmath.mpf(float(law(sigma, 0, heating)))
@@ -230,7 +228,6 @@ def test_muraki_is_continuous_where_the_ramp_fills_the_contact(law):
 
 @pytest.mark.parametrize("law", MURAKI, ids=name)
 @given(sigma=decades(-12, 12), deborah=or_zero(decades(-20, 8)), heating=or_zero(decades(-20, 6)))
-@settings(deadline=None, max_examples=200)
 def test_muraki_agrees_with_its_quadratic_in_many_digits(law, sigma, deborah, heating):
     with mpmath.workdps(120):
         s, d, phi = (mpmath.mpf(x) for x in (sigma, deborah, heating))
@@ -282,7 +279,6 @@ def test_arguments_broadcast(law):
     deborah=or_zero(decades(-300, 8)) | deborahs,
     heating=or_zero(decades(-300, 6)) | heatings,
 )
-@settings(deadline=None, max_examples=300)
 def test_compiled_laws_agree_with_numpy(law, reference_law, sigma, deborah, heating):
     # Below 1e-300 results are denormal and have few digits.
     np.testing.assert_allclose(
@@ -292,7 +288,6 @@ def test_compiled_laws_agree_with_numpy(law, reference_law, sigma, deborah, heat
 
 @pytest.mark.parametrize("law", LAWS, ids=name)
 @given(sigma=sigmas, deborah=deborahs, heating=heatings)
-@settings(deadline=None, max_examples=100)
 def test_stress_stays_within_viscous_plastic_and_elastic_bounds(law, sigma, deborah, heating):
     stress = law(sigma, deborah, heating)
     bound = min(sigma, np.arcsinh(sigma))
@@ -303,7 +298,6 @@ def test_stress_stays_within_viscous_plastic_and_elastic_bounds(law, sigma, debo
 
 @pytest.mark.parametrize("law", LAWS, ids=name)
 @given(sigma=sigmas, deborah=deborahs, heating=heatings, factor=st.floats(1, 100))
-@settings(deadline=None, max_examples=100)
 def test_stress_falls_with_elasticity_and_heating(law, sigma, deborah, heating, factor):
     stress = law(sigma, deborah, heating) * (1 + ROUNDING)
     assert law(sigma, deborah * factor, heating) <= stress
@@ -312,14 +306,12 @@ def test_stress_falls_with_elasticity_and_heating(law, sigma, deborah, heating, 
 
 @pytest.mark.parametrize("law", LAWS, ids=name)
 @given(sigma=sigmas, deborah=deborahs, factor=st.floats(1, 100))
-@settings(deadline=None, max_examples=100)
 def test_cold_stress_rises_with_strain_rate(law, sigma, deborah, factor):
     assert law(sigma * factor, deborah, 0) >= law(sigma, deborah, 0) * (1 - ROUNDING)
 
 
 @pytest.mark.parametrize("law", EXACT, ids=name)
 @given(deborah=deborahs, heating=heatings)
-@settings(deadline=None, max_examples=100)
 def test_heated_stress_has_at_most_one_maximum(law, deborah, heating):
     stress = law(np.logspace(-8, 8, 300), deborah, heating)
     change = np.diff(stress) / stress[1:]

@@ -53,8 +53,6 @@ ROUNDING = 2e-13
 DENORMAL = 1e-300
 
 SIGMAS = np.logspace(-8, 8, 65)
-few = settings(deadline=None, max_examples=30)
-some = settings(deadline=None, max_examples=60)
 
 
 def both_signs(film):
@@ -67,7 +65,6 @@ def both_signs(film):
 
 
 @every_model
-@few
 @given(film=films())
 def test_friction_is_odd_zero_at_zero_finite_and_dissipative(model, film):
     """mu(-V) = -mu(V) to the last bit, mu(0) = 0, mu V >= 0: friction takes power out of sliding, at any speed."""
@@ -81,7 +78,6 @@ def test_friction_is_odd_zero_at_zero_finite_and_dissipative(model, film):
 
 
 @every_fluid
-@few
 @given(film=films())
 def test_hydrodynamic_friction_stays_below_viscous_plastic_and_elastic_bounds(model, film):
     """|mu| <= tau0/p min(sigma, asinh(sigma), sigma/D): below Newton's, Eyring's and the elastic stress alone."""
@@ -95,7 +91,6 @@ def test_hydrodynamic_friction_stays_below_viscous_plastic_and_elastic_bounds(mo
 
 
 @pytest.mark.parametrize("model", forms(BOUNDARY))
-@few
 @given(film=films())
 def test_boundary_friction_stays_below_its_maximum(model, film):
     """Kragelsky's curve has its maximum A + B/C exp(-1 - A C/B), 0.12000451 with the published numbers."""
@@ -110,7 +105,6 @@ def test_boundary_friction_stays_below_its_maximum(model, film):
 
 
 @pytest.mark.parametrize("model", forms(BLENDS))
-@some
 @given(film=films(), ratio=decades(-4, 1))
 def test_blend_lies_between_its_children_and_is_one_of_them_outside_the_band(model, film, ratio):
     law = law_of(model)
@@ -132,7 +126,6 @@ def test_blend_lies_between_its_children_and_is_one_of_them_outside_the_band(mod
 
 
 @pytest.mark.parametrize("model", forms(BLENDS[:2]))
-@some
 @given(film=films(), share=st.floats(0.0, 1.0))
 def test_blend_follows_its_formula(model, film, share):
     """mu = mu_hd + (mu_bd - mu_hd) ((Lambda - Lambda_hd)/(Lambda_bd - Lambda_hd))^m inside the band."""
@@ -154,7 +147,6 @@ def test_blend_follows_its_formula(model, film, share):
 
 
 @every_fluid
-@some
 @given(film=films(), sigma=or_zero(decades(-8, 8)))
 def test_hydrodynamic_friction_is_the_stress_of_its_groups(model, film, sigma):
     """mu = tau0 S(sigma, D, Phi)/p with the groups that the conditions were made from."""
@@ -167,7 +159,6 @@ def test_hydrodynamic_friction_is_the_stress_of_its_groups(model, film, sigma):
 
 
 @pytest.mark.parametrize("cls", [Muraki, MaxwellEyring, Eyring])
-@few
 @given(film=films(heating=decades(-3, 1)), flash=decades(-1, 1), sigma=decades(-2, 4))
 def test_flash_factor_scales_the_flash_temperature(cls, film, flash, sigma):
     """The factor multiplies sqrt(b/(pi u))/sqrt(K rho c), as the effusivity divides it; the film's own rise stays."""
@@ -178,7 +169,6 @@ def test_flash_factor_scales_the_flash_temperature(cls, film, flash, sigma):
 
 
 @pytest.mark.parametrize("model", forms(BOUNDARY))
-@few
 @given(ratio=signed(or_zero(decades(-12, 3))), speed=decades(-3, 2))
 def test_boundary_friction_depends_on_the_slide_roll_ratio_alone(model, ratio, speed):
     law = law_of(model)
@@ -207,7 +197,6 @@ def spread(values):
 
 
 @pytest.mark.parametrize("model", forms(FLUIDS[:1]))
-@some
 @given(film=films(), sigma=decades(-8, 2))
 def test_muraki_is_continuous_where_the_elastic_ramp_fills_the_contact(model, film, sigma):
     """The ramp fills the contact from D = sigma (2 + Phi sigma)/asinh(sigma) on; there S = sigma/D on both sides."""
@@ -222,7 +211,6 @@ def test_muraki_is_continuous_where_the_elastic_ramp_fills_the_contact(model, fi
 
 
 @pytest.mark.parametrize("model", forms(FLUIDS[:1]))
-@some
 @given(film=films(), sigma=decades(-8, 2), beyond=decades(-13, 3))
 def test_muraki_is_elastic_beyond_the_switch_and_on_the_plateau_before_it(model, film, sigma, beyond):
     """S = sigma/D, and S = y - D y^2/(4 sigma) with the quadratic's lesser root y, in fifty digits."""
@@ -240,7 +228,6 @@ def test_muraki_is_elastic_beyond_the_switch_and_on_the_plateau_before_it(model,
 
 
 @pytest.mark.parametrize("model", forms(BLENDS))
-@some
 @given(film=films())
 def test_blend_is_continuous_at_both_limits(model, film):
     """The weight leaves 1 with the slope -m/(1 - Lambda_bd/Lambda_hd) per relative step, and 0 at least as gently.
@@ -292,7 +279,6 @@ def gain(law, deborah):
 
 
 @every_fluid
-@some
 @given(film=films())
 def test_slope_of_hydrodynamic_friction_at_zero_slip(model, film):
     """d(mu)/dV = eta/(p h) times the gain: what is left of Newton's law in a transit of the contact."""
@@ -319,7 +305,6 @@ def test_slope_of_boundary_friction_at_zero_slip(model):
 
 
 @pytest.mark.parametrize("model", forms(BLENDS[:2]))
-@few
 @given(film=films())
 def test_slope_of_the_blend_at_zero_slip_is_the_mix(model, film):
     law = law_of(model)
@@ -346,7 +331,6 @@ def turns(values):
 
 
 @every_fluid
-@some
 @given(film=films(heating=st.just(0.0)))
 def test_cold_friction_rises_with_slip(model, film):
     """Isothermal: the sink (tau0/eta) sinh(tau/tau0) does not change, the source V/h rises, so tau rises everywhere."""
@@ -354,7 +338,6 @@ def test_cold_friction_rises_with_slip(model, film):
 
 
 @every_fluid
-@some
 @given(film=films(heating=decades(-4, 3)))
 def test_heated_friction_has_one_maximum_and_falls_beyond_it(model, film):
     """At fixed h, p and u, with Phi > 0: it rises with slip to the thermal maximum and falls from there on.
@@ -367,7 +350,6 @@ def test_heated_friction_has_one_maximum_and_falls_beyond_it(model, film):
 
 
 @pytest.mark.parametrize("model", forms(FLUIDS[2:]))
-@some
 @given(film=films(heating=decades(-4, 3)))
 def test_eyring_friction_is_largest_where_heating_cancels_strain_rate(model, film):
     """The maximum is where Phi sigma S = 1, hence S sinh S = 1/(e Phi)."""
@@ -407,7 +389,7 @@ ALL = (*ELASTIC, "eyring")
 
 
 @every_fluid
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(film=films(heating=st.just(0.0)), sigma=decades(-6, 6), factor=decades(0, 1))
 def test_cold_shear_stress_is_monotone(model, film, sigma, factor):
     """What theory demands of tau = mu p without heating.
@@ -437,7 +419,7 @@ def test_cold_shear_stress_is_monotone(model, film, sigma, factor):
 
 
 @every_fluid
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(film=films(heating=decades(-4, 3)), sigma=decades(-6, 6), factor=decades(0, 1))
 def test_heated_shear_stress_is_monotone(model, film, sigma, factor):
     """What is left of theory's demands with heating.
@@ -464,7 +446,6 @@ def test_heated_shear_stress_is_monotone(model, film, sigma, factor):
 
 
 @every_fluid
-@some
 @given(
     film_model=st.sampled_from([Martin(), Blok(), Dowson1968(), DowsonToyoda(), Moes(), Regime()]),
     pressure=decades(7, 9.3),
@@ -573,7 +554,6 @@ by_name = pytest.mark.parametrize("model", [pytest.param(m, id=f"{i}-{m.name}") 
 
 
 @by_name
-@some
 @given(film=films())
 def test_compiled_and_numpy_agree(model, film):
     check_forms_agree(model, film)
@@ -581,7 +561,7 @@ def test_compiled_and_numpy_agree(model, film):
 
 @pytest.mark.slow
 @by_name
-@settings(deadline=None, max_examples=2000)
+@settings(max_examples=2000)
 @given(film=films())
 def test_compiled_and_numpy_agree_long(model, film):
     check_forms_agree(model, film)
@@ -589,7 +569,7 @@ def test_compiled_and_numpy_agree_long(model, film):
 
 @pytest.mark.slow
 @every_fluid
-@settings(deadline=None, max_examples=1000)
+@settings(max_examples=1000)
 @given(film=films(heating=decades(-6, 3), deborah=decades(-8, 7)))
 def test_heated_friction_has_one_maximum_long(model, film):
     """As above, on a grid fine enough for narrow dips."""
@@ -597,7 +577,6 @@ def test_heated_friction_has_one_maximum_long(model, film):
 
 
 @given(film=films())
-@some
 def test_short_series_keep_their_accuracy(film):
     speed = both_signs(film)
     short, full = (film.friction(MaxwellEyring(accuracy=accuracy), speed) for accuracy in (1e-6, 1e-13))

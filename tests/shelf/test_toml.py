@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rollslip.errors import SceneError
@@ -143,7 +143,6 @@ def leaves(value: object, path: tuple[str | int, ...] = ()) -> list[tuple[str | 
 
 
 @given(statements)
-@settings(deadline=None)
 def test_every_key_has_the_line_where_it_appeared(lines: list[str]) -> None:
     """The line noted for a key is that of the statement with which the key enters the parsed document."""
     text = valid_document(lines)

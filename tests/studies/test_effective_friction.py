@@ -238,7 +238,7 @@ def test_nobody_is_told_to_look_beyond_the_end_of_the_range():
 
 
 @given(load=st.floats(500.0, 5e3), factor=st.floats(1.2, 3.0))
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_more_load_gives_less_slip(load, factor):
     """At a given drag torque the cage slips less under more load: the pull sum(mu Q) rises with it at every slip."""
     pulls = []
