@@ -3,6 +3,7 @@
 Each file is sealed again, as `save` does it, or has no checksum, as older files have none.
 """
 
+import hashlib
 import itertools
 import random
 
@@ -10,6 +11,7 @@ import click
 import h5py
 import numpy as np
 import pytest
+import xarray as xr
 
 import rollslip
 from rollslip.cli.main import cli
@@ -125,6 +127,58 @@ def test_a_result_without_a_variable_is_refused(result, tmp_path, variable):
     assert f"No variable named '{variable}'" in said  # in the words of xarray
     said = answer("report", tmp_path / "r.nc", "--out", tmp_path / "r.html")
     assert said.startswith(f"{tmp_path / 'r.nc'}: cannot be told"), said
+
+
+def change_attribute(file):
+    file.attrs["title"] = "what somebody else calls it"
+
+
+def change_number(file):
+    file["friction"][0] *= 1.001
+
+
+def add_variable(file):
+    file.create_dataset("more", data=np.arange(1000.0)).make_scale("more")
+
+
+def cut_off(path):
+    path.write_bytes(path.read_bytes()[:-1])
+
+
+def copy_with_xarray(path):
+    with xr.open_dataset(path, engine="h5netcdf") as read:
+        content = bytes(read.to_netcdf(engine="h5netcdf"))
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("change", [change_attribute, change_number, add_variable, cut_off, copy_with_xarray])
+def test_what_is_changed_in_place_is_refused(result, tmp_path, change):
+    path = tmp_path / "r.nc"
+    save(result, path)
+    assert open_result(path).identical(result)
+    if change in (cut_off, copy_with_xarray):
+        change(path)
+    else:
+        with h5py.File(path, "r+") as file:
+            change(file)
+    message = r"r\.nc: is not what rollslip wrote, its checksum is gone: another program has changed it, or cut it off"
+    with pytest.raises(OutputError, match=message):
+        open_result(path)
+    assert answer("report", path, "--out", tmp_path / "r.html").endswith("run the scene again, or take a copy")
+    assert not (tmp_path / "r.html").exists()
+
+
+def test_a_file_without_a_mark_is_read_with_and_without_a_checksum(result, tmp_path):
+    """As results were written before the mark, and before the checksum; a change of the latter cannot be seen."""
+    unsealed(result, tmp_path / "oldest.nc")
+    content = (tmp_path / "oldest.nc").read_bytes()
+    seal = f"\nrollslip result 1 sha256 {hashlib.sha256(content).hexdigest()}\n"
+    (tmp_path / "older.nc").write_bytes(content + seal.encode())
+    for name in ("oldest.nc", "older.nc"):
+        assert open_result(tmp_path / name).identical(result)
+    with h5py.File(tmp_path / "oldest.nc", "r+") as file:
+        change_attribute(file)
+    assert open_result(tmp_path / "oldest.nc").attrs["title"] == "what somebody else calls it"
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,8 @@
 """Results: what a dataset and its variables say of themselves, and files that hold it without loss.
 
 - A result is an xarray Dataset; its attributes make it reproducible (`rollslip.planning.provenance`).
-- A file ends with a checksum of all before it, which netCDF does not read, and which is checked when it is opened.
+- A file ends with a checksum of all before it, which netCDF does not read, and which is checked when it is opened. A
+  program that changes a file in place cuts it off; the file has a mark inside that it ought to be there.
 - A file appears whole or not at all (`rollslip.files`). It is made in memory: where a disk is full, HDF5 leaves a
   file that cannot be closed and takes the process down.
 """
@@ -45,6 +46,8 @@ _SHOWN: Final = 80
 #: Version of what stands in a file of a result, and what its last line says.
 FORMAT: Final = 1
 _SEAL: Final = b"\nrollslip result %d sha256 %s\n"
+#: Attribute of a file that has a checksum, and what it says to whoever reads it elsewhere.
+_MARK: Final = ("sealed", "a SHA-256 of all before it follows at the end of the file")
 _SEALED: Final = re.compile(rb"\nrollslip result (\d+) sha256 ([0-9a-f]{64})\n\Z")
 
 
@@ -62,7 +65,7 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
         If it cannot be written.
     """
     told = {key: readable(value) if isinstance(value, str) else value for key, value in dataset.attrs.items()}
-    content = bytes(dataset.assign_attrs(told).to_netcdf(engine="h5netcdf"))
+    content = bytes(dataset.assign_attrs({**told, _MARK[0]: _MARK[1]}).to_netcdf(engine="h5netcdf"))
     with whole_file(path) as partial:
         partial.write_bytes(content + _SEAL % (FORMAT, sha256(content).hexdigest().encode()))
 
@@ -83,11 +86,16 @@ def open_result(path: str | os.PathLike[str]) -> "xr.Dataset":
         raise OutputError(f"{path}: there is no such file")
     try:
         content = path.read_bytes()
-        _check_seal(content, path)
+        sealed = _check_seal(content, path)
         with xr.open_dataset(io.BytesIO(content), engine="h5netcdf") as stored:
             dataset = stored.load()
     except (OSError, MemoryError, *_OTHERWISE) as error:
         raise OutputError(f"{path}: is not a netCDF file that can be read ({error})") from error
+    if dataset.attrs.pop(_MARK[0], None) is not None and not sealed:
+        raise OutputError(
+            f"{path}: is not what rollslip wrote, its checksum is gone: another program has changed it, or cut it off; "
+            "run the scene again, or take a copy"
+        )
     if "study" not in dataset.attrs or "scene_hash" not in dataset.attrs:
         raise OutputError(f"{path}: is a netCDF file but not a result of rollslip; it names no study and no scene")
     for name, value in dataset.attrs.items():
@@ -146,11 +154,11 @@ def telling(*paths: str | os.PathLike[str]) -> Iterator[None]:
         ) from error
 
 
-def _check_seal(content: bytes, path: Path) -> None:
-    """Refuse what is not what was written; a file without a checksum, of an older version, is taken as it is."""
+def _check_seal(content: bytes, path: Path) -> bool:
+    """Refuse what is not what was written; return whether there is a checksum, which older files have not."""
     seal = _SEALED.search(content, max(0, len(content) - 200))
     if seal is None:
-        return
+        return False
     if int(seal[1]) > FORMAT:
         raise OutputError(
             f"{path}: was written by a newer version of rollslip (format {int(seal[1])}; this one reads up to "
@@ -161,6 +169,7 @@ def _check_seal(content: bytes, path: Path) -> None:
             f"{path}: is not what rollslip wrote, its checksum is another: it was damaged or changed; run the scene "
             "again, or take a copy"
         )
+    return True
 
 
 def citations_of(*datasets: "xr.Dataset") -> list[Citation]:
