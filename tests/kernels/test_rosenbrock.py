@@ -513,6 +513,20 @@ def test_the_state_at_an_event_is_on_the_continuous_output_and_past_the_change()
         solver.interpolate(solver.t + 1e-6)
 
 
+def test_an_event_is_located_by_secants_and_not_by_halving():
+    """On a line a secant meets the root at once; halving a step down to the rounding of t would take 52 evaluations."""
+    times = []
+
+    def line(t, y):
+        times.append(t)
+        return [y[0] - 0.4]
+
+    solver = watching(lambda t, y: [1.0], 1, line, 1, [0.0], 1.0)
+    assert solver.advance()[0] == "event"
+    assert solver.t == pytest.approx(0.4, abs=1e-13)
+    assert len(times) < 52
+
+
 def test_two_values_that_change_together_are_reported_one_after_the_other():
     """sin t - 1/2, three times it, and its opposite: three events at the same time, and none twice."""
     found = events_of(oscillator(lambda t, y: [y[0] - 0.5, 3 * (y[0] - 0.5), 0.5 - y[0]], 3, end=2.0))

@@ -208,6 +208,10 @@ def test_operations_grow_in_proportion_to_the_rollers():
         spent[rollers] = system.solve(0.0, y, 10.0, y)[1]
     assert spent[190] - spent[100] == spent[100] - spent[10] > 0
     assert spent[1000] - spent[100] == 10 * (spent[100] - spent[10])
+    H, B, L = HEAD, BLOCK, LEDGER  # a matrix of m by n takes a vector in m n multiplications, and factors in n^3
+    factors, solution = B**3 + B * B * H + H * B * H, B * B + H * B + B * H + L * B
+    assert spent[100] - spent[10] == 90 * (factors + solution)
+    assert spent[10] == 10 * (factors + solution) + H**3 + H * H + L * H + L
 
 
 # What is refused -----------------------------------------------------------------------------------------------------

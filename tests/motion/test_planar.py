@@ -16,6 +16,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
+from rollslip.motion import planar as planar_module
 from rollslip.motion.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
 from rollslip_kernels.motion import planar as kernels
@@ -759,6 +760,28 @@ def test_a_land_that_rubs_is_that_of_the_written_law(seed):
     expected = np.array(land_by_quadrature(D * LAND["clearance"], V, 300.0, -20.0, LAND | {"eta": 0.0}))
     film = np.array(land(D, V, 300.0, -20.0, stiffness=1e-30))
     assert found - film == pytest.approx(expected, rel=1e-10, abs=1e-10 * np.abs(found).max())
+
+
+# The table of rolling resistance -----------------------------------------------------------------------------------
+
+
+def test_rolling_resistance_is_read_off_every_cell_and_beyond_along_the_last(monkeypatch):
+    """Nodes that bend in every cell, unlike those of a bearing, where a neighbour's line is hardly off."""
+    nodes = np.array([0.0, 2.0, 3.0, 7.0, 5.0])
+    states = np.array([random_state(case("constant")[0], seed) for seed in range(8)])
+    for ring in range(2):
+        root = np.sqrt(case("constant")[0].planar.outputs(np.zeros(8), states)["normal_force"][:, ring])
+        step = 0.7 * root.max() / (nodes.size - 1)  # so that a part of the forces is beyond the table
+        monkeypatch.setattr(planar_module, "_resistances", lambda a, step=step: [(step, nodes)] * 2)
+        found = motion(scene_of(5)).planar.outputs(np.zeros(8), states)
+        assert np.sqrt(found["normal_force"][:, ring]) == pytest.approx(root, rel=1e-15)
+        place = root / step
+        assert {*np.floor(place).astype(int).ravel()} >= set(range(nodes.size))  # each cell, and beyond
+        line = nodes[-1] + (place - (nodes.size - 1)) * (nodes[-1] - nodes[-2])
+        expected = np.where(place > nodes.size - 1, line, np.interp(place, np.arange(nodes.size), nodes))
+        u = found["rolling_speed"][:, ring]
+        sign = u / np.hypot(u, 1e-3)  # which goes through zero within 1 mm/s, as that of all friction in motion
+        assert found["rolling_resistance"][:, ring] == pytest.approx(expected * sign, rel=1e-13, abs=1e-13)
 
 
 # The load in time ----------------------------------------------------------------------------------------------------
