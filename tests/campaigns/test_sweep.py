@@ -37,6 +37,7 @@ from rollslip.campaigns.sweep.sampling import parse_over, parse_overs, probabili
 from rollslip.campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep
 from rollslip.catalogue.discovery import get_class
 from rollslip.cli import main
+from rollslip.cli.main import cli
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, PluginError, SceneError
 from rollslip.models import TractionModel
@@ -243,6 +244,67 @@ def test_a_sample_out_of_range_is_refused_with_a_remedy():
         SceneError, match=r"operation.radial_load: sample .* must be at least 0, .*; cut the distribution"
     ):
         plan_sweep(parse_scene(text, "own.toml"), samples=64)
+
+
+# key, its values, options, and what is said of them
+UNUSUAL = [
+    (
+        "surface.roller_roughness",
+        ["0.1 um", "0.16 mm"],
+        {},
+        "1 of 2 values: 0.16 mm is unusual (from 5e-06 mm to 0.003 mm is usual); did you mean '0.16 um'?",
+    ),
+    (
+        "operation.inner_speed",
+        "2000 rpm:26000 rpm:5",
+        {},
+        "1 of 5 values: 26000 rpm is 225 m/s of surface speed of the inner raceway, at most 200 m/s is usual",
+    ),
+    (
+        "lubricant.eyring_stress",
+        "1 kPa:2 kPa",
+        {"samples": 4},
+        "2 of 2 ends of the samples, the first: {least:.4g} kPa is unusual (from 200 kPa to 50000 kPa is usual); did "
+        "you mean '{least:.4g} MPa'?",
+    ),
+]
+
+
+@pytest.mark.parametrize(("key", "over", "options", "said"), UNUSUAL, ids=[key for key, *_ in UNUSUAL])
+def test_values_that_are_unusual_are_said_once_for_an_axis(key, over, options, said):
+    sweep = planned({key: over}, **options)
+    least = sweep.design.samples.min() / 1e3 if sweep.design.has_samples else None
+    assert sweep.unusual == (f"{key}, {said.format(least=least)}",)
+
+
+IMPOSSIBLE = {
+    "surface.roller_roughness": (["0.1 um", "0.16 m"], "value 2 of 2: must be from 0.0001 um to 1 mm, not 0.16 m"),
+    "operation.temperature": ("-200 degC:60 degC:3", "point 1 of 3: must be from -150 degC to 1000 degC, not -200"),
+    "models.traction.exponent": ([6, 6e6], "value 2 of 2: must be from 0 to 1000, not 6e+06"),
+    "bearing.radial_clearance": (["14 um", "14 mm"], "value 2 of 2, 14 mm: changes: bearing.radial_clearance: 0.014 m"),
+}
+
+
+@pytest.mark.parametrize("key", IMPOSSIBLE)
+def test_a_value_that_is_impossible_is_refused_before_anything_runs(key):
+    over, said = IMPOSSIBLE[key]
+    with pytest.raises(SceneError) as error:
+        planned({key: over})
+    [problem] = error.value.problems
+    assert problem.startswith(f"{key}: {said}")
+
+
+def test_what_is_unusual_of_its_values_is_printed_and_kept_with_a_sweep(tmp_path, capsys):
+    out = tmp_path / "s"
+    over = "operation.inner_speed=2000 rpm:26000 rpm:3"
+    arguments = ["sweep", "run", "1032930-70C", "--study", "friction-curve", "--over", over, "--out", str(out)]
+    with contextlib.suppress(SystemExit):
+        cli.main(args=[*arguments, "--output", "friction", "--set", "accuracy.slices=5"], prog_name="rollslip")
+    told = "operation.inner_speed, 1 of 3 values: 26000 rpm is 225 m/s of surface speed of the inner raceway"
+    printed = [line for line in capsys.readouterr().err.splitlines() if "surface speed" in line]
+    assert [line.startswith(f"warning: {told}") for line in printed] == [True]
+    kept = json.loads(rollslip.open_result(out / "sweep.nc").attrs["warnings"])
+    assert [text.startswith(told) for text in kept if "surface speed" in text] == [True]
 
 
 # Results -------------------------------------------------------------------------------------------------------------

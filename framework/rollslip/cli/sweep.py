@@ -86,6 +86,7 @@ def sweep_run(
         shard=parse_shard(shard) if shard is not None else (1, 1),
     )
     asked_engine(made)  # refused before a folder is made
+    warn(made.unusual)
     if not as_json:
         click.echo(planned.sweep_headline(made))
         click.echo("\n".join(f"  {line}" for line in planned.sweep_planned(made)))

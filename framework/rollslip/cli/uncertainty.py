@@ -19,6 +19,7 @@ from rollslip.cli.app import (
     results_options,
     scene_of,
     set_option,
+    warn,
 )
 
 
@@ -74,6 +75,7 @@ def uncertainty(
         time_limit=time_limit,
     )
     asked_engine(made.critical)  # refused before a folder is made
+    warn(made.critical.unusual)
     results.go_to(f"{Path(scene).stem}-uncertainty")
     if not results.as_json:
         click.echo(planned.sweep_headline(made.critical))

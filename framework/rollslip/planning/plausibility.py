@@ -1,18 +1,25 @@
-"""What is unusual in a scene, of all that it holds: its own tables, the oil, the cage, models and studies."""
+"""What is unusual in a scene, of all that it holds: its own tables, the oil, the cage, models and studies.
+
+Where a key takes many values, as in a sweep, that is said once for all of them.
+"""
 
 import contextlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rollslip.bearing.cage import Cage
 from rollslip.errors import RollslipError
+from rollslip.fields import unusual
 from rollslip.lubricant.table import OilTable
+from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.plausibility import unusual_model, unusual_relations, unusual_values
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import Location
 from rollslip.studies.study import study_class
+from rollslip.toml import split_key
+from rollslip.units import unit_given
 
-__all__ = ["implausible"]
+__all__ = ["implausible", "implausible_along"]
 
 
 def implausible(scene: Scene) -> list[str]:
@@ -27,13 +34,60 @@ def implausible(scene: Scene) -> list[str]:
     for name, table in studies.items() if isinstance(studies, Mapping) else ():
         with contextlib.suppress(RollslipError):  # who runs it says so
             found += unusual_values(study_class(name, scene), table, where.at("study").at(name))
-    return [*dict.fromkeys((*found, *unusual_relations(scene, raw, where)))]
+    found += unusual_relations(scene, raw, where)
+    return [*dict.fromkeys(at.says(told) for at, told in found)]
 
 
-def _models(raw: Mapping[str, Any], where: Location) -> Iterator[str]:
+def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
     models, cage = raw.get("models"), raw.get("cage")
     for kind, model in models.items() if isinstance(models, Mapping) else ():
         yield from unusual_model(kind, model, where.at("models").at(kind))
     drags = cage.get("drag", ()) if isinstance(cage, Mapping) else ()
     for k, drag in enumerate(drags if isinstance(drags, list | tuple) else ()):
         yield from unusual_model("drag", drag, where.at("cage").at("drag").at(k))
+
+
+def implausible_along(scene: Scene, of: Quantity, values: Sequence[object], which: str = "values") -> list[str]:
+    """Return what is unusual of values that a key of a scene takes, each kind once, with the first value that is.
+
+    What is unusual in the scene by itself is left to `implausible`.
+
+    Parameters
+    ----------
+    scene
+        The scene with any of the values.
+    of
+        What takes them.
+    values
+        The values as they were written, which the scene can have.
+    which
+        What they are: "values", "ends of the samples".
+    """
+    told_by_itself = {at.path for at, _ in unusual_relations(scene, resolved(scene), Location({}))}
+    first, counts = dict[str, str](), dict[str, int]()
+    for value in values:
+        for key, told in _unusual_at(scene, of, value, told_by_itself):
+            first.setdefault(key, told)
+            counts[key] = counts.get(key, 0) + 1
+    found = []
+    for key, told in first.items():
+        among = f"{counts[key]} of {len(values)} {which}"
+        at = f"{key}, {among}" if key.startswith(of.key) else f"{key}, at {among} of {of.key}"
+        found.append(f"{at}{', the first' if counts[key] > 1 else ''}: {told}" if len(values) > 1 else f"{key}: {told}")
+    return found
+
+
+def _unusual_at(scene: Scene, of: Quantity, value: object, told_by_itself: set[Any]) -> Iterator[tuple[str, str]]:
+    """Yield each key that is unusual where a key takes a value, and what is."""
+    if of.model:
+        for at, told in unusual_model(of.model, value, Location({}, tuple(split_key(of.key)))):
+            yield at.says(""), told
+    elif of.unit is not None or of.whole:
+        number: Any = of.read(value)
+        if told := unusual(of.attribute, number, None if of.unit is None else unit_given(value, of.unit)):
+            yield of.key, told
+    changed = evolve(scene, {of.key: value})
+    raw = resolved(changed) if changed.raw is None else changed.raw
+    for at, told in unusual_relations(changed, raw, Location({})):
+        if at.path not in told_by_itself or at.says("") == of.key:
+            yield at.says(""), told

@@ -13,7 +13,7 @@ from rollslip.scene.reading import checked_scene
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import attributes, bare_key, key_of, thawed, types_of
 from rollslip.toml import DEEPEST, split_key
-from rollslip.units import as_written, quantity
+from rollslip.units import as_written, quantity, unit_given
 
 __all__ = ["Quantity", "evolve", "parse_set", "unknown"]
 
@@ -50,17 +50,26 @@ class Quantity:
     attribute: "attrs.Attribute[Any]"
     model: str = ""
 
-    def read(self, raw: object) -> object:
+    def read(self, raw: object, given: str | None = None) -> object:
         """Return a value as the scene takes it, checked as far as one value on its own can be.
+
+        Parameters
+        ----------
+        raw
+            The value, as a scene may hold it.
+        given
+            The unit in which a number was given that is in SI units here; faults are told in that.
 
         Raises
         ------
         UnitError, FieldError
             What is wrong with it, in one sentence.
         """
-        value = raw
+        value, attribute = raw, self.attribute
         if self.unit is not None:
             value = quantity(raw, self.unit)
+            given = unit_given(raw, self.unit) if given is None else given
+            attribute = attribute.evolve(metadata={**attribute.metadata, "given": given})
         elif self.whole:
             if isinstance(raw, bool) or not isinstance(raw, int | float) or raw != int(raw):
                 raise FieldError(self.key, f"a whole number is expected, not {as_written(raw)}")
@@ -68,7 +77,7 @@ class Quantity:
         elif self.model:
             return raw  # a name or a table, which is read with the scene
         if self.attribute.validator is not None:
-            self.attribute.validator(None, self.attribute, value)
+            self.attribute.validator(None, attribute, value)
         return value
 
 

@@ -260,15 +260,15 @@ RELATIONS: Final = (
 
 def impossible_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> list[str]:
     """Return a sentence for each relation that no bearing can have, with its place."""
-    return list(_faults(scene, raw, where, "possible"))
+    return [at.says(told) for at, told in _faults(scene, raw, where, "possible")]
 
 
-def unusual_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> list[str]:
-    """Return a sentence for each relation that is not usual, with its place; of values that are by themselves."""
+def unusual_relations(scene: Scene, raw: Mapping[str, object], where: Location) -> list[tuple[Location, str]]:
+    """Return place and sentence for each relation that is not usual; of values that are by themselves."""
     return list(_faults(scene, raw, where, "usual"))
 
 
-def _faults(scene: Scene, raw: Mapping[str, object], where: Location, which: str) -> Iterator[str]:
+def _faults(scene: Scene, raw: Mapping[str, object], where: Location, which: str) -> Iterator[tuple[Location, str]]:
     for relation in RELATIONS:
         table, at = raw.get(relation.table), where.at(relation.table).at(relation.field)
         written = table.get(relation.field) if isinstance(table, Mapping) else None
@@ -276,11 +276,11 @@ def _faults(scene: Scene, raw: Mapping[str, object], where: Location, which: str
         if which == "usual" and any(_unusual(attribute, written, at)):
             continue
         if fault := relation.fault(scene, getattr(relation, which), written):
-            yield at.says(fault)
+            yield at, fault
 
 
-def unusual_values(cls: Any, raw: object, where: Location) -> Iterator[str]:
-    """Yield a sentence for each value of a raw table that its field does not call usual, with its place.
+def unusual_values(cls: Any, raw: object, where: Location) -> Iterator[tuple[Location, str]]:
+    """Yield place and sentence for each value of a raw table that its field does not call usual.
 
     Parameters
     ----------
@@ -310,8 +310,8 @@ def unusual_values(cls: Any, raw: object, where: Location) -> Iterator[str]:
         yield from _unusual(attribute, value, at)
 
 
-def unusual_model(kind: str, raw: object, where: Location) -> Iterator[str]:
-    """Yield a sentence for each parameter of a model that its field does not call usual, with its place."""
+def unusual_model(kind: str, raw: object, where: Location) -> Iterator[tuple[Location, str]]:
+    """Yield place and sentence for each parameter of a model that its field does not call usual."""
     from rollslip.catalogue.discovery import get_class  # a scene is read without
 
     if isinstance(raw, Mapping) and isinstance(name := raw.get("model"), str):
@@ -332,8 +332,8 @@ def _tables(kind: Any, raw: object, where: Location) -> Iterator[tuple[Any, Mapp
             yield from ((one, table, where.at(k)) for k, table in enumerate(raw) if isinstance(table, Mapping))
 
 
-def _unusual(attribute: "attrs.Attribute[Any]", raw: object, where: Location) -> Iterator[str]:
-    """Yield a sentence for a number, or for each of a list, that its field does not call usual."""
+def _unusual(attribute: "attrs.Attribute[Any]", raw: object, where: Location) -> Iterator[tuple[Location, str]]:
+    """Yield place and sentence for a number, or for each of a list, that its field does not call usual."""
     if isinstance(raw, list | tuple):
         for k, one in enumerate(raw):
             yield from _unusual(attribute, one, where.at(k))
@@ -346,4 +346,4 @@ def _unusual(attribute: "attrs.Attribute[Any]", raw: object, where: Location) ->
     except UnitError:  # a text in place of a table
         return
     if told := unusual(attribute, value, None if unit is None else unit_given(raw, unit)):
-        yield where.says(told)
+        yield where, told

@@ -146,6 +146,8 @@ class Sweep:
         What was asked for, all together.
     given : Scene
         The scene as it was given.
+    unusual : tuple of str
+        What is unusual of the values that vary.
     shard : tuple of int
         Which piece of how many this is, (1, 1) for all.
     first : int or None
@@ -163,6 +165,7 @@ class Sweep:
     citations: tuple[Citation, ...]
     table: SweepTable
     given: Scene
+    unusual: tuple[str, ...] = ()
     shard: tuple[int, int] = (1, 1)
     first: int | None = None
 

@@ -101,7 +101,7 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
     counts = {name: int((own == name).sum()) for name in (*STATUSES, "pending")}
     lost = [f"{count} {name}" for name, count in counts.items() if count and name != "ok"]
     warnings = [f"{own.size - counts['ok']} of {own.size} points have no result: {', '.join(lost)}"] if lost else []
-    warnings += implausible(sweep.given)
+    warnings += [*implausible(sweep.given), *sweep.unusual]
     left = _left(sweep, _corners(sweep.design, np.flatnonzero(status == "ok")))
     facts = sweep.facts
     return origin(

@@ -27,7 +27,7 @@ from rollslip.campaigns.sweep.distributions import Distribution, LogUniform, Uni
 from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.scene.changes import Quantity, parse_set
-from rollslip.units import as_written, evenly, format_quantity
+from rollslip.units import as_written, evenly, format_quantity, unit_given
 
 __all__ = [
     "REPLICATES",
@@ -97,10 +97,12 @@ def label(value: object) -> str:
 
 @attrs.frozen(eq=False)
 class Axis:
-    """One key with the values that it takes one after the other."""
+    """One key with the values that it takes one after the other; how a list was written, and the unit of a range."""
 
     quantity: Quantity
     values: tuple[object, ...]
+    listed: tuple[object, ...] = ()
+    given: str | None = None
 
     @property
     def key(self) -> str:
@@ -112,6 +114,15 @@ class Axis:
         """Values for the coordinate of a result."""
         number = self.quantity.unit is not None or self.quantity.whole
         return np.array(self.values) if number else np.array([label(value) for value in self.values])
+
+    def written(self, number: int) -> object:
+        """Return a value by number as it was written."""
+        if self.listed:
+            return self.listed[number]
+        value, unit = self.values[number], self.quantity.unit
+        if self.given in (unit, None) or unit is None or not isinstance(value, float):
+            return value
+        return format_quantity(value, unit, given=self.given)
 
     def shown(self, value: object) -> str:
         """Return a value in words."""
@@ -147,7 +158,7 @@ def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribu
     counts = Counter(label(value) for value in values)
     if twice := next((name for name, count in counts.items() if count > 1), None):
         raise FieldError(quantity.key, f"{twice!r} stands twice in the list")
-    return Axis(quantity, tuple(values))
+    return Axis(quantity, tuple(values), tuple(listed))
 
 
 def parse_over(text: str) -> tuple[str, object]:
@@ -193,9 +204,9 @@ def parse_shard(text: str) -> tuple[int, int]:
     return int(number), int(of)
 
 
-def _checked(quantity: Quantity, value: object, which: str) -> object:
+def _checked(quantity: Quantity, value: object, which: str, given: str | None = None) -> object:
     try:
-        return quantity.read(value)
+        return quantity.read(value, given)
     except RollslipError as error:
         reason = error.reason if isinstance(error, FieldError) else str(error)
         raise FieldError(quantity.key, f"{which}: {reason}" if which else reason) from error
@@ -207,6 +218,7 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
     key, unit = quantity.key, quantity.unit or "1"
     ends, count, logarithmic = _parted(key, text)
     low, high = evenly(*ends, 2, unit)
+    given = unit_given(ends[0], unit)
     if not low < high:
         raise FieldError(key, f"{as_written(text)}: the first end must be below the second")
     if logarithmic and not low > 0.0:
@@ -217,7 +229,7 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
         if quantity.whole:
             raise FieldError(key, f"{as_written(text)}: whole numbers are not sampled; give a count or a list")
         for end, value in (("its low end", low), ("its high end", high)):
-            _checked(quantity, value, end)
+            _checked(quantity, value, end, given)
         return LogUniform(low=low, high=high) if logarithmic else Uniform(low=low, high=high)
     if not count.isascii() or not count.isdecimal() or not 2 <= int(count) <= _MOST:
         raise FieldError(key, f"{as_written(text)}: {as_written(count)} is no count of values, which are 2 or more")
@@ -227,7 +239,8 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
         values: Sequence[object] = (low, *between, high)
     else:
         values = evenly(*ends, n, unit)
-    return Axis(quantity, tuple(_checked(quantity, v, f"point {k} of {n}") for k, v in enumerate(values, 1)))
+    checked = (_checked(quantity, v, f"point {k} of {n}", given) for k, v in enumerate(values, 1))
+    return Axis(quantity, tuple(checked), given=given)
 
 
 def _parted(key: str, text: str) -> tuple[tuple[str, str], str, bool]:

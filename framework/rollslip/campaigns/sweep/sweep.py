@@ -32,6 +32,7 @@ from rollslip.errors import OutputError, RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.files import whole_file
 from rollslip.planning.plan import estimate, require_memory
+from rollslip.planning.plausibility import implausible_along
 from rollslip.planning.provenance import cited, data_references
 from rollslip.planning.quantities import quantities
 from rollslip.references import Citation
@@ -41,7 +42,7 @@ from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved
 from rollslip.structure import FrozenTable, Location, structure
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.study import settings, study_class
-from rollslip.units import as_written
+from rollslip.units import as_written, format_quantity
 
 __all__ = ["FILE", "open_sweep", "plan_sweep", "store_sweep", "with_engine"]
 
@@ -141,7 +142,7 @@ def plan_sweep(
     design = Design(tuple(axes), tuple(known[key] for key in uncertainty.distributions), drawn)
     if design.size > _MOST_POINTS:
         raise SceneError([f"sweep: {design.size} points are more than {_MOST_POINTS}; take fewer values or samples"])
-    tried = _tried(base, name, design)
+    tried, unusual = _tried(base, name, design)
     packages, local = _packages(tried, name)
     return Sweep(
         scene=base,
@@ -155,6 +156,7 @@ def plan_sweep(
         citations=_citations(tried, name),
         table=attrs.evolve(table, over=FrozenTable({**dict(_flat(table.over)), **(over or {})})),
         given=given,
+        unusual=unusual,
         shard=_checked_shard(shard),
     )
 
@@ -269,41 +271,49 @@ def _conflicts(keys: Sequence[str]) -> list[str]:
     return problems
 
 
-def _tried(base: Scene, study: str, design: Design) -> list[Assembly]:
-    """Put the scene together with every value of an axis, and with the ends of the samples; refuse what is wrong."""
-    problems, assemblies = list[str](), [assemble(base)]
+def _tried(base: Scene, study: str, design: Design) -> tuple[list[Assembly], tuple[str, ...]]:
+    """Put the scene together with every value of an axis, and with the ends of the samples; refuse what is wrong.
+
+    Returns
+    -------
+    The bearings, and what is unusual of the values.
+    """
+    problems, unusual, assemblies = list[str](), list[str](), [assemble(base)]
     for axis in design.axes:
-        values = axis.values
-        if len(values) > _TRIED:
-            values = tuple(values[k] for k in np.unique(np.linspace(0, len(values) - 1, _TRIED).astype(int)))
-        for value in values:
+        count, judged = len(axis.values), list[object]()
+        for k in np.unique(np.linspace(0, count - 1, min(count, _TRIED)).astype(int)):
+            value = axis.values[k]
             try:
                 scene = evolve(base, {axis.key: value})
                 assemblies.append(assemble(scene))
                 require_memory(settings(scene, study), assemblies[-1])
+                judged.append(axis.written(k))
             except SceneError as error:
-                number = axis.values.index(value) + 1
                 problems.append(
-                    f"{axis.key}: value {number} of {len(axis.values)}, {axis.shown(value)}: "
-                    f"{'; '.join(error.problems)}"
+                    f"{axis.key}: value {k + 1} of {count}, {axis.shown(value)}: {'; '.join(error.problems)}"
                 )
                 break
+        unusual += implausible_along(base, axis.quantity, judged, "values" if count <= _TRIED else "values tried")
     for of, column in zip(design.sampled, design.samples.T, strict=True):
-        for value in (column.min(), column.max()):
+        ends = [float(column.min()), float(column.max())]
+        for value in ends:
             try:
-                evolve(base, {of.key: float(value)})
-                of.read(float(value))
+                evolve(base, {of.key: value})
+                of.read(value)
             except (SceneError, FieldError) as error:
                 number = int(np.flatnonzero(column == value)[0])
                 reason = "; ".join(error.problems) if isinstance(error, SceneError) else error.reason
-                shown = Axis(of, ()).shown(float(value))
+                shown = Axis(of, ()).shown(value)
                 problems.append(
                     f"{of.key}: sample {number}, {shown}: {reason}; cut the distribution off with at_least or at_most"
                 )
                 break
+        else:
+            written = [format_quantity(value, of.unit or "1", 4) for value in ends]
+            unusual += implausible_along(base, of, written, "ends of the samples")
     if problems:
         raise SceneError(problems)
-    return assemblies
+    return assemblies, tuple(unusual)
 
 
 def _packages(assemblies: Sequence[Assembly], study: str) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -566,7 +566,7 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], left: Seq
             f"the scene has no table [uncertainty]; the scatter is the one that the oil comes with: "
             f"{'; '.join(made.scatter)}"
         )
-    warnings += [*implausible(sweep.given), *left]
+    warnings += [*implausible(sweep.given), *sweep.unusual, *left]
     return origin(
         study="uncertainty",
         **scene_told(sweep.scene, sweep.given),
