@@ -134,8 +134,8 @@ def model(kind, name):
     if "returns" in about:
         lines += [f"Returns the film thickness: {about['returns']}; regime: {about['regime']}.", ""]
     if about["parameters"]:
-        rows = [(f"``{p['name']}``", p["unit"], p["default"], p["meaning"]) for p in about["parameters"]]
-        lines += table(("parameter", "unit", "default", "meaning"), rows)
+        rows = [(f"``{p['name']}``", *(p[key] for key in KEYS[1:])) for p in about["parameters"]]
+        lines += table(("parameter", *KEYS[1:]), rows)
     else:
         lines += ["No parameters of its own.", ""]
     if "reads" in about:

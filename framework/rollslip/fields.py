@@ -12,7 +12,7 @@ Decisions:
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypedDict
 
 import attrs
 
@@ -21,6 +21,7 @@ from rollslip.units import as_written, check_unit, format_quantity, likely
 
 __all__ = [
     "FieldError",
+    "Ranges",
     "Span",
     "as_given",
     "at_least",
@@ -39,6 +40,13 @@ __all__ = [
 
 Span: TypeAlias = tuple[float, float]
 """Least and largest of something; infinite where it has no end."""
+
+
+class Ranges(TypedDict):
+    """What is usual, and what is possible, of fields that have it in common: ``field(..., **RANGES)``."""
+
+    usual: Span
+    possible: Span
 
 
 class FieldError(RollslipError, ValueError):

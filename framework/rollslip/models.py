@@ -209,22 +209,29 @@ def _given(value: object) -> object | None:
     return value if value == value and value != "" else None
 
 
-def from_scene(name: str, *, doc: str, validator: Callable[[Any, Any, Any], object] | None = None) -> Any:
+def from_scene(
+    name: str,
+    *,
+    doc: str,
+    validator: Callable[[Any, Any, Any], object] | None = None,
+    usual: tuple[float, float] | None = None,
+    possible: tuple[float, float] | None = None,
+) -> Any:
     """Declare a parameter of a drag that the scene gives where it is not set: NaN, or an empty text, until then.
 
     Parameters
     ----------
     name
         What of the scene it is, one of `SCENE_VALUES`; that says the unit too.
-    doc, validator
-        As in `rollslip.fields.parameter`.
+    doc, validator, usual, possible
+        As in `rollslip.fields.parameter`; the validator `rollslip.fields.within_possible` refuses what is not possible.
     """
     unit = SCENE_VALUES[name][0]
     return attrs.field(
         default=math.nan if unit else "",
         validator=_IfGiven(validator),
         eq=_given,
-        metadata={"doc": doc, "unit": unit, "from_scene": name},
+        metadata={"doc": doc, "unit": unit, "from_scene": name, "usual": usual, "possible": possible},
     )
 
 

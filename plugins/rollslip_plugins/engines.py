@@ -141,7 +141,12 @@ class Dask(Engine):
     name: ClassVar[str] = "dask"
     scheduler: str = parameter(doc="address of the scheduler, such as tcp://10.0.0.1:8786, or the path of its file")
     patience: float = parameter(
-        default=60.0, unit="s", doc="how long scheduler and workers are waited for", validator=positive
+        default=60.0,
+        unit="s",
+        doc="how long scheduler and workers are waited for",
+        validator=positive,
+        usual=(1, 86_400),
+        possible=(0, 1e7),
     )
 
     def executor(self) -> Executor:

@@ -1,6 +1,7 @@
 """What a scene states is held against what is usual and what is possible."""
 
 import math
+from typing import ClassVar
 
 import attrs
 import pytest
@@ -8,18 +9,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import Cage
-from rollslip.catalogue.registry import available
+from rollslip.catalogue.discovery import add, get_class
+from rollslip.catalogue.registry import available, find
 from rollslip.errors import SceneError
-from rollslip.fields import Span
+from rollslip.fields import FieldError, Span, parameter
 from rollslip.lubricant.table import OilPoint, OilTable, OverTemperature
 from rollslip.motion.planar import PlanarSettings
-from rollslip.planning.plausibility import implausible
+from rollslip.planning.plausibility import implausible, implausible_along
+from rollslip.planning.quantities import quantities
 from rollslip.scene.plausibility import RELATIONS
 from rollslip.scene.reading import from_raw, parse_scene, shipped_scenes
 from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, attributes, key_of, types_of
 from rollslip.studies.study import study_class
+from rollslip_plugins.traction.shear_thinning import Carreau
 from scene_samples import line_of, scene_with
 
 pytestmark = pytest.mark.quick
@@ -49,6 +54,21 @@ SLIPS = [
     ("study.friction-curve.normal_force", ["300 N", "3 MN"], "3 MN is unusual", "did you mean '3 N'?"),
     ("accuracy.slices", 5000, "5000 is unusual", "(from 3 to 1001 is usual)"),
 ]
+# The same of parameters of laws, with the key of each.
+LAWS = [
+    ("models.traction", {"model": "carreau", "critical_stress": "6.9 kPa"}, "6.9 kPa is unusual", "'6.9 MPa'?"),
+    ("models.traction", {"model": "limiting-shear", "limit": 8}, "8 is unusual", "(from 0.01 to 0.2 is usual)"),
+    ("models.traction.boundary", {"model": "kragelsky", "limit": 5}, "limit: 5 is unusual", "did you mean '5 %'?"),
+    ("models.film", {"model": "inlet-correction", "starvation": 0.01}, "0.01 is unusual", "(from 0.1 to 1 is usual)"),
+    ("cage.drag", [{"model": "constant-torque", "size": "5 kN m"}], "5 kN m is unusual", "(from 0 to 1 kN m is usual)"),
+    ("cage.drag", [{"model": "petroff-land", "radius": "83 m", "ring": "inner"}], "83 m", "did you mean '83 mm'?"),
+]
+IMPOSSIBLE_LAWS = [
+    ("models.traction", {"model": "carreau", "critical_stress": 0.5}, "must be from 1 Pa to 1000 GPa, not 0.5 Pa"),
+    ("models.traction.exponent", 6e6, "must be from 0 to 1000, not 6e+06"),
+    ("models.film", {"model": "inlet-correction", "starvation": 1.5}, "must be from 0 to 1, not 1.5"),
+    ("cage.drag", [{"model": "petroff-land", "width": 20}], "must be from 1 um to 10 m, not 20 m; did"),
+]
 
 
 @pytest.mark.parametrize(("key", "value", "shown", "meant"), SLIPS, ids=lambda one: str(one)[:30])
@@ -58,6 +78,22 @@ def test_a_slip_is_told_with_its_value_and_what_was_meant(key: str, value: objec
     assert place == ""
     assert shown in sentence
     assert meant in sentence
+
+
+@pytest.mark.parametrize(("key", "value", "shown", "meant"), LAWS, ids=lambda one: str(one)[:60])
+def test_a_slip_in_a_parameter_of_a_law_is_told_likewise(key: str, value: object, shown: str, meant: str) -> None:
+    [told] = implausible(evolve(SCENE, {key: value}))
+    assert told.startswith(f"changes: {key}")
+    assert shown in told
+    assert meant in told
+
+
+@pytest.mark.parametrize(("key", "value", "said"), IMPOSSIBLE_LAWS, ids=lambda one: str(one)[:60])
+def test_an_impossible_parameter_of_a_law_is_refused(key: str, value: object, said: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        _ = assemble(evolve(SCENE, {"cage.mass": "400 g", "cage.inertia": "33 kg cm2", key: value})).cage
+    [problem] = caught.value.problems
+    assert said in problem
 
 
 IMPOSSIBLE = [
@@ -142,6 +178,104 @@ def test_every_quantity_says_what_is_usual_and_what_is_possible(attribute: "attr
     assert possible[0] <= usual[0] < usual[1] <= possible[1]
     if isinstance(attribute.default, float):
         assert usual[0] <= attribute.default <= usual[1]
+
+
+LAW_KINDS = ("contact", "film", "traction", "drag", "integrator", "engine")
+
+
+def laws_of_the_box() -> "list[tuple[str, type]]":
+    offered = [(kind, name) for kind in LAW_KINDS for name in available(kind)]
+    return [
+        (f"{kind} {name}", get_class(kind, name)) for kind, name in offered if find(kind, name).package == "rollslip"
+    ]
+
+
+PARAMETERS = [
+    pytest.param(a, id=f"{law}: {a.name}")
+    for law, cls in laws_of_the_box()
+    for a in attributes(cls)
+    if key_of(a) is not None and a.metadata.get("unit") is not None
+]
+
+
+@pytest.mark.parametrize("attribute", PARAMETERS)
+def test_every_parameter_of_the_box_says_what_is_usual_and_what_is_possible(
+    attribute: "attrs.Attribute[float]",
+) -> None:
+    usual: Span = attribute.metadata["usual"]
+    possible: Span = attribute.metadata["possible"]
+    assert possible[0] <= usual[0] < usual[1] <= possible[1]
+    if not math.isnan(attribute.default):
+        assert usual[0] <= attribute.default <= usual[1]
+    assert attribute.validator is not None
+    for value in usual:
+        if not (value == 0 == possible[0]):  # which some laws have no value at
+            attribute.validator(None, attribute, value)
+    for value in (possible[0] - abs(possible[0]) / 2 - 1e-9, 1.5 * possible[1]):
+        with pytest.raises(FieldError):
+            attribute.validator(None, attribute, value)
+
+
+def test_a_law_of_a_stranger_without_ranges_goes_on_working(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rollslip.catalogue.discovery._registered", {})
+
+    @attrs.frozen(kw_only=True)
+    class Strange(Carreau):
+        name: ClassVar[str] = "strange"
+        anything: float = parameter(default=1.0, unit="1", doc="whatever it is")
+
+    add("traction", Strange)
+    scene = evolve(SCENE, {"models.traction": {"model": "strange", "anything": -1e30}})
+    assert implausible(scene) == []
+    assert assemble(scene).traction == Strange(anything=-1e30)
+
+
+# Values that a key takes one after the other -------------------------------------------------------------------------
+
+# key, values, and what is said of them; how a sweep reads and tells them is tests/campaigns/test_sweep.py's
+ALONG = [
+    (
+        "surface.roller_roughness",
+        ["0.1 um", "0.16 mm", "0.2 mm"],
+        ["surface.roller_roughness, 2 of 3 values, the first: 0.16 mm is unusual (from 5e-06 mm to 0.003 mm is usual); "
+         "did you mean '0.16 um'?"],
+    ),
+    (
+        "bearing.roller_diameter",
+        ["15 mm", "14.9 mm", "14 mm"],
+        ["bearing.outer_raceway_diameter, at 1 of 3 values of bearing.roller_diameter: 195 mm is 14.3 % of the roller "
+         "diameter off what inner raceway, rollers and clearance take, -5 % to 5 % is usual"],
+    ),
+    (
+        "models.traction",
+        ["muraki", {"model": "carreau", "critical_stress": "6.9 kPa"}],
+        ["models.traction.critical_stress, 1 of 2 values: 6.9 kPa is unusual (from 10 kPa to 100000 kPa is usual); did "
+         "you mean '6.9 MPa'?"],
+    ),
+    (
+        "operation.radial_load",
+        ["1 kN", "1 MN"],
+        ["operation.radial_load, 1 of 2 values: 1 MN is 7.94 GPa of pressure in the most loaded contact, after Hertz, "
+         "at most 5 GPa is usual; did you mean '1 N'?"],
+    ),
+    ("accuracy.slices", [5000], ["accuracy.slices: 5000 is unusual (from 3 to 1001 is usual)"]),
+    ("operation.temperature", ["40 degC", "90 degC"], []),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("key", "values", "said"), ALONG, ids=lambda one: str(one)[:30])
+def test_what_is_unusual_of_many_values_is_said_once(key: str, values: list[object], said: list[str]) -> None:
+    assembly = assemble(SCENE)
+    assert implausible_along(SCENE, quantities(assembly, {})[key], values) == said
+
+
+def test_what_a_scene_says_by_itself_is_not_said_again_of_its_values() -> None:
+    few = evolve(SCENE, {"bearing.rollers": 8})
+    assert len(implausible(few)) == 1
+    known = quantities(assemble(few), {})
+    assert implausible_along(few, known["bearing.roller_length"], ["15 mm", "16 mm"]) == []
+    [told] = implausible_along(few, known["bearing.rollers"], [8, 28])
+    assert told.startswith("bearing.rollers, 1 of 2 values: 8 is 21.2 % of the pitch circle")
 
 
 def test_relations_blame_a_key_of_the_scene_and_say_what_they_rest_on() -> None:

@@ -12,6 +12,7 @@ from rollslip.cli.console import print_table
 from rollslip.errors import PluginError, nearest
 from rollslip.lubricant.oil import GRADES, legend
 from rollslip.models import SliceModel, interval
+from rollslip.scene.schema import shown_range
 from rollslip.scene.values import resolved
 from rollslip.studies.validity import bound_of
 from rollslip.units import format_quantity
@@ -120,6 +121,8 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
             "unit": a.metadata.get("unit") or "",
             "default": _default(a),
             "meaning": a.metadata.get("doc", ""),
+            "usual": shown_range(a, "usual"),
+            "possible": shown_range(a, "possible"),
         }
         for a in attrs.fields(thing)
         if a.metadata.get("key", a.name) is not None  # else nobody can set it
@@ -188,7 +191,10 @@ def _print_model(kind: str, name: str) -> None:
         click.echo("parameters")
         print_table(
             ("name", "unit", "default", "meaning"),
-            [(p["name"], p["unit"], p["default"], p["meaning"]) for p in about["parameters"]],
+            [
+                (p["name"], p["unit"], p["default"], p["meaning"] + (f"; usually {p['usual']}" if p["usual"] else ""))
+                for p in about["parameters"]
+            ],
         )
     elif "parameters" in about:
         click.echo("parameters  none of its own")

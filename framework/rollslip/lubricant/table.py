@@ -3,13 +3,13 @@
 import math
 from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import Any, Final, TypeAlias, TypedDict
+from typing import Any, Final, TypeAlias
 
 from attrs import Attribute, asdict, evolve, fields_dict, frozen
 from attrs.validators import and_, deep_iterable, optional
 
 from rollslip.errors import SceneError
-from rollslip.fields import FieldError, Span, field, non_negative, one_of, own_unit, positive, within_possible
+from rollslip.fields import FieldError, Ranges, Span, field, non_negative, one_of, own_unit, positive, within_possible
 from rollslip.lubricant.fits import fit_vogel, fit_walther
 from rollslip.lubricant.oil import Lubricant, positive_field
 from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi
@@ -25,15 +25,10 @@ _ANY = (1.0, 1e4)  # K: constants are taken at the temperature of the scene, wha
 _SLOPES = {"thermoviscosity": "viscosity", "pressure_thermoviscosity": "pressure_viscosity"}
 
 
-class _Spans(TypedDict):
-    usual: Span
-    possible: Span
-
-
 #: What is usual, and what is possible, of properties that stand in several tables.
-_TEMPERATURE: Final[_Spans] = {"usual": (213.15, 573.15), "possible": (123.15, 1273.15)}
-_FACTOR: Final[_Spans] = {"usual": (0.1, 10), "possible": (1e-9, 1e9)}
-_VISCOSITY: Final[_Spans] = {"usual": (5e-4, 3.0), "possible": (1e-5, 1e6)}
+_TEMPERATURE: Final[Ranges] = {"usual": (213.15, 573.15), "possible": (123.15, 1273.15)}
+_FACTOR: Final[Ranges] = {"usual": (0.1, 10), "possible": (1e-9, 1e9)}
+_VISCOSITY: Final[Ranges] = {"usual": (5e-4, 3.0), "possible": (1e-5, 1e6)}
 _PROPERTIES = {*_SLOPES, *_SLOPES.values(), "density", "conductivity", "eyring_stress", "shear_modulus"}
 
 

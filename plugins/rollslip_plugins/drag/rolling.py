@@ -6,7 +6,7 @@ from typing import ClassVar, Final
 import attrs
 import numpy as np
 
-from rollslip.fields import in_range, parameter
+from rollslip.fields import parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.models import NON_NEGATIVE, POSITIVE, Drag, ResistanceModel, Validity
 from rollslip.references import Reference
@@ -132,7 +132,9 @@ class Hysteresis(ResistanceModel):
     reads = frozenset({"load", "half_width", "radius"})
     domain = MappingProxyType(dict.fromkeys(sorted(reads), POSITIVE))
 
-    loss: float = parameter(default=0.01, unit="1", validator=in_range(0, 1), doc="share k of the work that is lost")
+    loss: float = parameter(
+        default=0.01, unit="1", doc="share k of the work that is lost", usual=(0, 0.1), possible=(0, 1)
+    )
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the resistance."""

@@ -1,16 +1,25 @@
 """Torques on the cage: of one size, of the oil between cage and land, of rollers that plough through oil; pockets."""
 
 import math
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import attrs
 
-from rollslip.fields import in_range, non_negative, one_of, parameter, positive
+from rollslip.bearing.cage import Cage
+from rollslip.datasets import Bearing
+from rollslip.fields import Ranges, non_negative, one_of, parameter, positive, within_possible
 from rollslip.hookspecs import hookimpl
+from rollslip.lubricant.table import OilTable
 from rollslip.models import Drag, DragModel, PocketFriction, from_scene
 from rollslip.references import Reference
 from rollslip_kernels.stages import drag as compiled
 from rollslip_plugins.bibliography import HARRIS_2007, PARKER_1984, PETROFF_1883
+
+
+def _ranges(cls: Any, key: str) -> Ranges:
+    """Return what is usual, and what is possible, of a key of the scene."""
+    metadata = attrs.fields_dict(cls)[key].metadata
+    return {"usual": metadata["usual"], "possible": metadata["possible"]}
 
 
 @attrs.frozen(kw_only=True)
@@ -42,9 +51,16 @@ class ConstantTorque(DragModel):
         Reference(kind="remark", title="No law: a number that is given, made smooth where the cage stands."),
     )
 
-    size: float = parameter(default=0.1, unit="N m", validator=non_negative, doc="size T0 of the torque")
+    size: float = parameter(
+        default=0.1, unit="N m", validator=non_negative, doc="size T0 of the torque", usual=(0, 1e3), possible=(0, 1e9)
+    )
     transition: float = parameter(
-        default=1.0, unit="rad/s", validator=positive, doc="speed w_s below which the torque fades towards rest"
+        default=1.0,
+        unit="rad/s",
+        validator=positive,
+        doc="speed w_s below which the torque fades towards rest",
+        usual=(1e-3, 100),
+        possible=(0, 1e6),
     )
 
     def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
@@ -95,10 +111,27 @@ class PetroffLand(DragModel):
     references: ClassVar[tuple[Reference, ...]] = (PETROFF_1883, HARRIS_2007)
 
     ring: str = from_scene("guiding_ring", validator=one_of("inner", "outer"), doc="ring whose land guides the cage")
-    viscosity: float = from_scene("viscosity", validator=positive, doc="viscosity eta of the oil on the land")
-    radius: float = from_scene("land_radius", validator=positive, doc="radius R of the land")
-    width: float = from_scene("land_width", validator=positive, doc="width W of the land, all rails together")
-    clearance: float = from_scene("land_clearance", validator=positive, doc="radial clearance c of cage and land")
+    viscosity: float = from_scene(
+        "viscosity",
+        validator=within_possible,
+        doc="viscosity eta of the oil on the land",
+        **_ranges(OilTable, "viscosity"),
+    )
+    radius: float = from_scene(
+        "land_radius", validator=within_possible, doc="radius R of the land", **_ranges(Cage, "land_radius")
+    )
+    width: float = from_scene(
+        "land_width",
+        validator=within_possible,
+        doc="width W of the land, all rails together",
+        **_ranges(Cage, "land_width"),
+    )
+    clearance: float = from_scene(
+        "land_clearance",
+        validator=within_possible,
+        doc="radial clearance c of cage and land",
+        **_ranges(Cage, "land_clearance"),
+    )
 
     @property
     def damping(self) -> float:
@@ -157,16 +190,38 @@ class Churning(DragModel):
     references: ClassVar[tuple[Reference, ...]] = (HARRIS_2007, PARKER_1984)
 
     coefficient: float = parameter(
-        default=0.5, unit="1", validator=non_negative, doc="drag coefficient C_D of a roller"
+        default=0.5,
+        unit="1",
+        validator=non_negative,
+        doc="drag coefficient C_D of a roller",
+        usual=(0, 3),
+        possible=(0, 1e3),
     )
     oil_fraction: float = parameter(
-        default=0.02, unit="1", validator=in_range(0, 1), doc="share phi of oil in the volume between the rings"
+        default=0.02, unit="1", doc="share phi of oil in the volume between the rings", usual=(0, 0.5), possible=(0, 1)
     )
-    density: float = from_scene("density", validator=positive, doc="density rho of the oil")
-    rollers: float = from_scene("rollers", validator=positive, doc="number Z of rollers")
-    roller_diameter: float = from_scene("roller_diameter", validator=positive, doc="diameter D of a roller")
-    roller_length: float = from_scene("roller_length", validator=positive, doc="length l of a roller")
-    orbit_radius: float = from_scene("orbit_radius", validator=positive, doc="radius R_m of the rollers' orbit")
+    density: float = from_scene(
+        "density", validator=within_possible, doc="density rho of the oil", **_ranges(OilTable, "density")
+    )
+    rollers: float = from_scene(
+        "rollers", validator=within_possible, doc="number Z of rollers", **_ranges(Bearing, "rollers")
+    )
+    roller_diameter: float = from_scene(
+        "roller_diameter",
+        validator=within_possible,
+        doc="diameter D of a roller",
+        **_ranges(Bearing, "roller_diameter"),
+    )
+    roller_length: float = from_scene(
+        "roller_length", validator=within_possible, doc="length l of a roller", **_ranges(Bearing, "roller_length")
+    )
+    orbit_radius: float = from_scene(
+        "orbit_radius",
+        validator=within_possible,
+        doc="radius R_m of the rollers' orbit",
+        usual=(2e-3, 2),
+        possible=(5e-5, 25),
+    )
 
     @property
     def factor(self) -> float:
@@ -210,7 +265,9 @@ class CoulombPocket(PocketFriction):
     equation: ClassVar[str] = "M = mu_p |P| r"
     references: ClassVar[tuple[Reference, ...]] = (HARRIS_2007,)
 
-    coefficient: float = parameter(default=0.1, unit="1", validator=in_range(0, 1), doc="friction coefficient mu_p")
+    coefficient: float = parameter(
+        default=0.1, unit="1", doc="friction coefficient mu_p", usual=(0, 0.3), possible=(0, 1)
+    )
 
 
 @hookimpl

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.chain import stage
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, in_range, one_of, parameter, positive
+from rollslip.fields import FieldError, one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import (
     FINITE,
@@ -123,8 +123,10 @@ class InletCorrection(FilmModel):
     starvation: float = parameter(
         default=1.0,
         unit="1",
-        validator=attrs.validators.and_(positive, in_range(0, 1)),
+        validator=positive,
         doc="factor C_S of a starved inlet",
+        usual=(0.1, 1),
+        possible=(0, 1),
     )
 
     def __attrs_post_init__(self) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.regimes import groups
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.fields import in_range, one_of, parameter
+from rollslip.fields import one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import PressureViscosity, from_oil
 from rollslip.models import Domain, FilmModel
@@ -75,7 +75,11 @@ class ReynoldsLine(FilmModel):
     )
     compressible: bool = parameter(default=False, doc="the density follows the pressure after Dowson and Higginson")
     accuracy: float = parameter(
-        default=1e-3, unit="1", validator=in_range(*ACCURACIES), doc="relative error of the film that is allowed"
+        default=1e-3,
+        unit="1",
+        doc="relative error of the film that is allowed",
+        usual=ACCURACIES,
+        possible=ACCURACIES,
     )
     law: PressureViscosity = from_oil()
 

@@ -101,10 +101,20 @@ class _BetweenLimits(_Blend):
     """A share that falls from 1 to 0 between two film parameters, by a power of the distance to the second."""
 
     boundary_limit: float = parameter(
-        default=0.01, unit="1", validator=non_negative, doc="Lambda_bd: boundary friction alone up to here"
+        default=0.01,
+        unit="1",
+        validator=non_negative,
+        doc="Lambda_bd: boundary friction alone up to here",
+        usual=(0, 1),
+        possible=(0, 1e3),
     )
     hydrodynamic_limit: float = parameter(
-        default=1.5, unit="1", validator=positive, doc="Lambda_hd: full film from here on"
+        default=1.5,
+        unit="1",
+        validator=positive,
+        doc="Lambda_hd: full film from here on",
+        usual=(0.5, 5),
+        possible=(0, 1e3),
     )
 
     def __attrs_post_init__(self) -> None:
@@ -183,7 +193,9 @@ class LambdaBlend(_BetweenLimits):
     equation: ClassVar[str] = "mu = mu_hd + (mu_bd - mu_hd) ((Lambda - Lambda_hd)/(Lambda_bd - Lambda_hd))^m"
     references: ClassVar[tuple[Reference, ...]] = (SAKAGUCHI_2003,)
 
-    exponent: float = parameter(default=6.0, unit="1", validator=positive, doc="power m of the blend")
+    exponent: float = parameter(
+        default=6.0, unit="1", validator=positive, doc="power m of the blend", usual=(0.5, 12), possible=(0, 1e3)
+    )
 
     @property
     def power(self) -> float:
@@ -284,8 +296,22 @@ class ZhouHoeprich(_Blend):
         ),
     )
 
-    factor: float = parameter(default=1.8, unit="1", validator=positive, doc="B of the asperities' share of the load")
-    exponent: float = parameter(default=1.2, unit="1", validator=positive, doc="C of the asperities' share of the load")
+    factor: float = parameter(
+        default=1.8,
+        unit="1",
+        validator=positive,
+        doc="B of the asperities' share of the load",
+        usual=(0.5, 6),
+        possible=(0, 1e3),
+    )
+    exponent: float = parameter(
+        default=1.2,
+        unit="1",
+        validator=positive,
+        doc="C of the asperities' share of the load",
+        usual=(0.3, 4),
+        possible=(0, 1e3),
+    )
 
     @property
     def full_film_from(self) -> float:
@@ -385,10 +411,20 @@ class GreenwoodTripp(_Blend):
     )
 
     roughness_parameter: float = parameter(
-        default=0.05, unit="1", validator=positive, doc="sigma beta eta: roughness, radius and density of tips"
+        default=0.05,
+        unit="1",
+        validator=positive,
+        doc="sigma beta eta: roughness, radius and density of tips",
+        usual=(0.01, 0.1),
+        possible=(0, 10),
     )
     slope_parameter: float = parameter(
-        default=1e-3, unit="1", validator=in_range(0.0, 1.0, open=True), doc="sigma/beta: roughness over tip radius"
+        default=1e-3,
+        unit="1",
+        validator=in_range(0.0, 1.0, open=True),
+        doc="sigma/beta: roughness over tip radius",
+        usual=(1e-4, 0.1),
+        possible=(0, 1),
     )
 
     @property

@@ -1,13 +1,13 @@
 """Boundary friction: Kragelsky's curve and a constant coefficient."""
 
 from types import MappingProxyType
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollslip.fields import parameter, positive
+from rollslip.fields import Ranges, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel
 from rollslip.references import KLEBANOV, Reference
@@ -16,6 +16,13 @@ from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.bibliography import KRAGELSKII_1965
 
 Array = NDArray[np.float64]
+
+#: What is usual, and what is possible, of constants of curves over the slide-roll ratio; steel in oil has friction of
+#: 0.05 to 0.2, and published curves have passed their maximum at slips of some per cent.
+COEFFICIENT: Final[Ranges] = {"usual": (1e-3, 0.5), "possible": (0, 10)}
+RISE: Final[Ranges] = {"usual": (0.1, 1e3), "possible": (0, 1e9)}
+DECAY: Final[Ranges] = {"usual": (1, 1e4), "possible": (0, 1e9)}
+TRANSITION: Final[Ranges] = {"usual": (1e-6, 0.1), "possible": (0, 10)}
 
 SLIDE_ROLL: Domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
 
@@ -53,9 +60,11 @@ class Kragelsky(TractionModel):
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = SLIDE_ROLL
 
-    limit: float = parameter(default=0.1, unit="1", validator=positive, doc="friction A far beyond the maximum")
-    rise: float = parameter(default=22.28, unit="1", validator=positive, doc="coefficient B of the rise")
-    decay: float = parameter(default=181.46, unit="1", validator=positive, doc="decay C of the rise")
+    limit: float = parameter(
+        default=0.1, unit="1", validator=positive, doc="friction A far beyond the maximum", **COEFFICIENT
+    )
+    rise: float = parameter(default=22.28, unit="1", validator=positive, doc="coefficient B of the rise", **RISE)
+    decay: float = parameter(default=181.46, unit="1", validator=positive, doc="decay C of the rise", **DECAY)
 
     def friction(self, slide_roll_ratio: ArrayLike) -> Array:
         """Return mu of the slide-roll ratio V/u, signed; odd, and zero at zero."""
@@ -105,9 +114,11 @@ class Constant(TractionModel):
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = SLIDE_ROLL
 
-    coefficient: float = parameter(default=0.05, unit="1", validator=positive, doc="friction coefficient f")
+    coefficient: float = parameter(
+        default=0.05, unit="1", validator=positive, doc="friction coefficient f", **COEFFICIENT
+    )
     transition: float = parameter(
-        default=1e-3, unit="1", validator=positive, doc="slide-roll ratio s0 at which it is reached"
+        default=1e-3, unit="1", validator=positive, doc="slide-roll ratio s0 at which it is reached", **TRANSITION
     )
 
     def friction(self, slide_roll_ratio: ArrayLike) -> Array:

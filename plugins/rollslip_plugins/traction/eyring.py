@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollslip.fields import in_range, parameter
+from rollslip.fields import parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import slope_of_oil
 from rollslip.models import POSITIVE, Domain, Tabled, TractionModel, Validity
@@ -263,8 +263,9 @@ class MaxwellEyring(_EyringFluid):
     accuracy: float = parameter(
         default=1e-13,
         unit="1",
-        validator=in_range(1e-13, 0.1),
         doc="relative error of the friction that is allowed; from 1e-6 on short series serve",
+        usual=(1e-13, 0.01),
+        possible=(1e-13, 0.1),
     )
     eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
     shear_modulus_slope: float = slope_of_oil(_RISE_OF_MODULUS)

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rollslip.errors import DomainError
-from rollslip.fields import in_range, parameter, positive
+from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import Barus, PressureViscosity, from_oil
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel, Validity
@@ -523,13 +523,19 @@ class MaxwellEyringField(TractionModel):
     validity: ClassVar[tuple[Validity, ...]] = (NO_ASPERITIES, SLOW_SLIDING)
 
     accuracy: float = parameter(
-        default=1e-3, unit="1", validator=in_range(1e-8, 0.1), doc="relative error of the friction that is allowed"
+        default=1e-3,
+        unit="1",
+        doc="relative error of the friction that is allowed",
+        usual=(1e-6, 0.01),
+        possible=(1e-8, 0.1),
     )
     heat_capacity: float = parameter(
         default=OIL_HEAT_CAPACITY,
         unit="J/(m3 K)",
         validator=positive,
         doc="heat capacity rho_f c_f of the oil by volume",
+        usual=(1e6, 3e6),
+        possible=(1e3, 1e9),
     )
     law: PressureViscosity = from_oil()
 

@@ -84,6 +84,8 @@ def flash_factor() -> float:
         unit="1",
         validator=positive,
         doc="factor of the flash temperature: 0.97 elliptic heat flux, 0.960 plain mean, 1.001 flux-weighted mean",
+        usual=(0.5, 1.5),
+        possible=(0, 1e3),
     )
     return factor
 

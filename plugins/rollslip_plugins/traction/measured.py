@@ -28,6 +28,7 @@ from rollslip.units import as_written, format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import traction as compiled
 from rollslip_plugins.bibliography import GUPTA_1984
+from rollslip_plugins.traction.boundary import COEFFICIENT, DECAY, TRANSITION
 
 Array = NDArray[np.float64]
 
@@ -76,12 +77,20 @@ class Gupta(TractionModel):
     reads = frozenset({"rolling_speed", "sliding_speed"})
     domain = MappingProxyType({"rolling_speed": POSITIVE, "sliding_speed": FINITE})
 
-    a: float = parameter(default=-0.1, unit="1", doc="A, the part that decays")
-    b: float = parameter(default=22.28, unit="1", doc="B, coefficient of the rise")
-    c: float = parameter(default=181.46, unit="1", validator=positive, doc="C, the decay")
-    d: float = parameter(default=0.1, unit="1", validator=non_negative, doc="D, friction far beyond the maximum")
+    a: float = parameter(default=-0.1, unit="1", doc="A, the part that decays", usual=(-0.5, 0.5), possible=(-10, 10))
+    b: float = parameter(
+        default=22.28, unit="1", doc="B, coefficient of the rise", usual=(-1e3, 1e3), possible=(-1e9, 1e9)
+    )
+    c: float = parameter(default=181.46, unit="1", validator=positive, doc="C, the decay", **DECAY)
+    d: float = parameter(
+        default=0.1, unit="1", validator=non_negative, doc="D, friction far beyond the maximum", **COEFFICIENT
+    )
     transition: float = parameter(
-        default=1e-3, unit="1", validator=positive, doc="slide-roll ratio s0 at which the ramp from zero ends"
+        default=1e-3,
+        unit="1",
+        validator=positive,
+        doc="slide-roll ratio s0 at which the ramp from zero ends",
+        **TRANSITION,
     )
 
     def __attrs_post_init__(self) -> None:

@@ -6,7 +6,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from rollslip.fields import in_range, parameter, positive
+from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.models import POSITIVE, TractionModel
 from rollslip.references import Reference
@@ -87,8 +87,12 @@ class Carreau(HeatedFilm):
         }
     )
 
-    critical_stress: float = parameter(default=6.9e6, unit="Pa", validator=positive, doc="critical stress G")
-    exponent: float = parameter(default=0.463, unit="1", validator=in_range(0.0, 1.0), doc="exponent n of the thinning")
+    critical_stress: float = parameter(
+        default=6.9e6, unit="Pa", validator=positive, doc="critical stress G", usual=(1e4, 1e8), possible=(1, 1e12)
+    )
+    exponent: float = parameter(
+        default=0.463, unit="1", doc="exponent n of the thinning", usual=(0.2, 1), possible=(0, 1)
+    )
     flash: float = flash_factor()
 
     def share(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
@@ -165,7 +169,14 @@ class LimitingShear(HeatedFilm):
     reads = HeatedFilm.reads | {"shear_modulus"}
     domain = MappingProxyType({**HEATED, "shear_modulus": POSITIVE})
 
-    limit: float = parameter(default=0.08, unit="1", validator=positive, doc="limiting stress over pressure lambda")
+    limit: float = parameter(
+        default=0.08,
+        unit="1",
+        validator=positive,
+        doc="limiting stress over pressure lambda",
+        usual=(0.01, 0.2),
+        possible=(0, 10),
+    )
     flash: float = flash_factor()
 
     def share(self, newtonian: Array, surfaces: Array, across: Array, slices: Slices) -> Array:
