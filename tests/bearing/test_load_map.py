@@ -37,6 +37,14 @@ def mapped(request):
     return assembly, build_load_map(assembly, TOLERANCE)
 
 
+def nodes_of(loads):
+    """All nodes of centrifugal force, after asking for every interval."""
+    nodes = [0.0]
+    while nodes[-1] < loads.top:
+        nodes.append(loads.interval(np.nextafter(nodes[-1], math.inf))[1])
+    return nodes
+
+
 def equilibrium(assembly, angle, force):
     """Loads (2, Z, n) with the first roller at an angle, without the map."""
     b, o = assembly.scene.bearing, assembly.scene.operation
@@ -58,7 +66,7 @@ def test_forces_agree_with_the_equilibrium_anywhere(mapped):
     rng = np.random.default_rng(5)
     off, whole, wide = np.zeros(2), np.zeros(2), loads.widths
     for _ in range(60):
-        force = loads.centrifugal[-1] * rng.uniform() ** 2
+        force = loads.top * rng.uniform() ** 2
         psi, true = equilibrium(assembly, rng.uniform(0, 2 * np.pi), force)
         found = loads.at(psi, force)
         assert np.all(found >= 0.0)
@@ -87,25 +95,25 @@ def test_the_error_is_what_is_measured_half_way(mapped):
             whole += (true @ loads.widths).sum(axis=1)
         return (off / np.where(whole > 0.0, whole, 1.0)).max()
 
-    between_positions = max(misplaced(force, 0.5) for force in loads.centrifugal)
-    between_forces = max(
-        misplaced(0.5 * (low + high), 0.0) for low, high in itertools.pairwise(loads.centrifugal.tolist())
-    )
+    nodes = nodes_of(loads)
+    between_positions = max(misplaced(force, 0.5) for force in nodes)
+    between_forces = max(misplaced(0.5 * (low + high), 0.0) for low, high in itertools.pairwise(nodes))
     # looked for at forces between the nodes too, and over the forces at positions between the nodes: nearly the same
     assert loads.error == pytest.approx(between_positions + between_forces, rel=0.2)
 
 
 def test_nodes_are_the_equilibrium(mapped):
     assembly, loads = mapped
-    for c in (0, loads.centrifugal.size // 2, loads.centrifugal.size - 1):
+    nodes = nodes_of(loads)
+    for force in (0.0, nodes[len(nodes) // 2], loads.top):
         pitch = 2 * np.pi / loads.positions
-        psi, true = equilibrium(assembly, 3 * pitch, loads.centrifugal[c])
-        np.testing.assert_allclose(loads.at(psi, loads.centrifugal[c]), true, rtol=0, atol=1e-7 * true.max())
+        psi, true = equilibrium(assembly, 3 * pitch, force)
+        np.testing.assert_allclose(loads.at(psi, force), true, rtol=0, atol=1e-7 * true.max())
 
 
 def test_is_periodic_and_symmetric(mapped):
     _, loads = mapped
-    psi, force = np.linspace(0.1, 6.1, 9), 0.37 * loads.centrifugal[-1]
+    psi, force = np.linspace(0.1, 6.1, 9), 0.37 * loads.top
     once = loads.at(psi, force)
     np.testing.assert_allclose(loads.at(psi + 200 * np.pi, force), once, rtol=1e-9, atol=1e-9 * once.max())
     np.testing.assert_allclose(loads.at(-psi, force), once, rtol=1e-6, atol=1e-6 * once.max())
@@ -114,15 +122,16 @@ def test_is_periodic_and_symmetric(mapped):
 
 def test_is_a_cubic_between_positions_and_linear_between_forces():
     loads = build_load_map(bearing(**SCENES["profiled"]), 2e-2)
-    values, slopes = loads.table[2, :, 0], loads.table[2, :, 1]
+    low, high = loads.interval(0.37 * loads.top)
+    values, slopes = loads.table(low).swapaxes(0, 1)
     nodes = 2 * np.pi / loads.positions * np.arange(loads.positions + 1)
     spline = CubicHermiteSpline(nodes, values, slopes / nodes[1])
     psi = np.random.default_rng(1).uniform(0, 2 * np.pi, 50)
     largest = values.max()
-    at_force = loads.at(psi, loads.centrifugal[2])
+    at_force = loads.at(psi, low)
     np.testing.assert_allclose(at_force.swapaxes(0, 1), spline(psi), rtol=0, atol=1e-12 * largest)
-    middle = loads.at(psi, 0.5 * (loads.centrifugal[2] + loads.centrifugal[3]))
-    mean = 0.5 * (at_force + loads.at(psi, loads.centrifugal[3]))
+    middle = loads.at(psi, 0.5 * (low + high))
+    mean = 0.5 * (at_force + loads.at(psi, high))
     np.testing.assert_allclose(middle, mean, rtol=0, atol=1e-12 * largest)
 
 
@@ -137,27 +146,41 @@ def test_slopes_are_of_fourth_order_where_nothing_turns_negative():
 
 def test_what_is_unloaded_between_unloaded_positions_stays_so():
     loads = build_load_map(bearing(**SCENES["clearance"]), 2e-2)
-    inner = loads.loads[-1, 0]
+    inner = loads.loads(loads.top)[0]
     empty = np.flatnonzero(np.all(inner == 0.0, axis=1) & np.all(np.roll(inner, -1, axis=0) == 0.0, axis=1))
     assert empty.size > 10
     between = 2 * np.pi / loads.positions * (empty + 0.3)
-    np.testing.assert_array_equal(loads.at(between, loads.centrifugal[-1])[0], 0.0)
+    np.testing.assert_array_equal(loads.at(between, loads.top)[0], 0.0)
 
 
 def test_without_load_only_centrifugal_forces_press():
     assembly = bearing(**{"accuracy.slices": 5, "operation.radial_load": "0 N", "bearing.radial_clearance": "5 um"})
     loads = build_load_map(assembly, 1e-2).forces()
-    np.testing.assert_array_equal(loads.loads[:, 0], 0.0)
-    np.testing.assert_allclose(
-        loads.loads[:, 1, :, 0], loads.centrifugal[:, None] + 0 * loads.loads[:, 1, :, 0], rtol=1e-9
-    )
+    for force in nodes_of(loads):
+        inner, outer = loads.loads(force)
+        np.testing.assert_array_equal(inner, 0.0)
+        np.testing.assert_allclose(outer, force, rtol=1e-9)
 
 
 def test_a_tighter_tolerance_costs_nodes_and_is_kept():
     assembly = bearing(**SCENES["profiled"])
     coarse, fine = (build_load_map(assembly, tolerance) for tolerance in (2e-2, 4e-3))
+    few, many = (len(nodes_of(loads)) * loads.positions for loads in (coarse, fine))
     assert fine.error <= 4e-3 < coarse.error <= 2e-2
-    assert fine.loads.size > 2 * coarse.loads.size
+    assert many > 2 * few
+
+
+def test_only_what_is_asked_for_is_worked_out_and_the_same_whoever_asked_before():
+    loads, whole = (build_load_map(bearing(**SCENES["profiled"]), 1e-3) for _ in range(2))
+    solved = len(loads.orbits.solved)
+    nodes, force = nodes_of(whole), 0.37 * loads.top
+    assert loads.interval(force) == next(pair for pair in itertools.pairwise(nodes) if force <= pair[1])
+    assert len(loads.orbits.solved) <= solved + math.log2(len(nodes)) + 1
+    assert len(whole.orbits.solved) > 2 * len(loads.orbits.solved)
+    again = len(loads.orbits.solved)
+    psi = np.linspace(0.1, 6.1, 9)
+    np.testing.assert_array_equal(loads.at(psi, force), whole.at(psi, force))
+    assert len(loads.orbits.solved) == again
 
 
 def test_goes_up_to_the_speed_asked_for():
@@ -165,8 +188,8 @@ def test_goes_up_to_the_speed_asked_for():
     per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
     assert fastest(assembly.kinematics) == assembly.kinematics.inner_speed
     default, slow = build_load_map(assembly, 0.05), build_load_map(assembly, 0.05, top_speed=100.0)
-    assert default.centrifugal[-1] == pytest.approx(per_square * assembly.kinematics.inner_speed**2, rel=1e-12)
-    assert slow.centrifugal[-1] == pytest.approx(per_square * 1e4, rel=1e-12)
+    assert default.top == pytest.approx(per_square * assembly.kinematics.inner_speed**2, rel=1e-12)
+    assert slow.top == pytest.approx(per_square * 1e4, rel=1e-12)
 
 
 def test_forces_and_resistances_follow_the_loads():
@@ -175,15 +198,17 @@ def test_forces_and_resistances_follow_the_loads():
     loads = build_load_map(assembly, 2e-2)
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     forces = loads.forces(lambda load, ring: resistances(assembly.raceways[ring], load, loads.widths, rolling))
-    assert forces.loads.shape == (loads.centrifugal.size, 4, loads.positions, 1)
-    np.testing.assert_allclose(forces.loads[:, :2, :, 0], loads.loads @ assembly.widths, rtol=1e-14)
+    force = assembly.centrifugal_force
+    found, load = forces.loads(force), loads.loads(force)
+    assert found.shape == (4, loads.positions, 1)
+    np.testing.assert_allclose(found[:2, :, 0], load @ assembly.widths, rtol=1e-14)
     for ring, raceway in enumerate(assembly.raceways):
         for position in (0, 3, loads.positions // 2):
-            load = loads.loads[1, ring, position]
-            slices = raceway.evaluate(load[load > 0.0], rolling, 0.0) if np.any(load > 0.0) else None
-            expected = 0.0 if slices is None else slices.resistance @ assembly.widths[load > 0.0]
-            assert forces.loads[1, 2 + ring, position, 0] == pytest.approx(expected, rel=1e-12)
-    assert forces.loads[:, 2:].max() > 0.0
+            one = load[ring, position]
+            slices = raceway.evaluate(one[one > 0.0], rolling, 0.0) if np.any(one > 0.0) else None
+            expected = 0.0 if slices is None else slices.resistance @ assembly.widths[one > 0.0]
+            assert found[2 + ring, position, 0] == pytest.approx(expected, rel=1e-12)
+    assert found[2:].max() > 0.0
 
 
 def evolve_chain(assembly):
@@ -191,10 +216,12 @@ def evolve_chain(assembly):
     return assemble(evolve(assembly.scene, changes)).with_resistance()
 
 
-@pytest.mark.parametrize("limit", ["_MOST_FORCES", "_MOST_INSTANTS"])
-def test_an_unreachable_tolerance_is_refused_in_words(monkeypatch, limit):
-    monkeypatch.setattr(load_map, limit, 3)
-    with pytest.raises(
-        ConvergenceError, match=r"at the wrong place.*table may leave 1.0e-04; raise accuracy.tolerance"
-    ):
-        build_load_map(bearing(**SCENES["clearance"]), 1e-4)
+def test_an_unreachable_tolerance_is_refused_in_words(monkeypatch):
+    assembly = bearing(**SCENES["clearance"])
+    monkeypatch.setattr(load_map, "_MOST_FORCES", 3)
+    loads = build_load_map(assembly, 2e-3)
+    with pytest.raises(ConvergenceError, match=r"3 centrifugal forces leave more than 1.0e-03 .*; raise accuracy"):
+        nodes_of(loads)
+    monkeypatch.setattr(load_map, "_MOST_INSTANTS", 3)
+    with pytest.raises(ConvergenceError, match=r"at the wrong place.*table may leave 1.0e-04; raise accuracy"):
+        build_load_map(assembly, 1e-4)

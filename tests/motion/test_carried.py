@@ -388,6 +388,23 @@ def test_a_roller_faster_than_the_loads_is_refused_in_words():
     assert "roller 7 is carried round faster than 6371 rpm" in str(error)
 
 
+def test_loads_that_cannot_be_worked_out_on_the_way_say_so(monkeypatch):
+    assembly = bearing()
+    m = carried_motion(assembly, FrictionSettings(name="conventional", tolerance=2e-2), level="cage-set")
+    y = m.initial()
+    m.system.rates(0.0, y)  # the loads at the epicyclic speed are there
+
+    def no_equilibrium(*_):
+        raise ConvergenceError("no equilibrium")
+
+    monkeypatch.setattr(type(assembly), "load_distribution", no_equilibrium)
+    m.loads.orbits.right.clear()
+    m.loads.orbits.solved.clear()
+    m.system.rates(0.0, y)
+    with pytest.raises(ConvergenceError, match="no equilibrium"):
+        m.system.rates(0.0, m.initial(0.7))
+
+
 def with_traction(m, model):
     """The same assembly with another last stage."""
     assembly = m.assembly
@@ -522,10 +539,9 @@ def test_effective_tables_are_right_to_their_tolerance(slips):
 
     assembly = bearing()
     loads = build_load_map(assembly, 2e-2)
-    at = int(np.argmin(np.abs(loads.centrifugal - assembly.centrifugal_force)))
     rolling = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     rng = np.random.default_rng(12)
-    for raceway, load in zip(assembly.raceways, loads.loads[at], strict=True):
+    for raceway, load in zip(assembly.raceways, loads.loads(assembly.centrifugal_force), strict=True):
         table = effective_table(assembly, raceway, load, 5e-3, slips)
         made, share = table.raceway(1), load[load > 0.0] / load.sum()
         for u in rolling * (rng.uniform(0.1, 3.0, 5) if slips else np.ones(1)):

@@ -5,8 +5,11 @@
 - The loads depend on the speed through centrifugal force only, and on that nearly linearly; on position they are
   smooth but for the places where slices touch and part.
 - So: cubic Hermite over position, periodic, its slopes of fourth order and limited to what cannot turn negative; linear
-  over centrifugal force. Where no node is loaded nothing is. Nodes are added where the forces, measured half-way
+  over centrifugal force. Where no node is loaded nothing is. Positions are added where the forces, measured half-way
   between them against the equilibrium, are off by more than the tolerance.
+- Over the centrifugal force intervals are halved until they are right half-way, and only those that somebody asks for:
+  a motion passes through few of the dozens that a map of all speeds has. Which they are does not depend on who asked
+  for others before. Cubics in place of straight lines do not save any: slices touch and part within most intervals.
 - The error is the share of a ring's load that is at the wrong place, the sum of |dQ| over the orbit relative to that of
   Q: it bounds what friction is off by. The largest error of one force, where a contact parts, is mostly 2 to 8 times
   that.
@@ -34,66 +37,109 @@ _MEASURED = 2
 
 @attrs.frozen(eq=False)
 class LoadMap:
-    """Loads over orbital position and centrifugal force.
+    """Loads over orbital position and centrifugal force, worked out where they are asked for.
 
     Attributes
     ----------
-    centrifugal : ndarray
-        Nodes of the centrifugal force of a roller [N], ascending from 0, shape (C,).
-    loads : ndarray
-        At equal steps of position from the line of load, shape (C, channels, K, n): loads per length on inner and
-        outer ring [N/m]; in a map of forces [N], n = 1, followed by the rolling resistances on both [N] if there are
-        any.
+    orbits : Orbits
+        The equilibria that it is made of.
     widths : ndarray
         What turns loads into forces: widths of the slices [m], 1 in a map of forces, shape (n,).
-    error : float
-        Largest share of the load of a ring at the wrong place, half-way between positions and between forces.
+    channels_of : callable, optional
+        What the map holds of the loads of a node, (2, K, n); by default these.
     """
 
-    centrifugal: Array
-    loads: Array
+    orbits: "Orbits"
     widths: Array
-    error: float
+    channels_of: Callable[[Array], Array] | None = None
+    _loads: dict[float, Array] = attrs.field(factory=dict, init=False, repr=False)
+    _tables: dict[float, Array] = attrs.field(factory=dict, init=False, repr=False)
+
+    @property
+    def top(self) -> float:
+        """Largest centrifugal force of a roller [N], at least 0."""
+        return self.orbits.roots[-1]
 
     @property
     def positions(self) -> int:
         """Nodes over the orbit."""
-        return int(self.loads.shape[2])
+        return self.orbits.positions
 
     @property
     def slices(self) -> int:
         """Slices along a roller, 1 in a map of forces."""
-        return int(self.loads.shape[3])
+        return self.widths.size
 
     @property
-    def table(self) -> Array:
-        """Loads and slopes as the compiled motion reads them, (C, K + 1, 2, channels, n), the first position twice."""
-        forces, channels, positions, slices = self.loads.shape
-        table = np.empty((forces, positions + 1, 2, channels, slices))
-        for one, loads in zip(table, self.loads, strict=True):  # each stays in the cache
-            one[:-1, 0], one[:-1, 1] = loads.swapaxes(0, 1), _slopes(loads).swapaxes(0, 1)
-        table[:, -1] = table[:, 0]
-        return table
+    def error(self) -> float:
+        """Largest share of the load of a ring at the wrong place, of what was asked for so far.
+
+        Half-way between positions and between forces.
+        """
+        return self.orbits.over_position + self.orbits.over_force
+
+    def interval(self, centrifugal: float) -> tuple[float, float]:
+        """Return the nodes of centrifugal force [N] between which loads are linear at one from 0 to the top.
+
+        Raises
+        ------
+        ConvergenceError
+            If the tolerance is not reached with the most nodes, or the bearing finds no equilibrium.
+        """
+        return self.orbits.interval(centrifugal)
+
+    def loads(self, centrifugal: float) -> Array:
+        """Return the loads at a node of centrifugal force [N], at equal steps of position from the line of load.
+
+        (channels, K, n): loads per length on inner and outer ring [N/m]; in a map of forces [N], n = 1, followed by the
+        rolling resistances on both [N] if there are any.
+        """
+        if centrifugal not in self._loads:
+            loads = self.orbits.at(centrifugal)
+            self._loads[centrifugal] = loads if self.channels_of is None else self.channels_of(loads)
+        return self._loads[centrifugal]
+
+    def table(self, centrifugal: float) -> Array:
+        """Return loads and slopes at a node as the compiled motion reads them: (K + 1, 2, channels, n).
+
+        The first position stands there twice.
+        """
+        if centrifugal not in self._tables:
+            loads = self.loads(centrifugal)
+            channels, positions, slices = loads.shape
+            table = np.empty((positions + 1, 2, channels, slices))
+            table[:-1, 0], table[:-1, 1] = loads.swapaxes(0, 1), _slopes(loads).swapaxes(0, 1)
+            table[-1] = table[0]
+            self._tables[centrifugal] = table
+        return self._tables[centrifugal]
+
+    def cell(self, centrifugal: float) -> tuple[float, float, Array, Array]:
+        """Return the interval of a centrifugal force [N] and the tables at its ends, as `Carried` asks for them."""
+        low, high = self.interval(centrifugal)
+        return low, high, self.table(low), self.table(high)
 
     def at(self, psi: Array, centrifugal: float) -> Array:
-        """Loads at positions [rad], (m,), and a centrifugal force [N] up to the last node: (channels, m, n)."""
+        """Loads at positions [rad], (m,), and a centrifugal force [N] up to the top: (channels, m, n)."""
         place = np.asarray(psi) / (2.0 * np.pi) % 1.0 * self.positions
         k = np.minimum(place.astype(int), self.positions - 1)
         x = (place - k)[:, None, None]
-        c = min(int(np.searchsorted(self.centrifugal, centrifugal, side="right")), self.centrifugal.size - 1) - 1
-        f = (centrifugal - self.centrifugal[c]) / (self.centrifugal[c + 1] - self.centrifugal[c])
-        table = (1.0 - f) * self.table[c] + f * self.table[c + 1]
+        low, high, below, above = self.cell(centrifugal)
+        f = (centrifugal - low) / (high - low)
+        table = (1.0 - f) * below + f * above
         (a, slope_a), (b, slope_b) = (table[i].swapaxes(0, 1) for i in (k, k + 1))
         load = a + x * x * (3.0 - 2.0 * x) * (b - a) + x * (1.0 - x) * ((1.0 - x) * slope_a - x * slope_b)
         return np.asarray(np.maximum(load, 0.0).swapaxes(0, 1))
 
     def forces(self, resistance: Callable[[Array, int], Array] | None = None) -> "LoadMap":
         """Return the map of forces; ``resistance`` gives, of loads (m, n) on a ring (0, 1), the resistances (m,)."""
-        forces = (self.loads @ self.widths)[..., None]
-        if resistance is not None:
-            rows = [[resistance(node[ring], ring)[:, None] for ring in range(len(RINGS))] for node in self.loads]
-            forces = np.concatenate((forces, np.array(rows)), axis=1)
-        return LoadMap(self.centrifugal, forces, np.ones(1), self.error)
+
+        def forces_of(loads: Array) -> Array:
+            forces = (loads @ self.widths)[..., None]
+            if resistance is None:
+                return forces
+            return np.concatenate((forces, [resistance(loads[ring], ring)[:, None] for ring in range(len(RINGS))]))
+
+        return LoadMap(self.orbits, np.ones(1), forces_of)
 
 
 def fastest(kinematics: Kinematics) -> float:
@@ -130,13 +176,13 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
 def _built(assembly: Assembly, tolerance: float, top_speed: float | None) -> LoadMap:
     per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
     top = per_square * (fastest(assembly.kinematics) if top_speed is None else top_speed) ** 2
+    roots = tuple(sorted({0.0, min(assembly.centrifugal_force, top), top}))
     instants, known = _FIRST_INSTANTS, dict[float, LoadDistribution]()
     while instants <= _MOST_INSTANTS:
-        orbits = _Orbits(assembly, per_square, instants, known)
-        known = orbits.distributions
-        load_map = orbits.refined({0.0, min(assembly.centrifugal_force, top), top}, 0.5 * tolerance)
-        if load_map is not None:
-            return load_map
+        orbits = Orbits(assembly, per_square, instants, roots, 0.5 * tolerance)
+        known = orbits.measured(known)
+        if orbits.over_position <= orbits.tolerance:
+            return LoadMap(orbits, assembly.widths)
         instants *= 2
     raise ConvergenceError(
         f"{_MOST_INSTANTS} positions a pitch leave {orbits.over_position:.1e} of the load at the wrong place; "
@@ -144,71 +190,112 @@ def _built(assembly: Assembly, tolerance: float, top_speed: float | None) -> Loa
     )
 
 
-class _Orbits:
-    """Equilibria by centrifugal force at the positions of a map, and at some forces half-way between: they measure it.
+class Orbits:
+    """Equilibria by centrifugal force at the positions of a map.
 
-    ``known`` are those of a map with half as many positions.
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing.
+    per_square : float
+        Centrifugal force of a roller over the square of the speed that it is carried round with [N s2].
+    instants : int
+        Instants of a pitch.
+    roots : tuple of float
+        Centrifugal forces [N] between which intervals are halved, ascending from 0.
+    tolerance : float
+        Largest share of the load at the wrong place, half-way between positions and half-way between forces.
     """
 
     def __init__(
-        self, assembly: Assembly, per_square: float, instants: int, known: Mapping[float, LoadDistribution]
+        self, assembly: Assembly, per_square: float, instants: int, roots: tuple[float, ...], tolerance: float
     ) -> None:
-        self.assembly, self.per_square, self.instants, self._known = assembly, per_square, instants, known
-        self.distributions: dict[float, LoadDistribution] = {}
+        self.assembly, self.per_square, self.instants = assembly, per_square, instants
+        self.roots, self.tolerance = roots, tolerance
+        self.positions = instants * assembly.scene.bearing.rollers
         self.solved: dict[float, Array] = {}
-        #: largest share of the load at the wrong place half-way between positions
-        self.over_position = 0.0
+        #: intervals that are right half-way
+        self.right: set[tuple[float, float]] = set()
+        #: largest share of the load at the wrong place half-way between positions, and between forces
+        self.over_position, self.over_force = 0.0, 0.0
 
-    def at(self, force: float, *, between: bool = False) -> Array:
-        """Loads of one roller over its orbit, (2, Z instants, n); positions between are looked at too, if so asked."""
-        if force in self.solved:
-            return self.solved[force]
-        assembly, speed = self.assembly, math.sqrt(force / self.per_square)
-        if between:
-            loads = assembly.load_distribution(2 * self.instants, speed, self._known.get(force))
-            self.distributions[force] = loads
-        else:
-            loads = assembly.load_distribution(self.instants, speed)
-        rings = (load.swapaxes(0, 1).reshape(-1, assembly.slices) for load in (loads.inner_load, loads.outer_load))
-        orbit = np.stack(tuple(rings))
-        if between:
+    def at(self, force: float) -> Array:
+        """Loads of one roller over its orbit at a centrifugal force, (2, K, n)."""
+        if force not in self.solved:
+            if len(self.solved) > 2 * _MOST_FORCES:  # its nodes, and what was half-way between them
+                raise ConvergenceError(
+                    f"{_MOST_FORCES} centrifugal forces leave more than {self.tolerance:.1e} of the load at the wrong "
+                    f"place near {force:g} N; {COARSER_TABLES}"
+                )
+            self.solved[force] = self._orbit(self.assembly.load_distribution(self.instants, self._speed(force)))
+        return self.solved[force]
+
+    def interval(self, force: float) -> tuple[float, float]:
+        """Return the interval that holds a centrifugal force, right half-way."""
+        low, high = next(pair for pair in itertools.pairwise(self.roots) if force <= pair[1])
+        while not self._is_right(low, high):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if force <= middle else (middle, high)
+        return low, high
+
+    def measured(self, known: Mapping[float, LoadDistribution]) -> dict[float, LoadDistribution]:
+        """Measure the map between its positions, at the roots and where their intervals are halved first.
+
+        Parameters
+        ----------
+        known : mapping
+            What this method returned for half as many instants.
+
+        Returns
+        -------
+        dict
+            Load distributions by centrifugal force, as far as it came within the tolerance.
+        """
+        distributions = dict[float, LoadDistribution]()
+
+        def measure(force: float) -> bool:
+            found = self.assembly.load_distribution(2 * self.instants, self._speed(force), known.get(force))
+            distributions[force], orbit = found, self._orbit(found)
             orbit, true = orbit[:, ::2], orbit[:, 1::2]
             slopes = _slopes(orbit)
             half_way = 0.5 * (orbit + np.roll(orbit, -1, axis=1)) + 0.125 * (slopes - np.roll(slopes, -1, axis=1))
-            self.over_position = max(self.over_position, self.misplaced(half_way, true))
-        self.solved[force] = orbit
-        return orbit
+            self.solved[force] = orbit
+            self.over_position = max(self.over_position, self._misplaced(half_way, true))
+            return self.over_position <= self.tolerance
 
-    def misplaced(self, interpolated: Array, true: Array) -> float:
+        pairs = list(itertools.pairwise(self.roots))
+        enough = all(measure(force) for force in self.roots)
+        for _ in range(_MEASURED):
+            enough = enough and all(measure(0.5 * (low + high)) for low, high in pairs)
+            if not enough:
+                break
+            halved = [(low, 0.5 * (low + high), high) for low, high in pairs if not self._is_right(low, high)]
+            pairs = [pair for nodes in halved for pair in itertools.pairwise(nodes)]
+        return distributions
+
+    def _speed(self, force: float) -> float:
+        return math.sqrt(force / self.per_square)
+
+    def _orbit(self, found: LoadDistribution) -> Array:
+        rings = (load.swapaxes(0, 1).reshape(-1, self.assembly.slices) for load in (found.inner_load, found.outer_load))
+        return np.stack(tuple(rings))
+
+    def _is_right(self, low: float, high: float) -> bool:
+        """Whether loads are linear between two forces, half-way between them."""
+        if (low, high) in self.right:
+            return True
+        error = self._misplaced(0.5 * (self.at(low) + self.at(high)), self.at(0.5 * (low + high)))
+        if error > self.tolerance:
+            return False
+        self.over_force = max(self.over_force, error)
+        self.right.add((low, high))
+        return True
+
+    def _misplaced(self, interpolated: Array, true: Array) -> float:
         """Share of the load of a ring that is at the wrong place, the larger of both rings; loads (2, m, n)."""
         widths = self.assembly.widths
         off, whole = np.abs((interpolated - true) @ widths).sum(axis=1), (true @ widths).sum(axis=1)
         return float((off / np.where(whole > 0.0, whole, 1.0)).max())
-
-    def refined(self, nodes: set[float], tolerance: float) -> LoadMap | None:
-        """Map with enough centrifugal forces; None if its positions are too few."""
-        for force in nodes:
-            self.at(force, between=True)
-        pairs, over_force = [(*pair, 0) for pair in itertools.pairwise(sorted(nodes))], 0.0
-        while pairs:
-            low, high, halvings = pairs.pop()
-            middle = 0.5 * (low + high)
-            there = self.at(middle, between=halvings < _MEASURED)
-            error = self.misplaced(0.5 * (self.at(low) + self.at(high)), there)
-            if self.over_position > tolerance:
-                return None
-            if error <= tolerance:
-                over_force = max(over_force, error)
-                continue
-            nodes.add(middle)
-            pairs += [(low, middle, halvings + 1), (middle, high, halvings + 1)]
-            if len(nodes) > _MOST_FORCES:
-                raise ConvergenceError(
-                    f"{_MOST_FORCES} centrifugal forces leave {error:.1e} of the load at the wrong place between "
-                    f"{low:g} and {high:g} N; its table may leave {2.0 * tolerance:.1e}; {COARSER_TABLES}"
-                )
-        loads = np.stack([self.at(force) for force in sorted(nodes)])
-        return LoadMap(np.array(sorted(nodes)), loads, self.assembly.widths, self.over_position + over_force)
 
 
 def _slopes(loads: Array) -> Array:

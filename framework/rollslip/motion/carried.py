@@ -93,7 +93,7 @@ class CarriedMotion(MovingBearing):
         who, what = refusal
         if who == "loads":
             a = self.assembly
-            top = math.sqrt(self.loads.centrifugal[-1] / (a.roller_mass * a.kinematics.orbit_radius))
+            top = math.sqrt(self.loads.top / (a.roller_mass * a.kinematics.orbit_radius))
             return DomainError(
                 f"roller {what} is carried round faster than {format_quantity(top, 'rad/s', 4)}, up to which its loads "
                 "were worked out; check what drives the cage"
@@ -161,7 +161,7 @@ def carried_motion(
     carried = Carried(
         level == "pocket",
         bearing,
-        (loads.centrifugal, loads.table, loads.widths),
+        (loads.top, loads.widths, loads.cell),
         *of_raceways.capsules,
         cage.drags.capsules() if torques is None else torques,
         pocket_contact(assembly),

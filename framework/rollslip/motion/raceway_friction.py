@@ -4,7 +4,6 @@ import math
 from typing import Final
 
 import attrs
-import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.load_map import LoadMap, build_load_map
@@ -110,10 +109,10 @@ def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: Load
         return RacewayFriction(settings, (inner, outer), slices=slices)
     tolerance = settings.table_tolerance(assembly)
     loads = build_load_map(assembly, tolerance) if loads is None else loads
-    at = int(np.argmin(np.abs(loads.centrifugal - assembly.centrifugal_force)))
+    epicyclic = loads.loads(min(assembly.centrifugal_force, loads.top))
     tables = tuple(
         effective_table(assembly, raceway, load, tolerance, settings.effective_over == "slips")
-        for raceway, load in zip(assembly.raceways, loads.loads[at], strict=True)
+        for raceway, load in zip(assembly.raceways, epicyclic, strict=True)
     )
     inner, outer = (table.raceway(rollers) for table in tables)
     return RacewayFriction(settings, (inner, outer), tables=tables)

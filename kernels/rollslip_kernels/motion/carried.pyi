@@ -1,4 +1,4 @@
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ class Carried:
         self,
         pocket: bool,
         bearing: Mapping[str, float],
-        loads: tuple[ArrayLike, ArrayLike, ArrayLike],
+        loads: tuple[float, ArrayLike, Callable[[float], tuple[float, float, ArrayLike, ArrayLike]]],
         inner: object,
         outer: object,
         drags: Sequence[object],

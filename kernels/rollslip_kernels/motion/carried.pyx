@@ -24,17 +24,19 @@ with T the drags, P the tangential force of a roller on the cage, and M = mu_p |
 pocket, at the sliding speed r (s + w_c): the cage receives as much as the spin loses, by which angular momentum closes.
 At level cage-set P is what carries the roller round at a steady speed, H = 0.
 
-- The loads are quasi-static, from a table over orbital position and centrifugal force (``load_map``).
+- The loads are quasi-static, from tables over the orbital position at centrifugal forces, linear between them
+  (``load_map``). Their owner is asked for the two that a force lies between when one first does.
 - The ledger records what the rates do, term by term; energy and angular momentum close to rounding of the rates.
 """
 
 import numpy as np
 
-from cpython.exc cimport PyErr_Occurred
+from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport M_PI, NAN, fabs, floor, isfinite, sqrt
 
 from rollslip_abi cimport ROLLSLIP_DRAG, rs_drag
+from rollslip_arrow cimport RS_RAISED
 from rollslip_errors cimport rs_raise_pending
 from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_pocket, rs_pocket_bars
 from rollslip_raceway cimport RS_RACEWAY, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest
@@ -49,6 +51,7 @@ cdef enum:
 
 cdef enum:
     MAX_DRAGS = 16
+    MAX_CELLS = 2048
     HEAD = 2   # theta, w_c
 
 cdef enum:  # ledger, behind the head
@@ -77,17 +80,25 @@ LEDGER = {
     "impulse_inner": "N m s", "impulse_outer": "N m s", "impulse_drag": "N m s",
 }
 
+cdef struct cell_t:
+    # centrifugal forces, and at each [(positions + 1) x 2 x channels x slices], values and slopes times the step
+    double low, high
+    const double *below
+    const double *above
+
+
 cdef struct carried_t:
+    void *owner
     int pocket
     size_t rollers, block
     double direction
     double inner_radius, outer_radius, radius, orbit
     double inner_speed, outer_speed
     double mass, spin_inertia, cage_inertia
-    # loads: [nodes of force x (positions + 1) x 2 x channels x slices], values and slopes times the step
-    const double *table
-    const double *centrifugal
-    size_t nodes, positions, channels, slices
+    # loads, by intervals of centrifugal force up to the top: those known so far, and the one looked up last
+    double top
+    cell_t *cells
+    size_t n_cells, last, positions, channels, slices
     const double *widths
     rs_raceway raceway[RINGS]
     rs_drag drags[MAX_DRAGS]
@@ -113,20 +124,39 @@ cdef inline double _risen(double d, double soft) noexcept nogil:
     return (d + soft) * (d + soft) * (d + soft) / (12.0 * soft)
 
 
+cdef int _find_cell(carried_t *c, double pull) noexcept nogil:
+    """Make the last cell one that holds a centrifugal force; -1 with a Python error."""
+    cdef size_t m
+    for m in range(c.n_cells):
+        if c.cells[m].low <= pull <= c.cells[m].high:
+            c.last = m
+            return 0
+    with gil:
+        try:
+            (<Carried>c.owner)._more(pull)
+        except BaseException as error:
+            PyErr_SetObject(type(error), error)
+            return RS_RAISED
+    return 0
+
+
 cdef inline int _loads(carried_t *c, size_t j, double psi, double speed) noexcept nogil:
-    """Loads and forces of roller j on both rings; 0 where its centrifugal force is beyond the table."""
+    """Loads and forces of roller j on both rings; LOADS where its centrifugal force is beyond the top."""
     cdef double pull = c.mass * c.orbit * speed * speed, place, f, x, y0, y1, d0, d1, value, total
-    cdef size_t m = 0, k, i, row = c.channels * c.slices, channel
+    cdef size_t k, i, row = c.channels * c.slices, channel
     cdef const double *a
     cdef const double *b
     cdef const double *e
     cdef const double *g
     cdef double *out
-    if not pull <= c.centrifugal[c.nodes - 1]:
-        return 0
-    while m + 2 < c.nodes and pull > c.centrifugal[m + 1]:
-        m += 1
-    f = (pull - c.centrifugal[m]) / (c.centrifugal[m + 1] - c.centrifugal[m])
+    cdef cell_t *cell = &c.cells[c.last]
+    if not pull <= c.top:
+        return LOADS
+    if not cell.low <= pull <= cell.high:
+        if _find_cell(c, pull) != 0:
+            return RS_RAISED
+        cell = &c.cells[c.last]
+    f = (pull - cell.low) / (cell.high - cell.low)
     place = psi / (2.0 * M_PI)
     place = (place - floor(place)) * <double>c.positions
     k = <size_t>place if place < <double>c.positions else c.positions - 1
@@ -135,9 +165,9 @@ cdef inline int _loads(carried_t *c, size_t j, double psi, double speed) noexcep
     y0 = 1.0 - y1
     d0 = x * (1.0 - x) * (1.0 - x)
     d1 = x * x * (x - 1.0)
-    a = c.table + (m * (c.positions + 1) + k) * 2 * row
+    a = cell.below + 2 * row * k
     b = a + 2 * row
-    e = a + (c.positions + 1) * 2 * row
+    e = cell.above + 2 * row * k
     g = e + 2 * row
     for channel in range(c.channels):
         out = c.load + (channel * c.rollers + j) * c.slices
@@ -152,7 +182,7 @@ cdef inline int _loads(carried_t *c, size_t j, double psi, double speed) noexcep
         b += c.slices
         e += c.slices
         g += c.slices
-    return 1
+    return NOBODY
 
 
 cdef int _contacts(carried_t *c, const double *head, const double *rollers) noexcept nogil:
@@ -168,7 +198,10 @@ cdef int _contacts(carried_t *c, const double *head, const double *rollers) noex
         if c.pocket:
             w = y[1]
             angle += y[2] / c.orbit
-        if not isfinite(angle) or not _loads(c, j, angle, w):
+        status = _loads(c, j, angle, w) if isfinite(angle) else LOADS
+        if status == RS_RAISED:
+            return status
+        if status != NOBODY:
             c.refused, c.refused_roller = LOADS, j
             return 1
         a = c.radius * (y[0] + w)
@@ -294,9 +327,10 @@ cdef class Carried:
         rollers, direction, inner_radius, outer_radius, radius, orbit, inner_speed, outer_speed, mass, spin_inertia,
         cage_inertia, epicyclic_speed.
     loads : tuple
-        Nodes of centrifugal force (C,), table of loads and slopes (C, K + 1, 2, channels, n) and widths of slices (n,).
-        Channels are the loads of inner and outer ring and, unless friction is conventional, also their rolling
-        resistances where there are any.
+        Largest centrifugal force, widths of slices (n,), and a function of a centrifugal force from 0 to that, which
+        returns the two that it lies between with the table at each, loads and slopes (K + 1, 2, channels, n): always
+        the same for the same force. Channels are the loads of inner and outer ring and, unless friction is
+        conventional, also their rolling resistances where there are any.
     inner, outer : capsules
         Raceways of ``raceway.pyx``.
     drags : sequence of capsules
@@ -310,6 +344,8 @@ cdef class Carried:
 
     cdef carried_t c
     cdef tuple kept
+    cdef list tables
+    cdef object cell
     cdef double[::1] scale
 
     def __init__(self, bint pocket, bearing, loads, inner, outer, drags, cage, scale, double critical_slip=NAN,
@@ -328,18 +364,15 @@ cdef class Carried:
         c.cage.film, c.cage.roughness = cage["film"], cage["roughness"]
         c.critical_slip, c.film_limit = critical_slip, film_limit
 
-        forces, table, wide = loads
-        cdef double[::1] nodes = np.array(forces, dtype=float)
-        cdef double[:, :, :, :, ::1] values = np.array(table, dtype=float, order="C")
-        if values.shape[0] != nodes.shape[0] or nodes.shape[0] < 2 or values.shape[1] < 2 or values.shape[2] != 2 \
-                or values.shape[3] not in (RINGS, 2 * RINGS):
-            raise ValueError(f"a table of loads is of shape (C, K + 1, 2, 2 or 4, n), got {np.shape(table)}")
-        c.centrifugal, c.table, c.nodes = &nodes[0], &values[0, 0, 0, 0, 0], nodes.shape[0]
-        c.positions, c.channels, c.slices = values.shape[1] - 1, values.shape[3], values.shape[4]
+        c.top, wide, self.cell = loads
+        cells = np.zeros(MAX_CELLS * sizeof(cell_t), dtype=np.uint8)
+        c.owner, c.cells, c.n_cells, c.last = <void *>self, <cell_t *><size_t>cells.ctypes.data, 0, 0
+        c.positions = c.channels = 0
+        self.tables = []
         cdef double[::1] widths = np.array(wide, dtype=float)
-        if <size_t>widths.shape[0] != c.slices:
-            raise ValueError(f"{widths.shape[0]} widths for {c.slices} slices of a roller")
-        c.widths = &widths[0]
+        c.widths, c.slices = &widths[0], widths.shape[0]
+        self._more(c.mass * c.orbit * c.epicyclic_speed ** 2 if c.mass * c.orbit * c.epicyclic_speed ** 2 < c.top
+                   else c.top)
 
         for ring, capsule in enumerate((inner, outer)):
             c.raceway[ring] = (<rs_raceway *>PyCapsule_GetPointer(capsule, RS_RACEWAY))[0]
@@ -359,7 +392,28 @@ cdef class Carried:
         cdef double[::1] speeds = np.zeros(3 * RINGS * Z)
         c.load, c.force = &load[0], &force[0]
         c.sliding, c.rolling, c.traction = &speeds[0], &speeds[RINGS * Z], &speeds[2 * RINGS * Z]
-        self.kept = (nodes, values, inner, outer, tuple(drags), load, force, speeds, widths)
+        self.kept = (inner, outer, tuple(drags), load, force, speeds, widths, cells)
+
+    cdef _more(self, double pull):
+        """Take the cell that holds a centrifugal force from the owner of the loads."""
+        cdef carried_t *c = &self.c
+        cdef double[:, :, :, ::1] below, above
+        if c.n_cells == MAX_CELLS:
+            raise RuntimeError(f"loads are linear between more than {MAX_CELLS} pairs of centrifugal forces")
+        low, high, *tables = self.cell(pull)
+        below, above = tables
+        if not c.n_cells:
+            c.positions, c.channels = below.shape[0] - 1, below.shape[2]
+        shape = c.positions + 1, 2, c.channels, c.slices
+        if any(np.shape(table) != shape for table in tables) or c.channels not in (RINGS, 2 * RINGS) or shape[0] < 2:
+            raise ValueError(f"tables of loads are of one shape (K + 1, 2, 2 or 4, {c.slices}), got "
+                             f"{', '.join(str(np.shape(table)) for table in tables)}")
+        if not low <= pull <= high > low:
+            raise ValueError(f"{pull:g} N is not between centrifugal forces of {low:g} and {high:g} N")
+        self.tables.append((below, above))
+        c.cells[c.n_cells] = cell_t(low, high, &below[0, 0, 0, 0], &above[0, 0, 0, 0])
+        c.last = c.n_cells
+        c.n_cells += 1
 
     def system(self):
         """Return the capsule "rollslip.system.v1"."""
@@ -387,7 +441,7 @@ cdef class Carried:
         if self.c.refused == DRAG:
             return "drag", None
         ring = self.c.refused - RACEWAY_INNER
-        return ("inner", "outer")[ring], refusal(self.kept[2 + ring])
+        return ("inner", "outer")[ring], refusal(self.kept[ring])
 
     def outputs(self, t, y):
         """Return what goes with stored states: arrays (m, 2, Z) by ring and roller, and (m, Z) of the pockets.
