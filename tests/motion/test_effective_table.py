@@ -13,11 +13,13 @@ import numpy as np
 import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, minimize_scalar
 
 from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError
+from rollslip.motion import effective_table as tables
 from rollslip.motion.effective_table import curve_table, effective_table, map_table
 from rollslip.testing.samples import decades
 from rollslip_kernels.motion import raceway as compiled
@@ -465,3 +467,13 @@ def test_a_motion_says_how_right_its_tables_are(over):
         assert len(record["nodes"]) == (2 if over == "slips" else 1)
     conventional = changes | {"study.dynamics": {"friction": "conventional", "duration": 1e-3, "points": 3}}
     assert "effective_tables" not in run(evolve(load_scene("1032930-50C"), conventional), "dynamics").attrs
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("nodes", [4, 5, 9, 33, 300])
+def test_slopes_are_those_of_the_library_s_splines(nodes):
+    rng, places = np.random.default_rng(nodes), np.arange(nodes)
+    values, rise = rng.normal(size=(3, nodes)), rng.normal(size=3)
+    clamped = CubicSpline(places, values, axis=-1, bc_type=((1, rise), "not-a-knot"))
+    np.testing.assert_allclose(tables._spline(values, rise), clamped(places, 1), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(tables._spline(values), CubicSpline(places, values, axis=-1)(places, 1), atol=1e-13)

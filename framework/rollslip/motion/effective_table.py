@@ -65,6 +65,8 @@ _PLACE: Final = 1e-7
 _NEAR: Final = 1e-4
 #: What the limits of slopes may leave of the slope at no slip, relative to it.
 _SLOPE: Final = 1e-9
+#: How what one node has to do with the slope at another falls from node to node, and after how many it is rounding.
+_DECAY, _DECAYED = math.sqrt(3.0) - 2.0, 28
 
 Law = Callable[[Array], Array]
 
@@ -232,8 +234,6 @@ def map_table(friction: Callable[[float, Array], Array], epicyclic: float, toler
     tolerance, Raises
         As for `curve_table`.
     """
-    from scipy.interpolate import CubicSpline
-
     shape = _shape(partial(friction, epicyclic), epicyclic)
     laws = [(share, partial(friction, share * epicyclic)) for share in (1.0, *_ROLLING)]
     scale, limit, share = _mapping(laws, shape, epicyclic)
@@ -245,11 +245,11 @@ def map_table(friction: Callable[[float, Array], Array], epicyclic: float, toler
         u = epicyclic * e / (1.0 - e)
         true = np.array([friction(speed, _speed(x, ratio * speed)) for speed in u.tolist()])
         rise = [ratio * speed * _slope(partial(friction, speed), near * speed)[0] for speed in u[::2].tolist()]
-        values, step = true[::2, ::4], (high - low) / rows
+        values = true[::2, ::4]
         slopes = _slopes(limit, values, np.array(rise))
         middle = 5 * rows // 8  # the epicyclic row
         slopes[middle] = _slopes(limit, values[middle], rise[middle], share if shape.has_critical else 0.0)
-        rising, twisting = (step * CubicSpline(e[::2], part, axis=0)(e[::2], 1) for part in (values, slopes))
+        rising, twisting = (_spline(part.T).T for part in (values, slopes))
         # half-way between the rows
         values_there, slopes_there = _between(values.T, rising.T, 0.5).T, _between(slopes.T, twisting.T, 0.5).T
         along = _missed(true[::2], slopes)
@@ -401,17 +401,10 @@ def _slopes(limit: float, values: Array, rise: Any, share: float = 0.0) -> Array
 
     ``rise`` is the derivative in the middle, and ``share`` that of ``limit`` at which friction is largest; 0 for none.
     """
-    from scipy.interpolate import CubicSpline
-
     middle = values.shape[-1] // 2
     step = limit / middle
-    half = step * np.arange(middle + 1)
-
-    def outward(part: Array, rise: Any) -> Array:
-        return np.asarray(step * CubicSpline(half, part, axis=-1, bc_type=((1, rise), "not-a-knot"))(half, 1))
-
-    above = outward(values[..., middle:], rise)
-    below = outward(values[..., middle::-1], np.negative(rise))
+    above = _spline(values[..., middle:], step * np.asarray(rise))
+    below = _spline(values[..., middle::-1], -step * np.asarray(rise))
     slopes = np.concatenate((-below[..., :0:-1], above), axis=-1)
     if share:
         critical = round(share * middle)
@@ -419,6 +412,33 @@ def _slopes(limit: float, values: Array, rise: Any, share: float = 0.0) -> Array
         if np.array_equal(values, -values[..., ::-1]):
             slopes[..., middle - critical] = 0.0
     return np.clip(slopes, *_bounds(values, slopes))
+
+
+def _spline(values: Array, rise: Array | None = None) -> Array:
+    """Slopes, times the width of a cell, of the cubic spline through four equally spaced nodes or more on the last axis.
+
+    ``rise`` is that of the first node; without it, as at the last node, no knot separates the first two cells. Slopes
+    m obey m_k-1 + 4 m_k + m_k+1 = 3 (y_k+1 - y_k-1), of which [1 4 1] has the inverse z^|k| / (2 sqrt 3) with
+    z = sqrt(3) - 2; to it z^k and z^(n-k) are added so that the ends are right.
+    """
+    chord, last = np.diff(values, axis=-1), values.shape[-1] - 1
+    right = np.zeros(values.shape)
+    right[..., 1:-1] = 3.0 * (chord[..., :-1] + chord[..., 1:])
+    inverse = _DECAY ** np.abs(np.arange(-_DECAYED, _DECAYED + 1)) / (2.0 * math.sqrt(3.0))
+    rows = (np.convolve(row, inverse)[_DECAYED:-_DECAYED] for row in right.reshape(-1, last + 1))
+    slopes = np.array(list(rows)).reshape(values.shape)
+    ahead = _DECAY ** np.arange(last + 1)
+    behind, far, knotless = ahead[::-1], ahead[-1], 1.0 + 2.0 * _DECAY
+    missed = 2.5 * chord[..., -1] + 0.5 * chord[..., -2] - slopes[..., -1] - 2.0 * slopes[..., -2]
+    if rise is None:
+        missed_first = 2.5 * chord[..., 0] + 0.5 * chord[..., 1] - slopes[..., 0] - 2.0 * slopes[..., 1]
+        near, across = knotless, far + 2.0 * ahead[-2]
+    else:
+        missed_first, near, across = rise - slopes[..., 0], 1.0, far
+    of_last = far + 2.0 * ahead[-2]  # what z^k leaves at the last node, as `across` is what z^(n-k) does at the first
+    both = near * knotless - across * of_last
+    first, second = missed_first * knotless - across * missed, near * missed - of_last * missed_first
+    return np.asarray(slopes + (first / both)[..., None] * ahead + (second / both)[..., None] * behind)
 
 
 def _rises(limit: float, slopes: Array, rise: float) -> bool:
