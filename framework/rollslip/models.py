@@ -584,6 +584,6 @@ class IntegratorModel(abc.ABC):
     def compiled(self) -> type[Any] | None:
         """Return the class that goes through many steps of a compiled system at once, or None.
 
-        Its interface is that of `rollslip_kernels.motion.rosenbrock.Rosenbrock`.
+        Its interface is that of `rollslip_kernels.motion.rosenbrock.Stepper`.
         """
         return None

@@ -1,16 +1,19 @@
-"""Rodas5P: an L-stable Rosenbrock method for systems of arrow shape, from step to step without Python.
+"""Rodas5P and Dormand and Prince's method, for systems of arrow shape: from step to step without Python.
 
-Method
+Rodas5P, for stiff problems
     Rosenbrock-Wanner method of 8 stages and order 5(4), stiffly accurate; it and the embedded method of order 4 are
     A- and L-stable; continuous output of order 4. With W = I/(h gamma) - df/dy a step is, for i = 1 .. 8,
     ``W k_i = f(t + c_i h, y + sum_j a_ij k_j) + sum_j (C_ij/h) k_j + h d_i df/dt``, and then
     ``y(t + h) = y + sum_j a_8j k_j + k_8`` with the estimate of the error k_8. It also keeps its order on linear
     parabolic problems, and loses less of it on stiff ones with a forced slow solution than older sets do.
-Source
     Steinebach G. Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia
     Differential Equations package. BIT Numer. Math. 63, 2023, 27; the figures as in OrdinaryDiffEq.jl. Grade B: the
     conditions of order, of stability and of the continuous output are computed from them in
     tests/kernels/test_rosenbrock.py.
+Dormand and Prince's, for others
+    Explicit Runge-Kutta method of 7 stages, of which the last is the first of the next step, and order 5(4); continuous
+    output of order 4. Dormand J.R., Prince P.J. A family of embedded Runge-Kutta formulae. J. Comput. Appl. Math. 6,
+    1980, 19-26, and for the output Hairer, Nørsett and Wanner I, II.6 (DOPRI5). Grade B: held against SciPy's RK45.
 Step size
     Every unknown is held to its own tolerance: the norm is the largest of |error|/(atol + rtol |y|), so that one
     unknown of the head does not drown in a thousand rollers. Gustafsson's predictive control, see Hairer E., Wanner
@@ -43,6 +46,7 @@ from rollslip_system cimport ROLLSLIP_SYSTEM, rs_arrow, rs_system
 
 cdef enum:
     STAGES = 8
+    EXPLICIT_STAGES = 7
     # why a step was not taken
     TOO_LARGE = -3   # its error, that is
     SINGULAR = -4
@@ -90,6 +94,25 @@ cdef double[3][STAGES] DENSE = [
      -52.072871366152654, -59.78993625266729, -0.15582684282751913, 4.883087185713722],
 ]
 
+# Rows i = 2 .. 7 of Dormand and Prince's a_ij, of which the last has the weights; their c; the estimate of the error.
+cdef double[21] EXPLICIT = [
+    1.0 / 5.0,
+    3.0 / 40.0, 9.0 / 40.0,
+    44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0,
+    19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0,
+    9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0,
+    35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0,
+]
+cdef double[EXPLICIT_STAGES] EXPLICIT_C = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0]
+cdef double[EXPLICIT_STAGES] EXPLICIT_ERROR = [
+    71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0,
+]
+# sum_j d_j k_j is what the continuous output has of fourth power.
+cdef double[EXPLICIT_STAGES] EXPLICIT_DENSE = [
+    -12715105075.0 / 11282082432.0, 0.0, 87487479700.0 / 32700410799.0, -10690763975.0 / 1880347072.0,
+    701980252875.0 / 199316789632.0, -1453857185.0 / 822651844.0, 69997945.0 / 29380423.0,
+]
+
 cdef double LARGEST = 1.7976931348623157e308
 cdef double SAFETY = 0.9
 cdef double SHRINK = 0.2    # limits of a change of the step size
@@ -107,8 +130,15 @@ def tableau():
     return {"gamma": GAMMA, "a": a, "C": coupling, "c": np.array(C), "d": np.array(D), "h": np.array(DENSE)}
 
 
-cdef class Rosenbrock:
-    """Integrator of y' = f(t, y), y(t0) = y0, towards ``t_bound``.
+def explicit_tableau():
+    """Return the figures of Dormand and Prince's method: a, c, the estimate of the error e and d of the output."""
+    a = np.zeros((EXPLICIT_STAGES, EXPLICIT_STAGES))
+    a[np.tril_indices(EXPLICIT_STAGES, -1)] = EXPLICIT
+    return {"a": a, "c": np.array(EXPLICIT_C), "e": np.array(EXPLICIT_ERROR), "d": np.array(EXPLICIT_DENSE)}
+
+
+cdef class Stepper:
+    """Integrator of y' = f(t, y), y(t0) = y0, towards ``t_bound``: all but the stages of its method.
 
     Parameters
     ----------
@@ -445,37 +475,8 @@ cdef class Rosenbrock:
         return 0
 
     cdef int _derive(self, double stop) noexcept nogil:
-        """Derivatives at (t, y), where the rates are known."""
-        cdef double room = fmin(self.h, fabs(stop - self.t)), least = 4.0 * self._spacing(), width
-        cdef size_t i
-        cdef int status
-        self.jacobians += 1
-        if self.c.jacobian != NULL:
-            status = self.c.jacobian(self.t, self.y_now, &self.arrow, self.c.state)
-        else:
-            status = rs_differences(self.c, self.t, self.y_now, self.raw, self.central, &self.arrow, self.u,
-                                    self.minus, self.plus, &self.evaluations)
-        if status != 0:
-            return status
-        if not rs_finite(self.arrow.head_head, rs_arrow_size(self.c)):
-            return RS_NOT_FINITE
-        if self.c.autonomous:
-            return 0
-        if room < 2.0 * least:
-            memset(self.by_time, 0, self.n * sizeof(double))
-            return 0
-        # the step lies ahead: behind it and beyond the stop nothing need be defined
-        width = fmax(room * (RS_CENTRAL if self.central else RS_FORWARD), least)
-        width = (self.t + self.direction * width) - self.t
-        status = self._rates(self.t + width, self.y_now, self.by_time)
-        if status == 0 and self.central:
-            status = self._rates(self.t + 2.0 * width, self.y_now, self.f_new)
-            for i in range(self.n):
-                self.by_time[i] = (4.0 * self.by_time[i] - self.f_new[i] - 3.0 * self.f[i]) / (2.0 * width)
-        else:
-            for i in range(self.n):
-                self.by_time[i] = (self.by_time[i] - self.f[i]) / width
-        return status
+        """What a step needs to know at (t, y) besides the rates there."""
+        return 0
 
     cdef double _spacing(self) noexcept nogil:
         return fabs(nextafter(self.t, self.direction * LARGEST) - self.t)
@@ -515,7 +516,7 @@ cdef class Rosenbrock:
                 factor = fmin(fmax(pow(error, 0.2) / SAFETY, 1.0 / GROW), 1.0 / SHRINK)
                 if error <= 1.0:
                     # so that no state is kept from which there is no going on
-                    status = self._rates(t_new, self.y_new, self.f_new)
+                    status = self._arrive(t_new)
                     if status == RS_RAISED:
                         return status
                     if status == 0:
@@ -547,66 +548,17 @@ cdef class Rosenbrock:
         return 0
 
     cdef int _stages(self, double h, double t_new) noexcept nogil:
-        """Compute all k and ``y_new`` for a step of h, with its sign."""
-        cdef const double *a = A
-        cdef const double *coupling = COUPLING
-        cdef double *k
-        cdef double w
-        cdef size_t n = self.n, i, j, x
-        cdef int status
-        self.factorisations += 1
-        if rs_factorise(self.c, &self.arrow, 1.0 / (h * GAMMA), &self.factors):
-            return SINGULAR
-        for i in range(<size_t>STAGES):
-            k = self.k + i * n
-            if i == 0:
-                memcpy(k, self.f, n * sizeof(double))
-            else:
-                if i < STAGES - 2:
-                    memcpy(self.y_new, self.y_now, n * sizeof(double))
-                    for j in range(i):
-                        w = a[j]
-                        for x in range(n):
-                            self.y_new[x] += w * self.k[j * n + x]
-                    a += i
-                else:
-                    for x in range(n):
-                        self.y_new[x] += self.k[(i - 1) * n + x]
-                if not rs_finite(self.y_new, n):
-                    return RS_NOT_FINITE
-                status = self._rates(t_new if C[i] == 1.0 else self.t + C[i] * h, self.y_new, k)
-                if status != 0:
-                    return status
-                for j in range(i):
-                    w = coupling[j] / h
-                    for x in range(n):
-                        k[x] += w * self.k[j * n + x]
-                coupling += i
-            if not self.c.autonomous and D[i] != 0.0:
-                w = h * D[i]
-                for x in range(n):
-                    k[x] += w * self.by_time[x]
-            rs_solve(self.c, &self.arrow, &self.factors, k)
-        for x in range(n):
-            self.y_new[x] += k[x]
-        return 0 if rs_finite(self.y_new, n) else RS_NOT_FINITE
+        """Compute all k and ``y_new`` for a step of h, with its sign; the last k is the estimate of the error."""
+        return RS_NOT_FINITE
+
+    cdef int _arrive(self, double t_new) noexcept nogil:
+        """Compute the rates at ``y_new``."""
+        return self._rates(t_new, self.y_new, self.f_new)
 
     # Between steps ---------------------------------------------------------------------------------------------------
 
     cdef void _make_dense(self) noexcept nogil:
-        cdef size_t n = self.n, i, j, x
-        cdef double w
-        cdef double *into
-        if self.dense:
-            return
-        for i in range(3):
-            into = self.dense_k + i * n
-            for x in range(n):
-                into[x] = DENSE[i][0] * self.k[x]
-            for j in range(<size_t>1, <size_t>STAGES):
-                w = DENSE[i][j]
-                for x in range(n):
-                    into[x] += w * self.k[j * n + x]
+        """Compute the K of the continuous output, once for each step."""
         self.dense = True
 
     cdef void _dense_at(self, double s, double *into) noexcept nogil:
@@ -714,3 +666,156 @@ cdef class Rosenbrock:
         if status == 0:
             status = self._watch_at(high[0])
         return status
+
+
+cdef class Rosenbrock(Stepper):
+    """Rodas5P."""
+
+    cdef int _derive(self, double stop) noexcept nogil:
+        """Derivatives at (t, y), where the rates are known."""
+        cdef double room = fmin(self.h, fabs(stop - self.t)), least = 4.0 * self._spacing(), width
+        cdef size_t i
+        cdef int status
+        self.jacobians += 1
+        if self.c.jacobian != NULL:
+            status = self.c.jacobian(self.t, self.y_now, &self.arrow, self.c.state)
+        else:
+            status = rs_differences(self.c, self.t, self.y_now, self.raw, self.central, &self.arrow, self.u,
+                                    self.minus, self.plus, &self.evaluations)
+        if status != 0:
+            return status
+        if not rs_finite(self.arrow.head_head, rs_arrow_size(self.c)):
+            return RS_NOT_FINITE
+        if self.c.autonomous:
+            return 0
+        if room < 2.0 * least:
+            memset(self.by_time, 0, self.n * sizeof(double))
+            return 0
+        # the step lies ahead: behind it and beyond the stop nothing need be defined
+        width = fmax(room * (RS_CENTRAL if self.central else RS_FORWARD), least)
+        width = (self.t + self.direction * width) - self.t
+        status = self._rates(self.t + width, self.y_now, self.by_time)
+        if status == 0 and self.central:
+            status = self._rates(self.t + 2.0 * width, self.y_now, self.f_new)
+            for i in range(self.n):
+                self.by_time[i] = (4.0 * self.by_time[i] - self.f_new[i] - 3.0 * self.f[i]) / (2.0 * width)
+        else:
+            for i in range(self.n):
+                self.by_time[i] = (self.by_time[i] - self.f[i]) / width
+        return status
+
+    cdef int _stages(self, double h, double t_new) noexcept nogil:
+        """Compute all k and ``y_new`` for a step of h, with its sign."""
+        cdef const double *a = A
+        cdef const double *coupling = COUPLING
+        cdef double *k
+        cdef double w
+        cdef size_t n = self.n, i, j, x
+        cdef int status
+        self.factorisations += 1
+        if rs_factorise(self.c, &self.arrow, 1.0 / (h * GAMMA), &self.factors):
+            return SINGULAR
+        for i in range(<size_t>STAGES):
+            k = self.k + i * n
+            if i == 0:
+                memcpy(k, self.f, n * sizeof(double))
+            else:
+                if i < STAGES - 2:
+                    memcpy(self.y_new, self.y_now, n * sizeof(double))
+                    for j in range(i):
+                        w = a[j]
+                        for x in range(n):
+                            self.y_new[x] += w * self.k[j * n + x]
+                    a += i
+                else:
+                    for x in range(n):
+                        self.y_new[x] += self.k[(i - 1) * n + x]
+                if not rs_finite(self.y_new, n):
+                    return RS_NOT_FINITE
+                status = self._rates(t_new if C[i] == 1.0 else self.t + C[i] * h, self.y_new, k)
+                if status != 0:
+                    return status
+                for j in range(i):
+                    w = coupling[j] / h
+                    for x in range(n):
+                        k[x] += w * self.k[j * n + x]
+                coupling += i
+            if not self.c.autonomous and D[i] != 0.0:
+                w = h * D[i]
+                for x in range(n):
+                    k[x] += w * self.by_time[x]
+            rs_solve(self.c, &self.arrow, &self.factors, k)
+        for x in range(n):
+            self.y_new[x] += k[x]
+        return 0 if rs_finite(self.y_new, n) else RS_NOT_FINITE
+
+    cdef void _make_dense(self) noexcept nogil:
+        cdef size_t n = self.n, i, j, x
+        cdef double w
+        cdef double *into
+        if self.dense:
+            return
+        for i in range(3):
+            into = self.dense_k + i * n
+            for x in range(n):
+                into[x] = DENSE[i][0] * self.k[x]
+            for j in range(<size_t>1, <size_t>STAGES):
+                w = DENSE[i][j]
+                for x in range(n):
+                    into[x] += w * self.k[j * n + x]
+        self.dense = True
+
+
+cdef class DormandPrince(Stepper):
+    """Dormand and Prince's method of order 5(4)."""
+
+    cdef int _stages(self, double h, double t_new) noexcept nogil:
+        cdef const double *a = EXPLICIT
+        cdef double *error = self.k + EXPLICIT_STAGES * self.n
+        cdef double w
+        cdef size_t n = self.n, i, j, x
+        cdef int status
+        memcpy(self.k, self.f, n * sizeof(double))
+        memset(error, 0, n * sizeof(double))
+        for i in range(<size_t>1, <size_t>EXPLICIT_STAGES):
+            memcpy(self.y_new, self.y_now, n * sizeof(double))
+            for j in range(i):
+                w = h * a[j]
+                for x in range(n):
+                    self.y_new[x] += w * self.k[j * n + x]
+            a += i
+            if not rs_finite(self.y_new, n):
+                return RS_NOT_FINITE
+            status = self._rates(
+                t_new if EXPLICIT_C[i] == 1.0 else self.t + EXPLICIT_C[i] * h, self.y_new, self.k + i * n)
+            if status != 0:
+                return status
+        for j in range(<size_t>EXPLICIT_STAGES):
+            w = h * EXPLICIT_ERROR[j]
+            for x in range(n):
+                error[x] += w * self.k[j * n + x]
+        return 0
+
+    cdef int _arrive(self, double t_new) noexcept nogil:
+        """The last stage has them."""
+        memcpy(self.f_new, self.k + (EXPLICIT_STAGES - 1) * self.n, self.n * sizeof(double))
+        return 0
+
+    cdef void _make_dense(self) noexcept nogil:
+        cdef size_t n = self.n, j, x
+        cdef double *k1 = self.dense_k
+        cdef double *k2 = k1 + n
+        cdef double *k3 = k2 + n
+        cdef double h = self.taken, w
+        if self.dense:
+            return
+        memset(k3, 0, n * sizeof(double))
+        for j in range(<size_t>EXPLICIT_STAGES):
+            w = h * EXPLICIT_DENSE[j]
+            for x in range(n):
+                k3[x] -= w * self.k[j * n + x]
+        for x in range(n):
+            w = self.y_new[x] - self.y_old[x]
+            k1[x] = h * self.k[x] - w
+            k2[x] = w - h * self.k[(EXPLICIT_STAGES - 1) * n + x] - k1[x] - k3[x]
+        self.dense = True
