@@ -49,7 +49,8 @@ class Assembly:
     outer: Raceway
     #: Load distributions of few slices at few instants, which a plan asks for again and again.
     known_loads: dict[tuple[Any, ...], LoadDistribution] = attrs.field(factory=dict, repr=False)
-    #: Load maps over the orbit (`rollslip.bearing.load_map`), which a plan builds and a run needs again.
+    #: Load maps over the orbit (`rollslip.bearing.load_map`) and tables of effective friction, which a plan builds and
+    #: a run needs again.
     known_maps: dict[tuple[Any, ...], Any] = attrs.field(factory=dict, repr=False)
 
     @property

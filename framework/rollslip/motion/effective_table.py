@@ -163,7 +163,8 @@ def effective_table(assembly: Assembly, raceway: Raceway, load: Array, tolerance
     """
     epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     rolling = np.array([epicyclic, *(epicyclic * share for share in _ROLLING)][: 3 if slips else 1])
-    law, left = _gathered(raceway, np.sort(load[load > 0.0]), rolling, _CLASSES_SHARE * tolerance)
+    distinct, times = np.unique(load[load > 0.0], return_counts=True)  # mirror images are equal to the bit
+    law, left = _gathered(raceway, distinct, times.astype(float), rolling, _CLASSES_SHARE * tolerance)
     cells = _CELLS_SHARE * tolerance
     table = map_table(law, epicyclic, cells) if slips else curve_table(partial(law, epicyclic), epicyclic, cells)
     return attrs.evolve(
@@ -415,7 +416,7 @@ def _slopes(limit: float, values: Array, rise: Any, share: float = 0.0) -> Array
 
 
 def _spline(values: Array, rise: Array | None = None) -> Array:
-    """Slopes, times the width of a cell, of the cubic spline through four equally spaced nodes or more on the last axis.
+    """Slopes, times the width of a cell, of the cubic spline through equally spaced nodes on the last axis, at least 4.
 
     ``rise`` is that of the first node; without it, as at the last node, no knot separates the first two cells. Slopes
     m obey m_k-1 + 4 m_k + m_k+1 = 3 (y_k+1 - y_k-1), of which [1 4 1] has the inverse z^|k| / (2 sqrt 3) with
@@ -508,14 +509,14 @@ def _too_coarse(error: float, tolerance: float) -> ConvergenceError:
 
 
 def _gathered(
-    raceway: Raceway, load: Array, rolling: Array, tolerance: float
+    raceway: Raceway, load: Array, times: Array, rolling: Array, tolerance: float
 ) -> tuple[Callable[[float, Array], Array], tuple[float, float, float]]:
-    """Gather slices of ascending load into as few classes of equal force as leave what is to be kept.
+    """Gather slices of ascending load, each so many times there, into as few classes as leave what is to be kept.
 
-    Returns mean friction over rolling and sliding speed, and the errors of the classes: of friction at any of the
-    rolling speeds, and at the first one of the slope at no slip and of the maximum.
+    Classes are of equal force. Returns mean friction over rolling and sliding speed, and their errors: of friction at
+    any of the rolling speeds, and at the first one of the slope at no slip and of the maximum.
     """
-    share = load / load.sum()
+    share = load * times / (load * times).sum()
     whole = _mean_friction(raceway, load, share)
     true = [whole(u, _probe(u)) for u in rolling.tolist()]
     epicyclic = float(rolling[0])

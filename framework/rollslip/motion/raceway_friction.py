@@ -109,10 +109,19 @@ def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: Load
         return RacewayFriction(settings, (inner, outer), slices=slices)
     tolerance = settings.table_tolerance(assembly)
     loads = build_load_map(assembly, tolerance) if loads is None else loads
-    epicyclic = loads.loads(min(assembly.centrifugal_force, loads.top))
-    tables = tuple(
-        effective_table(assembly, raceway, load, tolerance, settings.effective_over == "slips")
-        for raceway, load in zip(assembly.raceways, epicyclic, strict=True)
-    )
+    tables = tuple(_table(assembly, ring, loads, tolerance, settings.effective_over == "slips") for ring in (0, 1))
     inner, outer = (table.raceway(rollers) for table in tables)
     return RacewayFriction(settings, (inner, outer), tables=tables)
+
+
+def _table(assembly: Assembly, ring: int, loads: LoadMap, tolerance: float, slips: bool) -> EffectiveTable:
+    """Return the effective friction of a ring at the epicyclic speed, made once for a bearing."""
+    raceway, load = assembly.raceways[ring], loads.loads(min(assembly.centrifugal_force, loads.top))[ring]
+    key = ring, loads.orbits, raceway.conditions, raceway.chain.models, raceway.chain.bounds, tolerance, slips
+    try:
+        known: EffectiveTable | None = assembly.known_maps.get(key)
+    except TypeError:  # a model that is not to be told from others
+        return effective_table(assembly, raceway, load, tolerance, slips)
+    if known is None:
+        known = assembly.known_maps[key] = effective_table(assembly, raceway, load, tolerance, slips)
+    return known
