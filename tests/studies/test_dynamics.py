@@ -8,6 +8,7 @@ import pytest
 import rollslip
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
+from rollslip.catalogue.registry import get_model
 from rollslip.errors import PluginError, SceneError
 from rollslip.fields import FieldError
 from rollslip.motion.planar import PlanarSettings
@@ -211,7 +212,8 @@ def test_every_integrator_finds_the_same_motion(name):
     theirs = run(bearing(brake(0.3)), integrator=name, **settings)
     assert distance(theirs, ours) < 1e-6
     assert theirs.attrs["integrator"] == name
-    assert theirs.attrs["rejected"] == -1
+    compiled = get_model("integrator", name).compiled() is not None
+    assert (theirs.attrs["rejected"] >= 0) == compiled == (name == "rk45")  # a solver of SciPy's does not tell
 
 
 def braked(duration):

@@ -13,8 +13,10 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.discovery import available
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError
+from rollslip.motion.planar import PlanarSettings
 from rollslip.planning.plan import plan
 from rollslip.studies.dynamics import choice as estimates
+from rollslip.studies.dynamics import cost as costs
 from rollslip.studies.dynamics.choice import choose_motion
 from rollslip.studies.dynamics.study import Dynamics
 
@@ -102,6 +104,56 @@ def test_a_motion_that_costs_nothing_is_not_worth_trying_others():
     found = choose_motion(Dynamics(duration=1e-3), bearing(), others("integrator"))
     assert found.settings == {"integrator": "rodas5p"}
     assert "too little to try others" in found.reasons["integrator"]
+
+
+@pytest.mark.parametrize("level", ["pocket", "planar"])
+def test_where_impacts_decide_the_integrator_stays(level):
+    study = Dynamics(level=level, duration=1.0, planar=PlanarSettings(inner_ring_mass=5.0))
+    found = choose_motion(study, bearing(), others("integrator"))
+    assert found.settings == {"integrator": "rodas5p"}
+    assert f"at level {level} impacts decide" in found.reasons["integrator"]
+
+
+def test_those_stepped_from_python_are_tried_where_a_motion_takes_long():
+    seconds_of = {"rodas5p": 10.0, "rk45": 6.0, "rk23": 50.0, "dop853": 0.5}
+    for seconds, tried in ((1.0, True), (1e-2, False)):
+        with pytest.MonkeyPatch.context() as monkeypatch:
+            monkeypatch.setattr(
+                estimates._Trials, "_cost", cost({name: seconds * one for name, one in seconds_of.items()})
+            )
+            found = choose_motion(Dynamics(duration=1.0), bearing(), others("integrator"))
+        assert found.settings == {"integrator": "dop853" if tried else "rodas5p"}
+        assert ("dop853" in found.reasons["integrator"]) == tried
+
+
+@pytest.mark.parametrize("unknowns", [3, 40, 170])
+def test_the_largest_rate_is_that_of_all_eigenvalues(unknowns):
+    """With units up to 1e12 apart; a matrix of no rates has none."""
+    rng = np.random.default_rng(unknowns)
+    units = 10.0 ** rng.uniform(-6, 6, unknowns)
+    matrix = units[:, None] * rng.normal(size=(unknowns, unknowns)) / units
+    assert estimates._largest_rate(matrix) == pytest.approx(np.abs(np.linalg.eigvals(matrix)).max(), rel=0.02)
+    assert estimates._largest_rate(np.zeros((2, 2))) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("level", "friction", "duration"),
+    [
+        ("cage-set", "effective", 1.0),
+        ("cage-set", "conventional", 0.5),
+        ("pocket", "effective", 0.1),
+        ("planar", "effective", 0.01),
+    ],
+)
+def test_the_evaluations_of_a_motion_are_foreseen_within_a_factor_of_two(level, friction, duration):
+    planar = PlanarSettings(inner_ring_mass=5.0)
+    study, assembly = Dynamics(level=level, friction=friction, duration=duration, planar=planar), bearing()
+    tried = estimates.with_few_slices(assembly) if friction == "conventional" else assembly
+    foreseen, each, _ = costs._foreseen(study, study.moving(tried))
+    found = study.run(assembly)
+    assert 0.5 < foreseen / found.attrs["rate_evaluations"] < 2.0
+    assert each > 0.0
+    assert set(study.cost(assembly)) == {"tables", "motion", "running away"}
 
 
 def test_integrators_say_whether_they_are_explicit():

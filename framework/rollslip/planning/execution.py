@@ -76,6 +76,8 @@ def execute(
     progress : callable, optional
         Told how far a study in time has come.
     """
+    import xarray as xr  # noqa: F401 - what takes longer than many a study is no cost of the first one
+
     begin, processor, running = time.perf_counter(), time.process_time(), plan.studies[study]
     taken_back = list[str]()
     while True:

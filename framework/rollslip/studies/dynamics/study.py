@@ -12,9 +12,7 @@
 
 import json
 import math
-import time
 from collections.abc import Mapping
-from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -23,7 +21,6 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
-from rollslip.bearing.load_map import LoadMap, build_load_map
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.resolution import Resolution, finest, refined
 from rollslip.catalogue.registry import find, structure_model
@@ -43,7 +40,8 @@ from rollslip.scene.values import Scene, resolved
 from rollslip.structure import Location
 from rollslip.studies import estimates
 from rollslip.studies.answers import Estimated, Evaluated, Keep, Output, Part
-from rollslip.studies.dynamics.choice import choose_motion
+from rollslip.studies.dynamics.choice import choose_motion, with_few_slices
+from rollslip.studies.dynamics.cost import costs_of
 from rollslip.studies.dynamics.ending import (
     WATCHED,
     explained,
@@ -57,7 +55,6 @@ from rollslip.studies.dynamics.outputs import OUTPUTS
 from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip.studies.raceways import LoadedRaceways
 from rollslip.studies.study import CONTACT_CHOICES, Study
-from rollslip.studies.timing import timed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -74,8 +71,8 @@ UNKNOWNS: Final = {"cage-set": (2, 1), "pocket": (2, 3), "planar": (10, 5)}
 _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5, 26)}
 #: Shares of the tolerances that slices and instants may use, that tables may take, and that steps may take.
 _SHARE, _TABLES, _STEPS_SHARE = 0.5, 0.2, 0.2
-#: A usual tolerance of a step; that of tables for a short motion, and its time [s] at most.
-_STEP, _ROUGH, _SHORT = 1e-5, 1e-2, 5e-3
+#: A usual tolerance of a step, and the time [s] of a short motion.
+_STEP, _SHORT = 1e-5, 5e-3
 #: Instants of a pitch for the slip of running away; more move it by less than an event is worth.
 _INSTANTS: Final = 4
 #: Relative tolerance at which rounding begins to govern the steps, 100 times that of numbers.
@@ -100,6 +97,7 @@ class Dynamics(Study):
         {
             "tables": "loads over the orbit and effective friction",
             "motion": "the study asks for cage and rollers in time",
+            "running away": "whether the cage runs away is told with every motion",
         }
     )
     with_cage: ClassVar[bool] = True
@@ -190,11 +188,11 @@ class Dynamics(Study):
         averaged = self.curved(assembly)
         if assembly.scene.accuracy.exact:
             return self._with_choice(estimates.exactly(averaged, assembly), assembly)
-        estimated, few = estimates.slices_and_instants(averaged, assembly, _SHARE)
+        estimated, _ = estimates.slices_and_instants(averaged, assembly, _SHARE)
         estimated = self._with_choice(estimates.with_tables(estimated, assembly, _TABLES), assembly)
         if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
             return estimated
-        return self._with_steps(estimated, few)
+        return self._with_steps(estimated, with_few_slices(assembly.at(estimated.resolution)))
 
     def _with_choice(self, estimated: Estimated, assembly: Assembly) -> Estimated:
         """Friction, level and integrator, where the scene does not name them."""
@@ -209,7 +207,7 @@ class Dynamics(Study):
     def _with_steps(self, estimated: Estimated, few: Assembly) -> Estimated:
         """Tolerance of a step: errors of the speeds over a short time go with it, in proportion at most."""
         study, accuracy = self.at(estimated.resolution), few.scene.accuracy
-        moving = study.moving(few.at(attrs.evolve(few.resolution, table_tolerance=_ROUGH)))
+        moving = study.moving(few)
         span = min(_SHORT, study.duration)
         motions = (study.tried(moving, np.array([0.0, span]), tolerance) for tolerance in (_STEP, 1e-3 * _STEP))
         rough, fine = (float(moving.split(found.y)["cage_speed"][-1]) for found in motions)
@@ -229,24 +227,10 @@ class Dynamics(Study):
         return refined(scene, own, self.relative_tolerance), "against four times as fine"
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return the time [s] of the tables, and of a short part of the motion times what is left of it."""
-        resolution = assembly.resolution
-        few = assembly.at(attrs.evolve(resolution, slices=min(estimates.FEW, resolution.slices), quadrature="equal"))
-        more, built = assembly.slices / few.slices, 0.0
-        begin = time.process_time()
-        if self.level != "planar" and self.friction != "effective":  # the run takes this map, the trial a rough one
-            build_load_map(assembly.with_resistance(), self._frictions().table_tolerance(assembly))
-            built, begin = time.process_time() - begin, time.process_time()
-            few = few.at(attrs.evolve(few.resolution, table_tolerance=max(_ROUGH, resolution.table_tolerance)))
-        moving = self.moving(few)
-        tables, span = built or more * (time.process_time() - begin), min(_SHORT, self.duration)
-        # the beginning is the most abrupt: what goes on is taken from its second half
-        begins, half = (
-            timed(partial(self.tried, moving, np.array([0.0, share * span]), self.relative_tolerance), 1)
-            for share in (1.0, 0.5)
-        )
-        whole = begins + 2.0 * max(begins - half, 0.0) * (self.duration / span - 1.0)
-        return {"tables": tables, "motion": whole * (more if self.friction == "conventional" else 1.0)}
+        """Return the time [s] of tables and motion, from its beginning, and of the slip of running away."""
+        at = attrs.evolve(assembly.resolution, instants=assembly.resolution.instants or _INSTANTS)
+        told = attrs.evolve(self.curved(assembly), map_points=0).cost(assembly.at(at))
+        return {"running away": sum(told.values()), **costs_of(self, assembly)}
 
     def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
         """Return steps, friction, level and integrator."""
@@ -405,29 +389,36 @@ class Dynamics(Study):
             )
         )
 
-    def tried(self, moving: MovingBearing, times: Array, tolerance: float) -> Trajectory:
-        """Return the motion from its start, at some times [s] and a relative tolerance, nothing watched or kept."""
+    def tried(
+        self, moving: MovingBearing, times: Array, tolerance: float, before: Trajectory | None = None
+    ) -> Trajectory:
+        """Return the motion from its start or from before, at some times [s], nothing watched or kept."""
         problem = InitialValueProblem(
             rates=moving.system,
-            y=moving.initial(self.cage_slip, self.roller_slip),
-            t=0.0,
+            y=moving.initial(self.cage_slip, self.roller_slip) if before is None else before.last_y,
+            t=0.0 if before is None else before.last_t,
             atol=tolerance * moving.system.scale,
             jacobian=moving.system.jacobian,
             breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
         )
-        found = integrate(problem, self.method(moving.assembly), times, rtol=tolerance)
+        found = integrate(
+            problem,
+            self.method(moving.assembly),
+            times,
+            rtol=tolerance,
+            first_step=0.0 if before is None else before.last_step,
+            state=None if before is None else before.last_state,
+        )
         if found.outcome == "interrupted":  # else what is chosen by trials would take it for a fault of one
             raise KeyboardInterrupt
         return found
 
-    def moving(
-        self, assembly: Assembly, loads: LoadMap | None = None, *, critical_slip: float = math.nan
-    ) -> MovingBearing:
-        """Return the bearing in motion; its loads over the orbit may be known, but for level planar."""
+    def moving(self, assembly: Assembly, *, critical_slip: float = math.nan) -> MovingBearing:
+        """Return the bearing in motion."""
         friction = self._frictions(critical_slip)
         if self.level == "planar":
             return planar_motion(assembly, self._of_planar(assembly), friction)
-        return carried_motion(assembly, friction, level=self.level, loads=loads)
+        return carried_motion(assembly, friction, level=self.level)
 
     def _frictions(self, critical_slip: float = math.nan) -> FrictionSettings:
         return FrictionSettings(
