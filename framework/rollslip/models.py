@@ -497,6 +497,11 @@ class TractionModel(SliceModel):
         return None
 
     @property
+    def boundary_up_to(self) -> float:
+        """Film parameter up to which there is boundary friction alone; 0 if a film always has a share."""
+        return 0.0
+
+    @property
     def full_film(self) -> "TractionModel":
         """Law of the full film alone; the model itself if it has no boundary friction."""
         return self

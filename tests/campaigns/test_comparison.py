@@ -22,6 +22,7 @@ from rollslip.results.curves import curve_names
 from rollslip.results.dataset import save
 from rollslip.results.figures import plot
 from rollslip.results.report import write_report
+from rollslip_plugins.traction.blend import LinearBlend
 from rollslip_plugins.traction.eyring import Muraki
 
 #: One slice a contact and few slips: quick, and still both rings, all rollers and a maximum.
@@ -682,6 +683,23 @@ def test_a_figure_is_the_same_bytes_each_time(tmp_path):
 )
 def test_a_mean_difference_of_nothing_is_neither_above_nor_below(difference, said):
     assert _in_words(difference) == said
+
+
+def test_a_law_of_a_stranger_states_how_far_its_boundary_film_goes():
+    class Stepped(LinearBlend):
+        """A blend whose limits have names of their own."""
+
+        name = "stepped"
+        boundary_up_to = 0.5
+        full_film_from = 2.5
+
+    law = Stepped(boundary_limit=0.0, hydrodynamic_limit=3.0)
+    made = rollslip.plan(SCENE, "friction-curve")
+    made = attrs.evolve(made, assembly=attrs.evolve(made.assembly, traction=law))
+    bins = Bins.of(made, {"friction": [], "film regime": [], "film parameter": []}, None)
+    assert bins.names["film parameter"] == (
+        "in boundary film, Lambda <= 0.5", "in mixed film, 0.5 < Lambda <= 2.5", "in full film, Lambda > 2.5"
+    )  # fmt: skip
 
 
 def test_slices_are_sorted_by_the_limits_that_are_told():

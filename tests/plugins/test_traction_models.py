@@ -600,6 +600,7 @@ def test_an_accuracy_that_rounding_forbids_is_refused():
 
 def test_only_a_blend_says_from_where_on_the_film_is_full():
     assert [model.full_film_from for model in MODELS] == [None] * 7 + [1.5, 3.0, 1.5]
+    assert [model.boundary_up_to for model in MODELS] == [getattr(model, "boundary_limit", 0.0) for model in MODELS]
 
 
 def test_blend_takes_the_domain_that_both_children_share():

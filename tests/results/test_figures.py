@@ -13,10 +13,10 @@ from matplotlib import style
 from matplotlib.figure import Figure
 
 from rollslip.bearing.assembly import assemble
+from rollslip.planning.provenance import film_limits_told
 from rollslip.results.curves import Curve, curves, percent
 from rollslip.results.figures import plot
 from rollslip.results.style import STYLE, plain_ticks
-from rollslip.scene import resolved
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.studies.effective_friction.study import EffectiveFriction
@@ -27,8 +27,9 @@ FALLING = "friction falls beyond it"
 
 
 def dataset(study, scene=COLD):
-    result = study.run(assemble(scene))
-    result.attrs["scene_resolved"] = json.dumps(resolved(scene))
+    assembly = assemble(scene)
+    result = study.run(assembly)
+    result.attrs["film_limits"] = json.dumps(film_limits_told(assembly))
     return result
 
 
@@ -171,8 +172,10 @@ def test_the_kind_of_film_is_said_and_shaded_where_it_is_not_full(tmp_path):
     assert r"mixed film: smallest $\Lambda$ < 1.5" in words(only(plot(contact(rough), tmp_path)))
     percentage = evolve(rough, {"models.traction.hydrodynamic_limit": "150 %"})
     assert r"mixed film: smallest $\Lambda$ < 1.5" in words(only(plot(contact(percentage), tmp_path)))
+    other = evolve(COLD, {"models.traction": "zhou-hoeprich"})  # whose share of 2^-53 is at (53 ln 2/1.8)^(1/1.2)
+    assert r"mixed film: smallest $\Lambda$ < 12.3" in words(only(plot(contact(other), tmp_path)))
     unsaid = contact(rough)
-    del unsaid.attrs["scene_resolved"]
+    del unsaid.attrs["film_limits"]
     assert "film" not in " ".join(words(only(plot(unsaid, tmp_path))))
 
 

@@ -8,6 +8,7 @@ every reader keeps.
 import datetime
 import importlib.metadata
 import json
+import math
 import sys
 from collections.abc import Iterable, Mapping
 from numbers import Number
@@ -75,6 +76,7 @@ def run_origin(plan: Plan, study: str, warnings: list[str], evaluations: int, wa
         packages=packages_of(offers),
         models=models_told(plan.models),
         lubricant=lubricant_told(assembly.lubricant),
+        film_limits=film_limits_told(assembly),
         conditions={raceway.ring: attrs.asdict(raceway.conditions) for raceway in assembly.raceways},
         plan=[part_as_dict(part) for part in plan.parts if part.study in ("", study)],
         warnings=warnings,
@@ -125,6 +127,13 @@ def models_told(models: Iterable[tuple[str, Any]]) -> list[dict[str, Any]]:
         }
         for kind, model, offer in ((kind, model, find(kind, model.name)) for kind, model in models)
     ]
+
+
+def film_limits_told(assembly: "Assembly") -> dict[str, float]:
+    """Return the film parameters up to which a film is mixed, and boundary, as far as the scene's traction has any."""
+    traction = assembly.at(attrs.evolve(assembly.resolution, boundary=True)).traction
+    limits = {"mixed": traction.full_film_from or 0.0, "boundary": traction.boundary_up_to}
+    return {film: limit for film, limit in limits.items() if 0.0 < limit < math.inf}
 
 
 def lubricant_told(oil: "Lubricant") -> dict[str, Any]:

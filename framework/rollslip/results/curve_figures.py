@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from rollslip.results.curves import Curve, Curves, curves, digits, percent
 from rollslip.results.style import MARKER, ONE_COLUMN, ROW, axis_label, light_to_dark, plain_ticks
-from rollslip.units import quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -81,10 +80,9 @@ def new_figure() -> "tuple[Figure, Axes]":
 
 
 def film_limits(dataset: "xr.Dataset") -> dict[str, float]:
-    """Film parameters up to which a film is mixed or boundary, as far as the scene gives them."""
-    traction = json.loads(dataset.attrs.get("scene_resolved", "{}")).get("models", {}).get("traction", {})
-    keys = {"mixed": "hydrodynamic_limit", "boundary": "boundary_limit"}
-    return {film: quantity(traction[key], "1") for film, key in keys.items() if key in traction}
+    """Film parameters up to which a film is mixed or boundary, as its law of traction states them."""
+    limits: dict[str, float] = json.loads(dataset.attrs.get("film_limits", "{}"))
+    return limits
 
 
 def film_text(curve: Curve, limits: Mapping[str, float]) -> str:
@@ -123,7 +121,7 @@ def shade_film(axes: "Axes", shown: Sequence[Curve], limits: Mapping[str, float]
                 linewidth=0.0,
                 zorder=0,
             )
-            label = rf"{film} film: smallest $\Lambda$ < {limit:g}"
+            label = rf"{film} film: smallest $\Lambda$ < {limit:.3g}"
             handles.append(Patch(facecolor=FILM_TINTS[film], label=label))
     return handles
 

@@ -36,7 +36,8 @@ _NUMBERS: Final = ("evaluations", "wall_time")
 _STRUCTURES: Final = dict.fromkeys(
     ("accuracy", "bibliography", "citations", "models", "plan", "taken_back", "warnings"), list
 ) | dict.fromkeys(
-    ("conditions", "cost", "curves", "lubricant", "packages", "resolution", "scene_resolved", "validity"), dict
+    ("conditions", "cost", "curves", "film_limits", "lubricant", "packages", "resolution", "scene_resolved",
+     "validity"), dict
 )  # fmt: skip
 #: What readers raise where a file, or what it holds, is of another shape than they take for granted.
 _OTHERWISE: Final = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)

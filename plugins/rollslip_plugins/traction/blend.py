@@ -134,6 +134,11 @@ class _BetweenLimits(_Blend):
         """Film parameter from which on no boundary friction takes part."""
         return self.hydrodynamic_limit
 
+    @property
+    def boundary_up_to(self) -> float:
+        """Film parameter up to which there is boundary friction alone."""
+        return self.boundary_limit
+
     def shares(self, slices: Slices) -> tuple[Array, Array]:
         """Return the shares of boundary and of film friction in each slice."""
         film_parameter = slices.film_thickness / slices.conditions.roughness

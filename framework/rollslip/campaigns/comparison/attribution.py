@@ -158,7 +158,7 @@ class Bins:
         bins: dict[str, tuple[str, ...]] = {"film regime": tuple(f"in the {LONG_NAMES[name]} regime" for name in NAMES)}
         limits: dict[str, tuple[float, ...]] = {"film regime": (0.5, 1.5, 2.5)}
         if (full := traction.full_film_from) is not None:
-            limits["film parameter"] = (float(getattr(traction, "boundary_limit", 0.0)), full)
+            limits["film parameter"] = (traction.boundary_up_to, full)
             films = zip(("boundary", "mixed", "full"), _ranges("Lambda", limits["film parameter"]), strict=True)
             bins["film parameter"] = tuple(f"in {film} film, {words}" for film, words in films)
         for grouping, (_, symbol) in () if law is None else law.regimes.items():
