@@ -24,6 +24,8 @@ from rollslip.fields import FieldError
 from rollslip.structure import attributes
 from rollslip.units import UnitError, as_written, expectation, quantity
 
+_REMEDY: Final = "free space, or name another place"
+
 
 def decoded(content: bytes, source: str) -> str:
     """Return the text of a file in UTF-8; ``source`` is its name in messages."""
@@ -200,27 +202,52 @@ def _value(cell: str, unit: str, column: "attrs.Attribute[Any]", where: str, fau
 
 
 @contextmanager
-def whole(target: Path) -> Iterator[Path]:
+def whole(
+    target: Path, *, sort: str = "", put: Callable[[Path, Path], None] | None = None, remedy: str = _REMEDY
+) -> Iterator[Path]:
     """Give an empty folder that becomes the new folder ``target`` when the block ends well, else vanishes.
+
+    Parameters
+    ----------
+    target
+        What it becomes.
+    sort
+        Part of the name that the folder has until then, after that of the target.
+    put
+        Puts it in the place of the target; by default what is there has to be nothing, or empty.
+    remedy
+        What to do if it cannot be written.
 
     Raises
     ------
     OutputError
-        If it cannot be written.
+        If it cannot be written; what goes wrong in the block is its own to tell, see `blamed`.
     """
-    try:
+    with blamed(target, remedy):
         target.parent.mkdir(parents=True, exist_ok=True)
-        partial = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror}); name another place") from error
+        partial = Path(tempfile.mkdtemp(prefix=f".{target.name}.{sort}", dir=target.parent))
     try:
         yield partial
-        partial.chmod(0o777 & ~umask())
-        os.replace(partial, target)
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror or error}); nothing was left there") from error
+        with blamed(target, remedy):
+            partial.chmod(0o777 & ~umask())
+            (put or os.replace)(partial, target)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
+
+
+@contextmanager
+def blamed(target: Path, remedy: str = _REMEDY) -> Iterator[None]:
+    """Turn what the system says against writing into one error that names what was to be written, and a remedy.
+
+    Raises
+    ------
+    OutputError
+        If an OSError comes out of the block.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written ({error.strerror or error}); {remedy}") from error
 
 
 def umask() -> int:
@@ -240,12 +267,9 @@ def whole_file(target: Path) -> Iterator[Path]:
         If it cannot be written.
     """
     partial = target.with_name(f".{target.name}.partial")
-    try:
-        yield partial
-        os.replace(partial, target)
-    except OSError as error:
-        raise OutputError(
-            f"{target}: cannot be written ({error.strerror or error}); free space, or name another place"
-        ) from error
-    finally:
-        partial.unlink(missing_ok=True)
+    with blamed(target):
+        try:
+            yield partial
+            os.replace(partial, target)
+        finally:
+            partial.unlink(missing_ok=True)

@@ -57,14 +57,14 @@ def new(name: str, kind: str, compiled: bool, folder: Path) -> Path:
     OutputError
         If there is something of that name already, or it cannot be written; then nothing is left.
     """
-    from rollslip.files import whole
+    from rollslip.files import blamed, whole
 
     texts = package(name, kind, compiled)
     target = folder / name
     if target.exists() or target.is_symlink():
         raise OutputError(f"{target}: exists, and is left as it is; choose another name or folder, or remove it")
     try:
-        with whole(target) as partial:
+        with whole(target) as partial, blamed(target):
             for path, text in texts.items():
                 (partial / path).parent.mkdir(parents=True, exist_ok=True)
                 (partial / path).write_text(text, encoding="utf-8", newline="\n")

@@ -18,12 +18,16 @@ from pathlib import Path
 from typing import Final
 
 from rollslip.errors import BusyError, OutputError
-from rollslip.files import umask
+from rollslip.files import blamed, whole
 
 __all__ = ["MANIFEST", "results_folder"]
 
 MANIFEST: Final = "manifest.json"
 _LOCK: Final = ".lock"
+#: What tells a folder that is being made, and one that is being replaced, from whatever else stands beside the target.
+_PARTIAL: Final = "rollslip-partial."
+_OLD: Final = "rollslip-old."
+_REMEDY: Final = "free space or name another --out"
 
 
 @contextmanager
@@ -49,38 +53,34 @@ def results_folder(target: Path, *, overwrite: bool = False) -> Iterator[Path]:
     if target.is_symlink():
         target = target.resolve()
     _refuse(target, overwrite)
-    with _blamed(target):
-        target.parent.mkdir(parents=True, exist_ok=True)
-        partial = Path(tempfile.mkdtemp(prefix=_prefix(target, "partial"), dir=target.parent))
-    lock = FileLock(partial / _LOCK)
+    lock = None
     try:
-        with _blamed(target):
-            lock.acquire(blocking=False)
-            _clear_up(target, partial)
-        try:
-            yield partial
-        except OutputError as error:  # of a file in the folder that nobody knows but us
-            if str(partial) not in str(error):
-                raise
-            raise OutputError(str(error).replace(str(partial), str(target))) from error
-        _refuse(target, overwrite)  # somebody may have put something there meanwhile
-        with _blamed(target):
-            files = {name: _checksum(partial / name) for name in _files(partial)}
-            told = {"written by": "rollslip", "format": 1, "sha256": files}
-            (partial / MANIFEST).write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
-            partial.chmod(0o777 & ~umask())
-            _exchange(partial, target)
-            (target / _LOCK).unlink(missing_ok=True)
+        with whole(target, sort=_PARTIAL, put=_exchange, remedy=_REMEDY) as partial:
+            lock = FileLock(partial / _LOCK)
+            with blamed(target, _REMEDY):
+                lock.acquire(blocking=False)
+                _clear_up(target, partial)
+            try:
+                yield partial
+            except OutputError as error:  # of a file in the folder that nobody knows but us
+                if str(partial) not in str(error):
+                    raise
+                raise OutputError(str(error).replace(str(partial), str(target))) from error
+            _refuse(target, overwrite)  # somebody may have put something there meanwhile
+            with blamed(target, _REMEDY):
+                files = {name: _checksum(partial / name) for name in _files(partial)}
+                told = {"written by": "rollslip", "format": 1, "sha256": files}
+                (partial / MANIFEST).write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
     finally:
-        with suppress(OSError):
-            lock.release()
-        shutil.rmtree(partial, ignore_errors=True)
+        if lock is not None:
+            with suppress(OSError):
+                lock.release()
 
 
 def _refuse(target: Path, overwrite: bool) -> None:
     """Refuse a target that holds what may not be replaced."""
     elsewhere = "name another --out"
-    with _blamed(target):
+    with blamed(target, _REMEDY):
         if not target.exists():
             return
         if not target.is_dir():
@@ -131,15 +131,11 @@ def _checksum(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _prefix(target: Path, what: str) -> str:
-    return f".{target.name}.rollslip-{what}."
-
-
 def _clear_up(target: Path, own: Path) -> None:
     """Remove what dead runs into a target left beside it, and put back what one was about to replace."""
     from filelock import FileLock, Timeout
 
-    for left in _beside(target, "partial"):
+    for left in _beside(target, _PARTIAL):
         if left == own:
             continue
         try:
@@ -147,38 +143,28 @@ def _clear_up(target: Path, own: Path) -> None:
                 shutil.rmtree(left, ignore_errors=True)
         except Timeout:
             raise BusyError(f"{target}: another run is writing there; wait for it, or name another --out") from None
-    for old in _beside(target, "old"):
+    for old in _beside(target, _OLD):
         if target.exists():
             shutil.rmtree(old, ignore_errors=True)
         else:
             os.replace(old, target)
 
 
-def _beside(target: Path, what: str) -> list[Path]:
-    prefix = _prefix(target, what)
-    return [path for path in target.parent.iterdir() if path.name.startswith(prefix)]
+def _beside(target: Path, sort: str) -> list[Path]:
+    return [path for path in target.parent.iterdir() if path.name.startswith(f".{target.name}.{sort}")]
 
 
 def _exchange(partial: Path, target: Path) -> None:
-    """Put a folder in the place of another, which stays where it is if that fails."""
+    """Put a folder in the place of another, which stays where it is if that fails, without its lock."""
     if not target.exists():
         os.replace(partial, target)
-        return
-    old = Path(tempfile.mkdtemp(prefix=_prefix(target, "old"), dir=target.parent))
-    os.replace(target, old)  # an empty folder may be replaced by a folder
-    try:
-        os.replace(partial, target)
-    except BaseException:
-        os.replace(old, target)
-        raise
-    shutil.rmtree(old)
-
-
-@contextmanager
-def _blamed(target: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise OutputError(
-            f"{target}: cannot be written ({error.strerror or error}); free space or name another --out"
-        ) from error
+    else:
+        old = Path(tempfile.mkdtemp(prefix=f".{target.name}.{_OLD}", dir=target.parent))
+        os.replace(target, old)  # an empty folder may be replaced by a folder
+        try:
+            os.replace(partial, target)
+        except BaseException:
+            os.replace(old, target)
+            raise
+        shutil.rmtree(old)
+    (target / _LOCK).unlink(missing_ok=True)
