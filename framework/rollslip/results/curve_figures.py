@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.curves import Curve, Curves, curves, digits, percent
-from rollslip.results.style import MARKER, ONE_COLUMN, ROW, axis_label, light_to_dark, plain_ticks
+from rollslip.results.style import MARKER, ONE_COLUMN, ROW, axis_label, lay_out, light_to_dark, plain_ticks
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -186,7 +186,7 @@ def finish(
     figure.legend(handles=handles, loc="outside upper left")
     rows_of_legend = sum(1 + str(handle.get_label()).count("\n") for handle in handles)
     figure.set_figheight(ONE_COLUMN[1] + ROW * rows_of_legend)
-    figure.draw_without_rendering()  # places the axes, on which it depends what a label covers
+    lay_out(figure)  # it depends on the place of the axes what a label covers
     _write_critical(axes, critical, rows, written)
 
 

@@ -84,19 +84,34 @@ def save_figures(figures: "Iterable[tuple[str, str, Figure]]", findings: str, fo
         If a file cannot be written; then nothing is left of it.
     """
     from matplotlib import style
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     files = []
     with style.context(["default", dict(STYLE)]):
         for name, caption, figure in figures:
             folder.mkdir(parents=True, exist_ok=True)
             files.append(folder / f"{name}.svg")
+            canvas: Any = FigureCanvasSVG(figure)
             with whole_file(files[-1]) as partial:
-                figure.savefig(
+                canvas.print_svg(  # savefig draws every figure once more before
                     partial,
-                    format="svg",
                     metadata={"Title": caption, "Description": findings, "Creator": "rollslip", "Date": None},
                 )
     return files
+
+
+def lay_out(figure: "Figure") -> None:
+    """Place the axes of a figure, once; what is added later has to find room in them.
+
+    Matplotlib would lay it out again when it is saved, at the price of half a figure.
+    """
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
+        FigureCanvasSVG(figure)
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
 
 
 @functools.cache

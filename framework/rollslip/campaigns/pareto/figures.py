@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.campaigns.pareto.findings import FINEST, NUMBERS, PLANNED, studies, taking_part
-from rollslip.results.style import MM, MODEL_COLOURS, ROW, TWO_COLUMNS
+from rollslip.results.style import MM, MODEL_COLOURS, ROW, TWO_COLUMNS, lay_out
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +73,7 @@ def _figure(part: "xr.Dataset", name: str) -> "Figure":
     rows = -(-len(handles) // _COLUMNS)
     figure.legend(handles=handles, loc="outside lower left", ncols=_COLUMNS, handlelength=1.0, columnspacing=1.2)
     figure.set_size_inches(TWO_COLUMNS[0], 78 * MM + ROW * rows)
-    figure.draw_without_rendering()  # places the axes, on which it depends what a number covers
+    lay_out(figure)  # it depends on the place of the axes what a number covers
     for axes, points in labels:
         _write_numbers(axes, points)
     return figure

@@ -117,6 +117,7 @@ def _map(dataset: "xr.Dataset") -> "Figure":
         axes.set_ylim(roller[0], roller[-1])
     panels[0].set_ylabel(axis_label(dataset["map_roller_slip"], r"$S_\mathrm{r}$", "%"))
     bar = figure.colorbar(filled, ax=list(panels), aspect=30, pad=0.02)
+    plain_ticks(bar.ax)
     bar.set_label(axis_label(dataset["friction_map"], r"$\mu_\mathrm{e}$", "–"))
     handles = [
         Line2D([], [], label=f"closure {dataset.attrs['closure']}", **outlined),
