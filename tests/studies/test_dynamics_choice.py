@@ -2,6 +2,7 @@
 
 import functools
 import math
+import re
 
 import attrs
 import numpy as np
@@ -64,6 +65,13 @@ def test_friction_is_effective_where_it_moves_the_cage_as_conventional_friction_
         assert found.errors["friction"]["cage_speed"] == pytest.approx(true, rel=0.25)
     else:
         assert "more than the 3.0e-04 that effective friction may take" in found.reasons["friction"]
+
+
+def test_frictions_are_compared_no_longer_than_it_takes_to_tell():
+    """They differ by more than 3e-4 within a second: a quarter of four is gone through, and said."""
+    found = choose_motion(Dynamics(duration=4.0), bearing(), others("friction"))
+    assert found.settings == {"friction": "conventional"}
+    assert re.search(r"differ by up to [4-9]\.\de-04 after 1 s already, more than", found.reasons["friction"])
 
 
 @pytest.mark.parametrize(("play", "chosen"), [("0.2 mm", "cage-set"), ("6 mm", "pocket")])
@@ -163,7 +171,7 @@ def test_integrators_say_whether_they_are_explicit():
 
 
 def test_what_cannot_be_estimated_is_taken_as_finely_as_there_is(monkeypatch):
-    def fails(self, study, times, tolerance):
+    def fails(self, study, times, tolerance, before=None):
         raise ConvergenceError("the steps became too small")
 
     monkeypatch.setattr(estimates._Trials, "speeds", fails)
