@@ -1,9 +1,10 @@
 """The bearing of a scene put together: models by name, oil at temperature, one bound chain for each raceway."""
 
 import math
-from collections.abc import Callable, Sequence
-from functools import cached_property
-from typing import Any
+import operator
+from collections.abc import Callable, Hashable, Sequence
+from functools import partial
+from typing import Any, TypeVar
 
 import attrs
 import numpy as np
@@ -28,6 +29,7 @@ from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
 _PIECE = 2048  # slices whose deflection is found at a time
 _KEPT = 1 << 14  # loads in a distribution that is kept, at most
+_T = TypeVar("_T")
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -47,11 +49,14 @@ class Assembly:
     drop: Array
     inner: Raceway
     outer: Raceway
-    #: Load distributions of few slices at few instants, which a plan asks for again and again.
-    known_loads: dict[tuple[Any, ...], LoadDistribution] = attrs.field(factory=dict, repr=False)
+    #: Load distributions of few slices at few instants, and what they alone decide, which plans and samples of the same
+    #: bearing ask for again and again: shared by all that are loaded alike.
+    known_loads: dict[tuple[Hashable, ...], Any] = attrs.field(factory=dict, repr=False)
     #: Load maps over the orbit (`rollslip.bearing.load_map`) and tables of effective friction, which a plan builds and
     #: a run needs again.
     known_maps: dict[tuple[Any, ...], Any] = attrs.field(factory=dict, repr=False)
+    #: The cage once it was read, with what it was read of: slices and laws of the contacts change nothing of it.
+    known_cage: dict[str, Any] = attrs.field(factory=dict, repr=False)
 
     @property
     def models(self) -> dict[str, SliceModel]:
@@ -95,7 +100,7 @@ class Assembly:
             )
         return force
 
-    @cached_property
+    @property
     def cage(self) -> Cage:
         """The cage with its drags; read when a study in time asks for it.
 
@@ -106,9 +111,13 @@ class Assembly:
         PluginError
             If a drag that it names does not exist or cannot be loaded.
         """
-        cage = read_cage(self.scene, self.kinematics, self.lubricant)
+        of = self.scene, self.kinematics, self.lubricant, self.inner.conditions
+        if (known := self.known_cage.get("cage")) is not None and all(map(operator.is_, known[0], of)):
+            return known[1]  # type: ignore[no-any-return]
+        cage = read_cage(*of[:3])
         if (resistance := cage.drags.resistance) is not None:
             _check_given((resistance,), self.inner.conditions, self.lubricant, Location(self.scene.origins))
+        self.known_cage["cage"] = of, cage
         return cage
 
     def with_resistance(self) -> "Assembly":
@@ -133,7 +142,9 @@ class Assembly:
         laws = ("traction", "traction_error", "boundary", "compiled")
         if any(getattr(self.resolution, name) != getattr(resolution, name) for name in laws):
             return assemble(self.scene, resolution)
-        position, widths, drop = _slicing(self.scene, resolution)
+        made = partial(_slicing, self.scene, resolution)
+        key = ("slicing", resolution.slices, resolution.quadrature)
+        position, widths, drop = self.known_loads.get(key) or self.known_loads.setdefault(key, made())
         return attrs.evolve(self, resolution=resolution, position=position, widths=widths, drop=drop)
 
     def coarser(self) -> "Assembly":
@@ -141,7 +152,12 @@ class Assembly:
         return self.at(attrs.evolve(self.resolution, slices=self.slices // 2))
 
     def load_distribution(
-        self, instants: int = 1, cage_speed: float | None = None, known: LoadDistribution | None = None
+        self,
+        instants: int = 1,
+        cage_speed: float | None = None,
+        known: LoadDistribution | None = None,
+        *,
+        keep: bool = False,
     ) -> LoadDistribution:
         """Return the quasi-static loads of all rollers at instants spread over one roller pitch.
 
@@ -153,6 +169,8 @@ class Assembly:
             Speed [rad/s] with which the rollers go round, for their centrifugal force; by default the epicyclic one.
         known : LoadDistribution, optional
             That of half as many instants at this cage speed, whose instants are not solved for again.
+        keep : bool
+            Whether it will be asked for again at this cage speed; that at the epicyclic one is.
 
         Raises
         ------
@@ -161,14 +179,28 @@ class Assembly:
         DomainError
             If a force is more than the contact law, or a float, can hold.
         """
-        few = known is None and cage_speed is None and self.scene.bearing.rollers * instants * self.slices <= _KEPT
-        if not few:
+        if known is not None or not (cage_speed is None or keep):
             return self._solved_loads(instants, cage_speed, known)
-        sides = ((raceway.deflection, raceway.conditions) for raceway in self.raceways)
-        key = (instants, self.slices, self.resolution.quadrature, *sides)
+        return self.kept(
+            ("loads", instants, cage_speed), instants, lambda: self._solved_loads(instants, cage_speed, None)
+        )
+
+    def kept(self, what: tuple[Hashable, ...], instants: int, make: Callable[[], _T]) -> _T:
+        """Return what the loads of some instants alone decide, made once for all bearings that are loaded alike.
+
+        Where it is large it is made anew each time.
+        """
+        if self.scene.bearing.rollers * instants * self.slices > _KEPT:
+            return make()
+        sides = [
+            (raceway.deflection, *(getattr(raceway.conditions, name) for name in sorted(_read(raceway.deflection))))
+            for raceway in self.raceways
+        ]
+        key = (*what, self.slices, self.resolution.quadrature, *sides)
         if key not in self.known_loads:
-            self.known_loads[key] = self._solved_loads(instants, cage_speed, known)
-        return self.known_loads[key]
+            self.known_loads[key] = make()
+        known: _T = self.known_loads[key]
+        return known
 
     def _solved_loads(
         self, instants: int, cage_speed: float | None, known: LoadDistribution | None
@@ -201,7 +233,12 @@ class Assembly:
         return load.reshape(approach.shape), stiffness.reshape(approach.shape)
 
 
-def assemble(scene: Scene, resolution: Resolution | None = None) -> Assembly:
+def _read(chain: Chain) -> set[str]:
+    """Conditions that the models of a chain read."""
+    return {name for model in chain.models for name in model.reads if name in CONDITIONS}
+
+
+def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assembly | None = None) -> Assembly:
     """Put the bearing of a scene together.
 
     Parameters
@@ -210,6 +247,9 @@ def assemble(scene: Scene, resolution: Resolution | None = None) -> Assembly:
         The scene.
     resolution : Resolution, optional
         How finely it is computed; by default as the scene states, with instants doubled until results stand still.
+    like : Assembly, optional
+        What this function gave of another scene. Where the two differ in oil, temperatures and roughness alone, only
+        what these change is made anew; the bearing is the same, to the last bit, with it or without.
 
     Raises
     ------
@@ -223,6 +263,13 @@ def assemble(scene: Scene, resolution: Resolution | None = None) -> Assembly:
     resolution = as_stated(scene) if resolution is None else resolution
     where = Location(scene.origins)
     problems: list[str] = []
+    if like is not None and _loaded_alike(scene, resolution, like):
+        oil = _lubricant(scene, where, problems)
+        if oil is None:
+            raise SceneError(problems)
+        if oil.pressure_viscosity_law == like.lubricant.pressure_viscosity_law and oil.slopes == like.lubricant.slopes:
+            return _with_oil(like, scene, oil, where)
+        problems = []
     models: dict[str, Any] = {
         kind: structure_model(kind, {"model": choice.name, **choice.parameters}, where.at("models").at(kind), problems)
         for kind, choice in (
@@ -266,6 +313,28 @@ def assemble(scene: Scene, resolution: Resolution | None = None) -> Assembly:
         outer=outer,
         **models,
     )
+
+
+def _loaded_alike(scene: Scene, resolution: Resolution, like: Assembly) -> bool:
+    """Whether a scene has models, bearing and loads of another, and the same resolution is asked of it."""
+    own, other = scene.operation, like.scene.operation
+    loads = ("inner_speed", "outer_speed", "radial_load", "misalignment")
+    return (
+        resolution == like.resolution
+        and scene.models == like.scene.models
+        and scene.bearing == like.scene.bearing
+        and all(getattr(own, name) == getattr(other, name) for name in loads)
+    )
+
+
+def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> Assembly:
+    """The bearing of a scene that has all but its conditions of another."""
+    inner, outer = (
+        attrs.evolve(raceway, conditions=_conditions(scene, like.kinematics, oil, raceway.ring, where))
+        for raceway in like.raceways
+    )
+    _check_given((*like.inner.deflection.models, *like.inner.chain.models), inner.conditions, oil, where)
+    return attrs.evolve(like, scene=scene, lubricant=oil, inner=inner, outer=outer, known_maps={}, known_cage={})
 
 
 def _lubricant(scene: Scene, where: Location, problems: list[str]) -> Lubricant | None:

@@ -72,6 +72,17 @@ def greet(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     return here(packages)
 
 
+#: The bearing that this thread made last, of which the next point of the same work takes what is the same.
+_last = threading.local()
+
+
+def _assembled(work: SweepWork, scene: Scene, resolution: Resolution | None) -> Assembly:
+    like = _last.bearing if getattr(_last, "work", None) is work else None
+    made = assemble(scene, resolution, like=like)
+    _last.work, _last.bearing = work, made
+    return made
+
+
 class _TimeLimit(BaseException):
     """The time of a point is over; not an Exception, so that no model takes it for one of its own."""
 
@@ -171,7 +182,7 @@ class _Point:
         scene = evolve(self.work.scene, self.changes)
         resolution = self.work.resolutions.of(self.changes)
         self.key = _key(self.work, scene, resolution)
-        self.assembly = assemble(scene, resolution)
+        self.assembly = _assembled(self.work, scene, resolution)
         self.study = settings(scene, self.work.study)[self.work.study]
 
     def finish(self) -> None:
