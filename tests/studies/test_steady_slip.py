@@ -828,8 +828,8 @@ def test_steady_slips_alone_are_those_of_the_whole_study(name, monkeypatch):
     assembly = assemble(evolve(SHIPPED, {"accuracy.slices": 21, **changes}))
     study, solved = SteadySlip(), []
     whole = study.run(assembly)
-    orbit = TorqueBalance.orbit
-    monkeypatch.setattr(TorqueBalance, "orbit", lambda *given: solved.append(given) or orbit(*given))
+    orbit = TorqueBalance._solved
+    monkeypatch.setattr(TorqueBalance, "_solved", lambda *given: solved.append(given) or orbit(*given))
     alone, _ = study.only(assembly, frozenset({"steady_slip", "status"}))
     found = np.asarray(alone["steady_slip"][1])
     assert found[~np.isnan(found)].size == count

@@ -10,15 +10,18 @@
   A law with a kink, such as film model ``regime``, needs many, or all the slices.
 """
 
+import copy
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any, Literal
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.bearing.chain import Chain, Job
+from rollslip.bearing.chain import Chain, Guarded, Job
 from rollslip.bearing.regimes import LIGHT, groups, regime_limits
+from rollslip_kernels.chain import Bound
 from rollslip_kernels.slices import Conditions, Slices
 
 Array = NDArray[np.float64]
@@ -29,6 +32,7 @@ RINGS: tuple[Ring, Ring] = ("inner", "outer")
 PROBES = 12
 _TABLE = 32768  # slices in a table at a time
 _FEWEST, _MOST = 8, 128  # loads of a rule
+_ROUNDING = 1e-13  # of a recurrence, relative to the largest node
 
 
 @attrs.frozen(eq=False)
@@ -57,7 +61,7 @@ class LoadedContacts:
     load : ndarray
         Loads per length [N/m] of rollers, (rollers, n).
     widths : ndarray
-        Widths of the slices [m], (n,).
+        Widths of the slices [m], (n,), or of those of each roller, (rollers, n).
     orbit : float
         Direction of the rollers' orbit, 1 or -1.
     count : ndarray, optional
@@ -66,7 +70,7 @@ class LoadedContacts:
 
     def __init__(self, raceway: Raceway, load: Array, widths: Array, orbit: float, count: Array | None = None) -> None:
         slices = load.shape[1]
-        if np.array_equal(load, load[:, ::-1]):  # one half of a roller carries what the other does
+        if widths.ndim == 1 and np.array_equal(load, load[:, ::-1]):  # one half of a roller carries what the other does
             load, widths = load[:, slices // 2 :], 2.0 * widths[slices // 2 :]
             widths[0] /= 1.0 + slices % 2
         loaded = load > 0.0
@@ -76,11 +80,51 @@ class LoadedContacts:
         #: number of the roller that each slice belongs to
         self.owner, column = map(np.ascontiguousarray, np.nonzero(loaded))
         #: width [m] of all that each slice stands for
-        self.width = widths[column] if count is None else widths[column] * count[self.owner]
+        own = widths[column] if widths.ndim == 1 else widths[loaded]
+        self.width = own if count is None else own * count[self.owner]
         self.force = load[loaded] * self.width
         self.total = float(self.force.sum())
-        self.slices = Slices(self.force.size, raceway.conditions, load=load[loaded])
-        self._evaluate = raceway.chain.bind(self.slices)
+        self.load = load[loaded]
+
+    @cached_property
+    def slices(self) -> Slices:
+        """The table, made when it is first asked for."""
+        return Slices(self.force.size, self.raceway.conditions, load=self.load)
+
+    @cached_property
+    def _evaluate(self) -> "Bound | Guarded":
+        return self.raceway.chain.bind(self.slices)
+
+    @cached_property
+    def _first(self) -> "NDArray[np.intp]":
+        """First slice of every roller, and where the last one ends."""
+        return np.searchsorted(self.owner, np.arange(self.rollers + 1))
+
+    def on(self, raceway: Raceway) -> "LoadedContacts":
+        """Return the same loads on a raceway of other laws or conditions."""
+        _, other = self._first, copy.copy(self)  # found once for all
+        for made in ("slices", "_evaluate"):
+            vars(other).pop(made, None)
+        other.raceway = raceway
+        return other
+
+    def fewer(self, count: int, *, whole: bool = False) -> "LoadedContacts":
+        """Return contacts of at most so many loads for each roller, to be put `on` a raceway.
+
+        They are the Gauss rule of its slices by their widths: means over a roller of whatever is smooth in the root of
+        the load are the same, and its force is. ``whole`` takes all rollers for one, where they run at the same speeds.
+        """
+        owner, first = self.owner, self._first
+        if whole:
+            owner, first = np.zeros_like(owner), first[[0, -1]]
+        most = int(np.diff(first).max(initial=0))
+        if most <= count:
+            return self
+        load, width = np.zeros((2, first.size - 1, most))
+        place = owner, np.arange(owner.size) - first[owner]
+        load[place], width[place] = self.load, self.width
+        nodes, weights = gauss_rules(load, width, count)
+        return LoadedContacts(self.raceway, np.where(weights > 0.0, nodes, 0.0), weights, self.orbit)
 
     def friction(self, rolling: Any, sliding: Any) -> Array:
         """Friction coefficient of every slice along the orbit, (N,), at speeds that broadcast to it."""
@@ -101,8 +145,7 @@ class LoadedContacts:
         """
         raceway = self.raceway
         stage, table = raceway.chain.kernel.as_stage(), Slices(self.force.size, raceway.conditions)
-        first = np.searchsorted(self.owner, np.arange(self.rollers + 1))
-        return stage, table, (stage, table, self.slices.load, self.force, self.width, first, raceway.chain.resists)
+        return stage, table, (stage, table, self.load, self.force, self.width, self._first, raceway.chain.resists)
 
     def mean(self, pull: Array) -> Array:
         """Mean friction by force along the orbit, of its sums by force [N]; NaN if there is no load."""
@@ -135,7 +178,7 @@ class LoadedContacts:
         if self.total == 0.0:
             return np.full_like(rolling, np.nan)
         probes = np.linspace(0, rolling.size - 1, PROBES).astype(int)
-        rule = load_rule(self.slices.load, self.force, over(probes), tolerance)
+        rule = load_rule(self.load, self.force, over(probes), tolerance)
         return over(slice(None))(rule)
 
     def regimes(self, rolling: Array) -> tuple[Array, float, float]:
@@ -146,12 +189,12 @@ class LoadedContacts:
         share, light, largest = np.zeros(4), 0.0, 0.0
         alike = [(np.ones(self.owner.size, dtype=bool), rolling)]
         for chosen, speed in alike if rolling.ndim == 1 else [(self.owner == k, u) for k, u in enumerate(rolling.T)]:
-            order = np.argsort(self.slices.load[chosen])
+            order = np.argsort(self.load[chosen])
             if order.size == 0:
                 continue
-            load = self.slices.load[chosen][order]
+            load = self.load[chosen][order]
             below = np.concatenate(([0.0], np.cumsum(self.force[chosen][order]))) / (self.total * speed.size)
-            U, G, W = groups(Slices.of_columns(self.slices.conditions, {"rolling_speed": speed, "load": load}))
+            U, G, W = groups(Slices.of_columns(self.raceway.conditions, {"rolling_speed": speed, "load": load}))
             elastic, piezoviscous, both = (below[np.searchsorted(W, at, side="right")] for at in regime_limits(U, G))
             rigid, mixed = np.minimum(elastic, piezoviscous), np.maximum(both, piezoviscous)
             share += [part.sum() for part in (rigid, mixed - piezoviscous, piezoviscous - rigid, below[-1] - mixed)]
@@ -161,43 +204,62 @@ class LoadedContacts:
 
 
 def gauss_rule(load: Array, force: Array, count: int) -> Array:
-    """Return the Gauss rule of a force distributed over loads.
-
-    With weights q_k = F_k / sum(F) at x_k = sqrt(w_k), Lanczos' recurrence gives the Jacobi matrix of the polynomials
-    that are orthogonal over them; its eigenvalues are the nodes x, and the squares of the first components of its
-    eigenvectors their weights.
-
-    Parameters
-    ----------
-    load : ndarray
-        Loads per length w [N/m], at least ``count`` different ones, (N,).
-    force : ndarray
-        Force at each [N], positive, (N,).
-    count : int
-        Nodes m of the rule.
+    """Return the Gauss rule of a force distributed over loads: `gauss_rules` of one row, weighed by its forces.
 
     Returns
     -------
     ndarray
         Load per length [N/m] and share of the force of each node, (m, 2).
+    """
+    nodes, weights = gauss_rules(load[None], force[None], count)
+    return np.stack((nodes[0], weights[0] / force.sum()), axis=1)
+
+
+def gauss_rules(load: Array, weight: Array, count: int) -> tuple[Array, Array]:
+    """Return the Gauss rule of weights distributed over loads, for each of several rows.
+
+    With weights q_k at x_k = sqrt(w_k), Lanczos' recurrence gives the Jacobi matrix of the polynomials that are
+    orthogonal over them; its eigenvalues are the nodes x, and the squares of the first components of its eigenvectors
+    their shares of the weight.
+
+    Parameters
+    ----------
+    load : ndarray
+        Loads per length w [N/m], (rows, N).
+    weight : ndarray
+        Weight of each, positive, or zero for none, (rows, N).
+    count : int
+        Nodes m of a rule.
+
+    Returns
+    -------
+    tuple of ndarray
+        Loads per length [N/m] of the nodes and their weights, (rows, m) each; a row with fewer different loads than m
+        has so many nodes that weigh something.
 
     References
     ----------
     G. H. Golub, J. H. Welsch, Calculation of Gauss quadrature rules, Math. Comp. 23 (1969) 221-230.
     """
-    x, basis = np.sqrt(load), np.empty((count, load.size))
-    diagonal, beside = np.empty(count), np.empty(count)
-    vector = np.sqrt(force / force.sum())
+    x, total = np.sqrt(load), weight.sum(axis=1)
+    basis = np.zeros((load.shape[0], count, load.shape[1]))
+    jacobi = np.zeros((load.shape[0], count, count))
+    vector = np.sqrt(weight / np.where(total > 0.0, total, 1.0)[:, None])
+    ends = _ROUNDING * x.max(axis=1, initial=0.0)
     for k in range(count):
-        basis[k] = vector
+        basis[:, k] = vector
         vector = x * vector
-        diagonal[k] = vector @ basis[k]
+        jacobi[:, k, k] = (vector * basis[:, k]).sum(axis=1)
         for _ in range(2):  # once more, for what the rounding of the first leaves
-            vector = vector - (basis[: k + 1] @ vector) @ basis[: k + 1]
-        beside[k] = np.sqrt(vector @ vector)
-        vector = vector / beside[k]
-    nodes, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(beside[:-1], 1) + np.diag(beside[:-1], -1))
-    return np.stack((nodes**2, vectors[0] ** 2), axis=1)
+            shares = basis[:, : k + 1] @ vector[:, :, None]
+            vector = vector - (basis[:, : k + 1].swapaxes(1, 2) @ shares)[:, :, 0]
+        beside = np.sqrt((vector * vector).sum(axis=1))
+        beside[beside <= ends] = 0.0  # no load is left that differs: further nodes weigh nothing
+        vector = vector / np.where(beside > 0.0, beside, np.inf)[:, None]
+        if k + 1 < count:
+            jacobi[:, k, k + 1] = jacobi[:, k + 1, k] = beside
+    nodes, vectors = np.linalg.eigh(jacobi)
+    return nodes**2, vectors[:, 0] ** 2 * total[:, None]
 
 
 def load_rule(load: Array, force: Array, mean: Callable[[Array], Array], tolerance: float) -> Array:

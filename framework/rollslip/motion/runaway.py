@@ -24,8 +24,9 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.critical import slip_grid
 from rollslip.bearing.drags import Drags
-from rollslip.bearing.raceway import Array, Raceway
+from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
+from rollslip.motion.lattice import Torques, highest, maximum
 from rollslip.motion.torque_balance import Conventional, Spin, TorqueBalance, effective_curves
 from rollslip.units import format_quantity
 
@@ -108,7 +109,8 @@ def _largest(
         return _none(f"the rollers do not drive the cage at any slip up to {end:.4g}: more resists their rolling")
     if best == slips.size - 1 or torques[best] - torques[-1] > _FLAT * torques[best]:
         try:
-            found = _climbed(rollers(assembly, instants, effective=effective).torque, _start(slips, torques), end)
+            balance, start = rollers(assembly, instants, effective=effective), _start(slips, torques)
+            found = _shared(balance, start, end) or _climbed(balance.torque, start, end)
         except (DomainError, ConvergenceError) as error:
             return _unknown(str(error))
         if found is not None:
@@ -271,7 +273,8 @@ def scan(assembly: Assembly, largest: float, *, effective: bool = False) -> tupl
         own, slices=min(_SLICES, own.slices), quadrature="equal", boundary=True, traction="named", traction_error=0.0
     )
     slips, refusal = slip_grid(largest, _SLIPS + 1)[1:], ""
-    simple = assemble(assembly.scene, few)  # anew: no bound is watched on slips that nobody asked for
+    # no bound is watched on slips that nobody asked for
+    simple = assemble(assembly.scene, few) if assembly.inner.chain.bounds else assembly.at(few)
     while slips.size:
         try:
             if effective:
@@ -313,7 +316,7 @@ def free_torques(bearing: Assembly, drags: Drags, instants: int, slip: Array, fe
     """
     balance = TorqueBalance(bearing, drags, instants=instants, inertia=False)
     solved = np.unique(np.linspace(0, slip.size - 1, few or slip.size).astype(int))
-    loads = [bearing.load_distribution(instants, balance.cage_speed(float(slip[k]))) for k in solved]
+    loads = [bearing.load_distribution(instants, balance.cage_speed(float(slip[k])), keep=bool(few)) for k in solved]
     positions = bearing.scene.bearing.rollers * instants
     half = positions // 2 + 1  # positions k and -k of the orbit carry the same
     count = np.full(half, 2.0)
@@ -328,7 +331,8 @@ def free_torques(bearing: Assembly, drags: Drags, instants: int, slip: Array, fe
     def of(raceway: Raceway, each: list[Array]) -> Conventional:
         halves = np.array([load.swapaxes(0, 1).reshape(positions, -1)[:half] for load in each])
         whole = halves[last - 1] + share * (halves[last] - halves[last - 1]) if few else halves
-        return Conventional(raceway, whole.reshape(-1, bearing.slices), bearing.widths, np.tile(count, slip.size))
+        loads = whole.reshape(-1, bearing.slices)
+        return Conventional(LoadedContacts(raceway, loads, bearing.widths, 1.0, np.tile(count, slip.size)))
 
     contacts = (
         of(bearing.inner, [one.inner_load for one in loads]),
@@ -346,6 +350,14 @@ def _start(slips: Array, torques: Array) -> float:
         return float(slips[best])
     near = slice(best - 1, best + 2)
     return _vertex(slips[near], torques[near])[0]
+
+
+def _shared(balance: TorqueBalance, start: float, end: float) -> tuple[float, float] | None:
+    """Place and height of the maximum near a start by slips that samples share; None if they do not tell."""
+    torques = Torques(balance, end)
+    if balance.assembly.inner.chain.bounds or (best := highest(torques, start)) is None:
+        return None  # bounds have to be looked at on all slices
+    return maximum(torques, best, _FOUND, _SMOOTH)
 
 
 def _climbed(torque: Callable[[float], float], start: float, end: float) -> tuple[float, float] | None:

@@ -21,6 +21,8 @@
 - The loads are solved anew at every slip: centrifugal forces go with the square of the cage speed.
 """
 
+import itertools
+import math
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
@@ -38,6 +40,10 @@ from rollslip_kernels.motion.spin import Spin as Kernel
 
 #: Entrainment speed that is never fallen below in the film [m/s]: u_film = sqrt(u^2 + SLOW^2).
 SLOW: Final = 1e-3
+#: Loads that stand for the slices of a roller.
+_FEW: Final = 8
+#: By how much the exponent of a decay may change from slip to slip, relative to 1 and itself; below this all is gone.
+_JUMP, _NOTHING = 2.0, 1e-300
 #: How far three known slips may be for a parabola through them, relative to the slip.
 _NEAR: Final = 0.3
 #: How often the bracket of a balance without inertia is widened.
@@ -61,9 +67,8 @@ def _film_speed(rolling: Array) -> Array:
 class Conventional:
     """The whole chain of models on every loaded slice."""
 
-    def __init__(self, raceway: Raceway, load: Array, widths: Array, count: Array | None = None) -> None:
-        self.contacts = LoadedContacts(raceway, load, widths, 1.0, count)
-        self.resists = raceway.chain.resists
+    def __init__(self, contacts: LoadedContacts) -> None:
+        self.contacts, self.resists = contacts, contacts.raceway.chain.resists
 
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
         """Return F and F_R [N], (K,)."""
@@ -132,6 +137,12 @@ class Orbit:
     multiplier: float
 
 
+def alike(orbits: Sequence[Orbit]) -> bool:
+    """Whether motions at slips one after the other are of one kind: what is left of a disturbance changes by and by."""
+    decays = [-math.log(max(abs(orbit.multiplier), _NOTHING)) for orbit in orbits]
+    return all(abs(a - b) <= _JUMP * (1.0 + min(a, b)) for a, b in itertools.pairwise(decays))
+
+
 class TorqueBalance:
     """Torques of rollers and drag on the cage of one bearing against its slip.
 
@@ -166,6 +177,7 @@ class TorqueBalance:
         self._effective, self._inertia, self._settings = effective, inertia, settings
         self._sense = 1.0 if assembly.kinematics.epicyclic_cage_speed > 0.0 else -1.0
         self._known: dict[float, Orbit] = {}
+        self._by_few: dict[float, Orbit] = {}
 
     @property
     def rolls_freely(self) -> bool:
@@ -212,8 +224,44 @@ class TorqueBalance:
             If a law has no value there, or the epicyclic cage speed is zero.
         """
         if cage_slip not in self._known:
-            self._known[cage_slip] = self._solved(cage_slip)
+            self._known[cage_slip] = self._solved(cage_slip, self.contacts(cage_slip))
         return self._known[cage_slip]
+
+    def by_few_loads(self, cage_slip: float, near: Orbit | None = None) -> Orbit:
+        """Return that motion with few loads for each roller that stand for all of its slices.
+
+        They are kept for all bearings that are loaded alike: it is for cage slips at which these are looked at too. A
+        law with a kink needs more loads, so the result is to be held against all of them: `missed`. It goes on from the
+        motion ``near``, by default from those at the nearest slips.
+        """
+        if cage_slip not in self._by_few:
+            guess = None if near is None else near.roller_slip * (cage_slip / near.cage_slip)
+            self._by_few[cage_slip] = self._solved(cage_slip, self._few(cage_slip), guess)
+        return self._by_few[cage_slip]
+
+    def missed(self, orbit: Orbit) -> float:
+        """Return by how much the torque of few loads misses that of all slices in one motion, relative to that."""
+
+        def made() -> tuple[LoadedContacts, ...]:
+            return tuple(ring.contacts for ring in self.contacts(orbit.cage_slip))
+
+        rings = self.assembly.kept(("orbit", self.instants, orbit.cage_slip), self.instants, made)
+        spin = Spin(self, orbit.cage_slip, self._frictions(self._on_own(rings)))
+        whole = self._torque(spin.on_cage(orbit.roller_slip)[0])
+        return abs(orbit.torque / whole - 1.0) if whole else np.inf
+
+    def _few(self, cage_slip: float) -> tuple[Conventional, Conventional]:
+        """Contacts of few loads, laid out once for all bearings that are loaded alike."""
+        assembly = self.assembly
+
+        def made() -> tuple[LoadedContacts, ...]:
+            return tuple(ring.contacts.fewer(_FEW) for ring in self.contacts(cage_slip))
+
+        return self._on_own(assembly.kept(("few", self.instants, cage_slip), self.instants, made))
+
+    def _on_own(self, rings: Sequence[LoadedContacts]) -> tuple[Conventional, Conventional]:
+        inner, outer = (Conventional(of.on(own)) for of, own in zip(rings, self.assembly.raceways, strict=True))
+        return inner, outer
 
     def contacts(self, cage_slip: float) -> tuple[Conventional, Conventional]:
         """Contacts of both raceways, their positions ordered in the sense of the orbit."""
@@ -222,7 +270,7 @@ class TorqueBalance:
         order = np.argsort(loads.psi.ravel())[(int(self._sense) * np.arange(positions)) % positions]
 
         def of(raceway: Raceway, load: Array) -> Conventional:
-            return Conventional(raceway, load.reshape(positions, -1)[order], self.assembly.widths)
+            return Conventional(LoadedContacts(raceway, load.reshape(positions, -1)[order], self.assembly.widths, 1.0))
 
         return of(self.assembly.inner, loads.inner_load), of(self.assembly.outer, loads.outer_load)
 
@@ -234,19 +282,26 @@ class TorqueBalance:
         contacts[1](speeds.outer_rolling, speeds.outer_sliding)
         return contacts[0].contacts, contacts[1].contacts
 
-    def _solved(self, cage_slip: float) -> Orbit:
-        contacts = self.contacts(cage_slip)
+    def _frictions(self, contacts: tuple[Conventional, Conventional]) -> tuple[Friction, Friction]:
+        """Friction of both rings: that of the contacts, or the effective one of their forces."""
+        if self._effective is None:
+            return contacts
         k = self.assembly.kinematics
-        frictions: tuple[Friction, Friction] = contacts
-        if self._effective is not None:
-            free = k.roller_radius * k.epicyclic_roller_speed
-            inner, outer = (
-                Effective(curve, contact, free) for curve, contact in zip(self._effective, contacts, strict=True)
-            )
-            frictions = inner, outer
-        spin = Spin(self, cage_slip, frictions)
+        free = k.roller_radius * k.epicyclic_roller_speed
+        inner, outer = (Effective(curve, of, free) for curve, of in zip(self._effective, contacts, strict=True))
+        return inner, outer
+
+    def _torque(self, on_cage: Array) -> float:
+        """Mean torque of all rollers on the cage, from those of one at the positions of the orbit."""
+        return self._sense * float(on_cage.mean()) * self.assembly.scene.bearing.rollers
+
+    def _solved(
+        self, cage_slip: float, contacts: tuple[Conventional, Conventional], guess: Array | None = None
+    ) -> Orbit:
+        spin = Spin(self, cage_slip, self._frictions(contacts))
         try:
-            held = spin.held(self._nearest(cage_slip)) if self._inertia else (spin.balanced(), 0.0)
+            guess = self._nearest(cage_slip) if guess is None else guess
+            held = spin.held(guess) if self._inertia else (spin.balanced(), 0.0)
         except ConvergenceError as error:
             if not self._settings:
                 raise
@@ -256,7 +311,7 @@ class TorqueBalance:
         on_cage, tractions = spin.on_cage(roller_slip)
         return Orbit(
             cage_slip=cage_slip,
-            torque=self._sense * float(on_cage.mean()) * self.assembly.scene.bearing.rollers,
+            torque=self._torque(on_cage),
             roller_slip=roller_slip,
             force=np.stack([of_ring.contacts.per_roller(of_ring.contacts.force) for of_ring in contacts]),
             traction=self._sense * tractions,
@@ -268,12 +323,14 @@ class TorqueBalance:
 
         A share of the cage slip is what changes least with it.
         """
-        known = sorted((slip for slip in self._known if slip > 0.0), key=lambda slip: abs(slip - cage_slip))[:3]
+        orbits = {**self._by_few, **self._known}
+        known = sorted((slip for slip in orbits if slip > 0.0), key=lambda slip: abs(slip - cage_slip))[:3]
         if not known:
             return None
-        if len(known) < 3 or abs(known[2] - cage_slip) > _NEAR * cage_slip:
+        far = len(known) < 3 or abs(known[2] - cage_slip) > _NEAR * cage_slip
+        if far or not alike([orbits[slip] for slip in sorted(known)]):
             known = known[:1]
-        shares = [self._known[slip].roller_slip / slip for slip in known]
+        shares = [orbits[slip].roller_slip / slip for slip in known]
         weights = [np.prod([(cage_slip - two) / (one - two) for two in known if two != one]) for one in known]
         return np.asarray(cage_slip * np.einsum("i,ik->k", weights, shares))
 
@@ -366,9 +423,12 @@ class Spin:
         self._inertia = inertia * k.epicyclic_roller_speed * pace
         conventional = [one.contacts for one in frictions if isinstance(one, Conventional)]
         of = conventional if len(conventional) == len(RINGS) else self.forces
+        #: bounds have to be looked at by whom compiled code does not know
+        self._compiled = not (callable(of) or any(one.raceway.chain.bounds for one in of))
         self._spins = Spins(k, self._positions, of, slow=SLOW, pocket=pocket)
-        ahead = k.surface_speeds(np.full(self._positions, cage_slip), 0.0)
-        self._spins.kernel.at(ahead.inner_sliding, ahead.outer_sliding)
+        ahead = k.surface_speeds(cage_slip, np.zeros_like(cage_slip))
+        inner, outer = (np.full(self._positions, lead) for lead in (ahead.inner_sliding, ahead.outer_sliding))
+        self._spins.kernel.at(inner, outer)
 
     def forces(self, roller_slip: Array) -> tuple[Array, Array]:
         """Tractions and resistances of both contacts [N], (2, K)."""
@@ -380,6 +440,10 @@ class Spin:
 
     def on_cage(self, roller_slip: Array) -> tuple[Array, Array]:
         """Torque of one roller on the cage at all positions [N m], (K,), and tractions of both contacts [N], (2, K)."""
+        if self._compiled:
+            _, on_cage, ended = self._spins.kernel.torques(np.ascontiguousarray(roller_slip))
+            self._spins.ended(ended)
+            return on_cage, self._spins.kernel.tractions
         tractions, resistances = self.forces(roller_slip)
         return self._spins.kernel.on_cage(roller_slip, tractions, resistances), tractions
 

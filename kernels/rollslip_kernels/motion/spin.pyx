@@ -140,6 +140,11 @@ cdef class Spin:
             ended = self._torques(&slip[0], &spin[0], &cage[0], self.rollers)
         return np.asarray(spin), np.asarray(cage), self._ended(ended)
 
+    @property
+    def tractions(self):
+        """Tractions of inner and outer contact at the last evaluation of all positions, (2, K) [N]."""
+        return np.array(self.work[2:4])
+
     def on_cage(self, const double[::1] slip, const double[:, ::1] tractions, const double[:, ::1] resistances):
         """Return the torque of one roller on the cage [N m], (K,), from forces [N], (2, K)."""
         cdef double[::1] spin = np.empty(self.rollers), cage = np.empty(self.rollers)
