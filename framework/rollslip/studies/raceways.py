@@ -9,6 +9,7 @@
   against them to a thousandth of the tolerance; curves and critical slips are summed over all slices.
 """
 
+import copy
 from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
@@ -33,6 +34,8 @@ from rollslip.units import format_quantity
 
 #: Error of a map's loads relative to the tolerance.
 _MAP_SHARE = 1e-3
+#: Loads that stand for the slices of a ring, and for those of each roller.
+_FEW: Final = (24, 8)
 #: From how many cage slips the spins at the next one go on, and by how much these differ at least, relative to it.
 _GO_ON, _TELLS = 4, 1e-5
 
@@ -77,6 +80,8 @@ class LoadedRaceways:
 
     def __init__(self, assembly: Assembly, distribution: LoadDistribution, closure: str, settings: str = "") -> None:
         self.assembly, self.distribution, self.closure, self.settings = assembly, distribution, closure, settings
+        #: what few loads stand for
+        self.whole = self
         #: cage slip -> roller slips of free rollers over that of rolling on the outer ring
         self._shares: dict[float, Array] = {}
         self._slopes = np.zeros(0)
@@ -106,6 +111,31 @@ class LoadedRaceways:
                 f"the outer ring, which balance to {unbalanced:.1g} N; raise operation.radial_load, or lower "
                 "operation.inner_speed and operation.outer_speed"
             )
+
+    def by_few_loads(self) -> "LoadedRaceways":
+        """Return the same with few loads that stand for all slices, of each roller where rollers spin as they like.
+
+        They are kept for all bearings that are loaded alike. A law with a kink needs more of them, so what they give is
+        to be held against all slices.
+        """
+        free = self.closure == "free-roller"
+
+        def made() -> tuple[LoadedContacts, ...]:
+            return tuple(ring.fewer(_FEW[free], whole=not free) for ring in (self.inner, self.outer))
+
+        instants = int(self.distribution.psi.shape[0])
+        few = copy.copy(self)
+        few._shares, few._slopes, few._spins = {}, np.zeros(0), None
+        rings = self.assembly.kept(("few", instants, free), instants, made)
+        few.whole = self
+        few.inner, few.outer = (ring.on(own.raceway) for ring, own in zip(rings, (self.inner, self.outer), strict=True))
+        return few
+
+    def agrees(self, slip: Array, error: float) -> bool:
+        """Whether all slices have the friction of few loads, at their speeds, up to an error relative to it."""
+        speeds = self.speeds(slip)
+        (few, _), (all_of, _) = self.evaluated(speeds), self.whole.evaluated(speeds)
+        return bool(np.all(np.abs(few - all_of) <= error * np.abs(all_of)))
 
     def speeds(self, cage_slip: Array) -> SurfaceSpeeds:
         """Speeds by the closure at cage slips (n,): alike for all rollers, (n,), or for each of them, (n, rollers)."""

@@ -96,6 +96,10 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "friction_map": Output("ring map_cage_slip map_roller_slip", "1", "effective friction coefficient"),
     }
 )
+#: What of them takes the whole curve, and not its maxima alone.
+_WHOLE_CURVE: Final = frozenset({"effective_friction"})
+#: Error that few loads may leave of the friction of all slices, relative to the tolerance.
+_FEW_SHARE: Final = 1e-2
 #: What is found of running away.
 _RUNAWAY: Final = frozenset({"runaway_slip", "runaway_drag", "runaway_status"})
 #: What is found of how the cage runs.
@@ -263,6 +267,7 @@ class EffectiveFriction(Study):
             for study, assembly in cases
         ]
         found = dict[int, tuple[Array, Array, tuple[Critical, Critical]]]()
+        few = not outputs & _WHOLE_CURVE
         begun = list[tuple[int, Array, LoadedRaceways, SurfaceSpeeds]]()
         for k, (study, assembly) in enumerate(cases):
             slip, instants = slip_grid(study.max_cage_slip, study.points), assembly.resolution.instants
@@ -271,10 +276,14 @@ class EffectiveFriction(Study):
                 found[k] = slip, friction, critical
             else:
                 raceways = study.loaded(assembly, instants)
+                raceways = raceways.by_few_loads() if few else raceways
                 begun.append((k, slip, raceways, raceways.speeds(slip)))
         curves = evaluated_together([(raceways, speeds) for *_, raceways, speeds in begun])
         for (k, slip, raceways, _), (friction, _) in zip(begun, curves, strict=True):
-            found[k] = slip, friction, raceways.critical(slip, friction)
+            found[k], assembly = (slip, friction, raceways.critical(slip, friction)), cases[k][1]
+            if few and not raceways.agrees(_maxima(*found[k]), _FEW_SHARE * assembly.scene.accuracy.tolerance):
+                friction = raceways.whole.curve(slip)
+                found[k] = slip, friction, raceways.whole.critical(slip, friction)
         some = [_curves(*found[k]) for k in range(len(cases))]
         return [(one | away, at) for (one, at), away in zip(some, aways, strict=True)]
 
@@ -442,6 +451,11 @@ def _curves(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
     }
+
+
+def _maxima(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -> Array:
+    """Slips at which a curve is held against another: its maxima, and its end."""
+    return np.array(sorted({float(slip[-1]), *(one.slip for one in critical if not np.isnan(one.slip))}))
 
 
 def _critical_moved(before: Critical, after: Critical) -> float:
