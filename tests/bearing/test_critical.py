@@ -28,6 +28,35 @@ def test_locate_finds_the_maximum_of_a_known_curve(peak, height):
     assert found.friction == pytest.approx(height, rel=1e-12)
 
 
+@given(st.floats(0.01, 0.9), st.floats(1e-4, 10.0))
+def test_where_many_slips_cost_little_a_smooth_maximum_is_placed_by_twelve_of_them(peak, height):
+    slip, asked = np.linspace(0.0, 1.0, 41) ** 2, []
+
+    def friction(s):
+        asked.append(np.size(s))
+        return height * s / peak * np.exp(1.0 - s / peak)
+
+    found = locate(friction, slip, friction(slip), "max", many=friction)
+    assert found.slip == pytest.approx(peak, abs=1e-9)  # 1e-8 of the intervals beside it
+    assert found.friction == pytest.approx(height, rel=1e-12)
+    assert asked[1] == 12
+    if peak > 0.02:  # below, the maximum is beside the first interval, whose curve is steep
+        assert asked == [41, 12]
+
+
+@given(st.floats(0.05, 0.8))
+def test_beside_a_kink_twelve_slips_are_not_believed(peak):
+    slip = np.linspace(0.0, 1.0, 41) ** 2
+
+    def friction(s):
+        return 1.0 - np.where(s < peak, 1.0, 0.3) * np.abs(s - peak)
+
+    found = locate(friction, slip, friction(slip), "max", many=friction)
+    alone = locate(friction, slip, friction(slip), "max")
+    assert found == alone
+    assert found.slip == pytest.approx(peak, abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("values", "status"),
     [

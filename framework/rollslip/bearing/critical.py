@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Callable
+from typing import Final
 
 import attrs
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from rollslip.errors import DomainError
@@ -19,6 +21,11 @@ MOST_CAGE_SLIP, PURE_SLIDING = 0.99, 2.0
 _FALL = 1e-3
 #: Where a search ends, relative to its interval: the root of the rounding of a value that is 1.
 _PLACE = 1e-8
+#: Chebyshev's points of an interval, from -1 to 1, and what makes terms of values there.
+_NODES: Final = -np.cos(np.pi * (np.arange(12) + 0.5) / 12)
+_TERMS: Final = np.linalg.inv(chebyshev.chebvander(_NODES, _NODES.size - 1))
+#: Highest terms, and their size relative to the lowest, at which a curve is resolved; steps of Newton's method.
+_TAIL, _RESOLVED, _STEPS = 3, 1e-11, 12
 _GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))
 
 
@@ -65,6 +72,7 @@ def locate(
     most: float = MOST_CAGE_SLIP,
     sought: str = "critical slip",
     of: str = "friction",
+    many: Callable[[Array], Array] | None = None,
 ) -> Critical:
     """Locate the largest friction on the continuous curve, not on its grid, and the first maximum before it.
 
@@ -80,12 +88,15 @@ def locate(
         Largest slip to look for: of a cage one that still turns.
     sought, of : str
         What the status calls the slip that is sought, and what is largest there.
+    many : callable, optional
+        Friction at several slips, where these cost little more than one.
 
     Returns
     -------
     Critical
         The maximum after Brent's method on the two grid intervals around the best point; the first of equal ones. Its
         place is known to the root of the rounding of the friction, some 1e-8 of the interval, since a maximum is flat.
+        With ``many`` it is that of the polynomial through Chebyshev's points of these intervals, where that converges.
         A first maximum is one behind which friction falls by a thousandth on the grid before it is larger again.
 
     Raises
@@ -99,12 +110,14 @@ def locate(
     best = int(np.argmax(friction))
     if not friction[best] > 0.0:
         return Critical(np.nan, np.nan, f"no {sought}: there is no {of} in the range")
-    at, largest = _around(curve, slip, friction, best)
+    at, largest = _around(curve, many, slip, friction, best)
     found = largest - friction[-1] > _FLAT * largest
     before = np.maximum.accumulate(friction)
     fallen = (before > 0.0) & (friction < (1.0 - _FALL) * before)
     top = int(np.argmax(friction[: int(np.argmax(fallen))])) if np.any(fallen) else best
-    first = _around(curve, slip, friction, top) if top < best else (at, largest) if found else (math.nan, math.nan)
+    first = (
+        _around(curve, many, slip, friction, top) if top < best else (at, largest) if found else (math.nan, math.nan)
+    )
     if found:
         return Critical(at, largest, "found", *first)
     rises = friction[-1] - friction[-2] > _FLAT * largest
@@ -113,11 +126,19 @@ def locate(
     return Critical(np.nan, np.nan, status, *first)
 
 
-def _around(curve: Callable[[float], float], slip: Array, friction: Array, top: int) -> tuple[float, float]:
+def _around(
+    curve: Callable[[float], float],
+    many: Callable[[Array], Array] | None,
+    slip: Array,
+    friction: Array,
+    top: int,
+) -> tuple[float, float]:
     """Place and value of the largest friction on the two intervals around a point of the grid that tops both."""
     first, last = max(top - 1, 0), min(top + 1, slip.size - 1)
     low, high = float(slip[first]), float(slip[last])
     at, largest = float(slip[top]), float(friction[top])
+    if many is not None and first < top < last and (found := _smooth(many, low, high)) is not None:
+        return found if found[1] > largest else (at, largest)
 
     # relative to the interval and to the best value, so that no size of either is lost in a tolerance
     def relative(share: float) -> float:
@@ -128,6 +149,27 @@ def _around(curve: Callable[[float], float], slip: Array, friction: Array, top: 
     if value > 1.0:  # else a kink or a plateau, which the search did not hit
         at, largest = low + share * (high - low), value * largest
     return at, largest
+
+
+def _smooth(many: Callable[[Array], Array], low: float, high: float) -> tuple[float, float] | None:
+    """Place and size of the largest value inside an interval, of the polynomial through it; None where it has no end.
+
+    Its highest terms tell whether it is the curve: beside a kink they fall too slowly.
+    """
+    values = many(low + 0.5 * (high - low) * (1.0 + _NODES))
+    terms = _TERMS @ values
+    if not np.abs(terms[-_TAIL:]).max() <= _RESOLVED * abs(terms[0]):
+        return None
+    slope = chebyshev.chebder(terms)
+    bend, x = chebyshev.chebder(slope), float(_NODES[np.argmax(values)])
+    for _ in range(_STEPS):
+        step = float(chebyshev.chebval(x, slope) / chebyshev.chebval(x, bend))
+        x -= step
+        if not abs(x) < 1.0:
+            return None
+        if abs(step) <= _PLACE:
+            return low + 0.5 * (high - low) * (1.0 + x), float(chebyshev.chebval(x, terms))
+    return None
 
 
 def _peak(curve: Callable[[float], float], known: list[tuple[float, float]]) -> tuple[float, float]:

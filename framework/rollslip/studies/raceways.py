@@ -249,12 +249,13 @@ class LoadedRaceways:
         """Critical cage slip of both rings, on the continuous curve."""
 
         def of(ring: int) -> Critical:
-            def at(one: float) -> float:
-                contacts, u, V = self.rings(self.speeds(np.array([one])))[ring]
+            def at(slips: Array) -> Array:
+                contacts, u, V = self.rings(self.speeds(slips))[ring]
                 ((pull, _),) = along([contacts.job(u, V)])
-                return float(contacts.mean(pull)[0])
+                return contacts.mean(pull)
 
-            return locate(at, slip, friction[ring], self.settings and f"{self.settings}.max_cage_slip")
+            key = self.settings and f"{self.settings}.max_cage_slip"
+            return locate(lambda one: float(at(np.array([one]))[0]), slip, friction[ring], key, many=at)
 
         return of(0), of(1)
 

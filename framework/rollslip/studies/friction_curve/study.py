@@ -10,7 +10,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.chain import along
-from rollslip.bearing.critical import PURE_SLIDING, locate, slip_grid
+from rollslip.bearing.critical import PURE_SLIDING, Critical, locate, slip_grid
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError, SceneError
@@ -68,6 +68,7 @@ class FrictionCurve(Study):
         {"friction": "the models of a contact on every loaded slice, over the slips and in search of the largest"}
     )
     bearing_loads: ClassVar[bool] = False
+    in_threads: ClassVar[bool] = True
 
     normal_force: tuple[float, ...] = parameter(
         default=(300.0,),
@@ -116,8 +117,12 @@ class FrictionCurve(Study):
             if (fault := impossible_pressure(force / c.length, c.radius, c.modulus))
         ]:
             raise SceneError(faults)
+
+        def loaded(force: float) -> LoadedContacts:
+            return LoadedContacts(raceway, balanced_load(assembly, raceway, force)[None], assembly.widths, 1.0)
+
         return [
-            LoadedContacts(raceway, balanced_load(assembly, raceway, force)[None], assembly.widths, 1.0)
+            assembly.kept(("contact", self.ring, force), 1, partial(loaded, force)).on(raceway)
             for force in self.normal_force
         ]
 
@@ -192,10 +197,14 @@ class FrictionCurve(Study):
     def _found(self, slip: Array, u: float, contacts: list[LoadedContacts], friction: list[Array]) -> Some:
         """Variables of the curves and their maxima, and their coordinates."""
         key = f"{self.table}.max_slip"
-        critical = [
-            locate(_at(one, u), slip, curve, key, most=PURE_SLIDING)
-            for one, curve in zip(contacts, friction, strict=True)
-        ]
+
+        def of(contacts: LoadedContacts, curve: Array) -> Critical:
+            def at(slips: Array) -> Array:
+                return _friction([(contacts, u, slips)])[0]
+
+            return locate(lambda one: float(at(np.array([one]))[0]), slip, curve, key, most=PURE_SLIDING, many=at)
+
+        critical = [of(one, curve) for one, curve in zip(contacts, friction, strict=True)]
         return self.variables(
             friction=np.stack(friction),
             critical_slip=np.array([c.slip for c in critical]),
@@ -247,11 +256,6 @@ def _friction(cases: Sequence[tuple[LoadedContacts, float, Array]]) -> list[Arra
     """Friction coefficients of contacts at their entrainment speeds [m/s] and slide-roll ratios, (n,) each."""
     found = along([contacts.job(np.full_like(slip, u), slip * u) for contacts, u, slip in cases])
     return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(cases, found, strict=True)]
-
-
-def _at(contacts: LoadedContacts, u: float) -> Callable[[float], float]:
-    """Friction coefficient at one slide-roll ratio."""
-    return lambda slip: float(_friction([(contacts, u, np.array([slip]))])[0][0])
 
 
 def _most_loaded(contacts: LoadedContacts, u: float, slip: Array) -> dict[str, Any]:
