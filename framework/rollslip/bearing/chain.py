@@ -215,6 +215,11 @@ class Chain:
         """Slices evaluated so far."""
         return self._chain.evaluated
 
+    @property
+    def alone(self) -> bool:
+        """Whether one thread at a time is to evaluate it, as where a model runs in Python."""
+        return self._threads == 1
+
     def __call__(self, slices: Slices) -> None:
         """Evaluate all models on ``slices``, in place."""
         refusal = self._chain.run(slices) if len(slices) < _LARGE else self._run_large(slices)

@@ -64,6 +64,8 @@ class Study(abc.ABC):
     with_cage: ClassVar[bool] = False
     #: Whether it goes through time, so that a run takes long and can go on where it was interrupted.
     in_time: ClassVar[bool] = False
+    #: Whether most of a point of a sweep is compiled code that holds up no other thread.
+    in_threads: ClassVar[bool] = False
     #: Whether one resolution, chosen for a few points of a sweep, serves all of them.
     shares_resolution: ClassVar[bool] = False
     references: ClassVar[tuple[Citation, ...]] = ()
@@ -160,11 +162,6 @@ class Study(abc.ABC):
     def together(cls, cases: "Sequence[tuple[Self, Assembly]]", outputs: frozenset[str]) -> list[Some] | None:
         """Return some outputs of several points in one go; None if there is no such way to these."""
         return None
-
-    @classmethod
-    def goes_together(cls) -> bool:
-        """Whether there is a way to compute several points in one go."""
-        return cls.together.__func__ is not Study.together.__func__  # type: ignore[attr-defined]
 
     # How finely, with what error, at what cost ----------------------------------------------------------------------
 

@@ -20,6 +20,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
+from multiprocessing import parent_process
 from typing import Any, Final
 
 import attrs
@@ -72,14 +73,18 @@ def greet(packages: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
     return here(packages)
 
 
-#: The bearing that this thread made last, of which the next point of the same work takes what is the same.
-_last = threading.local()
+#: The bearing that was made last, by the scene that its sweep changes: the next point takes what is the same. It is
+#: written and read as a whole, by whatever thread.
+_last: tuple[Scene, Assembly] | None = None
 
 
 def _assembled(work: SweepWork, scene: Scene, resolution: Resolution | None) -> Assembly:
-    like = _last.bearing if getattr(_last, "work", None) is work else None
-    made = assemble(scene, resolution, like=like)
-    _last.work, _last.bearing = work, made
+    global _last
+    # where scenes are written, models may be registered anew between two sweeps; a worker gets a copy with every task
+    before = _last if _last and (_last[0] is work.scene or parent_process() is not None) else None
+    made = assemble(scene, resolution, like=before and before[1])
+    # a model that runs in Python is not asked to be evaluated by two threads at once
+    _last = None if any(chain.alone for chain in (made.inner.chain, made.inner.deflection)) else (work.scene, made)
     return made
 
 

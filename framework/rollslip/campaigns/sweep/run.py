@@ -9,7 +9,7 @@
   ends a point.
 - Interrupted once, the points that are being computed are finished; interrupted twice, they are given up. Both leave
   what a later run goes on with.
-- Cheap points stay in this process. Which are cheap is measured on the first two, unless it is plain before: motions in
+- Cheap points stay in this process. Which are cheap is measured on the first ones, unless it is plain: motions in
   time are not, and a sweep that died in this process before is not run in it again.
 """
 
@@ -51,6 +51,8 @@ _GAIN, _SLICE = 1.4, 1e-8
 #: A point of more than this is worth a process without measuring [s].
 _DEAR: Final = 0.25
 _MOST_IN_TASK: Final = 1000
+#: Points by which the pace of cheap ones is measured.
+_SOME: Final = 16
 _TICK: Final = 0.2  # s, how often the loop looks round
 _GRACE: Final = 10.0  # s, beyond twice the time limit, before a worker that does not answer is ended
 
@@ -308,19 +310,25 @@ class _Run:
         return Progress(self.total, dict(self.counts), self.here, seconds)
 
     def measured(self, pending: _Pending, asked: _Interrupts) -> tuple[Engine, str]:
-        """Compute two points in this process, and return the engine that is the fastest for the others."""
+        """Compute some points in this process, and return the engine that is the fastest for the others.
+
+        Two points; and where they are not dear, some together, which have what the first ones have made for all.
+        """
         times = list[float]()
-        while pending and len(times) < 2 and not (times and asked.times):
-            done = compute(self.work, self._points(pending.take(1)))
+        while pending and len(times) < 3 and not (times and asked.times):
+            some = 1 if len(times) < 2 else min(_SOME, int(_DEAR / min(times)))
+            if not some:
+                break
+            done = compute(self.work, self._points(pending.take(some)))
             self._take(done)
-            times.append(done.rows[0].seconds)
+            times.append(sum(row.seconds for row in done.rows) / len(done.rows))
         count, point = cores(), min(times)
         said = f"a point takes {point * 1e3:.3g} ms"
         if count == 1 or not pending:
             return get_model("engine", "serial"), f"{said}, and there is {'one core' if pending else 'nothing left'}"
         study = settings(self.sweep.scene, self.sweep.study)[self.sweep.study]
         compiled = study.evaluations(assemble(self.sweep.scene)) * _SLICE > 0.5 * point
-        name, gain = ("threads", _GAIN) if type(study).goes_together() and compiled else ("serial", 1.0)
+        name, gain = ("threads", _GAIN) if study.in_threads and compiled else ("serial", 1.0)
         if point * len(pending) * (1.0 / gain - 1.0 / count) <= _START:
             return get_model("engine", name), f"{said}: {len(pending)} of them are not worth the start of processes"
         return get_model(

@@ -265,8 +265,9 @@ def expected_seconds(made: Margin) -> dict[str, float]:
     """
 
     def of_one(sweep: Sweep) -> float:
-        # the first time imports
-        return min(compute(sweep.work, ((0, {}),)).rows[0].seconds for _ in range(2))
+        # the first time imports, and makes what samples share
+        work = sweep.work
+        return min(compute(work, ((0, {}),)).rows[0].seconds for _ in range(2))
 
     return {name: len(sweep.numbers) * of_one(sweep) for name, sweep in made.sweeps.items()}
 

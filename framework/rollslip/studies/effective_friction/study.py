@@ -129,6 +129,7 @@ class EffectiveFriction(Study):
         }
     )
     shares_resolution: ClassVar[bool] = True
+    in_threads: ClassVar[bool] = True
 
     closure: str = parameter(
         default="free-roller",

@@ -89,6 +89,7 @@ class SteadySlip(Study):
         {"orbits": "a steady motion of the rollers for every slip that is asked for"}
     )
     with_cage: ClassVar[bool] = True
+    in_threads: ClassVar[bool] = True
 
     max_cage_slip: float = parameter(
         default=0.9, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
