@@ -8,6 +8,7 @@ import pytest
 from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import LoadedContacts
+from rollslip.errors import SceneError
 from rollslip.scene.reading import load_scene
 from rollslip_kernels.slices import Slices
 
@@ -69,6 +70,51 @@ def test_a_contact_is_pressed_by_the_law_of_its_own_ring(ring):
     np.testing.assert_array_equal(stiffness[touching], slices.stiffness)
     assert not load[~touching].any()
     assert np.abs(slices.load / of_other.load - 1.0).min() > 1e-3  # the radii differ, and so must the loads
+
+
+OTHER_OIL = {"lubricant.viscosity_factor": 1.07, "operation.temperature": "68 degC"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "shared"),
+    [
+        (OTHER_OIL, True),
+        ({**OTHER_OIL, "surface.roller_roughness": "0.09 um"}, True),
+        ({**OTHER_OIL, "operation.radial_load": "3 kN"}, False),
+        ({**OTHER_OIL, "operation.inner_speed": "6000 rpm"}, False),
+        ({**OTHER_OIL, "bearing.radial_clearance": "10 um"}, False),
+        ({**OTHER_OIL, "models.contact": "lundberg"}, False),
+        ({"lubricant.pressure_viscosity_law": "roelands"}, False),
+    ],
+)
+def test_what_is_taken_from_another_bearing_is_the_same_to_the_last_bit(changes, shared):
+    scene, like = evolve(SCENE, changes), assemble(SCENE)
+    like.load_distribution(2)
+    taken, alone = assemble(scene, like=like), assemble(scene)
+    assert (taken.inner.chain is like.inner.chain) == shared
+    assert (taken.load_distribution(2) is like.load_distribution(2)) == shared
+    assert taken.lubricant == alone.lubricant
+    for own, other, load in zip(
+        taken.raceways,
+        alone.raceways,
+        (alone.load_distribution(2).inner_load, alone.load_distribution(2).outer_load),
+        strict=True,
+    ):
+        assert own.conditions == other.conditions
+        some = load[load > 0.0]
+        np.testing.assert_array_equal(own.evaluate(some, 20.0, 1.0).friction, other.evaluate(some, 20.0, 1.0).friction)
+    np.testing.assert_array_equal(taken.load_distribution(2).inner_load, alone.load_distribution(2).inner_load)
+    assert taken.cage == alone.cage
+
+
+def test_what_is_wrong_with_an_oil_is_said_beside_another_bearing_too():
+    scene = evolve(SCENE, {"operation.temperature": "-90 degC", "operation.roller_temperature": "-90 degC"})
+    said = []
+    for like in (None, assemble(SCENE)):
+        with pytest.raises(SceneError) as error:
+            assemble(scene, like=like)
+        said.append(error.value.problems)
+    assert said[0] == said[1]
 
 
 @pytest.mark.parametrize("slices", [20, 21])

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from rollslip.bearing.raceway import gauss_rule, load_rule
+from rollslip import load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.raceway import LoadedContacts, gauss_rule, gauss_rules, load_rule
 
 pytestmark = pytest.mark.quick
 
@@ -31,3 +33,36 @@ def test_few_loads_stand_for_all_only_where_they_are_right():
     assert kinked.shape == (3000, 2)
     np.testing.assert_allclose(kinked[:, 1], load / load.sum())
     assert load_rule(load[:5], load[:5], lambda rule: rule[:, 0], 1e-6).shape == (5, 2)
+
+
+def test_rules_of_rows_are_those_of_each_alone_and_weigh_nothing_that_is_not_there():
+    rng = np.random.default_rng(5)
+    load, weight = rng.uniform(1.0, 9.0, (4, 40)), rng.uniform(0.1, 1.0, (4, 40))
+    load[1, 25:] = weight[1, 25:] = 0.0  # not loaded
+    load[2] = 3.0  # one load
+    weight[3] = load[3] = 0.0  # none
+    nodes, weights = gauss_rules(load, weight, 6)
+    np.testing.assert_allclose(weights.sum(axis=1), weight.sum(axis=1), rtol=1e-13)
+    for k in (0, 1):
+        some = weight[k] > 0.0
+        alone, share = gauss_rule(load[k][some], weight[k][some], 6).T
+        np.testing.assert_allclose(nodes[k], alone, rtol=1e-11)
+        np.testing.assert_allclose(weights[k], share * weight[k].sum(), rtol=1e-10)
+    assert weights[2] @ nodes[2] == pytest.approx(weight[2].sum() * 3.0, rel=1e-13)
+    assert not weights[3].any()
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_few_loads_of_a_roller_carry_its_force_and_have_its_friction(whole):
+    """Friction of all slices is what is held against; 89 of them, of which half are evaluated."""
+    assembly = assemble(load_scene("1032930-70C"))
+    loads = assembly.load_distribution(1).inner_load[0]
+    contacts = LoadedContacts(assembly.inner, loads, assembly.widths, 1.0)
+    few = contacts.fewer(24 if whole else 8, whole=whole).on(assembly.inner)
+    assert few.force.size < contacts.force.size / 3
+    assert few.total == pytest.approx(contacts.total, rel=1e-13)
+    for u, V in ((25.0, 0.2), (20.0, 3.0), (12.0, 15.0)):
+        all_of, some = (of.per_roller(of.friction(u, V) * of.force) for of in (contacts, few))
+        if whole:
+            all_of, some = all_of.sum(), some.sum()
+        np.testing.assert_allclose(some, all_of, rtol=2e-7)
