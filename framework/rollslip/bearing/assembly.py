@@ -156,8 +156,6 @@ class Assembly:
         instants: int = 1,
         cage_speed: float | None = None,
         known: LoadDistribution | None = None,
-        *,
-        keep: bool = False,
     ) -> LoadDistribution:
         """Return the quasi-static loads of all rollers at instants spread over one roller pitch.
 
@@ -169,8 +167,6 @@ class Assembly:
             Speed [rad/s] with which the rollers go round, for their centrifugal force; by default the epicyclic one.
         known : LoadDistribution, optional
             That of half as many instants at this cage speed, whose instants are not solved for again.
-        keep : bool
-            Whether it will be asked for again at this cage speed; that at the epicyclic one is.
 
         Raises
         ------
@@ -179,11 +175,9 @@ class Assembly:
         DomainError
             If a force is more than the contact law, or a float, can hold.
         """
-        if known is not None or not (cage_speed is None or keep):
+        if known is not None or cage_speed is not None:
             return self._solved_loads(instants, cage_speed, known)
-        return self.kept(
-            ("loads", instants, cage_speed), instants, lambda: self._solved_loads(instants, cage_speed, None)
-        )
+        return self.kept(("loads", instants), instants, lambda: self._solved_loads(instants, None, None))
 
     def kept(self, what: tuple[Hashable, ...], instants: int, make: Callable[[], _T]) -> _T:
         """Return what the loads of some instants alone decide, made once for all bearings that are loaded alike.

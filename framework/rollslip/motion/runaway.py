@@ -315,10 +315,25 @@ def free_torques(bearing: Assembly, drags: Drags, instants: int, slip: Array, fe
         If the loads or the spin of a roller are not found.
     """
     balance = TorqueBalance(bearing, drags, instants=instants, inertia=False)
-    solved = np.unique(np.linspace(0, slip.size - 1, few or slip.size).astype(int))
-    loads = [bearing.load_distribution(instants, balance.cage_speed(float(slip[k])), keep=bool(few)) for k in solved]
+    half = bearing.scene.bearing.rollers * instants // 2 + 1  # positions k and -k of the orbit carry the same
+    if few:
+        key = ("free", instants, few, slip.tobytes())
+        rings = bearing.kept(key, instants, lambda: _half_orbits(balance, slip, few))
+    else:
+        rings = _half_orbits(balance, slip, slip.size)
+    inner, outer = (Conventional(of.on(own)) for of, own in zip(rings, bearing.raceways, strict=True))
+    spin = Spin(balance, np.repeat(slip, half), (inner, outer), half * slip.size)
+    torque = spin.on_cage(spin.balanced())[0].reshape(slip.size, half).sum(axis=1)
+    return np.asarray(np.sign(bearing.kinematics.epicyclic_cage_speed) * torque / instants)
+
+
+def _half_orbits(balance: TorqueBalance, slip: Array, few: int) -> tuple[LoadedContacts, LoadedContacts]:
+    """Loads on inner and outer ring over half an orbit at each cage slip, solved at few of them."""
+    bearing, instants = balance.assembly, balance.instants
+    solved = np.unique(np.linspace(0, slip.size - 1, few).astype(int))
+    loads = [bearing.load_distribution(instants, balance.cage_speed(float(slip[k]))) for k in solved]
     positions = bearing.scene.bearing.rollers * instants
-    half = positions // 2 + 1  # positions k and -k of the orbit carry the same
+    half = positions // 2 + 1
     count = np.full(half, 2.0)
     count[0] = 1.0
     count[-1] -= positions % 2 == 0 and positions > 1
@@ -328,19 +343,17 @@ def free_torques(bearing: Assembly, drags: Drags, instants: int, slip: Array, fe
     before, after = force[solved[last - 1]], force[solved[last]]
     share = ((force - before) / np.where(after == before, 1.0, after - before))[:, None, None]
 
-    def of(raceway: Raceway, each: list[Array]) -> Conventional:
+    def of(raceway: Raceway, each: list[Array]) -> LoadedContacts:
         halves = np.array([load.swapaxes(0, 1).reshape(positions, -1)[:half] for load in each])
-        whole = halves[last - 1] + share * (halves[last] - halves[last - 1]) if few else halves
-        loads = whole.reshape(-1, bearing.slices)
-        return Conventional(LoadedContacts(raceway, loads, bearing.widths, 1.0, np.tile(count, slip.size)))
+        whole = halves[last - 1] + share * (halves[last] - halves[last - 1]) if few < slip.size else halves
+        return LoadedContacts(
+            raceway, whole.reshape(-1, bearing.slices), bearing.widths, 1.0, np.tile(count, slip.size)
+        )
 
-    contacts = (
+    return (
         of(bearing.inner, [one.inner_load for one in loads]),
         of(bearing.outer, [one.outer_load for one in loads]),
     )
-    spin = Spin(balance, np.repeat(slip, half), contacts, half * slip.size)
-    torque = spin.on_cage(spin.balanced())[0].reshape(slip.size, half).sum(axis=1)
-    return np.asarray(np.sign(bearing.kinematics.epicyclic_cage_speed) * torque / instants)
 
 
 def _start(slips: Array, torques: Array) -> float:
