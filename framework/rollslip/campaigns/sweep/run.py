@@ -317,7 +317,7 @@ class _Run:
         times = list[float]()
         while pending and len(times) < 3 and not (times and asked.times):
             some = 1 if len(times) < 2 else min(_SOME, int(_DEAR / min(times)))
-            if not some:
+            if not some or (some > 1 and len(pending) < 4 * _SOME):
                 break
             done = compute(self.work, self._points(pending.take(some)))
             self._take(done)
