@@ -2,18 +2,21 @@
 
 import tracemalloc
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
+import promise_scenes
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import slip_grid
 from rollslip.bearing.raceway import LoadedContacts
 from rollslip.bearing.regimes import film_by_regime, groups, moes_groups, regime_limits
 from rollslip.errors import SceneError
 from rollslip.planning.execution import run
+from rollslip.planning.plan import plan
 from rollslip.results.account import account_of
 from rollslip.results.curves import percent
 from rollslip.scene.changes import evolve, parse_set
@@ -482,3 +485,24 @@ def test_memory_is_that_of_the_loads():
         for raceway, load in ((assembly.inner, loads.inner_load), (assembly.outer, loads.outer_load))
     )
     assert peak < 3 * (asked + tables)
+
+
+@pytest.mark.parametrize("k", [11, 82, 99, 123, 250])
+def test_the_curve_of_free_rollers_does_not_depend_on_the_slips_that_are_asked_for(k):
+    """Rollers of random bearings that have several balances, or come to have them between two slips.
+
+    Alone, among few slips and among many, and in any order.
+    """
+    one = promise_scenes.scene(k)
+    study = plan(one, "effective-friction").studies["effective-friction"]
+    assembly = assemble(one)
+    slices = 16 if assembly.slices > 1 else 1
+    assembly = assembly.at(attrs.evolve(assembly.resolution, slices=slices, quadrature="equal", instants=8))
+    few, many = (slip_grid(study.max_cage_slip, points) for points in (26, 201))
+    expected = study.loaded(assembly, 8).curve(many)[:, ::8]
+    largest = expected.max()
+    np.testing.assert_allclose(study.loaded(assembly, 8).curve(few), expected, rtol=0, atol=1e-7 * largest)
+    np.testing.assert_allclose(study.loaded(assembly, 8).curve(few[[9]]), expected[:, [9]], rtol=0, atol=1e-7 * largest)
+    downwards = study.loaded(assembly, 8)
+    for j in (20, 12, 5):
+        np.testing.assert_allclose(downwards.curve(few[[j]]), expected[:, [j]], rtol=0, atol=1e-7 * largest)

@@ -38,6 +38,8 @@ _MAP_SHARE = 1e-3
 _FEW: Final = (24, 8)
 #: From how many cage slips the spins at the next one go on, and by how much these differ at least, relative to it.
 _GO_ON, _TELLS = 4, 1e-5
+#: Cage slip up to which friction rises with slip, so that a roller has one balance only.
+_START = 1e-3
 
 
 #: The variables that say in which film regimes the contacts run, and how lightly loaded.
@@ -148,35 +150,40 @@ class LoadedRaceways:
             return attrs.evolve(speeds, outer_sliding=np.zeros_like(speeds.outer_sliding))  # not the rounding of it
         new = np.array(sorted({float(slip) for slip in cage_slip if slip > 0.0} - self._shares.keys()))
         if new.size:
-            self._find_shares(new, kinematics.roller_slip_outer_rolling(new))
+            self._find_shares(new)
         none = np.zeros(self.inner.rollers)
         shares = np.array([self._shares[slip] if slip > 0.0 else none for slip in cage_slip.tolist()])
         return kinematics.surface_speeds(cage_slip[:, None], outer_rolling[:, None] * shares)
 
-    def _find_shares(self, cage_slip: Array, outer_rolling: Array) -> None:
+    def _find_shares(self, cage_slip: Array) -> None:
         """Find the roller slips at which both rings pull a roller alike, relative to rolling on the outer ring.
 
         Between rolling on the inner ring and rolling on the outer one the difference of the pulls changes its sign,
-        so there is a root; of several the bracket ends in one that is stable, mostly the nearest to what is known of
-        cage slips next to this one. A roller without inner load rolls on the outer ring.
+        so there is a root; of several a roller is in the one that goes on from smaller cage slips, and where that ends
+        in the next one that is stable. A roller without inner load rolls on the outer ring.
         """
         kinematics, rollers = self.assembly.kinematics, self.inner.rollers
         if self._spins is None:
             self._spins = Spins(kinematics, rollers, (self.inner, self.outer))
         loaded = self.inner.per_roller(self.inner.force) > 0.0
         ends = np.array([np.where(loaded, -kinematics.inner_radius / kinematics.outer_radius, 1.0), np.ones(rollers)])
-        ahead = kinematics.surface_speeds(cage_slip, 0.0)
-        near = self._nearest(float(cage_slip[0]))
-        shares, lost, self._slopes, place, row, ended = self._spins.kernel.followed(
+        ahead, rolls = kinematics.surface_speeds(1.0, 0.0), float(kinematics.roller_slip_outer_rolling(1.0))
+        near = self._below(float(cage_slip[0]))
+        if not near and cage_slip[0] > _START:
+            cage_slip = np.concatenate(([_START], cage_slip))
+        shares, lost, self._slopes, row, ended = self._spins.kernel.followed(
             np.array([ahead.inner_sliding, ahead.outer_sliding]),
-            outer_rolling,
+            rolls,
+            cage_slip,
             ends,
             np.array([self._shares[slip] for slip in near]).reshape(-1, rollers),
-            kinematics.roller_slip_outer_rolling(np.array(near)),
+            np.array(near),
             self._slopes if near else np.zeros(rollers),
         )
         if ended in RINGS:
-            self.require_entrainment(kinematics.surface_speeds(cage_slip[row : row + 1, None], place))
+            self.require_entrainment(
+                kinematics.surface_speeds(cage_slip[row : row + 1, None], rolls * cage_slip[row] * shares[row])
+            )
         self._spins.ended(ended)
         if ended:
             raise ConvergenceError(
@@ -186,11 +193,11 @@ class LoadedRaceways:
             )
         self._shares.update(zip(cage_slip.tolist(), shares, strict=True))
 
-    def _nearest(self, cage_slip: float) -> list[float]:
-        """The cage slips next to one at which shares are known, none of them closer together than tells."""
+    def _below(self, cage_slip: float) -> list[float]:
+        """The next smaller cage slips at which shares are known, none of them closer together than tells."""
         found = list[float]()
-        for slip in sorted(self._shares, key=lambda slip: abs(slip - cage_slip)):
-            if all(abs(slip - other) > _TELLS * cage_slip for other in found):
+        for slip in sorted((slip for slip in self._shares if slip < cage_slip), reverse=True):
+            if all(other - slip > _TELLS * cage_slip for other in found):
                 found.append(slip)
             if len(found) == _GO_ON:
                 break

@@ -6,6 +6,9 @@
 - Balances are found by secants, halved where they are slow. One after the other along the cage slip, each begins from
   the cubic through what those before have found, and with their slopes, so that four evaluations find it. Where a
   balance ends, the roller goes on in the sense of its torque to the next one, and stays there.
+- Whether a balance ends between two slips, or only went where the cubic does not lead, is looked into: each roller goes
+  there in steps of its own, halved until the cubic leads or the step is nothing. So the balance that a roller is in
+  depends on the slip, not on the slips that were asked for before it.
 - Where torques rise through zero is where the rollers hold their spin, so brackets end there.
 - How torques are made of forces stands in the framework's module `rollslip.motion.torque_balance`.
 """
@@ -47,7 +50,11 @@ cdef double BALANCED = 1e-14   # last and first step of secants, relative to the
 cdef double APART = 1e-3
 cdef double BENDS = 100.0      # by how much a slope may change over the bracket, relative to it
 cdef double LEAP = 0.02        # first step to where nothing is known, relative to the bracket
-cdef double JUMP = 0.05        # miss of a guess after which what was before it is no guide any more
+cdef double MISS = 0.005       # of a guess, relative to the bracket, by which it is another balance
+cdef double FLAT = 1e-3        # least share of that, where torques hardly rise through zero
+cdef double NOTHING = 1e-4     # step of the slip, relative to it, over which a balance that is missed has ended
+cdef double GROWS = 2.0        # by how much a step along the slip may be longer than the one before,
+cdef double FAR = 1.5          # and by how much it may multiply the slip
 cdef double WIDE = 0.5         # span of shares that are not of one motion
 cdef double SLIDES = 1e-2      # sliding speed over which the friction of a pocket changes its sign [m/s]
 
@@ -182,69 +189,105 @@ cdef class Spin:
             ended = self._balanced(&low[0], &high[0], &at[0], NULL, 1.0, &missed[0])
         return place, lost.view(bool), self._ended(ended)
 
-    def followed(self, const double[:, ::1] leads, const double[::1] slips, const double[:, ::1] ends,
+    def followed(self, const double[::1] leads, double rolls, const double[::1] slips, const double[:, ::1] ends,
                  const double[:, ::1] known, const double[::1] near, const double[::1] slope):
         """Return where torques balance at rows of cage slips, one after the other, and how it ended.
 
-        It is looked for as a share of ``slips`` (n,), the roller slips of rolling on the outer ring: between ``ends``
-        (2, K), or at the share itself that they give twice. ``leads`` (2, n) are as `at` takes them, for all positions
-        alike. ``known`` (m, K) are shares at slips ``near`` (m,), from which the first rows go on, and ``slope`` (K,)
-        that of the torque over the roller slip there, zero where it is not known.
+        It is looked for as a share of the roller slip of rolling on the outer ring, which is ``rolls`` times the cage
+        slip: between ``ends`` (2, K), or at the share itself that they give twice. ``leads`` (2,) are what `at` takes,
+        over the cage slip, ``slips`` (n,) ascend. ``known`` (m, K) are shares at slips ``near`` (m,) below them, the
+        nearest first, from which is gone on; without them the first slip is one where rollers have one balance only.
+        ``slope`` (K,) is that of the torque over the roller slip there, zero where it is not known.
 
-        Returned are the shares (n, K), which are lost, the slopes, and where it stopped: place (K,) and row.
+        Returned are the shares (n, K), which are lost, the slopes, and the row where it stopped.
         """
-        cdef Py_ssize_t n = slips.shape[0], K = self.rollers, row = 0, k, i, j, m, most
-        cdef double x, one, two, span
+        cdef Py_ssize_t n = slips.shape[0], K = self.rollers, row = 0, k, i, j, left
+        cdef double x, one, two, weight, miss, flat
         shares, lost, slopes = np.empty((n, K)), np.zeros((n, K), dtype=np.uint8), np.array(slope)
-        cdef double[:, ::1] out = shares
+        cdef double[:, ::1] out = shares, way = np.empty((K, NEAR)), held = np.empty((K, NEAR))
         cdef unsigned char[:, ::1] missed = lost
         cdef double[::1] steep = slopes, low = np.empty(K), high = np.empty(K), at = np.empty(K), guess = np.empty(K)
-        cdef Py_ssize_t[::1] even = np.empty(K, dtype=np.intp)   # rows since the last jump
+        # where a roller is looked for, 0 if it has arrived, and the slip before which it was missed
+        cdef double[::1] place = np.empty(K), beyond = np.empty(K), before = np.array(slope)
+        cdef Py_ssize_t[::1] even = np.zeros(K, dtype=np.intp)   # of the last slips on its way, how many are one motion
         cdef int ended = FOUND
-        cdef double weights[NEAR][NEAR]    # of polynomials through one, two, ... rows
-        cdef const double *before[NEAR]
-        cdef double places[NEAR]
-        if leads.shape[1] != n or leads.shape[0] != 2 or ends.shape[0] != 2 or known.shape[0] != near.shape[0]:
-            raise ValueError("leads of two rings are expected at all slips, two ends, and a slip of all that is known")
+        if leads.shape[0] != 2 or ends.shape[0] != 2 or known.shape[0] != near.shape[0]:
+            raise ValueError("leads of two rings are expected, two ends, and a slip of all that is known")
         for given in (slope, ends[0], *([known[0]] if known.shape[0] else [])):
             self._check(given)
         with nogil:
             for k in range(K):
-                span = 0.0
                 for i in range(min(known.shape[0], NEAR)):
-                    span = max(span, fabs(known[i, k] - known[0, k]))
-                even[k] = NEAR if span <= WIDE else 1
+                    if fabs(known[i, k] - known[0, k]) > WIDE:
+                        break
+                    way[k, i], held[k, i] = near[i], known[i, k]
+                    even[k] += 1
             for row in range(n):
-                # the nearest that are known: rows before, then what was known before them
-                most = 0
-                while most < NEAR and most < row:
-                    before[most], places[most] = &out[row - 1 - most, 0], slips[row - 1 - most]
-                    most += 1
-                i = 0
-                while most < NEAR and i < known.shape[0]:
-                    before[most], places[most] = &known[i, 0], near[i]
-                    most, i = most + 1, i + 1
-                for m in range(most):
-                    for i in range(m + 1):
-                        weights[m][i] = 1.0
-                        for j in range(m + 1):
-                            if j != i:
-                                weights[m][i] *= (slips[row] - places[j]) / (places[i] - places[j])
                 for k in range(K):
-                    self.rings[INNER].lead[k], self.rings[OUTER].lead[k] = leads[0, row], leads[1, row]
-                    one, two = ends[0, k] * slips[row], ends[1, k] * slips[row]
-                    low[k], high[k] = min(one, two), max(one, two)
-                    x, m = 0.0 if most else 0.5 * (ends[0, k] + ends[1, k]), min(most, even[k])
-                    for i in range(m):
-                        x += weights[m - 1][i] * before[i][k]
-                    guess[k] = at[k] = min(max(x * slips[row], low[k]), high[k])
-                ended = self._balanced(&low[0], &high[0], &at[0], &steep[0], LEAP if most else 1.0, &missed[row, 0])
-                for k in range(K):
-                    out[row, k] = at[k] / slips[row]
-                    even[k] = even[k] + 1 if fabs(at[k] - guess[k]) <= JUMP * (high[k] - low[k]) else 1
+                    beyond[k] = slips[row]
+                    place[k] = min(slips[row], self._next(even[k], &way[k, 0])) if even[k] else slips[row]
+                left = K
+                while left:
+                    for k in range(K):
+                        if place[k] == 0.0:
+                            low[k] = high[k] = at[k]
+                            continue
+                        self.rings[INNER].lead[k], self.rings[OUTER].lead[k] = leads[0] * place[k], leads[1] * place[k]
+                        one, two = ends[0, k] * rolls * place[k], ends[1, k] * rolls * place[k]
+                        low[k], high[k] = min(one, two), max(one, two)
+                        x = 0.0 if even[k] else 0.5 * (ends[0, k] + ends[1, k])
+                        for i in range(even[k]):
+                            weight = 1.0
+                            for j in range(even[k]):
+                                if j != i:
+                                    weight *= (place[k] - way[k, j]) / (way[k, i] - way[k, j])
+                            x += weight * held[k, i]
+                        guess[k] = at[k] = min(max(x * rolls * place[k], low[k]), high[k])
+                    ended = self._balanced(
+                        &low[0], &high[0], &at[0], &steep[0], LEAP if even[0] else 1.0, &missed[row, 0])
+                    left = 0
+                    for k in range(K):
+                        if place[k] == 0.0:
+                            continue
+                        out[row, k] = at[k] / (rolls * place[k])
+                        if ended != FOUND:
+                            continue
+                        # where one balance becomes several the torque is flat, and a small miss decides between them
+                        x, miss = high[k] - low[k], fabs(at[k] - guess[k])
+                        flat = self.radius * fabs(self.rings[INNER].traction[k])
+                        flat = min(max(steep[k] * x / flat, FLAT), 1.0) if flat > 0.0 else 1.0
+                        if even[k] and miss > MISS * flat * x:
+                            steep[k] = before[k]
+                            if place[k] - way[k, 0] > NOTHING * place[k]:
+                                beyond[k] = place[k]
+                                place[k] = 0.5 * (place[k] + way[k, 0])
+                                left += 1
+                                continue
+                            if even[k] > 1:   # once more from where it was: what it goes on to is on its way from there
+                                even[k] = 1
+                                left += 1
+                                continue
+                            if miss > MISS * x:
+                                even[k] = 0
+                        before[k] = steep[k]
+                        even[k] = min(even[k] + 1, NEAR)
+                        for i in range(even[k] - 1, 0, -1):
+                            way[k, i], held[k, i] = way[k, i - 1], held[k, i - 1]
+                        way[k, 0], held[k, 0] = place[k], out[row, k]
+                        if place[k] == beyond[k]:
+                            beyond[k] = slips[row]
+                        if place[k] < slips[row]:
+                            place[k] = min(beyond[k], self._next(even[k], &way[k, 0]))
+                            left += 1
+                        else:
+                            place[k] = 0.0
                 if ended != FOUND:
                     break
-        return shares, lost.view(bool), slopes, np.asarray(at), row, self._ended(ended)
+        return shares, lost.view(bool), slopes, row, self._ended(ended)
+
+    cdef inline double _next(self, Py_ssize_t even, const double *way) noexcept nogil:
+        """The slip up to which a step may go, after those of one motion, the last one first."""
+        return min(way[0] + GROWS * (way[0] - way[1]), FAR * way[0]) if even > 1 else FAR * way[0]
 
     def periodic(self, const double[::1] guess, double inertia, double damping=0.0):
         """Return roller slips that repeat after an orbit, from a guess, Floquet's multiplier, what is left, and how.
