@@ -50,7 +50,7 @@ _PROBES: Final = 129
 _SHARES: Final = (*(k / 16 for k in range(1, 16)), *(1.0 - 0.5**k for k in range(5, 11)))
 _FIRST_CELLS, _MOST_CELLS = 64, 4096
 #: Where the first cells err more than this, more of them are needed to tell which mapping is best.
-_UNCLEAR, _CLEAR_CELLS = 0.01, 1024
+_UNCLEAR, _CLEARER, _CLEAR_CELLS = 0.01, 256, 1024
 _FIRST_ROWS, _MOST_ROWS = 8, 256
 _FIRST_CLASSES, _MOST_CLASSES = 16, 1024
 #: Slices evaluated at a time.
@@ -359,7 +359,7 @@ def _mapping(laws: Sequence[tuple[float, Law]], shape: _Shape, rolling: float) -
     """
     reach, node = _REACH * rolling, shape.critical.slip if shape.has_critical else shape.half
     rises = [_slope(law, _NEAR * shape.half * longer)[0] for longer, law in laws]
-    for cells in (_FIRST_CELLS, _CLEAR_CELLS):
+    for cells in (_FIRST_CELLS, _CLEARER, _CLEAR_CELLS):
         least, best = math.inf, (0.0, 0.0, 0.0)
         for share in _SHARES:
             if share * reach <= node:
