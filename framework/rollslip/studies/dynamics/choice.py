@@ -12,7 +12,7 @@
   random bearings (docs/trust/runaway.rst). Near it the one cage runs away where the other does not, whatever their
   speeds were until then: there it is not chosen.
 - Levels with play in the pockets keep their integrator: an explicit method that is right about the cage's speed may
-  step over half of the impacts' forces.
+  miss a third of the impacts' force (docs/trust/dynamics.rst).
 - What cannot be estimated is taken as finely as there is.
 """
 
