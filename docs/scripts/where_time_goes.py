@@ -7,7 +7,9 @@ that counts, user and system: that of the clock on a machine with nothing else t
 it does. Medians of the processes go to docs/tables/where_time_goes.csv; a share is one of the whole command with plots
 and report.
 
-``python docs/scripts/where_time_goes.py [PROCESSES]``, 5 by default.
+``python docs/scripts/where_time_goes.py [PROCESSES [BEFORE]]``, 5 by default. BEFORE is the folder of a clone of an
+earlier version, built in place: then the whole commands of both are timed in turn, too, for
+docs/tables/run_before.csv. Bytecode is compiled before anything is measured, as an installation does it.
 """
 
 import json
@@ -21,6 +23,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+HERE = Path(__file__).parents[2]
 SCENES = ("1032930-70C", "1032930-50C", "1032930-30C")
 DATA, ALL = "the command with data only", "the command with plots and report"
 COMMAND = (sys.executable, "-c", "from rollslip.cli import main; main()", "run")
@@ -63,8 +66,8 @@ def one_run(scene: str, folder: Path) -> dict[str, float]:
 
     clock.call("import NumPy", import_, "numpy")
     clock.call("import rollslip", import_, "rollslip.cli.main", "rollslip.cli.console", "rollslip.planning.execution")
-    clock.call("import xarray", import_, "xarray", "xarray.backends.writers")
-    clock.call("import h5netcdf", import_, "h5netcdf")
+    clock.call("import xarray", import_, "xarray")
+    clock.call("import h5py", import_, "h5py")
     from rollslip.planning.plan import plan
     from rollslip.scene.reading import load_scene
 
@@ -94,10 +97,11 @@ def one_run(scene: str, folder: Path) -> dict[str, float]:
     return clock.seconds
 
 
-def seconds_of(command: list[str]) -> float:
-    """Time a process."""
+def seconds_of(command: list[str], root: Path = HERE) -> float:
+    """Time a process with the version of a folder."""
+    path = os.pathsep.join(str(root / part) for part in ("framework", "plugins", "kernels", ""))
     before = os.times()
-    subprocess.run(command, capture_output=True, check=True)
+    subprocess.run(command, capture_output=True, check=True, cwd=root, env=os.environ | {"PYTHONPATH": path})
     after = os.times()
     return after.children_user + after.children_system - before.children_user - before.children_system
 
@@ -118,6 +122,7 @@ def main(processes: int) -> None:
     from output import write_table
 
     rows = []
+    measured(SCENES[0])  # compiles
     for scene in SCENES:
         runs = [measured(scene) for _ in range(processes)]
         medians = {part: statistics.median(run[part] for run in runs) for part in runs[0]}
@@ -125,8 +130,33 @@ def main(processes: int) -> None:
     write_table("where_time_goes", ("scene", "part", "seconds", "share"), rows)
 
 
+def compared(earlier: Path, rounds: int) -> None:
+    """Time the whole commands of an earlier version and of this one in turn, and write the table."""
+    from output import write_table
+
+    rows = []
+    for scene in SCENES:
+        for told, options in ((DATA, "--no-plots"), (ALL, "--report")):
+            times: dict[Path, list[float]] = {earlier: [], HERE: []}
+            for k in range(rounds + 1):
+                for root, taken in times.items():
+                    with tempfile.TemporaryDirectory() as folder:
+                        seconds = seconds_of([*COMMAND, scene, options, "--out", f"{folder}/out"], root)
+                    taken += [seconds] if k else []  # the first one compiles
+            before, now = (statistics.median(taken) for taken in times.values())
+            rows.append((scene, told, f"{before:.2f}", f"{now:.2f}", f"{now / before:.2f}"))
+            print(*rows[-1], sep=", ", flush=True)
+    write_table("run_before", ("scene", "what", "before [s]", "now [s]", "ratio"), rows)
+
+
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--one"]:
         print(json.dumps(one_run(sys.argv[2], Path(sys.argv[3]))))
     else:
-        main(int(sys.argv[1]) if len(sys.argv) > 1 else 5)
+        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+        processes = int(sys.argv[1]) if len(sys.argv) > 1 else 5
+        with tempfile.TemporaryDirectory() as compiled:
+            os.environ["PYTHONPYCACHEPREFIX"] = compiled
+            if len(sys.argv) > 2:
+                compared(Path(sys.argv[2]).resolve(), processes)
+            main(processes)
