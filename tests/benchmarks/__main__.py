@@ -37,6 +37,7 @@ def main():
     import bench_calls
     import bench_chain
     import bench_growth
+    import bench_laws
     import bench_tribology
     import instructions
     import report
@@ -46,6 +47,7 @@ def main():
         "chain": lambda: bench_chain.run(given.quick, given.svml_python),
         "calls": lambda: bench_calls.run(given.quick),
         "tribology": lambda: bench_tribology.run(given.quick),
+        "laws": bench_laws.run,
         "growth": lambda: bench_growth.run(given.quick),
         "instructions": instructions.run,
         "threads": lambda: [bench_calls.threads(rounds)],
