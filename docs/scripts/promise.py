@@ -46,6 +46,12 @@ def number(errors, name):
     return "" if error is None else f"{error:.1e}"
 
 
+def taken(found, part):
+    """How many slices or instants a scene was run with, after how many where it was run again."""
+    last, first = found.resolution[part], found.planned[part]
+    return f"{last} after {first}" if last != first else str(last)
+
+
 def row(k):
     """The row of a scene."""
     signal.setitimer(signal.ITIMER_VIRTUAL, SCENE_SECONDS)
@@ -61,7 +67,8 @@ def row(k):
         return [k, found.refused[:160], "", "", "", "", "", "", "", "refused"]
     verdict = ("kept, but told" if found.warned else "kept") if found.kept else "told" if found.warned else "silent"
     errors = [number(of, name) for name in ("friction", "critical_slip") for of in (found.witnessed, found.actual)]
-    numbers = [f"{found.resolution['slices']} {found.resolution['quadrature']}", found.resolution["instants"]]
+    slices, instants = (taken(found, part) for part in ("slices", "instants"))
+    numbers = [f"{slices} {found.resolution['quadrature']}", instants]
     return [k, described(found.scene), f"{found.tolerance:.1e}", *errors, *numbers, verdict]
 
 
@@ -73,7 +80,8 @@ def summary(rows):
         worst = max((worst_of(one) for one in of), default=0.0)
         silent = max((worst_of(one) for one in of if one[-1] in ("kept", "silent")), default=0.0)
         counts = [sum(one[-1] == verdict for one in of) for verdict in VERDICTS]
-        yield [closure or "all", len(of), *counts, f"{worst:.1f}", f"{silent:.2f}"]
+        again = sum("after" in f"{one[7]} {one[8]}" for one in of)
+        yield [closure or "all", len(of), again, *counts, f"{worst:.1f}", f"{silent:.2f}"]
 
 
 def worst_of(one):
@@ -96,7 +104,7 @@ def main(count=COUNT, seconds=float("inf")):
         rows.sort(key=lambda one: int(one[0]))
         write_table("promise", HEADER, rows)
         print(k, next(one[-1] for one in rows if one[0] == str(k)), flush=True)
-    head = ["closure", "scenes", *VERDICTS, "largest error over tolerance", "largest that was not told"]
+    head = ["closure", "scenes", "run again", *VERDICTS, "largest error over tolerance", "largest that was not told"]
     write_table("promise_summary", head, list(summary(rows)))
     left = {verdict: sum(one[-1] == verdict for one in rows) for verdict in ("refused", "too dear")}
     write_table("promise_left_out", ["scenes", "refused", "too dear"], [[len(rows), *left.values()]])

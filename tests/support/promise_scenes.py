@@ -125,8 +125,12 @@ def described(one):
 
 @attrs.frozen
 class Promise(Verdict):
-    """What came of a scene: errors found beside those claimed; ``refused`` is why there are none."""
+    """What came of a scene: errors found beside those claimed; ``refused`` is why there are none.
 
+    ``planned`` is the resolution that the run began with.
+    """
+
+    planned: dict = attrs.Factory(dict)
     witnessed: dict = attrs.Factory(dict)
     warned: tuple = ()
 
@@ -171,7 +175,9 @@ def judge(one):
         if made.estimated[STUDY].failed:
             return Promise(one, refused=made.estimated[STUDY].failed)
         result = execute(made, STUDY)
-        study, own = made.studies[STUDY], made.estimated[STUDY].resolution
+        study, planned = made.studies[STUDY], made.estimated[STUDY].resolution
+        taken = json.loads(result.attrs["resolution"])
+        own = attrs.evolve(planned, slices=taken["slices"], instants=taken["instants"])
         for times in (4, 8):
             actual = errors_between(study.judged, result, finer(study, one, own, times))
             if not CLOSE[0] <= max(actual.values()) / one.accuracy.tolerance <= CLOSE[1]:
@@ -181,9 +187,10 @@ def judge(one):
     rows = json.loads(result.attrs["accuracy"])
     return Promise(
         one,
-        resolution=json.loads(result.attrs["resolution"]),
+        resolution=taken,
+        planned=attrs.asdict(planned),
         estimated={row["result"]: row["estimated"] for row in rows},
         witnessed={row["result"]: row["found"] for row in rows},
         actual=actual,
-        warned=tuple(w for w in json.loads(result.attrs["warnings"]) if "accuracy." in w),
+        warned=tuple(w for w in json.loads(result.attrs["warnings"]) if " is off " in w and "accuracy." in w),
     )

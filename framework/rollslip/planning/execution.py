@@ -16,7 +16,7 @@ from rollslip.motion.checkpoints import Checkpoints
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import run_origin
-from rollslip.planning.verification import accuracy_rows, judge, told
+from rollslip.planning.verification import accuracy_rows, again, judge, told
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene, scene_hash
@@ -60,9 +60,17 @@ def run(scene: Scene | str, study: str | None = None) -> "xr.Dataset":
 
 
 def execute(
-    plan: Plan, study: str, *, kept: Path | None = None, progress: Callable[[str], None] | None = None
+    plan: Plan,
+    study: str,
+    *,
+    kept: Path | None = None,
+    progress: Callable[[str], None] | None = None,
+    exactly: bool = False,
 ) -> "xr.Dataset":
     """Return the result of one study of a plan.
+
+    What is seen afterwards to be off by more than its tolerance is run again, once, with more slices and instants
+    where it is soon done and would help (`rollslip.planning.verification.again`); the plan in the result says so.
 
     Parameters
     ----------
@@ -75,6 +83,8 @@ def execute(
         stored the result.
     progress : callable, optional
         Told how far a study in time has come.
+    exactly : bool
+        Whether it is run at the resolution of the plan alone, whatever is seen.
     """
     import xarray as xr  # noqa: F401 - what takes longer than many a study is no cost of the first one
 
@@ -86,15 +96,20 @@ def execute(
         try:
             store = None if kept is None else Checkpoints(kept, scene_hash(plan.scene), study)
             dataset = running.run(assembly, Keep(store=store, progress=progress))
-            break
         except BoundBrokenError as broken:
             taken_back.append(str(broken))
             plan = plan.taking_back(study, broken.bound)
-    evaluated = assembly.inner.chain.evaluated - before
-    cost = {"estimated": plan.seconds_of(study), "actual": time.process_time() - processor}
-    estimated = plan.estimated[study]
-    unwatched = plan.assembly.at(estimated.resolution)
-    judgement = judge(running, unwatched, estimated, dataset)
+            continue
+        evaluated = assembly.inner.chain.evaluated - before
+        spent = time.process_time() - processor
+        estimated = plan.estimated[study]
+        unwatched = plan.assembly.at(estimated.resolution)
+        judgement = judge(running, unwatched, estimated, dataset)
+        finer = None if exactly else again(running, unwatched, estimated, judgement)
+        if finer is None:
+            break
+        plan = plan.again(study, finer)
+    cost = {"estimated": plan.seconds_of(study), "actual": spent}
     dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in judgement.errors.items()}
     dataset.attrs |= {
         "resolution": json.dumps(attrs.asdict(estimated.resolution)),

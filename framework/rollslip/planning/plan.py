@@ -94,6 +94,17 @@ class Plan:
         estimated = attrs.evolve(before, resolution=bound.taken_back(before.resolution), left_out=left_out)
         return attrs.evolve(self, estimated={**self.estimated, study: estimated}).at(study, estimated.resolution)
 
+    def again(self, study: str, estimated: Estimated) -> "Plan":
+        """Return the plan with another resolution for a study, which its lines tell; costs are as they were."""
+        before = {part.part: part.seconds for part in self.parts if part.study == study}
+        made = attrs.evolve(self, estimated={**self.estimated, study: estimated}).at(study, estimated.resolution)
+        lines = [
+            attrs.evolve(part, study=study, seconds=before.get(part.part))
+            for part in made.studies[study].parts(self.assembly.at(estimated.resolution), estimated, {})
+        ]
+        others = [part for part in self.parts if part.study != study]
+        return attrs.evolve(made, parts=(*others, *lines))
+
     def as_dict(self) -> dict[str, Any]:
         """Return the plan as plain values, for JSON; an error that cannot be told is null."""
         return {

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import attrs
-import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import finest
@@ -23,14 +22,16 @@ if TYPE_CHECKING:
 #: How an error may fall with the number of instants: like n^-2 past the kinks of the loads, like n^-1 where rollers
 #: jump from one balance to another, and no order below the first is taken for convergence.
 _LEAST_ORDER, _MOST_ORDER = 0.5, 2.0
+#: That of the mean of a curve with jumps at the worst, whatever two numbers of instants show by chance.
+_OF_JUMPS = 1.0
 #: Share of the tolerance below which an error needs no order to be believed.
 _CLEAR = 0.3
 #: How many times as many slips a witness goes along where a curve is followed from slip to slip.
 _DENSER = 3
-#: Second difference along the slip, relative to what differs, below which that is smooth.
-_ROUGH = 0.3
 #: Slips on which a witness sees curves of which the result holds none.
 _WITNESSED = 25
+#: Share of the tolerance that slices and instants aim at, each, where a run is made again, and how many times as many.
+_AIM, _MOST_TIMES = 0.35, 4.0
 
 
 @attrs.frozen(kw_only=True)
@@ -91,13 +92,16 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     def of_instants(at: Assembly) -> Errors:
         off = _off(study, curved, at, dataset if at is assembly else None, m)
         found = off(m)
-        left = {name: _of_order(error, _LEAST_ORDER, m) for name, error in found.items()}
+        if curved.followed:
+            found = _worst(found, off(m + 1))
+        least = _OF_JUMPS if curved.followed else _LEAST_ORDER
+        left = {name: _of_order(error, least, m) for name, error in found.items()}
         if not over(_CLEAR, left):
             return left
         half = (m + 1) // 2
         before = off(half) if half < m else {}
         orders.update({name: _order(half, m, before.get(name, 0.0), error) for name, error in found.items()})
-        return {name: _of_order(error, orders[name], m) for name, error in found.items()}
+        return {name: _of_order(error, max(orders[name], least), m) for name, error in found.items()}
 
     if assembly.slices > 1:
         errors["slices"] = of_slices(SOME)
@@ -144,33 +148,57 @@ def _off(
         some = seen(instants) if some is None else some
         if some is None:
             return {}
-        found = errors_between(curved.judged, some, witness)
-        if curved.followed and "critical_slip" in found:
-            found["critical_slip"] = max(found["critical_slip"], _unsteady(curved, some, witness))
-        return found
+        return errors_between(curved.judged, some, witness)
 
     return off
 
 
-def _unsteady(curved: Study, own: "xr.Dataset", witness: "xr.Dataset") -> float:
-    """How far maxima may wander, relative to them, where a curve is made of jumps that are not the witness's.
+def _worst(some: Errors, others: Errors) -> dict[str, float]:
+    return {name: max(some.get(name, 0.0), others.get(name, 0.0)) for name in (*some, *others)}
 
-    What the two differ by is then rough along the slip, and a top that is rough by a may be highest wherever it is less
-    than a below its highest: within sqrt(2 a/|f''|), and at most between the slips next to it.
+
+def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Judgement) -> Estimated | None:
+    """Return the resolution with which a run is made again that was seen to be off; None if that would not help.
+
+    Slices take the second order of their rule, instants the order that was seen, where rollers may jump the first at
+    least; four times as many at most. A run is not made again that kept its tolerance, whose error does not fall, or
+    which is not the curves themselves and so would take long; nor is one that was made again already.
+
+    Parameters
+    ----------
+    study, assembly, estimated, judgement
+        As `judge` takes and returns them.
     """
-    assert curved.curves_of is not None
-    slips, curves = own[curved.curves_of.slip].to_numpy(), own[curved.judged["friction"]].to_numpy()
-    apart, worst = curves - witness[curved.judged["friction"]].to_numpy(), 0.0
-    for k, at in enumerate(own[curved.judged["critical_slip"]].to_numpy()):
-        if not at > 0.0:
-            continue
-        j = min(max(int(np.searchsorted(slips, at)), 2), slips.size - 3)
-        rough, size = (float(np.abs(np.diff(apart[k, j - 2 : j + 3], n)).max()) for n in (2, 0))
-        rough *= 0.25 if rough > _ROUGH * size else 0.0
-        curvature = -2.0 * float(np.polyfit(slips[j - 1 : j + 2], curves[k, j - 1 : j + 2], 2)[0])
-        most = float(slips[j + 1] - slips[j - 1])
-        worst = max(worst, min(math.sqrt(2.0 * rough / curvature) if curvature > 0.0 else most, most) / float(at))
-    return worst
+    accuracy, resolution, best = assembly.scene.accuracy, estimated.resolution, finest(assembly.scene)
+    off = {name: error for name, error in total(judgement.errors).items() if error > accuracy.of(name)}
+    if accuracy.exact or estimated.seen or not off or study.curved(assembly) is not study:
+        return None
+    numbers = {"slices": resolution.slices, "instants": resolution.instants or 1}
+    most = {"slices": best.slices, "instants": best.instants or 1}
+    numbers_then, left = dict(numbers), dict[str, Errors]()
+    for part, errors in judgement.errors.items():
+        orders = {
+            name: min(judgement.orders.get(name, 1.0), _MOST_ORDER) if part == "instants" else _MOST_ORDER
+            for name in errors
+        }
+        if not study.followed and any(name in off and order < _LEAST_ORDER for name, order in orders.items()):
+            return None
+        if study.followed:
+            orders = {name: max(order, _OF_JUMPS) for name, order in orders.items()}
+        wanted = [(errors[name] / (_AIM * accuracy.of(name))) ** (1.0 / orders[name]) for name in errors if name in off]
+        times = min(max(1.0, *wanted), _MOST_TIMES) if wanted else 1.0
+        numbers_then[part] = max(min(math.ceil(times * numbers[part]), most[part]), numbers[part])
+        share = numbers[part] / numbers_then[part]
+        left[part] = {name: error * share ** orders[name] for name, error in errors.items()}
+    if numbers_then == numbers:
+        return None
+    found = " and ".join(f"{name.replace('_', ' ')} off by {error:.1e}" for name, error in off.items())
+    return attrs.evolve(
+        estimated,
+        resolution=attrs.evolve(resolution, slices=numbers_then["slices"], instants=numbers_then["instants"]),
+        errors={**estimated.errors, **left},
+        seen=f"{' and '.join(f'{numbers[part]} {part}' for part in judgement.errors)} were seen to leave {found}",
+    )
 
 
 def _order(few: int, many: int, before: float, after: float) -> float:
@@ -200,7 +228,8 @@ def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
     accuracy, estimated, said = plan.scene.accuracy, plan.estimated[study], list[str]()
     best = finest(plan.scene)
     resolution = estimated.resolution
-    most = resolution.slices >= best.slices and (resolution.instants or 1) >= (best.instants or 1)
+    numbers = {"slices": (resolution.slices, best.slices), "instants": (resolution.instants or 1, best.instants or 1)}
+    most = all(numbers[part][0] >= numbers[part][1] for part in judgement.errors)
     for result, error in total(judgement.errors).items():
         tolerance, name = accuracy.of(result), result.replace("_", " ")
         order = judgement.orders.get(result, _MOST_ORDER)
@@ -225,7 +254,7 @@ def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
                 f"type --set accuracy.{result}={finer:.0e}" if finer > EXACT else "type --set accuracy.tolerance=exact"
             )
         running = plan.studies[study]
-        if running.followed and "points" in (points := attrs.asdict(running)):
+        if result == "critical_slip" and running.followed and "points" in (points := attrs.asdict(running)):
             remedy += f", or go along more slips by --set {running.table}.points={_DENSER * points['points'] - 2}"
         said.append(f"{what}; {remedy}")
     return said

@@ -66,6 +66,8 @@ class Estimated:
         Setting of the study that the scene does not name -> why it was chosen.
     failed : str
         Why there are no estimates; empty if there are.
+    seen : str
+        What a run with fewer slices and instants was seen to leave, after which these were chosen; empty if none was.
     laws_tried : bool
         Whether it was looked for laws that are not needed, or that cheaper ones could replace.
     """
@@ -75,6 +77,7 @@ class Estimated:
     left_out: tuple[LeftOut, ...] = ()
     reasons: Mapping[str, str] = attrs.field(factory=dict)
     failed: str = ""
+    seen: str = ""
     laws_tried: bool = False
 
     @property
