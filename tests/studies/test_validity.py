@@ -8,6 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 import attrs
+import mpmath
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -498,3 +499,13 @@ def test_judging_changes_no_result():
     warnings(made, "effective-friction", before)
     assert before.equals(run(made.scene, "effective-friction"))
     assert filled([], made.assembly) == []
+
+
+@pytest.mark.parametrize("deborah", [0.06, 10.0, 1999.0, 2001.0, 1e8, 1e17, 1e200])
+def test_what_elasticity_is_said_to_take_is_right_at_any_deborah_number(deborah):
+    """By mpmath; at 1e8 and beyond the formula as it is printed has nothing left but rounding, and then zero."""
+    (law,) = (one for one in get_class("traction", "eyring").validity if one.quantity == "deborah")
+    with mpmath.workdps(450):
+        share = 1 - (mpmath.mpf(deborah) / 2) * (1 - mpmath.exp(-2 / mpmath.mpf(deborah)))
+        expected = float(100 / share - 100)
+    assert law.error(deborah) == pytest.approx(expected, rel=1e-9)

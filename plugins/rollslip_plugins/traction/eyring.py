@@ -288,6 +288,12 @@ class MaxwellEyring(_EyringFluid):
         return compiled.maxwell_eyring(self.flash, self.accuracy, self.eyring_stress_slope, self.shear_modulus_slope)
 
 
+def _left_by_elasticity(deborah: float) -> float:
+    """Share of a small stress that elasticity leaves, 1 - (1 - e^-x)/x at x = 2/D; a series where that cancels."""
+    x = 2.0 / deborah
+    return 0.5 * x * (1.0 - x / 3.0 * (1.0 - 0.25 * x)) if x < 1e-3 else 1.0 + math.expm1(-x) / x
+
+
 @attrs.frozen(kw_only=True)
 class Eyring(_EyringFluid):
     """Eyring stress with mean-stress heating and without elasticity: S = asinh(sigma exp(-Phi sigma S)).
@@ -334,7 +340,7 @@ class Eyring(_EyringFluid):
             called="Deborah number D",
             high=0.05,
             consequence="without elasticity it gives at most {error} too much friction, most at small sigma",
-            error=lambda deborah: 100.0 / (1.0 + 0.5 * deborah * math.expm1(-2.0 / deborah)) - 100.0,
+            error=lambda deborah: 100.0 / _left_by_elasticity(deborah) - 100.0,
             remedy=EXACT,
             source="small signal of maxwell-eyring, S = sigma [1 - (D/2) (1 - exp(-2/D))]",
         ),
