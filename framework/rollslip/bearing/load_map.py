@@ -8,8 +8,9 @@
   over centrifugal force. Where no node is loaded nothing is. Positions are added where the forces, measured half-way
   between them against the equilibrium, are off by more than the tolerance.
 - Over the centrifugal force intervals are halved until they are right half-way, and only those that somebody asks for:
-  a motion passes through few of the dozens that a map of all speeds has. Which they are does not depend on who asked
-  for others before. Cubics in place of straight lines do not save any: slices touch and part within most intervals.
+  a motion of the cage passes through few of the dozens that a map of all speeds has. Which they are does not depend on
+  who asked for others before. Cubics in place of straight lines do not save any: slices touch and part within most of
+  them.
 - The error is the share of a ring's load that is at the wrong place, the sum of |dQ| over the orbit relative to that of
   Q: it bounds what friction is off by. The largest error of one force, where a contact parts, is mostly 2 to 8 times
   that.
