@@ -121,6 +121,8 @@ def main(arguments: Sequence[str] | None = None) -> Any:
         stack.enter_context(redirect_stderr(errors))
         _heard(stack)
         _seldom_collected(stack)
+        # matrices here are small: more threads would only wait, a quarter of a second of processor time in a run
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         try:
             code: Any = _run(arguments)
         except SystemExit as leaving:
