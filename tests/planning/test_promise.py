@@ -113,6 +113,14 @@ def test_a_miss_of_random_scenes_is_not_silent(k):
     assert not found.silent, (found.tolerance, found.actual, found.witnessed)
 
 
+@pytest.mark.parametrize("k", [266, 386])
+def test_a_law_serves_in_place_of_another_on_all_rollers_and_far_below_the_maximum(k):
+    """The one is apart from the other where no roller is in the line of load, or at a thousandth of the slips alone."""
+    found = judge(scene(k))
+    assert not found.refused
+    assert found.kept, (found.tolerance, found.actual, found.resolution)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("k", range(40))
 def test_no_random_scene_misses_in_silence(k):

@@ -47,6 +47,11 @@ _GRID, _AROUND = 13, 7
 
 #: How high a maximum must be to be taken for a rival of the largest.
 _RIVAL: Final = 0.7
+#: Shares of the range at which laws are held against each other, too: where an oil begins to shear by the stress and
+#: not by the viscosity they are farthest apart, which is far below the slips that a maximum asks for; and on how many
+#: instants, since neither rollers nor loads are alike.
+_SMALL: Final = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
+_OF_LAWS: Final = 4
 #: Differences around a maximum that are rounding, relative to it.
 _LEVEL: Final = 1e-9
 #: How far beyond what was met groups of the rheology may go before a closed form gives way.
@@ -110,9 +115,15 @@ class Probe:
     def _curves(self, assembly: Assembly, slip: Array) -> Array:
         return np.asarray(self.study.curves(assembly, slip, (1,))[0])
 
-    def measure(self, assembly: Assembly, instants: Sequence[int]) -> list[tuple[Array, Array]]:
-        """Return the curves, and the slips of their maxima, on each of some numbers of instants."""
-        found = self.study.curves(assembly, self._slip, instants)
+    def measure(
+        self, assembly: Assembly, instants: Sequence[int], small: Sequence[float] = ()
+    ) -> list[tuple[Array, Array]]:
+        """Return the curves, at some small shares of the range too, and the slips of their maxima.
+
+        Both on each of some numbers of instants.
+        """
+        slip = np.concatenate((self._slip, np.multiply(small, self.study.slip_range)))
+        found = self.study.curves(assembly, slip, instants)
         return [(curves, np.array([self._vertex(curves, *peak) for peak in self._peaks])) for curves in found]
 
     def _vertex(self, curves: Array, k: int, first: int, step: float) -> float:
@@ -268,8 +279,7 @@ def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) ->
 
     def serves(cheaper: Resolution) -> Errors | None:
         """Errors that cheaper laws leave, None where they are too large."""
-        (fine,), (coarse,) = probe.measure(few, (1,)), probe.measure(few.at(cheaper), (1,))
-        found = difference(coarse, fine)
+        found = difference(*(probe.measure(at, (_OF_LAWS,), _SMALL)[0] for at in (few.at(cheaper), few)))
         return found if all(error <= allowed[name] for name, error in found.items()) else None
 
     share = min(allowed.values())
