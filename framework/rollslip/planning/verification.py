@@ -26,6 +26,8 @@ _LEAST_ORDER, _MOST_ORDER = 0.5, 2.0
 _OF_JUMPS = 1.0
 #: Share of the tolerance below which an error needs no order to be believed.
 _CLEAR = 0.3
+#: How many times as many slices a witness takes, whose error falls with the square.
+_FINER_SLICES = 4
 #: How many times as many slips a witness goes along where a curve is followed from slip to slip.
 _DENSER = 3
 #: Slips on which a witness sees curves of which the result holds none.
@@ -53,15 +55,18 @@ class Judgement:
 def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.Dataset") -> Judgement:
     """Measure what slices and instants leave, by a witness that shares none of the choice's grounds.
 
-    Slices are held against twice as many. Instants are held against 2 m + 1 others, of which only the one with a roller
-    in the line of load is among the m of the run, over all slips of the result and with the maxima that the study finds
-    there: what was chosen by few slips may be worse between them, and where rollers have several balances each goes its
-    own way over the slips. A curve that is followed from slip to slip is followed over three times as many, since its
-    way may depend on the steps. An error that is not clearly below its tolerance is held against half as many instants,
-    too, for the order with which it falls: that says how much the witness itself leaves. All that is done with few
-    slices, on few instants; if it looks bad, it is done again with those of the run. Only a curve that is followed is
-    always held against one with the slices of the run: of two maxima of nearly the same height few slices may have
-    another one for the largest. Of a study without curves nothing is known beyond its own estimate.
+    Slices are held against four times as many, by Gauss's rule: where a contact ends between slices their error
+    falls with the square only on the whole, and twice as many may err alike. That is done at few slips, and where
+    the error is not clearly below its tolerance at those of the result, with the maxima that the study finds.
+    Instants are held against 2 m + 1 others, of which only the one with a roller in the line of load is among the m
+    of the run, over all slips of the result and with the maxima that the study finds there: what was chosen by few
+    slips may be worse between them, and where rollers have several balances each goes its own way over the slips. A
+    curve that is followed from slip to slip is followed over three times as many, since its way may depend on the
+    steps. An error that is not clearly below its tolerance is held against half as many instants, too, for the
+    order with which it falls: that says how much the witness itself leaves. All that is done with few slices, on
+    few instants; if it looks bad, it is done again with those of the run. Only a curve that is followed is always
+    held against one with the slices of the run: of two maxima of nearly the same height few slices may have another
+    one for the largest. Of a study without curves nothing is known beyond its own estimate.
 
     Parameters
     ----------
@@ -85,9 +90,13 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
         return any(not error <= share * accuracy.of(name) for name, error in of.items())
 
     def of_slices(instants: int) -> Errors:
-        probe, finer = Probe(curved, few), assembly.at(attrs.evolve(resolution, slices=2 * resolution.slices))
-        moved = difference(*(probe.measure(one, (instants,))[0] for one in (assembly, finer)))
-        return {name: error / 0.75 for name, error in moved.items()}  # an error that falls with the square
+        many = attrs.evolve(resolution, slices=_FINER_SLICES * resolution.slices, quadrature="gauss")
+        probe, both = Probe(curved, few), (assembly, assembly.at(many))
+        moved: Errors = difference(*(probe.measure(one, (instants,))[0] for one in both))
+        if over(_CLEAR, moved):
+            own, finer = (_seen(study, curved, one, instants) for one in both)
+            moved = moved if own is None or finer is None else errors_between(curved.judged, own, finer)
+        return {name: error / (1.0 - _FINER_SLICES**-2) for name, error in moved.items()}
 
     def of_instants(at: Assembly) -> Errors:
         off = _off(study, curved, at, dataset if at is assembly else None, m)
@@ -124,19 +133,7 @@ def _off(
 
     Curves and their maxima are what the study itself finds, if it has a short way to them.
     """
-    import xarray as xr
-
-    points = attrs.asdict(curved).get("points", 0) if curved is study else _WITNESSED
-
-    def seen(instants: int, times: int = 1) -> xr.Dataset | None:
-        made = curved.evolved(points=times * (points - 1) + 1) if points else curved
-        case = made, at.at(attrs.evolve(at.resolution, instants=instants))
-        some = type(made).together([case], frozenset(made.judged.values()))
-        if some is None or made.curves_of is None:
-            return None
-        return xr.Dataset(*some[0]).isel({made.curves_of.slip: slice(None, None, times)})
-
-    witness = seen(2 * m + 1, _DENSER if curved.followed and points else 1)
+    witness = _seen(study, curved, at, 2 * m + 1, _DENSER if curved.followed else 1)
     if witness is None:
         probe = Probe(curved, at)
         (apart,) = probe.measure(at, (2 * m + 1,))
@@ -145,12 +142,25 @@ def _off(
 
     def off(instants: int) -> Mapping[str, float]:
         some = known.get(instants)
-        some = seen(instants) if some is None else some
+        some = _seen(study, curved, at, instants) if some is None else some
         if some is None:
             return {}
         return errors_between(curved.judged, some, witness)
 
     return off
+
+
+def _seen(study: Study, curved: Study, at: Assembly, instants: int, times: int = 1) -> "xr.Dataset | None":
+    """Return what a study finds on some instants, going along more slips than it gives; None without a short way."""
+    import xarray as xr
+
+    points = attrs.asdict(curved).get("points", 0) if curved is study else _WITNESSED
+    made = curved.evolved(points=times * (points - 1) + 1) if points else curved
+    case = made, at.at(attrs.evolve(at.resolution, instants=instants))
+    some = type(made).together([case], frozenset(made.judged.values()))
+    if some is None or made.curves_of is None:
+        return None
+    return xr.Dataset(*some[0]).isel({made.curves_of.slip: slice(None, None, times if points else 1)})
 
 
 def _worst(some: Errors, others: Errors) -> dict[str, float]:
