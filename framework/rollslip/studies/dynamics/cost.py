@@ -33,7 +33,7 @@ def costs_of(study: Movable, assembly: Assembly) -> dict[str, float]:
     tables = timed(partial(study.moving, assembly), 1)
     tried = study.moving(with_few_slices(assembly)) if study.friction == "conventional" else moving
     evaluations, each, last = _foreseen(study, tried)
-    if tried is not moving:
+    if tried is not moving and last.outcome != "failed":  # a fault is for the run to tell
         each += _evaluation(moving, last) - _evaluation(tried, last)
     return {"tables": tables, "motion": each * (evaluations + study.points)}
 
