@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 from output import write_table
+from versions import surroundings
 
 from rollslip import evolve, load_scene
 from rollslip.planning.execution import execute
@@ -78,16 +79,16 @@ print(time.process_time() - begin)
 
 def seconds(root, words, folder):
     """Return the time of the processor [s] of a command in the version of a folder, and of plan and run in it."""
-    path = os.pathsep.join(str(root / part) for part in ("framework", "plugins", "kernels", ""))
-    surroundings = {"env": {**os.environ, "PYTHONPATH": path}, "cwd": root, "check": True, "capture_output": True}
     settings = [f"study.dynamics.{word}" for word in words[1:]]
     typed = [words[0], "--study", "dynamics", "--no-plots", "--overwrite", "--out", folder]
     typed += [part for setting in settings for part in ("--set", setting)]
     before = os.times()
-    subprocess.run([sys.executable, "-c", "from rollslip.cli.main import main; main()", "run", *typed], **surroundings)
+    subprocess.run(
+        [sys.executable, "-c", "from rollslip.cli.main import main; main()", "run", *typed], **surroundings(root)
+    )
     after = os.times()
     whole = after.children_user + after.children_system - before.children_user - before.children_system
-    told = subprocess.run([sys.executable, "-c", PLAN_AND_RUN, words[0], *settings], text=True, **surroundings)
+    told = subprocess.run([sys.executable, "-c", PLAN_AND_RUN, words[0], *settings], text=True, **surroundings(root))
     return whole, float(told.stdout.splitlines()[-1])
 
 

@@ -13,6 +13,7 @@ import tempfile
 from pathlib import Path
 
 from output import write_table
+from versions import measured
 
 HERE = Path(__file__).parents[2]
 SCENE = "1032930-70C"
@@ -66,26 +67,12 @@ def job(name):
     return (sum(os.times()[:4]) - sum(begin[:4])) / points
 
 
-def measured(root, name):
-    """Return what a job takes in the version of a folder."""
-    path = os.pathsep.join(str(root / part) for part in ("framework", "plugins", "kernels", ""))
-    told = subprocess.run(
-        [sys.executable, __file__, "--job", name],
-        env={**os.environ, "PYTHONPATH": path},
-        cwd=root,
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    return json.loads(told.stdout.splitlines()[-1])
-
-
 def main(before):
     """Measure both versions and write the table."""
     rows = []
     for name in (*POINTS, "command"):
         rounds = 1 if name == "command" else _ROUNDS
-        times = [(measured(before, name), measured(HERE, name)) for _ in range(rounds)]
+        times = [(measured(__file__, before, name), measured(__file__, HERE, name)) for _ in range(rounds)]
         old, new = (min(column) for column in zip(*times, strict=True))
         if name == "command":
             said = f"rollslip {' '.join(COMMAND)}", f"{old:.1f} s", f"{new:.1f} s"

@@ -5,12 +5,11 @@ is done in fresh processes of both versions in turn, twice; the least time of th
 """
 
 import json
-import os
-import subprocess
 import sys
 from pathlib import Path
 
 from output import write_table
+from versions import measured
 
 HERE = Path(__file__).parents[2]
 #: Job -> how it is told.
@@ -66,27 +65,13 @@ def job(name):
     return took(lambda: execute(plan(scene, study="dynamics"), "dynamics"))
 
 
-def measured(root, name):
-    """Return what a job takes in the version of a folder."""
-    path = os.pathsep.join(str(root / part) for part in ("framework", "plugins", "kernels", ""))
-    told = subprocess.run(
-        [sys.executable, __file__, "--job", name],
-        env={**os.environ, "PYTHONPATH": path},
-        cwd=root,
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    return json.loads(told.stdout.splitlines()[-1])
-
-
 if __name__ == "__main__":
     if sys.argv[1] == "--job":
         print(json.dumps(job(sys.argv[2])))
     else:
         earlier, rows = Path(sys.argv[1]).resolve(), []
         for name, what in JOBS.items():
-            times = [[measured(root, name) for root in (earlier, HERE)] for _ in range(_ROUNDS)]
+            times = [[measured(__file__, root, name) for root in (earlier, HERE)] for _ in range(_ROUNDS)]
             before, after = (min(column) for column in zip(*times, strict=True))
             rows.append((what, *(f"{float(f'{1e3 * one:.3g}'):g}" for one in (before, after)), f"{before / after:.1f}"))
             print(*rows[-1], sep=", ", flush=True)

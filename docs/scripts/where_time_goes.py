@@ -23,6 +23,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from versions import surroundings
+
 HERE = Path(__file__).parents[2]
 SCENES = ("1032930-70C", "1032930-50C", "1032930-30C")
 DATA, ALL = "the command with data only", "the command with plots and report"
@@ -99,9 +101,8 @@ def one_run(scene: str, folder: Path) -> dict[str, float]:
 
 def seconds_of(command: list[str], root: Path = HERE) -> float:
     """Time a process with the version of a folder."""
-    path = os.pathsep.join(str(root / part) for part in ("framework", "plugins", "kernels", ""))
     before = os.times()
-    subprocess.run(command, capture_output=True, check=True, cwd=root, env=os.environ | {"PYTHONPATH": path})
+    subprocess.run(command, **surroundings(root))
     after = os.times()
     return after.children_user + after.children_system - before.children_user - before.children_system
 
