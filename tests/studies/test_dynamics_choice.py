@@ -134,16 +134,6 @@ def test_those_stepped_from_python_are_tried_where_a_motion_takes_long():
         assert ("dop853" in found.reasons["integrator"]) == tried
 
 
-@pytest.mark.parametrize("unknowns", [3, 40, 170])
-def test_the_largest_rate_is_that_of_all_eigenvalues(unknowns):
-    """With units up to 1e12 apart; a matrix of no rates has none."""
-    rng = np.random.default_rng(unknowns)
-    units = 10.0 ** rng.uniform(-6, 6, unknowns)
-    matrix = units[:, None] * rng.normal(size=(unknowns, unknowns)) / units
-    assert estimates._largest_rate(matrix) == pytest.approx(np.abs(np.linalg.eigvals(matrix)).max(), rel=0.02)
-    assert estimates._largest_rate(np.zeros((2, 2))) == 0.0
-
-
 @pytest.mark.parametrize(
     ("level", "friction", "duration"),
     [

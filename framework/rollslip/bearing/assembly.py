@@ -56,7 +56,7 @@ class Assembly:
     #: a run needs again.
     known_maps: dict[tuple[Any, ...], Any] = attrs.field(factory=dict, repr=False)
     #: The cage once it was read, with what it was read of: slices and laws of the contacts change nothing of it.
-    known_cage: dict[str, Any] = attrs.field(factory=dict, repr=False)
+    known_cage: dict[str, tuple[tuple[object, ...], Cage]] = attrs.field(factory=dict, repr=False)
 
     @property
     def models(self) -> dict[str, SliceModel]:
@@ -113,7 +113,7 @@ class Assembly:
         """
         of = self.scene, self.kinematics, self.lubricant, self.inner.conditions
         if (known := self.known_cage.get("cage")) is not None and all(map(operator.is_, known[0], of)):
-            return known[1]  # type: ignore[no-any-return]
+            return known[1]
         cage = read_cage(*of[:3])
         if (resistance := cage.drags.resistance) is not None:
             _check_given((resistance,), self.inner.conditions, self.lubricant, Location(self.scene.origins))
@@ -152,10 +152,7 @@ class Assembly:
         return self.at(attrs.evolve(self.resolution, slices=self.slices // 2))
 
     def load_distribution(
-        self,
-        instants: int = 1,
-        cage_speed: float | None = None,
-        known: LoadDistribution | None = None,
+        self, instants: int = 1, cage_speed: float | None = None, known: LoadDistribution | None = None
     ) -> LoadDistribution:
         """Return the quasi-static loads of all rollers at instants spread over one roller pitch.
 

@@ -53,8 +53,6 @@ _USUAL, _FINE = 1e-5, 1e-8
 #: the motion decays: the real axis belongs to the stability of the usual ones up to about half their evaluations.
 _PER_STEP, _PER_DECAY = 3, 1.0
 _CALLS: Final = 20
-#: Squarings of the Jacobian: of units 1e12 apart they leave a factor of 1.01.
-_SQUARINGS: Final = 12
 #: Time [s] of a whole motion that is worth trying others, and how much cheaper they have to be.
 _WORTH, _CHEAPER = 0.5, 2.0
 #: One that is worth trying those that are stepped from Python, which takes half a second to import them.
@@ -252,7 +250,8 @@ class _Trials:
         more = self.assembly.slices / self.few.slices if study.friction == "conventional" else 1.0
         moving = self.moving(study)
         own = self._cost(study, moving, span)
-        stiffness = _largest_rate(moving.system.jacobian(own.found.last_t, own.found.last_y))
+        jacobian = moving.system.jacobian(own.found.last_t, own.found.last_y)
+        stiffness = float(np.abs(np.linalg.eigvals(jacobian)).max())
         begin = time.process_time()
         for _ in range(_CALLS):
             moving.system(own.found.last_t, own.found.last_y)
@@ -295,18 +294,6 @@ class _Tried:
 
     found: Trajectory
     seconds: float
-
-
-def _largest_rate(matrix: Array) -> float:
-    """Largest absolute eigenvalue, after Gelfand from a high power: a tenth of the work of all eigenvalues, or less."""
-    largest, power = 1.0, matrix
-    for k in range(_SQUARINGS):
-        size = float(np.abs(power).max())
-        if size == 0.0:
-            return 0.0
-        largest *= size ** (0.5**k)
-        power = (power / size) @ (power / size)
-    return largest
 
 
 def _finished(study: Movable, found: Trajectory) -> Trajectory:
