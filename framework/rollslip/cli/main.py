@@ -107,7 +107,21 @@ def _seldom_collected(into: ExitStack) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> Any:
-    """Run the command line and leave with its exit code."""
+    """Run the command line and leave with its exit code; arguments are given by a host, which goes on afterwards."""
+    heard = signal.getsignal(signal.SIGINT)
+    try:
+        code = _program(arguments)
+    except KeyboardInterrupt:  # before the command began
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        click.echo("interrupted", err=True)
+        code = INTERRUPTED
+    if arguments is not None:
+        signal.signal(signal.SIGINT, heard)
+    sys.exit(code)
+
+
+def _program(arguments: Sequence[str] | None) -> Any:
+    """Run the command line between streams that never raise; return its exit code, and hear no interrupt any more."""
     for descriptor in (0, 1, 2):
         try:
             os.fstat(descriptor)
@@ -129,6 +143,8 @@ def main(arguments: Sequence[str] | None = None) -> Any:
             code = leaving.code
         except KeyboardInterrupt:  # a second one, while the first was told
             code = INTERRUPTED
+        # all has been said and written: what comes now comes too late, and would only end in Python's words
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
         if code == INTERRUPTED:  # what was half built when it came ends here, and its finalizers have nothing to tell
             sys.unraisablehook = lambda lost: None
             gc.collect()
@@ -138,7 +154,7 @@ def main(arguments: Sequence[str] | None = None) -> Any:
             reason = sink.lost.strerror or sink.lost
             click.echo(f"standard output: cannot be written ({reason}); free some space, or write elsewhere", err=True)
             code = code or BAD_SCENE
-    sys.exit(code)
+    return code
 
 
 def _run(arguments: Sequence[str] | None) -> int:
