@@ -16,7 +16,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.planning.provenance import film_limits_told
 from rollslip.results.curves import Curve, curves, percent
 from rollslip.results.figures import plot
-from rollslip.results.style import STYLE, plain_ticks
+from rollslip.results.style import STYLE, set_plainly
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.studies.effective_friction.study import EffectiveFriction
@@ -275,11 +275,22 @@ def test_numbers_at_ticks_are_plain_letters_that_say_the_same(limits):
     labels, powers = [], []
     for plain in (False, True):
         with style.context(["default", dict(STYLE)]):
-            axes = Figure().subplots()
-            if plain:
-                plain_ticks(axes)
+            figure = Figure()
+            axes = figure.subplots()
             axes.set_ylim(limits)
+            if plain:
+                set_plainly(figure)
             labels.append([label.get_text() for label in axes.get_yticklabels()])
             powers.append(axes.yaxis.get_major_formatter().get_offset())
     assert labels[0] == [rf"$\mathdefault{{{text}}}$" for text in labels[1]]
     assert powers[0] == powers[1]
+
+
+def test_what_somebody_chose_for_the_ticks_stays():
+    figure = Figure()
+    axes = figure.subplots()
+    axes.set_xscale("log")
+    axes.set_yticks([0.0, 1.0], ["no", "yes"])
+    before = axes.xaxis.get_major_formatter(), axes.yaxis.get_major_formatter()
+    set_plainly(figure)
+    assert (axes.xaxis.get_major_formatter(), axes.yaxis.get_major_formatter()) == before

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.curves import Curve, Curves, curves, digits, percent
-from rollslip.results.style import MARKER, ONE_COLUMN, ROW, axis_label, lay_out, light_to_dark, plain_ticks
+from rollslip.results.style import MARKER, ONE_COLUMN, ROW, axis_label, lay_out, light_to_dark
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,7 +75,6 @@ def new_figure() -> "tuple[Figure, Axes]":
 
     figure = Figure(figsize=ONE_COLUMN, layout="constrained")
     axes = figure.subplots()
-    plain_ticks(axes)
     return figure, axes
 
 

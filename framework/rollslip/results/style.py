@@ -20,7 +20,6 @@ from rollslip.files import whole_file
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.ticker import ScalarFormatter
 
@@ -91,6 +90,7 @@ def save_figures(figures: "Iterable[tuple[str, str, Figure]]", findings: str, fo
         for name, caption, figure in figures:
             folder.mkdir(parents=True, exist_ok=True)
             files.append(folder / f"{name}.svg")
+            set_plainly(figure)
             canvas: Any = FigureCanvasSVG(figure)
             with whole_file(files[-1]) as partial:
                 canvas.print_svg(  # savefig draws every figure once more before
@@ -109,6 +109,7 @@ def lay_out(figure: "Figure") -> None:
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
+        set_plainly(figure)
         FigureCanvasSVG(figure)
         figure.draw_without_rendering()
         figure.set_layout_engine("none")
@@ -127,11 +128,14 @@ def _plain_ticks() -> "type[ScalarFormatter]":
     return PlainTicks
 
 
-def plain_ticks(*panels: "Axes") -> None:
-    """Set the numbers at the ticks of linear axes as plain letters; before anything is drawn."""
-    for axes in panels:
+def set_plainly(figure: "Figure") -> None:
+    """Set the numbers at the ticks of linear axes as plain letters, unless somebody has chosen what stands there."""
+    from matplotlib.ticker import ScalarFormatter
+
+    second = [child for axes in figure.axes for child in axes.child_axes]
+    for axes in (*figure.axes, *second):
         for axis in (axes.xaxis, axes.yaxis):
-            if axis.get_scale() == "linear":
+            if type(axis.get_major_formatter()) is ScalarFormatter:
                 axis.set_major_formatter(_plain_ticks()())
 
 

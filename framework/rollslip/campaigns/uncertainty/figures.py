@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollslip.campaigns.uncertainty.findings import RUNAWAY, sentences
-from rollslip.results.style import MM, MODEL_COLOURS, ONE_COLUMN, ROW, plain_ticks
+from rollslip.results.style import MM, MODEL_COLOURS, ONE_COLUMN, ROW
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -141,7 +141,6 @@ def _convergence(dataset: "xr.Dataset") -> "Figure":
         axes.plot(
             count[~told], 100 * value[~told], color=MODEL_COLOURS[0], marker="o", markersize=3.5, mfc="white", ls=""
         )
-    plain_ticks(axes)
     axes.set_xticks(count, [str(one) for one in count])
     axes.minorticks_off()
     axes.set_xlabel("Samples")

@@ -23,7 +23,6 @@ from rollslip.results.style import (
     ROW,
     TWO_COLUMNS,
     light_to_dark,
-    plain_ticks,
     save_figures,
 )
 from rollslip.studies.dynamics.findings import (
@@ -213,7 +212,6 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         rows.append(("Pocket force [N]", cells, "no roller touches the cage"))
     figure = Figure(figsize=(TWO_COLUMNS[0], (32 * len(rows) + 8) * MM), layout="constrained")
     panels = figure.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    plain_ticks(*panels)
     for axes, (label, cells, otherwise) in zip(panels, rows, strict=True):
         axes.set_xlim(cells.edges[0], cells.edges[-1])
         axes.set_ylim(-180.0, 180.0)
@@ -367,7 +365,6 @@ def _panels(rows: int, **options: Any) -> "tuple[Figure, Any]":
     figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
     figure.get_layout_engine().set(wspace=0.04)  # type: ignore  # the slip axis has labels there
     panels = figure.subplots(rows, 2, **options)
-    plain_ticks(*panels.flat)
     return figure, panels
 
 

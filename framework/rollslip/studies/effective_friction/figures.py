@@ -21,7 +21,6 @@ from rollslip.results.style import (
     TWO_COLUMNS,
     axis_label,
     light_to_dark,
-    plain_ticks,
 )
 
 if TYPE_CHECKING:
@@ -100,7 +99,6 @@ def _map(dataset: "xr.Dataset") -> "Figure":
     rolling = np.isclose(levels, 0.0, atol=1e-6 * np.ptp(levels))
     outlined: dict[str, Any] = {"color": "white", "path_effects": [withStroke(linewidth=2.8, foreground="black")]}
     panels = figure.subplots(1, dataset.sizes["ring"], sharey=True, squeeze=False)[0]
-    plain_ticks(*panels)
     for axes, curve, ring, values in zip(panels, curves(dataset), dataset["ring"].values, surface, strict=True):
         filled = axes.contourf(cage, roller, values.T, levels, cmap=SEQUENTIAL)
         filled.set_edgecolor("face")  # some viewers show seams between the areas without it
@@ -117,7 +115,6 @@ def _map(dataset: "xr.Dataset") -> "Figure":
         axes.set_ylim(roller[0], roller[-1])
     panels[0].set_ylabel(axis_label(dataset["map_roller_slip"], r"$S_\mathrm{r}$", "%"))
     bar = figure.colorbar(filled, ax=list(panels), aspect=30, pad=0.02)
-    plain_ticks(bar.ax)
     bar.set_label(axis_label(dataset["friction_map"], r"$\mu_\mathrm{e}$", "–"))
     handles = [
         Line2D([], [], label=f"closure {dataset.attrs['closure']}", **outlined),

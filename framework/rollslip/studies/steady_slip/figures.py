@@ -18,7 +18,6 @@ from rollslip.results.style import (
     ROW,
     TWO_COLUMNS,
     axis_label,
-    plain_ticks,
 )
 from rollslip.studies.steady_slip.findings import has_steady, varied
 
@@ -59,7 +58,6 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
 
     figure = Figure(figsize=ONE_COLUMN, layout="constrained")
     axes = figure.subplots()
-    plain_ticks(axes)
     slip, driving = dataset["cage_slip"].to_numpy(), dataset["driving_torque"].to_numpy()
     fine = np.linspace(0.0, slip[-1], 400)
     drag = dataset["drag_torque"].to_numpy()
@@ -90,7 +88,6 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
 
     figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
     forces, slips = figure.subplots(1, 2)
-    plain_ticks(forces, slips)
     angle = np.degrees(dataset["angle"].to_numpy())
     centred = np.argsort((angle + 180.0) % 360.0)
     shown = (angle[centred] + 180.0) % 360.0 - 180.0
@@ -124,7 +121,6 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
 
     figure = Figure(figsize=ONE_COLUMN, layout="constrained")
     axes = figure.subplots()
-    plain_ticks(axes)
     value, unit, symbol = _for_people(dataset, name)
     slip, branch = 100 * dataset[f"{name}_slip"].to_numpy(), dataset[f"{name}_branch"].to_numpy()
     stable, fold = dataset[f"{name}_stable"].to_numpy() == 1, dataset[f"{name}_fold"].to_numpy() == 1
