@@ -7,7 +7,7 @@
   formulas written out again here.
 - The page "Your first model" is executed line by line.
 
-They need a package index and a C compiler, and take minutes: ``pytest -m plugins -n 0``, with ``-s`` to see the times.
+They need a package index and a C compiler, and take minutes: ``pytest -m plugins``, with ``-n 0 -s`` to see the times.
 """
 
 import json
