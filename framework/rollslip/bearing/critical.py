@@ -1,8 +1,18 @@
-"""The critical slip: where the friction of a curve is largest, beyond which it falls with slip."""
+"""The critical slip: where the friction of a curve is largest, beyond which it falls with slip.
+
+- A search says at which slips it wants the friction, is sent it, and says in the end what it has found. So several
+  curves are searched in step, and what they ask for is evaluated in one go: `searched`.
+- Where the maximum alone is asked for, most slips of a grid need no more than a rough friction, that of few loads. It
+  is held against the exact one at slips all over the range; the difference, and what it may be between them, says which
+  slips can be the highest, and whether friction falls before. Friction is exact at those, at their neighbours and at
+  the end, so what is found is to the last bit what the whole grid gives. Where that leaves a doubt the whole grid is
+  evaluated.
+"""
 
 import math
-from collections.abc import Callable
-from typing import Final
+from collections.abc import Callable, Generator, Sequence
+from functools import cache
+from typing import Final, TypeAlias
 
 import attrs
 import numpy as np
@@ -27,6 +37,11 @@ _TERMS: Final = np.linalg.inv(chebyshev.chebvander(_NODES, _NODES.size - 1))
 #: Highest terms, and their size relative to the lowest, at which a curve is resolved; steps of Newton's method.
 _TAIL, _RESOLVED, _STEPS = 3, 1e-11, 12
 _GOLDEN = 0.5 * (3.0 - math.sqrt(5.0))
+#: What takes values there to the terms of the slope of the polynomial through them, and of its bend.
+_SLOPES: Final = np.vstack((chebyshev.chebder(np.eye(_NODES.size)), np.zeros(_NODES.size))) @ _TERMS
+_BENDS: Final = np.vstack((chebyshev.chebder(np.eye(_NODES.size), 2), np.zeros((2, _NODES.size)))) @ _TERMS
+#: Slips all over a grid at which a rough curve is held against the exact one.
+_HELD: Final = 9
 
 
 def slip_grid(largest: float, points: int) -> Array:
@@ -61,6 +76,10 @@ def look_further(key: str, largest: float, most: float) -> str:
     """
     to = min(10.0 * largest, most)
     return f"; look further with --set {key}={to:.3g}" if key and to > largest else ""
+
+
+#: Yields slips, is sent the friction there, and returns the maximum.
+Search: TypeAlias = Generator[Array, Array, Critical]
 
 
 def locate(
@@ -104,20 +123,70 @@ def locate(
     DomainError
         If the curve holds NaN or infinity.
     """
-    if not np.all(np.isfinite(friction)):
+    search = searching(slip, friction, allow, most=most, sought=sought, of=of, together=many is not None)
+
+    def at(slips: Array) -> Array:
+        return many(slips) if many is not None else np.array([curve(one) for one in slips.tolist()])
+
+    (found,) = searched([search], lambda asked: [at(slips) for _, slips in asked])
+    return found
+
+
+def searched(
+    searches: Sequence[Search], evaluate: Callable[[list[tuple[int, Array]]], Sequence[Array]]
+) -> list[Critical]:
+    """Return what searches find; ``evaluate`` returns the friction of each curve, by its number, at its slips."""
+    found, asked = dict[int, Critical](), list[tuple[int, Array]]()
+
+    def send(k: int, friction: Array | None) -> None:
+        try:
+            asked.append((k, next(searches[k]) if friction is None else searches[k].send(friction)))
+        except StopIteration as end:
+            found[k] = end.value
+
+    for k in range(len(searches)):
+        send(k, None)
+    while asked:
+        answered, values = asked.copy(), evaluate(asked)
+        asked.clear()
+        for (k, _), friction in zip(answered, values, strict=True):
+            send(k, friction)
+    return [found[k] for k in range(len(searches))]
+
+
+def searching(
+    slip: Array,
+    friction: Array,
+    allow: str,
+    *,
+    exact: bool = True,
+    most: float = MOST_CAGE_SLIP,
+    sought: str = "critical slip",
+    of: str = "friction",
+    together: bool = True,
+) -> Search:
+    """Search the largest friction as `locate` does, asking for the friction at slips.
+
+    ``friction`` is the curve on the grid; where it is not ``exact`` but a rough one, few slips are chosen by it, or all
+    are asked for where these leave a doubt. ``together`` is with several slips at a time.
+    """
+    if not exact:
+        few = yield from _few(slip, friction)
+        slip, friction = (slip, (yield slip)) if few is None else few
+    if not np.isfinite(friction).all():
         bad = int(np.argmin(np.isfinite(friction)))
         raise DomainError(f"the {of} is {friction[bad]} at a slip of {slip[bad]:.4g}: it must be finite all along")
     best = int(np.argmax(friction))
     if not friction[best] > 0.0:
         return Critical(np.nan, np.nan, f"no {sought}: there is no {of} in the range")
-    at, largest = _around(curve, many, slip, friction, best)
+    at, largest = yield from _around(slip, friction, best, together)
     found = largest - friction[-1] > _FLAT * largest
     before = np.maximum.accumulate(friction)
     fallen = (before > 0.0) & (friction < (1.0 - _FALL) * before)
-    top = int(np.argmax(friction[: int(np.argmax(fallen))])) if np.any(fallen) else best
-    first = (
-        _around(curve, many, slip, friction, top) if top < best else (at, largest) if found else (math.nan, math.nan)
-    )
+    top = int(np.argmax(friction[: int(np.argmax(fallen))])) if fallen.any() else best
+    first = (at, largest) if found else (math.nan, math.nan)
+    if top < best:
+        first = yield from _around(slip, friction, top, together)
     if found:
         return Critical(at, largest, "found", *first)
     rises = friction[-1] - friction[-2] > _FLAT * largest
@@ -126,62 +195,125 @@ def locate(
     return Critical(np.nan, np.nan, status, *first)
 
 
+@cache
+def _held(points: int) -> tuple["NDArray[np.intp]", Array]:
+    """Points of a grid at which a rough curve is held against the exact one, and where the inner ones lie.
+
+    That is as shares of the way from the one before to the one behind.
+    """
+    at = np.linspace(0.0, points - 1.0, _HELD).round().astype(np.intp)
+    return at, (at[1:-1] - at[:-2]) / (at[2:] - at[:-2])
+
+
+def _few(slip: Array, rough: Array) -> Generator[Array, Array, tuple[Array, Array] | None]:
+    """Slips of a grid that decide where the largest friction is, by a rough curve, and the exact friction there.
+
+    The rough curve is corrected by what it misses at some slips, straight between them. What each of these misses of
+    the straight line through its neighbours is twice as far from it, so of a smooth difference four times the error,
+    and bounds it. None where friction may fall before its maximum, where many slips may be the highest, or where the
+    exact friction there is not within the bound.
+    """
+    points = rough.size
+    if points < 4 * _HELD:
+        return None
+    at, share = _held(points)
+    exact = yield slip[at]
+    with np.errstate(all="ignore"):  # without slip there is no friction either way
+        off = exact / rough[at] - 1.0
+    if exact[0] == rough[0] == 0.0:
+        off[0] = off[1]
+    error = float(np.abs(off[:-2] + share * (off[2:] - off[:-2]) - off[1:-1]).max()) + _FLAT
+    if not 4.0 * error < _FALL:
+        return None
+    guess = rough * (1.0 + np.interp(np.arange(points), at, off))
+    best = int(np.argmax(guess))
+    before = np.maximum.accumulate(guess[: best + 1])
+    if (guess[: best + 1] < np.minimum(1.0, 1.0 - _FALL + 2.0 * error) * before).any():
+        return None
+    high = np.flatnonzero(guess >= guess[best] - 2.0 * error * abs(guess[best]))
+    wanted = np.zeros(points, dtype=bool)
+    for beside in (-1, 0, 1):
+        wanted[np.clip(high + beside, 0, points - 1)] = True
+    wanted[-2] = True
+    wanted[at] = False
+    more = np.flatnonzero(wanted)
+    if more.size > points // 3:
+        return None
+    found = yield slip[more]
+    if not (np.abs(found - guess[more]) <= error * np.abs(guess[more])).all():
+        return None
+    chosen = np.concatenate((at, more))
+    order = np.argsort(chosen)
+    return slip[chosen[order]], np.concatenate((exact, found))[order]
+
+
 def _around(
-    curve: Callable[[float], float],
-    many: Callable[[Array], Array] | None,
-    slip: Array,
-    friction: Array,
-    top: int,
-) -> tuple[float, float]:
+    slip: Array, friction: Array, top: int, together: bool
+) -> Generator[Array, Array, tuple[float, float]]:
     """Place and value of the largest friction on the two intervals around a point of the grid that tops both."""
     first, last = max(top - 1, 0), min(top + 1, slip.size - 1)
     low, high = float(slip[first]), float(slip[last])
     at, largest = float(slip[top]), float(friction[top])
-    if many is not None and first < top < last and (found := _smooth(many, low, high)) is not None:
-        return found if found[1] > largest else (at, largest)
+    if together and first < top < last:
+        found = _smooth((yield low + 0.5 * (high - low) * (1.0 + _NODES)), low, high)
+        if found is not None:
+            return found if found[1] > largest else (at, largest)
 
     # relative to the interval and to the best value, so that no size of either is lost in a tolerance
-    def relative(share: float) -> float:
-        return curve(low + share * (high - low)) / float(friction[top])
-
     known = [((float(slip[k]) - low) / (high - low), float(friction[k]) / largest) for k in (top, first, last)]
-    share, value = _peak(relative, known)
-    if value > 1.0:  # else a kink or a plateau, which the search did not hit
-        at, largest = low + share * (high - low), value * largest
+    search = _peak(known)
+    share = next(search)
+    while True:
+        value = yield np.array([low + share * (high - low)])
+        try:
+            share = search.send(float(value[0]) / largest)
+        except StopIteration as end:
+            share, height = end.value
+            break
+    if height > 1.0:  # else a kink or a plateau, which the search did not hit
+        at, largest = low + share * (high - low), height * largest
     return at, largest
 
 
-def _smooth(many: Callable[[Array], Array], low: float, high: float) -> tuple[float, float] | None:
+def _smooth(values: Array, low: float, high: float) -> tuple[float, float] | None:
     """Place and size of the largest value inside an interval, of the polynomial through it; None where it has no end.
 
     Its highest terms tell whether it is the curve: beside a kink they fall too slowly.
     """
-    values = many(low + 0.5 * (high - low) * (1.0 + _NODES))
-    terms = _TERMS @ values
-    if not np.abs(terms[-_TAIL:]).max() <= _RESOLVED * abs(terms[0]):
+    terms = (_TERMS @ values).tolist()
+    if not max(map(abs, terms[-_TAIL:])) <= _RESOLVED * abs(terms[0]):
         return None
-    slope = chebyshev.chebder(terms)
-    bend, x = chebyshev.chebder(slope), float(_NODES[np.argmax(values)])
+    slope, bend = (_SLOPES @ values).tolist(), (_BENDS @ values).tolist()
+    x = float(_NODES[np.argmax(values)])
     for _ in range(_STEPS):
-        step = float(chebyshev.chebval(x, slope) / chebyshev.chebval(x, bend))
+        rise, curved = _series(x, slope), _series(x, bend)
+        step = rise / curved if curved else math.inf
         x -= step
         if not abs(x) < 1.0:
             return None
         if abs(step) <= _PLACE:
-            return low + 0.5 * (high - low) * (1.0 + x), float(chebyshev.chebval(x, terms))
+            return low + 0.5 * (high - low) * (1.0 + x), _series(x, terms)
     return None
 
 
-def _peak(curve: Callable[[float], float], known: list[tuple[float, float]]) -> tuple[float, float]:
+def _series(x: float, terms: Sequence[float]) -> float:
+    """Sum of Chebyshev polynomials at x, by Clenshaw's recurrence."""
+    one = two = 0.0
+    for term in reversed(terms):
+        one, two = term + 2.0 * x * one - two, one
+    return one - x * two
+
+
+def _peak(known: list[tuple[float, float]]) -> Generator[float, float, tuple[float, float]]:
     """Largest value between 0 and 1 and its place, by Brent's method: parabolas, or golden sections if those fail.
 
-    ``known`` are the best of three points and both ends. A best point that is an end has the largest value unless the
+    It yields places and is sent the values there. ``known`` are the best of three points and both ends. A best point that is an end has the largest value unless the
     curve rises from there.
     """
     (x, fx), (w, fw), (v, fv) = known
     if x in (0.0, 1.0):
         x = abs(x - _PLACE)
-        fx = curve(x)
+        fx = yield x
         if fx <= known[0][1]:
             return known[0]
     low, high, step, before = 0.0, 1.0, 1.0, 1.0
@@ -198,7 +330,7 @@ def _peak(curve: Callable[[float], float], known: list[tuple[float, float]]) -> 
         u = x + math.copysign(max(abs(step), _PLACE), step)
         if not low < u < high:
             u = 0.5 * (x + (low if u <= low else high))
-        fu = curve(u)
+        fu = yield u
         if fu >= fx:
             low, high = (x, high) if u > x else (low, x)
             (v, fv), (w, fw), (x, fx) = (w, fw), (x, fx), (u, fu)

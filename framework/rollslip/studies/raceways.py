@@ -19,7 +19,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.chain import along
-from rollslip.bearing.critical import Critical, locate, slip_grid
+from rollslip.bearing.critical import Critical, searched, searching, slip_grid
 from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.kinematics import SurfaceSpeeds
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
@@ -34,8 +34,9 @@ from rollslip.units import format_quantity
 
 #: Error of a map's loads relative to the tolerance.
 _MAP_SHARE = 1e-3
-#: Loads that stand for the slices of a ring, and for those of each roller.
+#: Loads that stand for the slices of a ring, and for those of each roller; and for a ring where rough is enough.
 _FEW: Final = (24, 8)
+_ROUGH: Final = 8
 #: From how many cage slips the spins at the next one go on, and by how much these differ at least, relative to it.
 _GO_ON, _TELLS = 4, 1e-5
 #: Cage slip up to which friction rises with slip, so that a roller has one balance only.
@@ -77,10 +78,18 @@ class LoadedRaceways:
     """Both raceways under one load distribution of a pitch, and the closure that gives the rollers their spin.
 
     ``settings`` is the table of the scene with the settings of the study that asks, for what messages tell one to type;
-    empty if there is none.
+    empty if there is none. ``shared`` is a distribution that all bearings share that are loaded alike.
     """
 
-    def __init__(self, assembly: Assembly, distribution: LoadDistribution, closure: str, settings: str = "") -> None:
+    def __init__(
+        self,
+        assembly: Assembly,
+        distribution: LoadDistribution,
+        closure: str,
+        settings: str = "",
+        *,
+        shared: bool = False,
+    ) -> None:
         self.assembly, self.distribution, self.closure, self.settings = assembly, distribution, closure, settings
         #: what few loads stand for
         self.whole = self
@@ -99,10 +108,12 @@ class LoadedRaceways:
             whole = load.swapaxes(0, 1).reshape(positions, -1)
             return LoadedContacts(raceway, whole[: count.size], assembly.widths, orbit, count)
 
-        self.inner, self.outer = (
-            of(assembly.inner, distribution.inner_load),
-            of(assembly.outer, distribution.outer_load),
-        )
+        def both() -> tuple[LoadedContacts, LoadedContacts]:
+            return of(assembly.inner, distribution.inner_load), of(assembly.outer, distribution.outer_load)
+
+        instants = int(distribution.psi.shape[0])
+        rings = assembly.kept(("contacts", instants), instants, both) if shared else both()
+        self.inner, self.outer = (ring.on(own) for ring, own in zip(rings, assembly.raceways, strict=True))
         if self.inner.total == 0.0:
             raise unloaded(assembly.scene, "there is no friction to average")
         inner, outer = float(distribution.inner_force.max()), float(distribution.outer_force.max())
@@ -114,30 +125,25 @@ class LoadedRaceways:
                 "operation.inner_speed and operation.outer_speed"
             )
 
-    def by_few_loads(self) -> "LoadedRaceways":
+    def by_few_loads(self, *, rough: bool = False) -> "LoadedRaceways":
         """Return the same with few loads that stand for all slices, of each roller where rollers spin as they like.
 
         They are kept for all bearings that are loaded alike. A law with a kink needs more of them, so what they give is
-        to be held against all slices.
+        to be held against all slices; ``rough`` are fewer still, to be held against those.
         """
         free = self.closure == "free-roller"
 
         def made() -> tuple[LoadedContacts, ...]:
-            return tuple(ring.fewer(_FEW[free], whole=not free) for ring in (self.inner, self.outer))
+            count = _ROUGH if rough else _FEW[free]
+            return tuple(ring.fewer(count, whole=not free) for ring in (self.inner, self.outer))
 
         instants = int(self.distribution.psi.shape[0])
         few = copy.copy(self)
         few._shares, few._slopes, few._spins = {}, np.zeros(0), None
-        rings = self.assembly.kept(("few", instants, free), instants, made)
+        rings = self.assembly.kept(("few", instants, free, rough), instants, made)
         few.whole = self
         few.inner, few.outer = (ring.on(own.raceway) for ring, own in zip(rings, (self.inner, self.outer), strict=True))
         return few
-
-    def agrees(self, slip: Array, error: float) -> bool:
-        """Whether all slices have the friction of few loads, at their speeds, up to an error relative to it."""
-        speeds = self.speeds(slip)
-        (few, _), (all_of, _) = self.evaluated(speeds), self.whole.evaluated(speeds)
-        return bool(np.all(np.abs(few - all_of) <= error * np.abs(all_of)))
 
     def speeds(self, cage_slip: Array) -> SurfaceSpeeds:
         """Speeds by the closure at cage slips (n,): alike for all rollers, (n,), or for each of them, (n, rollers)."""
@@ -254,17 +260,8 @@ class LoadedRaceways:
 
     def critical(self, slip: Array, friction: Array) -> tuple[Critical, Critical]:
         """Critical cage slip of both rings, on the continuous curve."""
-
-        def of(ring: int) -> Critical:
-            def at(slips: Array) -> Array:
-                contacts, u, V = self.rings(self.speeds(slips))[ring]
-                ((pull, _),) = along([contacts.job(u, V)])
-                return contacts.mean(pull)
-
-            key = self.settings and f"{self.settings}.max_cage_slip"
-            return locate(lambda one: float(at(np.array([one]))[0]), slip, friction[ring], key, many=at)
-
-        return of(0), of(1)
+        (found,) = critical_together([(self, slip, friction, True)])
+        return found
 
     def slices_error(self, slip: Array, friction: Array) -> float:
         """Relative error that the slices leave: what half as many change; the contacts' ends leave no order to use."""
@@ -347,6 +344,45 @@ def evaluated_together(cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]]) ->
         (np.array([inner[0], outer[0]]), np.array([inner[1], outer[1]]))
         for inner, outer in zip(values[::2], values[1::2], strict=True)
     ]
+
+
+def friction_together(asked: Sequence[tuple[LoadedRaceways, int, Array]]) -> list[Array]:
+    """Return the effective friction of rings of bearings, 0 or 1, at cage slips, (n,) each, evaluated in one go."""
+    rings = [raceways.rings(raceways.speeds(slip))[ring] for raceways, ring, slip in asked]
+    pulls = along([contacts.job(u, V) for contacts, u, V in rings])
+    return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(rings, pulls, strict=True)]
+
+
+def critical_together(cases: Sequence[tuple[LoadedRaceways, Array, Array, bool]]) -> list[tuple[Critical, Critical]]:
+    """Return the critical cage slips of both rings of bearings, from their friction on slips, (2, n).
+
+    Where that is not exact, as the last of a case says, but rough, few slips are chosen by it.
+    """
+
+    def of(ring: int) -> list[Critical]:
+        searches = [
+            searching(slip, friction[ring], raceways.settings and f"{raceways.settings}.max_cage_slip", exact=exact)
+            for raceways, slip, friction, exact in cases
+        ]
+        return searched(searches, lambda asked: friction_together([(cases[k][0], ring, slip) for k, slip in asked]))
+
+    # free rollers go on from slips that are known: one ring after the other, whatever else is evaluated with it
+    return [*zip(of(0), of(1), strict=True)]
+
+
+def agree_together(
+    cases: Sequence[tuple[LoadedRaceways, Sequence[Array]]], errors: Sequence[float]
+) -> list[bool]:
+    """Return whether all slices have the friction of few loads at slips of either ring, up to errors relative to it."""
+    both = [
+        (of, ring, slip) for few, slips in cases for ring, slip in enumerate(slips) for of in (few, few.whole)
+    ]
+    friction = friction_together(both)
+    alike = [
+        bool(np.all(np.abs(few - every) <= errors[k // 2] * np.abs(every)))
+        for k, (few, every) in enumerate(zip(friction[::2], friction[1::2], strict=True))
+    ]
+    return [inner and outer for inner, outer in zip(alike[::2], alike[1::2], strict=True)]
 
 
 def unloaded(scene: Scene, so: str) -> SceneError:

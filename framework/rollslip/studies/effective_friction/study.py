@@ -33,7 +33,15 @@ from rollslip.motion.runaway import Runaway, rollers, runaway, running
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Output, Some
-from rollslip.studies.raceways import REGIMES, LoadedRaceways, evaluated_together, largest_change, regime_variables
+from rollslip.studies.raceways import (
+    REGIMES,
+    LoadedRaceways,
+    agree_together,
+    critical_together,
+    evaluated_together,
+    largest_change,
+    regime_variables,
+)
 from rollslip.studies.study import CONTACT_CHOICES, JUDGED, Study
 from rollslip.studies.timing import INSTANTS, POINTS, onwards, timed
 
@@ -267,24 +275,25 @@ class EffectiveFriction(Study):
             else {}
             for study, assembly in cases
         ]
-        found = dict[int, tuple[Array, Array, tuple[Critical, Critical]]]()
-        few = not outputs & _WHOLE_CURVE
-        begun = list[tuple[int, Array, LoadedRaceways, SurfaceSpeeds]]()
+        found = dict[int, tuple[Array, Array | None, tuple[Critical, Critical]]]()
+        begun = list[tuple[int, Array, LoadedRaceways]]()
         for k, (study, assembly) in enumerate(cases):
             slip, instants = slip_grid(study.max_cage_slip, study.points), assembly.resolution.instants
             if instants is None:
                 _, (friction, _), critical, _ = study._converged(assembly, slip)
                 found[k] = slip, friction, critical
             else:
-                raceways = study.loaded(assembly, instants)
-                raceways = raceways.by_few_loads() if few else raceways
-                begun.append((k, slip, raceways, raceways.speeds(slip)))
-        curves = evaluated_together([(raceways, speeds) for *_, raceways, speeds in begun])
-        for (k, slip, raceways, _), (friction, _) in zip(begun, curves, strict=True):
-            found[k], assembly = (slip, friction, raceways.critical(slip, friction)), cases[k][1]
-            if few and not raceways.agrees(_maxima(*found[k]), _FEW_SHARE * assembly.scene.accuracy.tolerance):
-                friction = raceways.whole.curve(slip)
-                found[k] = slip, friction, raceways.whole.critical(slip, friction)
+                begun.append((k, slip, study.loaded(assembly, instants)))
+        if not outputs & _WHOLE_CURVE:
+            maxima = _by_few_loads([(slip, raceways) for _, slip, raceways in begun])
+            for (k, slip, _), critical in zip(begun, maxima, strict=True):
+                if critical is not None:
+                    found[k] = slip, None, critical
+        left = [(k, raceways, slip) for k, slip, raceways in begun if k not in found]
+        curves = evaluated_together([(raceways, raceways.speeds(slip)) for _, raceways, slip in left])
+        whole = [(raceways, slip, friction, True) for (_, raceways, slip), (friction, _) in zip(left, curves, strict=True)]
+        for (k, *_), (_, slip, friction, _), critical in zip(left, whole, critical_together(whole), strict=True):
+            found[k] = slip, friction, critical
         some = [_curves(*found[k]) for k in range(len(cases))]
         return [(one | away, at) for (one, at), away in zip(some, aways, strict=True)]
 
@@ -370,7 +379,7 @@ class EffectiveFriction(Study):
     def loaded(self, assembly: Assembly, instants: int, known: LoadDistribution | None = None) -> LoadedRaceways:
         """Return the loaded contacts at a number of instants of a pitch; those at half as many may be known."""
         loads = assembly.load_distribution(instants, known=known)
-        return LoadedRaceways(assembly, loads, self.closure, self.table)
+        return LoadedRaceways(assembly, loads, self.closure, self.table, shared=known is None)
 
     def _converged(
         self, assembly: Assembly, slip: Array
@@ -439,10 +448,40 @@ class EffectiveFriction(Study):
         return xr.Dataset(variables, coords, attrs=self.attributes | said)
 
 
-def _curves(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -> Some:
-    """Variables of the curves and their maxima, and their coordinates."""
-    return EffectiveFriction.variables(
-        effective_friction=friction,
+def _by_few_loads(cases: Sequence[tuple[Array, LoadedRaceways]]) -> list[tuple[Critical, Critical] | None]:
+    """Critical slips of both rings by few loads on slips of their curves; None where all slices say otherwise.
+
+    Free rollers go on from slip to slip, so theirs are all followed; of others those that decide.
+    """
+    few = [raceways.by_few_loads() for _, raceways in cases]
+    exact = [raceways.closure == "free-roller" for _, raceways in cases]
+    chosen = [own if all_of else own.whole.by_few_loads(rough=True) for own, all_of in zip(few, exact, strict=True)]
+    curves = evaluated_together([(own, own.speeds(slip)) for own, (slip, _) in zip(chosen, cases, strict=True)])
+    critical = critical_together(
+        [
+            (own, slip, friction, all_of)
+            for own, (slip, _), (friction, _), all_of in zip(few, cases, curves, exact, strict=True)
+        ]
+    )
+    held = [
+        (own, [_held_at(slip, ring) for ring in both])
+        for own, (slip, _), both in zip(few, cases, critical, strict=True)
+    ]
+    errors = [_FEW_SHARE * raceways.assembly.scene.accuracy.tolerance for _, raceways in cases]
+    return [
+        both if agrees else None for both, agrees in zip(critical, agree_together(held, errors), strict=True)
+    ]
+
+
+def _held_at(slip: Array, critical: Critical) -> Array:
+    """Slips at which friction of few loads is held against that of all slices: the maximum and the end."""
+    return slip[-1:] if np.isnan(critical.slip) else np.array([critical.slip, slip[-1]])
+
+
+def _curves(slip: Array, friction: Array | None, critical: tuple[Critical, Critical]) -> Some:
+    """Variables of the curves, if they are known as a whole, and their maxima, and their coordinates."""
+    curves = {} if friction is None else EffectiveFriction.variables(effective_friction=friction)
+    return curves | EffectiveFriction.variables(
         critical_cage_slip=np.array([c.slip for c in critical]),
         critical_friction=np.array([c.friction for c in critical]),
         critical_status=np.array([c.status for c in critical]),
@@ -452,11 +491,6 @@ def _curves(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -
         "ring": ("ring", np.array(RINGS), about("1", "ring")),
         "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
     }
-
-
-def _maxima(slip: Array, friction: Array, critical: tuple[Critical, Critical]) -> Array:
-    """Slips at which a curve is held against another: its maxima, and its end."""
-    return np.array(sorted({float(slip[-1]), *(one.slip for one in critical if not np.isnan(one.slip))}))
 
 
 def _critical_moved(before: Critical, after: Critical) -> float:

@@ -3,14 +3,14 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.chain import along
-from rollslip.bearing.critical import PURE_SLIDING, Critical, locate, slip_grid
+from rollslip.bearing.critical import PURE_SLIDING, Critical, searched, searching, slip_grid
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError, SceneError
@@ -28,7 +28,11 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Loads by which slips are chosen that decide where the friction of all slices is largest; worth it with twice as many.
+_ROUGH: Final = 6
 _OF_CURVE, _OF_FORCE = "normal_force slip", "normal_force"
+#: A contact, its entrainment speed [m/s], and slide-roll ratios.
+_Curve: TypeAlias = tuple[LoadedContacts, float, Array]
 OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
         "friction": Output(_OF_CURVE, "1", "friction coefficient"),
@@ -162,8 +166,9 @@ class FrictionCurve(Study):
         import xarray as xr
 
         slip, u, contacts = slip_grid(self.max_slip, self.points), self.rolling_speed(assembly), self.contacts(assembly)
-        friction = _friction([(one, u, slip) for one in contacts])
-        found, coords = self._found(slip, u, contacts, friction)
+        curves = [(one, u, slip) for one in contacts]
+        friction = _friction(curves)
+        found, coords = self._found(slip, friction, self._critical(curves, friction, [True] * len(curves)))
         rows = [_most_loaded(one, u, slip) for one in contacts]
 
         def stacked(name: str) -> Array:
@@ -187,26 +192,41 @@ class FrictionCurve(Study):
         """Return what `run` does of curves and critical slips, for several contacts at once; None if more is asked."""
         if not outputs <= {"friction", "critical_slip", "critical_friction", "critical_status", *FIRST}:
             return None
-        made = [
-            (study, slip_grid(study.max_slip, study.points), study.rolling_speed(assembly), study.contacts(assembly))
-            for study, assembly in cases
+        curves, exact, rough = list[_Curve](), list[bool](), list[_Curve]()
+        for study, assembly in cases:
+            slip, u = slip_grid(study.max_slip, study.points), study.rolling_speed(assembly)
+            for force, contact in zip(study.normal_force, study.contacts(assembly), strict=True):
+                exact.append("friction" in outputs or contact.force.size <= 2 * _ROUGH)
+                few = contact
+                if not exact[-1]:
+                    made = assembly.kept(("rough", study.ring, force), 1, partial(contact.fewer, _ROUGH))
+                    few = made.on(contact.raceway)
+                curves.append((contact, u, slip))
+                rough.append((few, u, slip))
+        friction = _friction(rough)
+        critical = cls._critical(curves, friction, exact)
+        found, first = list[Some](), 0
+        for study, _ in cases:
+            own = slice(first, first + len(study.normal_force))
+            known = friction[own] if "friction" in outputs else None
+            found.append(study._found(curves[first][2], known, critical[own]))
+            first = own.stop
+        return found
+
+    @classmethod
+    def _critical(cls, curves: Sequence[_Curve], friction: Sequence[Array], exact: Sequence[bool]) -> list[Critical]:
+        """Largest friction of curves, of which it is known exactly, or roughly where few slips are chosen by it."""
+        key = f"study.{cls.name}.max_slip"
+        searches = [
+            searching(slip, known, key, exact=exactly, most=PURE_SLIDING)
+            for (_, _, slip), known, exactly in zip(curves, friction, exact, strict=True)
         ]
-        curves = iter(_friction([(one, u, slip) for _, slip, u, contacts in made for one in contacts]))
-        return [study._found(slip, u, contacts, [next(curves) for _ in contacts]) for study, slip, u, contacts in made]
+        return searched(searches, lambda asked: _friction([(*curves[k][:2], slip) for k, slip in asked]))
 
-    def _found(self, slip: Array, u: float, contacts: list[LoadedContacts], friction: list[Array]) -> Some:
-        """Variables of the curves and their maxima, and their coordinates."""
-        key = f"{self.table}.max_slip"
-
-        def of(contacts: LoadedContacts, curve: Array) -> Critical:
-            def at(slips: Array) -> Array:
-                return _friction([(contacts, u, slips)])[0]
-
-            return locate(lambda one: float(at(np.array([one]))[0]), slip, curve, key, most=PURE_SLIDING, many=at)
-
-        critical = [of(one, curve) for one, curve in zip(contacts, friction, strict=True)]
-        return self.variables(
-            friction=np.stack(friction),
+    def _found(self, slip: Array, friction: Sequence[Array] | None, critical: Sequence[Critical]) -> Some:
+        """Variables of the curves, if they are known as a whole, and their maxima, and their coordinates."""
+        curves = {} if friction is None else self.variables(friction=np.stack(friction))
+        return curves | self.variables(
             critical_slip=np.array([c.slip for c in critical]),
             critical_friction=np.array([c.friction for c in critical]),
             critical_status=np.array([c.status for c in critical]),
