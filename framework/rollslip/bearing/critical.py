@@ -247,9 +247,7 @@ def _few(slip: Array, rough: Array) -> Generator[Array, Array, tuple[Array, Arra
     return slip[chosen[order]], np.concatenate((exact, found))[order]
 
 
-def _around(
-    slip: Array, friction: Array, top: int, together: bool
-) -> Generator[Array, Array, tuple[float, float]]:
+def _around(slip: Array, friction: Array, top: int, together: bool) -> Generator[Array, Array, tuple[float, float]]:
     """Place and value of the largest friction on the two intervals around a point of the grid that tops both."""
     first, last = max(top - 1, 0), min(top + 1, slip.size - 1)
     low, high = float(slip[first]), float(slip[last])
@@ -307,8 +305,8 @@ def _series(x: float, terms: Sequence[float]) -> float:
 def _peak(known: list[tuple[float, float]]) -> Generator[float, float, tuple[float, float]]:
     """Largest value between 0 and 1 and its place, by Brent's method: parabolas, or golden sections if those fail.
 
-    It yields places and is sent the values there. ``known`` are the best of three points and both ends. A best point that is an end has the largest value unless the
-    curve rises from there.
+    It yields places and is sent the values there. ``known`` are the best of three points and both ends. A best point
+    that is an end has the largest value unless the curve rises from there.
     """
     (x, fx), (w, fw), (v, fv) = known
     if x in (0.0, 1.0):

@@ -370,13 +370,9 @@ def critical_together(cases: Sequence[tuple[LoadedRaceways, Array, Array, bool]]
     return [*zip(of(0), of(1), strict=True)]
 
 
-def agree_together(
-    cases: Sequence[tuple[LoadedRaceways, Sequence[Array]]], errors: Sequence[float]
-) -> list[bool]:
+def agree_together(cases: Sequence[tuple[LoadedRaceways, Sequence[Array]]], errors: Sequence[float]) -> list[bool]:
     """Return whether all slices have the friction of few loads at slips of either ring, up to errors relative to it."""
-    both = [
-        (of, ring, slip) for few, slips in cases for ring, slip in enumerate(slips) for of in (few, few.whole)
-    ]
+    both = [(of, ring, slip) for few, slips in cases for ring, slip in enumerate(slips) for of in (few, few.whole)]
     friction = friction_together(both)
     alike = [
         bool(np.all(np.abs(few - every) <= errors[k // 2] * np.abs(every)))

@@ -24,7 +24,6 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.equilibrium import LoadDistribution
-from rollslip.bearing.kinematics import SurfaceSpeeds
 from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
@@ -286,12 +285,14 @@ class EffectiveFriction(Study):
                 begun.append((k, slip, study.loaded(assembly, instants)))
         if not outputs & _WHOLE_CURVE:
             maxima = _by_few_loads([(slip, raceways) for _, slip, raceways in begun])
-            for (k, slip, _), critical in zip(begun, maxima, strict=True):
-                if critical is not None:
-                    found[k] = slip, None, critical
-        left = [(k, raceways, slip) for k, slip, raceways in begun if k not in found]
-        curves = evaluated_together([(raceways, raceways.speeds(slip)) for _, raceways, slip in left])
-        whole = [(raceways, slip, friction, True) for (_, raceways, slip), (friction, _) in zip(left, curves, strict=True)]
+            found |= {
+                k: (slip, None, known) for (k, slip, _), known in zip(begun, maxima, strict=True) if known is not None
+            }
+        left = [one for one in begun if one[0] not in found]
+        curves = evaluated_together([(raceways, raceways.speeds(slip)) for _, slip, raceways in left])
+        whole = [
+            (raceways, slip, friction, True) for (_, slip, raceways), (friction, _) in zip(left, curves, strict=True)
+        ]
         for (k, *_), (_, slip, friction, _), critical in zip(left, whole, critical_together(whole), strict=True):
             found[k] = slip, friction, critical
         some = [_curves(*found[k]) for k in range(len(cases))]
@@ -468,9 +469,7 @@ def _by_few_loads(cases: Sequence[tuple[Array, LoadedRaceways]]) -> list[tuple[C
         for own, (slip, _), both in zip(few, cases, critical, strict=True)
     ]
     errors = [_FEW_SHARE * raceways.assembly.scene.accuracy.tolerance for _, raceways in cases]
-    return [
-        both if agrees else None for both, agrees in zip(critical, agree_together(held, errors), strict=True)
-    ]
+    return [both if agrees else None for both, agrees in zip(critical, agree_together(held, errors), strict=True)]
 
 
 def _held_at(slip: Array, critical: Critical) -> Array:
