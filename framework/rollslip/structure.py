@@ -144,10 +144,7 @@ def structure(
     """
     if isinstance(where, str):
         where = Location({}, tuple(split_key(where)) if where else ())
-    bare = bare_key(cls)
-    fields = {a.name: a for a in attributes(cls) if a.init}
-    by_key = {key: a for a in fields.values() if not a.metadata.get("rest") and (key := key_of(a)) is not None}
-    rest = next((a for a in fields.values() if a.metadata.get("rest")), None)
+    bare, fields, by_key, rest = _layout(cls)  # type: ignore[arg-type]  # mypy takes a class for unhashable
     if isinstance(raw, str) and bare is not None:
         raw = {bare: raw}
     if not isinstance(raw, Mapping):
@@ -182,6 +179,16 @@ def structure(
             faults.append(where.says(str(error)))
     problems += faults
     return None
+
+
+@cache
+def _layout(
+    cls: "type[Any]",
+) -> "tuple[str | None, dict[str, attrs.Attribute[Any]], dict[str, attrs.Attribute[Any]], attrs.Attribute[Any] | None]":
+    """Return of a class the key of a bare name, its fields by name and by key, and the one that takes what is left."""
+    fields = {a.name: a for a in attributes(cls) if a.init}
+    by_key = {key: a for a in fields.values() if not a.metadata.get("rest") and (key := key_of(a)) is not None}
+    return bare_key(cls), fields, by_key, next((a for a in fields.values() if a.metadata.get("rest")), None)
 
 
 def attributes(cls: Any) -> "tuple[attrs.Attribute[Any], ...]":

@@ -3,7 +3,7 @@
 import math
 import operator
 from collections.abc import Callable, Hashable, Sequence
-from functools import partial
+from functools import cached_property, lru_cache, partial
 from typing import Any, TypeVar
 
 import attrs
@@ -183,11 +183,7 @@ class Assembly:
         """
         if self.scene.bearing.rollers * instants * self.slices > _KEPT:
             return make()
-        sides = [
-            (raceway.deflection, *(getattr(raceway.conditions, name) for name in sorted(_read(raceway.deflection))))
-            for raceway in self.raceways
-        ]
-        key = (*what, self.slices, self.resolution.quadrature, *sides)
+        key = (what, self._alike)
         if key not in self.known_loads:
             self.known_loads[key] = make()
         known: _T = self.known_loads[key]
@@ -210,6 +206,15 @@ class Assembly:
         )
         return solve_pitch(case, self.raceways, known)
 
+    @cached_property
+    def _alike(self) -> tuple[Hashable, ...]:
+        """What bearings that share `known_loads` have the same if they are loaded alike."""
+        sides = [
+            (raceway.deflection, *(getattr(raceway.conditions, name) for name in sorted(_read(raceway.deflection))))
+            for raceway in self.raceways
+        ]
+        return self.slices, self.resolution.quadrature, *sides
+
     def deflect(self, approach: Array, ring: Ring) -> tuple[Array, Array]:
         """Return load per length [N/m] and stiffness [N/m2] of the contacts with a ring, by approach [m]."""
         raceway = self.inner if ring == "inner" else self.outer
@@ -224,9 +229,9 @@ class Assembly:
         return load.reshape(approach.shape), stiffness.reshape(approach.shape)
 
 
-def _read(chain: Chain) -> set[str]:
+def _read(chain: Chain) -> frozenset[str]:
     """Conditions that the models of a chain read."""
-    return {name for model in chain.models for name in model.reads if name in CONDITIONS}
+    return _members(tuple(frozenset(model.reads) for model in chain.models))
 
 
 def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assembly | None = None) -> Assembly:
@@ -308,13 +313,17 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
 
 def _loaded_alike(scene: Scene, resolution: Resolution, like: Assembly) -> bool:
     """Whether a scene has models, bearing and loads of another, and the same resolution is asked of it."""
+
+    def same(one: object, other: object) -> bool:
+        return one is other or one == other  # what is not changed is the same object, and comparing takes longer
+
     own, other = scene.operation, like.scene.operation
     loads = ("inner_speed", "outer_speed", "radial_load", "misalignment")
     return (
-        resolution == like.resolution
-        and scene.models == like.scene.models
-        and scene.bearing == like.scene.bearing
-        and all(getattr(own, name) == getattr(other, name) for name in loads)
+        same(resolution, like.resolution)
+        and same(scene.models, like.scene.models)
+        and same(scene.bearing, like.scene.bearing)
+        and (own is other or all(getattr(own, name) == getattr(other, name) for name in loads))
     )
 
 
@@ -402,8 +411,17 @@ def _given_by(member: str, conditions: Conditions, lubricant: Lubricant) -> str:
     return f"give lubricant.{member}"
 
 
+@lru_cache(maxsize=64)
+def _members(reads: tuple[frozenset[str], ...]) -> frozenset[str]:
+    """Conditions among what models read."""
+    return frozenset().union(*reads) & CONDITIONS.keys()
+
+
 def _check_given(models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Location) -> None:
     """Refuse models that read what the scene does not give."""
+    reads = tuple(frozenset(model.reads) for model in models)
+    if not any(lubricant.slopes.values()) and not any(math.isnan(getattr(conditions, name)) for name in _members(reads)):
+        return
     problems = [
         where.at("lubricant").says(
             f"oil {lubricant.name!r} gives no {member} ({CONDITIONS[member][1]}, {CONDITIONS[member][0]}), "

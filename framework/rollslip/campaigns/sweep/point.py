@@ -19,7 +19,7 @@ import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, cached_property
 from multiprocessing import parent_process
 from typing import Any, Final
 
@@ -33,7 +33,8 @@ from rollslip.campaigns.sweep.journal import Row
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError, in_words
 from rollslip.fields import FieldError
 from rollslip.scene.changes import evolve
-from rollslip.scene.values import Scene, scene_hash
+from rollslip.scene.values import Scene, resolved
+from rollslip.structure import attributes, key_of
 from rollslip.studies.answers import Variables
 from rollslip.studies.outputs import evaluate, evaluate_together
 from rollslip.studies.study import Study, settings
@@ -57,7 +58,8 @@ def compute(work: SweepWork, points: Sequence[tuple[int, Mapping[str, object]]])
     if work.time_limit is not None:
         _import_all()
     size = 1 if work.time_limit is not None else _TOGETHER
-    rows = [row for k in range(0, len(points), size) for row in _computed(work, points[k : k + size])]
+    task = _Task(work)
+    rows = [row for k in range(0, len(points), size) for row in _computed(task, points[k : k + size])]
     return Done(tuple(rows), here(work.packages))
 
 
@@ -86,6 +88,47 @@ def _assembled(work: SweepWork, scene: Scene, resolution: Resolution | None) -> 
     # a model that runs in Python is not asked to be evaluated by two threads at once
     _last = None if any(chain.alone for chain in (made.inner.chain, made.inner.deflection)) else (work.scene, made)
     return made
+
+
+class _Task:
+    """What points that are computed one after the other have of the scene that they change."""
+
+    def __init__(self, work: SweepWork) -> None:
+        self.work = work
+
+    def study(self, scene: Scene) -> Study:
+        """Return the study with the settings of a point."""
+        return self._study if scene.study is self.work.scene.study else self._settings(scene)
+
+    @cached_property
+    def _study(self) -> Study:
+        return self._settings(self.work.scene)
+
+    def _settings(self, scene: Scene) -> Study:
+        return settings(scene, self.work.study)[self.work.study]
+
+    def hash(self, scene: Scene) -> str:
+        """Return `rollslip.scene.values.scene_hash` of a point."""
+        texts = []
+        for name, key, unchanged in self._tables:
+            if (table := getattr(scene, name)) is not None:
+                text = unchanged if table is getattr(self.work.scene, name) else _canonical(table)
+                texts.append(f"{json.dumps(key)}:{text}")
+        return hashlib.sha256(f"{{{','.join(texts)}}}".encode()).hexdigest()
+
+    @cached_property
+    def _tables(self) -> list[tuple[str, str, str]]:
+        """Name and key of each table of the scene, in the order of the keys, and its text."""
+        scene = self.work.scene
+        keys = sorted((key, a.name) for a in attributes(type(scene)) if (key := key_of(a)) is not None)
+        return [(name, key, _canonical(getattr(scene, name))) for key, name in keys]
+
+
+def _canonical(table: object) -> str:
+    def plain(value: Any) -> object:
+        return dict(value) if isinstance(value, Mapping) else resolved(value)
+
+    return json.dumps(table, sort_keys=True, separators=(",", ":"), ensure_ascii=True, default=plain)
 
 
 class _TimeLimit(BaseException):
@@ -118,16 +161,16 @@ def _within(seconds: float | None) -> Iterator[None]:
         interrupt(thread, None)  # one that is on its way belongs to this point, not to the next
 
 
-def _computed(work: SweepWork, points: Sequence[tuple[int, Mapping[str, object]]]) -> list[Row]:
+def _computed(task: _Task, points: Sequence[tuple[int, Mapping[str, object]]]) -> list[Row]:
     """Rows of some points: those that can be are evaluated together, or each alone if one of them fails then."""
-    begun = [_Point(work, number, changes) for number, changes in points]
+    begun = [_Point(task, number, changes) for number, changes in points]
     if len(begun) > 1:
         for point in begun:
             point.prepare()
         ready = [(point, point.study, point.assembly) for point in begun if point.study is not None]
         begin = time.perf_counter()
         try:
-            evaluated = evaluate_together([(study, assembly) for _, study, assembly in ready], work.outputs)
+            evaluated = evaluate_together([(study, assembly) for _, study, assembly in ready], task.work.outputs)
         except KeyboardInterrupt:
             raise
         except BaseException:  # whose it is, each alone tells
@@ -148,8 +191,8 @@ class _Point:
     study: Study | None = None
     assembly: Assembly
 
-    def __init__(self, work: SweepWork, number: int, changes: Mapping[str, object]) -> None:
-        self.work, self.number, self.changes = work, number, changes
+    def __init__(self, task: _Task, number: int, changes: Mapping[str, object]) -> None:
+        self.task, self.work, self.number, self.changes = task, task.work, number, changes
         self.key, self.status, self.message, self.seconds = "", "", "", 0.0
         self.layout, self.numbers, self.texts = "", b"", "[]"
 
@@ -186,9 +229,9 @@ class _Point:
     def _prepare(self) -> None:
         scene = evolve(self.work.scene, self.changes)
         resolution = self.work.resolutions.of(self.changes)
-        self.key = _key(self.work, scene, resolution)
+        self.key = _key(self.task, scene, resolution)
         self.assembly = _assembled(self.work, scene, resolution)
-        self.study = settings(scene, self.work.study)[self.work.study]
+        self.study = self.task.study(scene)
 
     def finish(self) -> None:
         """Do what is left to do."""
@@ -239,9 +282,9 @@ def _outcome(said: Mapping[str, Any]) -> tuple[str, str]:
     return "ok", ""
 
 
-def _key(work: SweepWork, scene: Scene, resolution: Resolution | None) -> str:
-    finely = None if resolution is None else attrs.asdict(resolution)
-    told = json.dumps([scene_hash(scene), work.study, work.outputs, finely, here(work.packages)])
+def _key(task: _Task, scene: Scene, resolution: Resolution | None) -> str:
+    finely, work = None if resolution is None else attrs.asdict(resolution), task.work
+    told = json.dumps([task.hash(scene), work.study, work.outputs, finely, here(work.packages)])
     return hashlib.sha256(told.encode()).hexdigest()
 
 
