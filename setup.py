@@ -91,6 +91,7 @@ KERNELS = (
     "motion/rosenbrock",
     "motion/spin",
     "motion/system",
+    "motion/leapfrog",
     "motion/planar",
     "chain",
     "motion/carried",

@@ -33,14 +33,14 @@ import numpy as np
 
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport M_PI, NAN, fabs, floor, isfinite, sqrt
+from libc.math cimport INFINITY, M_PI, NAN, fabs, floor, fmin, isfinite, sqrt
 
 from rollslip_abi cimport ROLLSLIP_DRAG, rs_drag
 from rollslip_arrow cimport RS_RAISED
 from rollslip_errors cimport rs_raise_pending
 from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_pocket, rs_pocket_bars
 from rollslip_raceway cimport RS_RACEWAY, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest
-from rollslip_system cimport rs_new_system, rs_system
+from rollslip_system cimport rs_new_system, rs_system, rs_tells_nothing, rs_until
 
 from rollslip_kernels.motion.raceway import OUTPUTS, refusal
 
@@ -316,6 +316,32 @@ cdef int _watch(double t, const double *y, double *values, void *state) noexcept
     return 0
 
 
+cdef double _until_contact(double t, const double *y, void *state) noexcept nogil:
+    """Time [s] until a roller meets a bar of its pocket at the present speeds."""
+    cdef carried_t *c = <carried_t *>state
+    cdef double soft = RS_POCKET_TOUCH / c.cage.stiffness, soonest = INFINITY, rate
+    cdef const double *roller
+    cdef size_t j
+    for j in range(c.rollers):
+        roller = y + HEAD + 3 * j
+        rate = c.orbit * (roller[1] - y[1])
+        soonest = fmin(soonest, rs_until(c.cage.half_clearance - soft - roller[2], rate))
+        soonest = fmin(soonest, rs_until(c.cage.half_clearance - soft + roller[2], -rate))
+    return soonest
+
+
+cdef int _drift(double h, double *y, void *state) noexcept nogil:
+    cdef carried_t *c = <carried_t *>state
+    cdef double *roller
+    cdef size_t j
+    y[0] += h * y[1]
+    if c.pocket:
+        for j in range(c.rollers):
+            roller = y + HEAD + 3 * j
+            roller[2] += h * c.orbit * (roller[1] - y[1])
+    return 0
+
+
 cdef class Carried:
     """The system of one bearing; it belongs to one thread.
 
@@ -346,7 +372,7 @@ cdef class Carried:
     cdef tuple kept
     cdef list tables
     cdef object cell
-    cdef double[::1] scale
+    cdef double[::1] scale, kicked
 
     def __init__(self, bint pocket, bearing, loads, inner, outer, drags, cage, scale, double critical_slip=NAN,
                  double film_limit=NAN):
@@ -387,6 +413,10 @@ cdef class Carried:
         self.scale = np.array(scale, dtype=float)
         if <size_t>self.scale.shape[0] != ALL + Z * c.block:
             raise ValueError(f"{ALL + Z * c.block} unknowns need as many scales, got {self.scale.shape[0]}")
+        self.kicked = np.ones(ALL + Z * c.block)
+        self.kicked[0] = 0.0
+        if c.pocket:
+            self.kicked[HEAD + 2:HEAD + 3 * Z:3] = 0.0
         cdef double[::1] load = np.zeros(c.channels * Z * c.slices)
         cdef double[::1] force = np.zeros(2 * RINGS * Z)
         cdef double[::1] speeds = np.zeros(3 * RINGS * Z)
@@ -422,6 +452,12 @@ cdef class Carried:
         s.roller_rates, s.head_rates = _roller_rates, _head_rates
         s.watched, s.watch = 1 if self.c.film_limit != self.c.film_limit else 2, _watch
         s.jacobian, s.scale, s.autonomous, s.state = NULL, &self.scale[0], 1, &self.c
+        rs_tells_nothing(&s)
+        s.kicked, s.drift = &self.kicked[0], _drift
+        if self.c.pocket:   # one roller against the cage
+            s.contact_frequency = sqrt(
+                self.c.cage.stiffness * (1.0 / self.c.mass + self.c.orbit * self.c.orbit / self.c.cage_inertia))
+            s.until_contact = _until_contact
         return rs_new_system(&s, self)
 
     @property

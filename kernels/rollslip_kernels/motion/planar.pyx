@@ -38,14 +38,14 @@ import numpy as np
 
 from cpython.exc cimport PyErr_Occurred
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport M_PI, NAN, cos, sin, sqrt
+from libc.math cimport INFINITY, M_PI, NAN, cos, fmax, fmin, sin, sqrt
 
 from rollslip_abi cimport ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
 from rollslip_errors cimport rs_raise_pending
 from rollslip_land cimport INNER_LAND, OUTER_LAND, ROLLERS, rs_land, rs_land_force, rs_land_forces
-from rollslip_pocket cimport RS_POCKET_SLIDING, rs_bars, rs_damping, rs_pocket, rs_pocket_bars
+from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_damping, rs_pocket, rs_pocket_bars
 from rollslip_raceway cimport RS_RACEWAY, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest
-from rollslip_system cimport rs_new_system, rs_system
+from rollslip_system cimport rs_new_system, rs_system, rs_tells_nothing, rs_until
 
 from rollslip_kernels.chain import bound
 from rollslip_kernels.motion.raceway import OUTPUTS, refusal as raceway_refusal
@@ -481,6 +481,49 @@ cdef int watch(double t, const double *y, double *values, void *state) noexcept 
     return 0
 
 
+cdef double until_contact(double t, const double *y, void *state) noexcept nogil:
+    """Time [s] until a roller meets a bar of its pocket, or the cage its land, at the present speeds."""
+    cdef planar_t *p = <planar_t *>state
+    cdef double soft = RS_POCKET_TOUCH / p.pocket.stiffness, soonest = INFINITY, psi, place, rate
+    cdef double dx = y[CAGE_X], dy = y[CAGE_Y], vx = y[CAGE_VX], vy = y[CAGE_VY]
+    cdef const double *roller
+    cdef size_t j
+    for j in range(p.rollers):
+        roller = y + HEAD + j * BLOCK
+        psi = y[CAGE_ANGLE] + 2.0 * M_PI * j / p.rollers + roller[POSITION] / p.orbit_radius
+        p.cosine[j], p.sine[j] = cos(psi), sin(psi)
+        place = pocket_place(p, y, roller, j, &rate)
+        soonest = fmin(soonest, rs_until(p.pocket.half_clearance - soft - place, rate))
+        soonest = fmin(soonest, rs_until(p.pocket.half_clearance - soft + place, -rate))
+        if p.land.guidance == ROLLERS:
+            place = radial_place(p, y, roller, j, &rate)
+            soonest = fmin(soonest, rs_until(p.guide.half_clearance - soft - place, rate))
+            soonest = fmin(soonest, rs_until(p.guide.half_clearance - soft + place, -rate))
+    if p.land.guidance != ROLLERS:
+        if p.land.guidance == INNER_LAND:
+            dx, dy, vx, vy = y[RING_X] - dx, y[RING_Y] - dy, y[RING_VX] - vx, y[RING_VY] - vy
+        place = sqrt(dx * dx + dy * dy)
+        if place > 0.0:
+            soonest = fmin(soonest, rs_until(p.land.clearance - place, (dx * vx + dy * vy) / place))
+    return soonest
+
+
+cdef int drift(double h, double *y, void *state) noexcept nogil:
+    cdef planar_t *p = <planar_t *>state
+    cdef double *roller
+    cdef size_t j
+    y[RING_X] += h * y[RING_VX]
+    y[RING_Y] += h * y[RING_VY]
+    y[CAGE_X] += h * y[CAGE_VX]
+    y[CAGE_Y] += h * y[CAGE_VY]
+    y[CAGE_ANGLE] += h * y[CAGE_SPEED]
+    for j in range(p.rollers):
+        roller = y + HEAD + j * BLOCK
+        roller[POSITION] += h * p.orbit_radius * (roller[ORBIT] - y[CAGE_SPEED])
+        roller[RADIAL] += h * roller[RISE]
+    return 0
+
+
 cdef class Planar:
     """The numbers of a bearing in plane motion, and its system; SI units, speeds of the mirror image.
 
@@ -510,7 +553,7 @@ cdef class Planar:
 
     cdef planar_t p
     cdef readonly size_t n
-    cdef double[::1] scale, drop, widths, times, factors, memory
+    cdef double[::1] scale, drop, widths, times, factors, memory, kicked
     cdef size_t[::1] begins
     cdef tuple kept, deflections, resistances
 
@@ -582,14 +625,31 @@ cdef class Planar:
         self.scale = np.array(scale, dtype=float)
         if self.scale.shape[0] != <Py_ssize_t>self.n:
             raise ValueError(f"{self.scale.shape[0]} magnitudes for {self.n} unknowns")
+        self.kicked = np.ones(self.n)
+        for place in (RING_X, RING_Y, CAGE_X, CAGE_Y, CAGE_ANGLE):
+            self.kicked[place] = 0.0
+        for place in (POSITION, RADIAL):
+            self.kicked[HEAD + place:HEAD + Z * BLOCK:BLOCK] = 0.0
 
-    def system(self):
-        """Return the capsule "rollslip.system.v1"."""
+    def system(self, double swing_frequency=0.0):
+        """Return the capsule "rollslip.system.v1"; with how fast rollers swing between the rings [rad/s], if known."""
         cdef rs_system s
+        cdef const planar_t *p = &self.p
+        cdef double cage = 1.0 / p.cage_mass
         s.head, s.rollers, s.block, s.ledger = HEAD, self.p.rollers, BLOCK, LEDGER
         s.roller_rates, s.head_rates, s.jacobian = roller_rates, head_rates, NULL
         s.watched, s.watch = 3, watch
         s.scale, s.autonomous, s.state = &self.scale[0], self.p.points == 0, &self.p
+        rs_tells_nothing(&s)
+        s.kicked, s.drift = &self.kicked[0], drift
+        s.until_contact, s.swing_frequency = until_contact, swing_frequency
+        # one roller against the cage, which moves and turns; the cage against a ring
+        s.contact_frequency = sqrt(p.pocket.stiffness * (
+            1.0 / p.roller_mass + cage + p.orbit_radius * p.orbit_radius / p.cage_inertia))
+        if p.land.guidance != ROLLERS:
+            if p.land.guidance == INNER_LAND:
+                cage += 1.0 / p.ring_mass
+            s.contact_frequency = fmax(s.contact_frequency, sqrt(p.land.stiffness * cage))
         return rs_new_system(&s, self)
 
     def load_factor(self, double t):

@@ -6,6 +6,7 @@
 # - Ours alone, unlike rollslip.h: both sides of it are always built together.
 # - The context of the capsule is a reference to the owner, which keeps ``state`` and ``scale`` alive and answers
 #   ``refusal()`` after a status k > 0.
+from libc.math cimport INFINITY
 from libc.stdlib cimport malloc
 
 from rollslip_stage cimport rs_new_capsule
@@ -42,6 +43,17 @@ cdef extern from *:
         const double *scale;   /* [n] typical magnitudes > 0 of the unknowns, for differences */
         int autonomous;        /* 1: no time in the rates */
         void *state;
+        /* What moves fast, for steps that have to resolve it; members are appended here and never moved.
+           Angular frequencies [rad/s]: of what touches and parts, while it touches; the fastest of what swings all the
+           time. 0: there is none, or nobody tells. */
+        double contact_frequency, swing_frequency;
+        /* time [s] after which something touches at the present speeds, 0 while something does, INFINITY if nothing
+           will; NULL with a contact_frequency of 0 */
+        double (*until_contact)(double t, const double *y, void *state);
+        /* places: unknowns whose rates are sums of speeds with constant factors, and nothing else. [n] 0 for a place, 1
+           for any other; NULL: not told. drift adds h times the rates of the places to them, nothing else moves. */
+        const double *kicked;
+        int (*drift)(double h, double *y, void *state);
     } rs_system;
     #endif
     """
@@ -57,6 +69,8 @@ cdef extern from *:
     ctypedef int (*rs_head_rates)(double, const double *, double *, void *) noexcept nogil
     ctypedef int (*rs_watch)(double, const double *, double *, void *) noexcept nogil
     ctypedef int (*rs_jacobian)(double, const double *, const rs_arrow *, void *) noexcept nogil
+    ctypedef double (*rs_until_contact)(double, const double *, void *) noexcept nogil
+    ctypedef int (*rs_drift)(double, double *, void *) noexcept nogil
 
     ctypedef struct rs_system:
         size_t head
@@ -71,6 +85,22 @@ cdef extern from *:
         const double *scale
         int autonomous
         void *state
+        double contact_frequency
+        double swing_frequency
+        rs_until_contact until_contact
+        const double *kicked
+        rs_drift drift
+
+
+cdef inline void rs_tells_nothing(rs_system *s) noexcept nogil:
+    """Leave untold what moves fast and what is a place."""
+    s.contact_frequency = s.swing_frequency = 0.0
+    s.until_contact, s.kicked, s.drift = NULL, NULL, NULL
+
+
+cdef inline double rs_until(double gap, double closing) noexcept nogil:
+    """Time after which a gap is closed at a speed."""
+    return 0.0 if gap <= 0.0 else gap / closing if closing > 0.0 else INFINITY
 
 
 cdef inline object rs_new_system(const rs_system *system, object owner):

@@ -19,6 +19,11 @@ Step size
     unknown of the head does not drown in a thousand rollers. Gustafsson's predictive control, see Hairer E., Wanner
     G. Solving Ordinary Differential Equations II, 2nd ed. Springer, 1996, IV.8; the first step after Hairer, Nørsett
     and Wanner I, II.4.
+Contacts
+    What touches and parts within a step may leave no trace in the estimate of its error: seven stages of an explicit
+    method all miss it. Where the system tells how fast its contacts swing, Dormand and Prince's method goes up to where
+    one is met at the present speeds, and on by h <= 0.4/omega while one lasts; held to the forces of the pockets by
+    docs/scripts/pocket_force.py. Rodas5P, whose Jacobian sees a contact that has begun, takes the tolerance alone.
 Derivatives
     Those that the system gives, else by differences: one-sided in H + B evaluations, and central in 2 (H + B) where
     a relative tolerance is below 1e-7, since the 1e-8 lost in a one-sided derivative would then govern the step.
@@ -31,25 +36,21 @@ import math
 
 import numpy as np
 
-from libc.math cimport fabs, fmax, fmin, nextafter, pow
+from libc.math cimport INFINITY, fabs, fmax, fmin, nextafter, pow
 from libc.stddef cimport size_t
 from libc.string cimport memcpy, memset
 
 from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid
 
 from rollslip_arrow cimport (
-    RS_CENTRAL, RS_FORWARD, RS_NOT_FINITE, RS_RAISED, rs_arrow_size, rs_differences, rs_factorise, rs_factors,
-    rs_factors_size, rs_finite, rs_place_arrow, rs_place_factors, rs_raw, rs_raw_size, rs_solve, rs_sum, rs_unknowns,
+    RS_CENTRAL, RS_FORWARD, RS_NOT_FINITE, RS_RAISED, rs_arrow_size, rs_differences, rs_factorise, rs_factors_size,
+    rs_finite, rs_place_arrow, rs_place_factors, rs_raw, rs_raw_size, rs_solve, rs_sum, rs_unknowns,
 )
 from rollslip_errors cimport rs_raise_pending
-from rollslip_system cimport ROLLSLIP_SYSTEM, rs_arrow, rs_system
+from rollslip_system cimport ROLLSLIP_SYSTEM, rs_system
 
 cdef enum:
-    STAGES = 8
     EXPLICIT_STAGES = 7
-    # why a step was not taken
-    TOO_LARGE = -3   # its error, that is
-    SINGULAR = -4
     # why advance returned, in the order of REASONS
     STEPS = 0
     STOP = 1
@@ -118,6 +119,7 @@ cdef double SAFETY = 0.9
 cdef double SHRINK = 0.2    # limits of a change of the step size
 cdef double GROW = 6.0
 cdef double RETREAT = 0.25  # after a step that could not be computed
+cdef double IN_CONTACT = 0.4  # a step times the frequency of a contact: an impact takes 8 steps
 
 
 def tableau():
@@ -167,36 +169,6 @@ cdef class Stepper:
         Work so far. Evaluations of the rates include those for differences.
     """
 
-    cdef const rs_system *c
-    cdef readonly object capsule
-    cdef readonly size_t n, steps, rejected, evaluations, jacobians, factorisations
-    cdef readonly double t, h, t_bound, max_step
-    cdef readonly str status, message
-    cdef readonly int event
-    cdef readonly bint rising
-    cdef double direction, t_old, taken, previous_step, previous_error
-    cdef bint central, evaluated, dense, busy
-    cdef int trouble  # why the last step was not taken
-    cdef object memory, orders
-    cdef double *y_now
-    cdef double *y_old
-    cdef double *y_new
-    cdef double *f
-    cdef double *f_new
-    cdef double *u
-    cdef double *by_time
-    cdef double *rtol
-    cdef double *atol
-    cdef double *k
-    cdef double *dense_k
-    cdef double *raw
-    cdef double *plus
-    cdef double *minus
-    cdef double *signs
-    cdef double *watched
-    cdef rs_arrow arrow
-    cdef rs_factors factors
-
     def __init__(self, capsule, double t0, y0, double t_bound, rtol=1e-3, atol=1e-6, double max_step=math.inf,
                  first_step=None):
         if not PyCapsule_IsValid(capsule, ROLLSLIP_SYSTEM):
@@ -214,6 +186,7 @@ cdef class Stepper:
         relative, absolute = self._each(rtol, "rtol"), self._each(atol, "atol")
         if np.any(relative < 2.3e-14) or np.any(absolute < 0):
             raise ValueError("rtol must be at least 2.3e-14 and atol not negative")
+        self.power = 0.2
         self._allocate()
         memcpy(self.rtol, <double *><size_t>relative.ctypes.data, self.n * sizeof(double))
         memcpy(self.atol, <double *><size_t>absolute.ctypes.data, self.n * sizeof(double))
@@ -471,20 +444,24 @@ cdef class Stepper:
         for i in range(self.n):
             self.u[i] = self.f_new[i] - self.f[i]
         bend = fmax(self._norm(self.u, self.y_now, self.y_now) / h, rate)
-        self.h = fmin(fmin(100.0 * h, fmax(1e-6, 1e-3 * h) if bend <= 1e-15 else pow(0.01 / bend, 0.2)), room)
+        self.h = fmin(fmin(100.0 * h, fmax(1e-6, 1e-3 * h) if bend <= 1e-15 else pow(0.01 / bend, self.power)), room)
         return 0
 
     cdef int _derive(self, double stop) noexcept nogil:
         """What a step needs to know at (t, y) besides the rates there."""
         return 0
 
+    cdef double _resolved(self) noexcept nogil:
+        """Largest step from (t, y) that steps over nothing that the estimate of the error may miss."""
+        return INFINITY
+
     cdef double _spacing(self) noexcept nogil:
         return fabs(nextafter(self.t, self.direction * LARGEST) - self.t)
 
     cdef int _step(self, double stop) noexcept nogil:
         """Take one step, not beyond ``stop``; 0, or why there is none."""
-        cdef double h, t_new, error, ahead, proposed, factor = 1.0
-        cdef bint cut, rejected = False
+        cdef double h, t_new, error, ahead, proposed, resolved, factor = 1.0
+        cdef bint cut, short, rejected = False
         cdef int status
         if not self.evaluated:
             status = self._rates(self.t, self.y_now, self.f)
@@ -502,9 +479,12 @@ cdef class Stepper:
         if status != 0:
             return status
         self.trouble = TOO_LARGE
+        resolved = self._resolved()
         while True:
-            cut = self.h * (1.0 + 1e-6) >= fabs(stop - self.t)
-            h = fabs(stop - self.t) if cut else self.h
+            h = fmin(self.h, resolved)
+            cut = h * (1.0 + 1e-6) >= fabs(stop - self.t)
+            short = cut or h < self.h
+            h = fabs(stop - self.t) if cut else h
             t_new = stop if cut else self.t + self.direction * h
             if self.h < 10.0 * self._spacing():
                 return self.trouble
@@ -513,7 +493,7 @@ cdef class Stepper:
                 return status
             if status == 0:
                 error = self._norm(self.k + (STAGES - 1) * self.n, self.y_now, self.y_new)
-                factor = fmin(fmax(pow(error, 0.2) / SAFETY, 1.0 / GROW), 1.0 / SHRINK)
+                factor = fmin(fmax(pow(error, self.power) / SAFETY, 1.0 / GROW), 1.0 / SHRINK)
                 if error <= 1.0:
                     # so that no state is kept from which there is no going on
                     status = self._arrive(t_new)
@@ -529,13 +509,13 @@ cdef class Stepper:
             rejected = True
         proposed = h / factor
         if self.previous_step > 0.0:
-            ahead = (self.previous_step / h) * pow(error * error / self.previous_error, 0.2) / SAFETY
+            ahead = (self.previous_step / h) * pow(error * error / self.previous_error, self.power) / SAFETY
             factor = fmax(factor, fmin(fmax(ahead, 1.0 / GROW), 1.0 / SHRINK))
             proposed = h / factor
         if rejected:
             proposed = fmin(proposed, h)
-        if cut and not rejected:
-            proposed = fmax(proposed, self.h)  # it was short for the sake of the stop only
+        if short and not rejected:
+            proposed = fmax(proposed, self.h)  # it was short for the sake of the stop, or of a contact, only
         else:
             self.previous_step, self.previous_error = h, fmax(0.01, error)
         self.h = fmin(proposed, self.max_step)
@@ -767,7 +747,13 @@ cdef class Rosenbrock(Stepper):
 
 
 cdef class DormandPrince(Stepper):
-    """Dormand and Prince's method of order 5(4)."""
+    """Dormand and Prince's method of order 5(4), in contacts by steps that resolve them."""
+
+    cdef double _resolved(self) noexcept nogil:
+        """Up to where something touches, and from there on a share of its swing."""
+        if self.c.contact_frequency == 0.0 or self.direction < 0.0:
+            return INFINITY
+        return fmax(IN_CONTACT / self.c.contact_frequency, self.c.until_contact(self.t, self.y_now, self.c.state))
 
     cdef int _stages(self, double h, double t_new) noexcept nogil:
         cdef const double *a = EXPLICIT

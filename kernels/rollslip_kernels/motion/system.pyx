@@ -64,6 +64,22 @@ cdef class System:
         self.block, self.ledger, self.watched = self.c.block, self.c.ledger, self.c.watched
 
     @property
+    def frequencies(self):
+        """Angular frequencies [rad/s] of what touches and parts, and of what swings all the time; 0 if not told."""
+        return self.c.contact_frequency, self.c.swing_frequency
+
+    def until_contact(self, double t, y):
+        """Return the time [s] after which something touches at the present speeds; 0 while something does."""
+        cdef double[::1] given = self._unknowns(y)
+        return self.c.until_contact(t, &given[0], self.c.state) if self.c.until_contact != NULL else np.inf
+
+    @property
+    def places(self):
+        """Which unknowns are places, whose rates are sums of speeds; none where it is not told."""
+        return np.zeros(self.n, bool) if self.c.kicked == NULL else np.asarray(
+            <double[:self.n]><double *>self.c.kicked) == 0.0
+
+    @property
     def scale(self):
         return np.array(<double[:self.n]><double *>self.c.scale) if self.n else np.empty(0)
 
@@ -183,7 +199,7 @@ cdef class _PythonSystem:
     """Owner of a system whose functions are Python's."""
 
     cdef rs_system c
-    cdef double[::1] scale
+    cdef double[::1] scale, kicked
     cdef object head_rates, roller_rates, watch, jacobian, refused
 
     def refusal(self):
@@ -192,7 +208,8 @@ cdef class _PythonSystem:
 
 def python_system(
     head_rates, size_t head, *, roller_rates=None, size_t rollers=0, size_t block=0, size_t ledger=0,
-    scale=1.0, watch=None, size_t watched=0, jacobian=None, bint autonomous=False,
+    scale=1.0, watch=None, size_t watched=0, jacobian=None, bint autonomous=False, places=None,
+    double swing_frequency=0.0,
 ):
     """Return a system of Python functions, which are given copies of their arrays.
 
@@ -213,6 +230,11 @@ def python_system(
         ``jac(t, y)`` returns df/dy of a system without rollers and ledger.
     autonomous
         The rates do not depend on t.
+    places
+        Which unknowns of a system without rollers and ledger are places: True where the rate is a sum of speeds with
+        constant factors.
+    swing_frequency
+        The fastest angular frequency [rad/s], if it is to be told.
     """
     cdef _PythonSystem made = _PythonSystem()
     cdef size_t n = head + rollers * block + ledger
@@ -222,6 +244,8 @@ def python_system(
         raise ValueError("watch and watched come together, or none of them")
     if jacobian is not None and rollers + ledger:
         raise ValueError("a Jacobian can be given for a system without rollers and ledger only")
+    if places is not None and (rollers + ledger or np.shape(places) != (n,)):
+        raise ValueError(f"places are {n} truths of a system without rollers and ledger")
     made.scale = np.array(np.broadcast_to(np.asarray(scale, dtype=float), (n,)))
     if not np.all((np.asarray(made.scale) > 0) & np.isfinite(made.scale)):
         raise ValueError(f"scale must be finite and above 0, got {np.asarray(made.scale)}")
@@ -235,6 +259,10 @@ def python_system(
         made.c.watch = _call_watch
     if jacobian is not None:
         made.c.jacobian = _call_jacobian
+    if places is not None and n:
+        made.kicked = 1.0 - np.asarray(places, dtype=bool)
+        made.c.kicked, made.c.drift = &made.kicked[0], _call_drift
+    made.c.swing_frequency = swing_frequency
     made.c.scale = &made.scale[0] if n else NULL
     made.c.autonomous = autonomous
     made.c.state = <void *>made  # no reference: the capsule holds the one that counts
@@ -301,6 +329,15 @@ cdef int _call_jacobian(double t, const double *y, const rs_arrow *arrow, void *
     return 0
 
 
+cdef int _call_drift(double h, double *y, void *state) noexcept nogil:
+    with gil:
+        try:
+            _drift(<_PythonSystem>state, h, y)
+        except BaseException as error:
+            return _status_of(<_PythonSystem>state, error)
+    return 0
+
+
 cdef int _status_of(_PythonSystem s, error) noexcept:
     if isinstance(error, RefusedError):
         s.refused = error.reason
@@ -311,6 +348,16 @@ cdef int _status_of(_PythonSystem s, error) noexcept:
 
 cdef int _head(_PythonSystem s, double t, const double *head, double *rates) except -1:
     return _take(s.head_rates(t, _copied(head, s.c.head)), (s.c.head + s.c.ledger,), "the rates", rates)
+
+
+cdef int _drift(_PythonSystem s, double h, double *y) except -1:
+    cdef double[::1] rates = np.empty(s.c.head)
+    cdef size_t i
+    _head(s, 0.0, y, &rates[0])  # places know no time
+    for i in range(s.c.head):
+        if s.kicked[i] == 0.0:
+            y[i] += h * rates[i]
+    return 0
 
 
 cdef int _rollers(
