@@ -33,6 +33,7 @@ __all__ = [
     "GUPTA_1992",
     "HAIRER_1993",
     "HAIRER_1996",
+    "HAIRER_2003",
     "HARRIS_2006",
     "HARRIS_2007",
     "HERREBRUGH_1968",
@@ -484,6 +485,15 @@ HAIRER_1996: Final = Reference(
     publisher="Springer",
     year=1996,
     doi="10.1007/978-3-642-05221-7",
+)
+HAIRER_2003: Final = Reference(
+    authors=("Hairer, E.", "Lubich, C.", "Wanner, G."),
+    title="Geometric numerical integration illustrated by the Störmer-Verlet method",
+    journal="Acta Numerica",
+    volume="12",
+    pages="399-450",
+    year=2003,
+    doi="10.1017/S0962492902000144",
 )
 BOGACKI_1989: Final = Reference(
     authors=("Bogacki, P.", "Shampine, L. F."),

@@ -17,12 +17,12 @@ from rollslip_kernels.motion.system import System, python_system
 
 SCIPY = ("rk23", "rk45", "dop853", "radau", "bdf", "lsoda")
 #: Name of an integrator, and whether it is given a compiled system.
-WAYS = [*((name, False) for name in (*SCIPY, "rodas5p")), ("rodas5p", True)]
+WAYS = [*((name, False) for name in (*SCIPY, "rodas5p")), ("rodas5p", True), ("leapfrog", True)]
 if importlib.util.find_spec("sksundae") is not None:
     WAYS.append(("cvode", False))
 EVERY = pytest.mark.parametrize(("name", "compiled"), WAYS)
 #: Error of a run at rtol = 1e-8 in tolerances: 0.3 to 1.1 for methods of high order, 21 to 38 for these.
-ERROR = {"rk23": 1e2, "lsoda": 1e2, "bdf": 1e2, "cvode": 1e2}
+ERROR = {"rk23": 1e2, "lsoda": 1e2, "bdf": 1e2, "cvode": 1e2, "leapfrog": 1e2}
 
 
 def problem(rates, y, compiled=False, watch=None, watched=0, tolerance=1e-8, **options):
@@ -411,7 +411,8 @@ def test_rates_that_are_no_numbers_end_in_words(name, compiled, since):
     assert found.outcome == "failed"
     assert len(found.message) > 20
     assert np.all(np.isfinite(found.y))
-    assert found.t.size == (1 if since < 0.0 else 5)
+    # leapfrog asks for the middle of a step, and may come as far as where there are none
+    assert found.t.size == (1 if since < 0.0 else 6 if name == "leapfrog" else 5)
     assert np.allclose(found.y[:, 0], np.exp(-found.t), atol=1e-5)
 
 

@@ -156,7 +156,7 @@ def test_the_evaluations_of_a_motion_are_foreseen_within_a_factor_of_two(level, 
 
 def test_integrators_say_whether_they_are_explicit():
     models = [get_model("integrator", name) for name in available("integrator")]
-    assert {model.name for model in models if model.explicit} == {"rk23", "rk45", "dop853"}
+    assert {model.name for model in models if model.explicit} == {"rk23", "rk45", "dop853", "leapfrog"}
     assert all(("; explicit" in model.equation) == model.explicit for model in models)
 
 

@@ -346,7 +346,7 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         friction=of_raceways,
         contacts=contacts,
         planar=planar,
-        system=System(planar.system()),
+        system=System(planar.system(_swing_frequency(a, settings))),
     )
 
 
@@ -386,6 +386,24 @@ def _resistance(a: Assembly, raceway: Raceway) -> tuple[float, Array]:
     root = np.linspace(0.0, math.sqrt(force[-1]), _CELLS + 1)
     known = np.concatenate(([0.0], resistances(raceway, load, a.widths, rolling)))
     return float(root[1]), np.interp(root, np.concatenate(([0.0], np.sqrt(force))), known)
+
+
+def _swing_frequency(a: Assembly, settings: PlanarSettings) -> float:
+    """Angular frequency of a roller between the rings [rad/s], at most: with the whole load on one.
+
+    Its square is the stiffness of both contacts over the roller's mass, and that of half as many contacts as there are
+    rollers over the mass of the inner ring, which swings against them. The stiffness rises but slowly with the load.
+    """
+    weight = settings.inner_ring_mass * settings.gravity
+    most = a.scene.operation.radial_load * max(settings.load_factors, default=1.0) + weight + a.centrifugal_force
+    approach = np.geomspace(1e-9, 1e-3, 601)
+    stiffness = []
+    for ring in RINGS:
+        load, slope = a.deflect(approach[:, None] - (a.drop - a.drop.min()), ring)
+        stiffness.append(float(np.interp(most, load @ a.widths, slope @ a.widths)))
+    inner, outer = stiffness
+    others = 0.5 * a.scene.bearing.rollers * inner / settings.inner_ring_mass
+    return math.sqrt((inner + outer) / a.roller_mass + others)
 
 
 def _scale(a: Assembly, cage: Cage) -> Array:

@@ -1,4 +1,4 @@
-"""Solvers of SciPy's kind, for ``solve_ivp``: our Rosenbrock method and CVODE.
+"""Solvers of SciPy's kind, for ``solve_ivp``: our Rosenbrock method, our leapfrog and CVODE.
 
 - They stand apart from the models that offer them since a base class of SciPy's has to be imported to be one.
 - Given a `rollslip_kernels.motion.system.System` ours solves with the arrow shape, in work proportional to the number
@@ -7,13 +7,14 @@
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DenseOutput, OdeSolver
 
-from rollslip_kernels.motion.rosenbrock import Rosenbrock
+from rollslip_kernels.motion.leapfrog import Leapfrog
+from rollslip_kernels.motion.rosenbrock import Rosenbrock, Stepper
 from rollslip_kernels.motion.system import System, python_system
 
 Array = NDArray[np.float64]
@@ -22,8 +23,8 @@ Array = NDArray[np.float64]
 _PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(6) / 5)
 
 
-class Rodas5pSolver(OdeSolver):
-    """Rosenbrock method Rodas5P, for ``scipy.integrate.solve_ivp``.
+class _Ours(OdeSolver):
+    """A kernel of ours, for ``scipy.integrate.solve_ivp``.
 
     Parameters
     ----------
@@ -37,6 +38,8 @@ class Rodas5pSolver(OdeSolver):
     vectorized
         Not used.
     """
+
+    kernel: ClassVar[type[Stepper]]
 
     def __init__(
         self,
@@ -58,7 +61,7 @@ class Rodas5pSolver(OdeSolver):
             capsule = fun.capsule
         else:
             capsule = python_system(self.fun_single, self.n, scale=self._scale(rtol, atol), jacobian=_function(jac))
-        self._inner = Rosenbrock(capsule, t0, self.y, t_bound, rtol, atol, max_step, first_step)
+        self._inner = self.kernel(capsule, t0, self.y, t_bound, rtol, atol, max_step, first_step)
 
     def _scale(self, rtol: float | Array, atol: float | Array) -> Array:
         magnitude = np.broadcast_to(np.divide(atol, rtol), (self.n,))
@@ -73,6 +76,18 @@ class Rodas5pSolver(OdeSolver):
 
     def _dense_output_impl(self) -> "_Polynomial":
         return _Polynomial(self.t_old, self.t, *self._inner.continuous)
+
+
+class Rodas5pSolver(_Ours):
+    """Rosenbrock method Rodas5P."""
+
+    kernel = Rosenbrock
+
+
+class LeapfrogSolver(_Ours):
+    """Leapfrog with extrapolated speeds: of a system that tells its places and frequencies, else of any function."""
+
+    kernel = Leapfrog
 
 
 class CvodeSolver(OdeSolver):
