@@ -14,6 +14,8 @@ from rollslip.errors import DomainError, RollslipError
 from rollslip.motion.raceway_friction import RacewayFriction
 from rollslip_kernels.motion.system import System
 
+#: Friction coefficient of the traction under which a roller is taken to lean on its pocket, where that is a measure.
+_LEANING: Final = 0.05
 #: Squeeze film of a cylinder and a flat wall, 3 sqrt(2) pi eta (r/h)^1.5 dh/dt per length.
 _SQUEEZE: Final = 3.0 * math.sqrt(2.0) * math.pi
 
@@ -70,6 +72,25 @@ class MovingBearing(abc.ABC):
     def spin_inertia(self) -> float:
         """Moment of inertia J = m r^2/2 of a roller about its own axis [kg m2]."""
         return 0.5 * self.assembly.roller_mass * self.assembly.kinematics.roller_radius**2
+
+    @property
+    def tolerances(self) -> tuple[Array, Array]:
+        """Absolute and relative tolerances of the unknowns, for a relative tolerance of 1.
+
+        They are the typical magnitudes of the unknowns and 1, but for a place in a pocket: the force there goes with
+        the depth of the contact, some tenths of a micron, and not with the clearance of some tenths of a millimetre
+        that it adds to. So of a place it is the depth under a traction of 0.05 of a roller's mean force, or of the
+        centrifugal one if that is larger, whatever the place.
+        """
+        absolute, relative = self.system.scale, np.ones(self.system.n)
+        if "pocket_position" in self.names[1]:
+            a, at = self.assembly, list(self.names[1]).index("pocket_position")
+            force = max(a.scene.operation.radial_load / a.scene.bearing.rollers, a.centrifugal_force)
+            depth, half = _LEANING * force / a.cage.pocket_stiffness, 0.5 * a.cage.pocket_clearance
+            if 0.0 < depth < half:
+                self.parts(absolute)[1][:, at] = depth
+                self.parts(relative)[1][:, at] = depth / half
+        return absolute, relative
 
     def parts(self, y: Array) -> tuple[Array, Array, Array]:
         """Return head (..., H), rollers (..., Z, B) and ledger (..., L) of states y (..., n), as views."""

@@ -33,6 +33,8 @@ _MANY: Final = 1000
 _NO_NUMBERS: Final = 200
 #: What is left out before a break, relative: more than rounding moves the last time that a step asks for.
 _BEFORE: Final = 4e-15
+#: Least relative tolerance of an unknown: what is below is governed by rounding.
+_LEAST: Final = 2.3e-14
 #: Relative precision of an event in time.
 _EVENT: Final = 1e-14
 
@@ -120,6 +122,9 @@ class InitialValueProblem:
         [s].
     atol : ndarray
         Absolute tolerance of every unknown.
+    relative : ndarray, optional
+        Relative tolerance of every unknown over that of the run, by default 1. Compiled solvers take it; those of SciPy
+        have one for all.
     jacobian : callable, optional
         (t, y) -> df/dy, for implicit solvers of SciPy.
     watch : callable, optional
@@ -132,6 +137,7 @@ class InitialValueProblem:
     y: Floats
     t: float = 0.0
     atol: Floats
+    relative: Floats | None = None
     jacobian: Callable[[float, Floats], Floats] | None = None
     watch: Callable[[float, Floats], Floats] | None = None
     breaks: tuple[float, ...] = ()
@@ -267,6 +273,8 @@ class _Run:
             options["first_step"] = self.h
         compiled = self.integrator.compiled()
         if compiled is not None and isinstance(self.problem.rates, System):
+            if self.problem.relative is not None:
+                options["rtol"] = np.maximum(self.rtol * self.problem.relative, _LEAST)
             solver = compiled(self.problem.rates.capsule, self.t, self.y, bound, **options)
             state = solver.state
             if state.shape == self.state.shape and self.state[0] == self.t:

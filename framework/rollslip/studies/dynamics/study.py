@@ -339,6 +339,7 @@ class Dynamics(Study):
         moving = self.moving(assembly, critical_slip=away.slip)
         system = moving.system
         times = np.linspace(0.0, self.duration, self.points)
+        absolute, relative = moving.tolerances
         start, first_step, before = moving.initial(self.cage_slip, self.roller_slip), 0.0, None
         if store is not None and (before := store.load(times, start.size)) is not None:
             start, first_step = before.last_y, before.last_step
@@ -355,7 +356,8 @@ class Dynamics(Study):
                 rates=system,
                 y=start,
                 t=0.0 if before is None else before.last_t,
-                atol=self.relative_tolerance * system.scale,
+                atol=self.relative_tolerance * absolute,
+                relative=relative,
                 jacobian=system.jacobian,
                 watch=system.watch if system.watched else None,
                 breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
@@ -393,11 +395,13 @@ class Dynamics(Study):
         self, moving: MovingBearing, times: Array, tolerance: float, before: Trajectory | None = None
     ) -> Trajectory:
         """Return the motion from its start or from before, at some times [s], nothing watched or kept."""
+        absolute, relative = moving.tolerances
         problem = InitialValueProblem(
             rates=moving.system,
             y=moving.initial(self.cage_slip, self.roller_slip) if before is None else before.last_y,
             t=0.0 if before is None else before.last_t,
-            atol=tolerance * moving.system.scale,
+            atol=tolerance * absolute,
+            relative=relative,
             jacobian=moving.system.jacobian,
             breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
         )

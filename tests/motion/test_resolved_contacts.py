@@ -1,0 +1,204 @@
+"""What bearings tell of what moves fast in them, and integrators that step over none of it."""
+
+import functools
+import math
+
+import attrs
+import numpy as np
+import pytest
+
+from rollslip import evolve, get_model, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.motion.carried import carried_motion
+from rollslip.motion.planar import PlanarSettings, planar_motion
+from rollslip.motion.raceway_friction import FrictionSettings
+from rollslip.motion.time_integration import InitialValueProblem, integrate
+from rollslip_kernels.motion.leapfrog import Leapfrog
+from rollslip_kernels.motion.rosenbrock import DormandPrince
+
+SCENE = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2}
+FRICTION = FrictionSettings(name="constant", coefficient=0.01, transition=0.5)
+LEVELS = ["cage-set", "pocket", "planar", "planar, guided by its rollers", "planar, on the inner ring"]
+
+
+@functools.cache
+def motion(level, film="metal", mass=5.0):
+    guidance = "roller" if "rollers" in level else "inner" if "inner" in level else "outer"
+    changes = {"cage.guidance": guidance, "cage.pocket_contact": film}
+    if guidance == "roller":
+        held = {"mass": 0.4, "inertia": 3.3e-3, "guidance": guidance, "pocket_radial_clearance": 1e-4}
+        changes = {"cage": held | {"pocket_contact": film}}
+    assembly = assemble(evolve(load_scene("1032930-50C"), SCENE | changes))
+    if level.startswith("planar"):
+        return planar_motion(assembly, PlanarSettings(inner_ring_mass=mass), FRICTION)
+    return carried_motion(assembly, FRICTION, level=level)
+
+
+def moved(moving, seed=1, speed=0.02):
+    """From its start, rollers with speeds in their pockets, cage and ring with some, too [m/s]."""
+    rng, y = np.random.default_rng(seed), moving.initial()
+    of = moving.split(y)
+    if "orbital_speed" in of:
+        of["orbital_speed"][:] += rng.normal(0.0, speed, 28) / moving.assembly.kinematics.orbit_radius
+    for name in ("inner_ring_vx", "cage_vx", "cage_vy"):
+        if name in of:
+            of[name][...] = rng.normal(0.0, speed)
+    return y
+
+
+def pressed(moving, roller=7, depth=1e-6):
+    y = moving.initial()
+    moving.split(y)["pocket_position"][roller] = moving.assembly.cage.pocket_clearance / 2 + depth
+    return y
+
+
+def swings(moving, y):
+    return np.abs(np.linalg.eigvals(moving.system.jacobian(0.0, y)).imag)
+
+
+@pytest.mark.parametrize("level", LEVELS[1:4])
+def test_the_frequency_of_a_contact_is_that_of_a_roller_on_its_bar(level):
+    """An eigenvalue of the rates, which there is only while the bar is touched."""
+    moving = motion(level)
+    told = moving.system.frequencies[0]
+    assert np.abs(swings(moving, pressed(moving)) / told - 1.0).min() < 0.01
+    assert np.abs(swings(moving, moving.initial()) / told - 1.0).min() > 0.1
+
+
+def test_a_land_that_is_stiffer_than_the_bars_tells_its_frequency():
+    moving = motion(LEVELS[4])
+    stiff = attrs.evolve(moving.settings, land_stiffness=1e12)
+    other = planar_motion(moving.assembly, stiff, FRICTION)
+    cage = 1.0 / moving.assembly.cage.mass + 1.0 / stiff.inner_ring_mass
+    assert other.system.frequencies[0] == pytest.approx(math.sqrt(1e12 * cage), rel=1e-12)
+    assert moving.system.frequencies[0] < 6e4
+
+
+@pytest.mark.parametrize("mass", [5.0, 0.05])
+def test_the_frequency_between_the_rings_is_one_that_no_roller_passes(mass):
+    """Also where the inner ring is as light as its rollers; nor is it more than half as much again."""
+    moving = motion("planar", mass=mass)
+    fastest = swings(moving, moving.initial()).max()
+    assert fastest < moving.system.frequencies[1] < 1.5 * fastest * (1.0 if mass == 5.0 else 2.0)
+    assert motion("pocket").system.frequencies[1] == 0.0
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_places_are_what_speeds_alone_move(level):
+    moving = motion(level)
+    places, names = moving.system.places, moving.units
+    found = {name for name, at in moving.split(places).items() if np.all(at)}
+    assert found == {name for name in names if name in moving.split(places) and names[name] in ("m", "rad")}
+    assert not any(np.any(at) for name, at in moving.split(places).items() if name not in found)
+    y = moved(moving)
+    rates = moving.system.rates(0.0, y)
+    rng = np.random.default_rng(2)
+    elsewhere = y + np.where(places, 1e-6 * rng.normal(size=y.size), 0.0)
+    assert np.array_equal(moving.system.rates(0.0, elsewhere)[places], rates[places])
+
+
+@pytest.mark.parametrize("level", LEVELS[1:])
+def test_a_step_of_leapfrog_moves_places_by_the_speeds_at_both_ends(level):
+    moving = motion(level)
+    y, places = moved(moving), moving.system.places
+    solver = Leapfrog(moving.system.capsule, 0.0, y, 1.0, 1e-5)
+    solver.step()
+    before, after = (moving.system.rates(0.0, state)[places] for state in (y, solver.y))
+    h = min(0.2 / moving.system.frequencies[0], 0.8 / (moving.system.frequencies[1] or 1.0))
+    assert solver.t == pytest.approx(h, rel=1e-15)
+    np.testing.assert_allclose((solver.y - y)[places], 0.5 * h * (before + after), rtol=1e-9, atol=1e-17)
+
+
+@pytest.mark.parametrize("level", LEVELS[1:])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_time_to_the_next_contact_is_when_a_force_sets_in(level, seed):
+    moving = motion(level)
+    y = moved(moving, seed)
+    soonest, places = moving.system.until_contact(0.0, y), moving.system.places
+    assert 1e-4 < soonest < 0.05
+    moving.split(places)["cage_angle"][...] = False  # at the present angles, too
+    at = [y + np.where(places, part * soonest * moving.system.rates(0.0, y), 0.0) for part in (0.99, 1.01)]
+    touched = [np.count_nonzero(forces(moving, state)) for state in at]
+    assert touched[0] == 0
+    assert touched[1] > 0
+    assert moving.system.until_contact(0.0, at[1]) == 0.0
+
+
+def forces(moving, y):
+    found = moving.outputs(np.zeros(1), y[None])
+    return np.concatenate([found[name].ravel() for name in ("pocket_force", "pocket_radial_force") if name in found])
+
+
+def test_nothing_that_parts_is_waited_for():
+    moving = motion("pocket")
+    assert moving.system.until_contact(0.0, moving.initial()) == math.inf
+    assert motion("cage-set").system.frequencies == (0.0, 0.0)
+
+
+@functools.cache
+def impacts(name, tolerance, told=True):
+    """Root of the mean square of the pocket forces over the first impacts of rollers at some 20 mm/s."""
+    moving = motion("pocket")
+    absolute, relative = moving.tolerances if told else (moving.system.scale, None)
+    times = np.linspace(0.0, 8e-3, 8001)
+    found = integrate(
+        InitialValueProblem(
+            rates=moving.system if told else lambda t, y: moving.system(t, y),
+            y=moved(moving, 3), atol=tolerance * absolute, relative=relative,
+        ),
+        get_model("integrator", name), times, rtol=tolerance,
+    )  # fmt: skip
+    assert found.outcome == "finished", found.message
+    force = moving.outputs(found.t, found.y)["pocket_force"]
+    assert np.count_nonzero(np.abs(force).max(axis=0)) > 10
+    return math.sqrt(np.mean(force**2))
+
+
+@pytest.mark.parametrize("name", ["rk45", "leapfrog", "rodas5p"])
+def test_impacts_are_resolved_at_the_usual_tolerance(name):
+    """The first ones, before the motions part."""
+    assert impacts(name, 1e-5) == pytest.approx(impacts("rodas5p", 1e-9), rel=0.01)
+
+
+def test_an_explicit_method_that_is_told_of_no_contact_is_wrong_about_impacts():
+    """SciPy's form of rk45, which is held to the clearance."""
+    assert abs(impacts("rk45", 1e-5, False) / impacts("rodas5p", 1e-9) - 1.0) > 0.05
+
+
+def test_no_step_of_an_explicit_method_goes_on_over_a_contact():
+    """Whatever the tolerance: up to it, and through it in eighths of its half swing."""
+    moving = motion("pocket")
+    solver = DormandPrince(moving.system.capsule, 0.0, moved(moving, 3), 8e-3, 1e3, 1e3, first_step=1e-6)
+    resolved, within, free = 0.4 / moving.system.frequencies[0], 0, 0
+    while solver.status == "running":
+        before, until = solver.t, moving.system.until_contact(solver.t, solver.y)
+        solver.step()
+        assert solver.t - before <= max(resolved, until) * (1.0 + 1e-9)
+        within, free = within + (until == 0.0), free + (solver.t - before > 2.0 * resolved)
+    assert within > 30
+    assert free > 10
+
+
+def test_a_place_in_a_pocket_is_held_to_the_depth_of_its_contact():
+    moving = motion("pocket")
+    absolute, relative = (moving.split(part) for part in moving.tolerances)
+    a = moving.assembly
+    depth = 0.05 * a.centrifugal_force / 5e7  # which is more than a share of the load here
+    assert np.all(absolute["pocket_position"] == pytest.approx(depth))
+    assert np.all(relative["pocket_position"] == pytest.approx(depth / 1e-4))
+    assert 1e-7 < depth < 3e-7
+    scale = moving.split(moving.system.scale)
+    for name in scale.keys() - {"pocket_position"}:
+        assert np.array_equal(absolute[name], scale[name])
+        assert np.all(relative[name] == 1.0)
+
+
+@pytest.mark.parametrize("level", ["pocket", "planar"])
+def test_a_film_in_the_pockets_damps_more_than_leapfrog_bears(level):
+    moving = motion(level, film="film")
+    y = moved(moving)
+    moving.split(y)["pocket_position"][:] = 0.99e-4
+    solver = Leapfrog(moving.system.capsule, 0.0, y, 1.0, 1e-5)
+    assert solver.advance()[0] == "failed"
+    assert "more than the" in solver.message
+    assert solver.message.endswith("rodas5p is made for it")
