@@ -578,6 +578,9 @@ class IntegratorModel(abc.ABC):
     order: ClassVar[int | None] = None
     #: Whether its steps solve no equations; a plan then tries it where motions are not stiff.
     explicit: ClassVar[bool] = False
+    #: Whether its compiled form goes by what a system tells of its contacts, and steps over none of them; only such
+    #: explicit ones does a plan take where rollers hit their pockets.
+    resolves_contacts: ClassVar[bool] = False
     name: ClassVar[str]
     equation: ClassVar[str]
     references: ClassVar[tuple[Citation, ...]]

@@ -4,20 +4,19 @@
   it does with many, and its difference is the error of the simpler way, with all that averages out or adds up.
 - Rollers that hit their pockets let the cage swing without moving its mean, and how they do so is chaotic: no tolerance
   makes two integrators agree on it. The levels are therefore held against each other by means over orbits of the cage.
-- Integrators are held against each other by their cost at the same error. Explicit ones are only tried where the
-  motion is worth it, and where its stiffness and the cost of the rates allow them to be cheaper; those that are stepped
-  from Python, whose package has to be imported, only where the motion takes long by those that are not. They have to be
-  far cheaper, since timings vary, and the choice should not vary with them.
+- Integrators are chosen by the spectrum of the motion: the eigenvalues of its Jacobian along the way, and the
+  frequencies that it tells. What swings and is hardly damped is for explicit methods, what is damped within a step that
+  resolves its contacts for the one that a study takes by default. Among explicit ones, of which only those are tried
+  that step without Python, evaluations of the rates decide. Nothing is timed: the same scene has the same integrator.
 - Effective friction has another largest drag than conventional friction, by 2.7 % in the middle and up to 23 % over 62
   random bearings (docs/trust/runaway.rst). Near it the one cage runs away where the other does not, whatever their
   speeds were until then: there it is not chosen.
-- Levels with play in the pockets keep their integrator: an explicit method that is right about the cage's speed may
-  miss a third of the impacts' force (docs/trust/dynamics.rst).
+- Where rollers hit their pockets only explicit methods that resolve contacts are tried: another that is right about
+  the cage's speed may miss a third of the impacts' force (docs/trust/dynamics.rst).
 - What cannot be estimated is taken as finely as there is.
 """
 
 import math
-import time
 from collections.abc import Collection, Mapping
 from functools import cached_property
 from typing import Any, Final, Protocol
@@ -46,17 +45,17 @@ _STEP, _LOOSEST = 0.1, 1e-3
 _ORBITS, _INSTANTS = 3, 64
 #: Instants after which frictions are compared before their motions go on.
 _LOOKS: Final = (4, 8, 16, 32)
-#: Time [s] over which integrators are compared, and tolerances of a step: that of all, and that they are held against.
-_SHORT: Final = 5e-2
-_USUAL, _FINE = 1e-5, 1e-8
+#: Time [s] over which integrators are tried, instants of it at which the spectrum is taken, and at most as many steps
+#: that resolve contacts.
+_SHORT, _SPECTRA, _STEPS = 5e-2, 16, 12_000
 #: Least evaluations of an explicit method in a step of an implicit one, and in the time in which the fastest part of
 #: the motion decays: the real axis belongs to the stability of the usual ones up to about half their evaluations.
 _PER_STEP, _PER_DECAY = 3, 1.0
-_CALLS: Final = 20
-#: Time [s] of a whole motion that is worth trying others, and how much cheaper they have to be.
-_WORTH, _CHEAPER = 0.5, 2.0
-#: One that is worth trying those that are stepped from Python, which takes half a second to import them.
-_LONG = 20.0
+#: By how much fewer evaluations make up for the default's larger stability.
+_CHEAPER = 2.0
+#: A step resolves a contact by this part of a radian; what is damped by more than the other part in it is stiff. An
+#: explicit method bears half as much again.
+_RESOLVED, _STIFF = 0.2, 0.2
 
 
 class Movable(Protocol):
@@ -242,65 +241,83 @@ class _Trials:
         return "pocket", f"{found}, more than the {allowed:.1e} that leaving it out may take{other}", None
 
     def integrator(self, study: Movable) -> tuple[str, str, float | None]:
-        """The one that the study takes by default, unless an explicit one is cheaper at the same error."""
-        name = study.method(self.assembly).name
-        if study.level != "cage-set":
-            return name, f"at level {study.level} impacts decide, of which the speed of the cage does not tell", None
-        span = min(_SHORT, study.duration)
-        more = self.assembly.slices / self.few.slices if study.friction == "conventional" else 1.0
-        moving = self.moving(study)
-        own = self._cost(study, moving, span)
-        jacobian = moving.system.jacobian(own.found.last_t, own.found.last_y)
-        stiffness = float(np.abs(np.linalg.eigvals(jacobian)).max())
-        begin = time.process_time()
-        for _ in range(_CALLS):
-            moving.system(own.found.last_t, own.found.last_y)
-        rate = (time.process_time() - begin) / _CALLS
-        least = max(_PER_STEP * own.found.steps, _PER_DECAY * stiffness * span)
-        whole = more * study.duration / span
-        takes = f"{name} takes about {own.seconds * whole:.2g} s for the whole motion"
-        if own.seconds * whole < _WORTH:
-            return name, f"{takes}, too little to try others", None
-        if least * rate >= own.seconds:
-            return name, f"{takes}; rates of {stiffness:.2g}/s cost an explicit one {least * rate * whole:.2g} s", None
-        explicit = [other for other in available("integrator") if get_model("integrator", other).explicit]
-        compiled = [other for other in explicit if get_model("integrator", other).compiled() is not None]
-        tried = {name: own} | {other: self._cost(study.evolved(integrator=other), moving, span) for other in compiled}
-        if whole * min(one.seconds for one in tried.values()) > _LONG:
-            others = [other for other in explicit if other not in tried]
-            tried |= {other: self._cost(study.evolved(integrator=other), moving, span) for other in others}
-        costs, tolerance = dict[str, float](), _STEP * self.asked * span / study.duration
-        speeds = {other: _speed(moving, one.found) for other, one in tried.items()}
-        true = speeds[name]
-        if max(abs(speed / true - 1.0) for speed in speeds.values()) > tolerance:  # else all are right enough
-            true = _speed(moving, _finished(study, study.tried(moving, np.array([0.0, span]), _FINE)))
-        for other, one in tried.items():
-            # steps shorten with the error to the power of the order
-            order = get_model("integrator", other).order or 1
-            costs[other] = whole * one.seconds * max(abs(speeds[other] / true - 1.0) / tolerance, 1.0) ** (1.0 / order)
-        best = min(costs, key=lambda one: costs[one] * (1.0 if one == name else _CHEAPER))
-        told = ", ".join(f"{one} {cost:.2g} s" for one, cost in costs.items())
-        return best, f"the cheapest of those tried, by far or by default, at the error it may leave: {told}", None
+        """An explicit one where the motion is not stiff, else the one that the study takes by default."""
+        moving, method = self.moving(study), study.method(self.assembly)
+        name, order = method.name, method.order or 0
+        contact, start = moving.system.frequencies[0], moving.initial()[None]
+        found = _spectrum(moving, np.zeros(1), start)
+        span = min(_SHORT, study.duration, _STEPS * _RESOLVED / contact if contact else math.inf)
+        if contact:
+            if stiff := _stiff(contact, found[1]):
+                return name, stiff, None
+            own, least = math.inf, 0.0
+        else:
+            default = self._gone(study, moving, span)
+            found = _spectrum(moving, default.t, default.y)
+            own, least = default.evaluations, max(_PER_STEP * default.steps, _PER_DECAY * found[1] * span)
+        costs = f"{name} takes {own} evaluations of the rates for {span:.2g} s"
+        if _CHEAPER * least >= own:
+            return name, f"{costs}, an explicit one at least {least:.0f}: the motion decays at {found[1]:.2g}/s", None
+        tried, failed = dict[str, Trajectory](), ""
+        for other in available("integrator"):
+            model = get_model("integrator", other)
+            # of smooth motions, so that the same tolerance is about the same error, none of a lower order
+            serves = model.resolves_contacts if contact else (model.order or 0) >= order
+            if model.explicit and serves and model.compiled() is not None:
+                try:
+                    tried[other] = self._gone(study.evolved(integrator=other), moving, span)
+                except ConvergenceError as error:
+                    failed = str(error)
+        best = min(tried, key=lambda other: tried[other].evaluations, default=None)
+        if best is None:
+            return name, f"no explicit integrator goes through the first {span:.2g} s: {failed}", None
+        told = ", ".join(f"{other} {one.evaluations}" for other, one in tried.items())
+        fastest, damping = _spectrum(moving, tried[best].t, tried[best].y)
+        if not contact:
+            if _CHEAPER * tried[best].evaluations >= own:
+                return name, f"{costs}, explicit ones hardly fewer: {told}", None
+            return best, f"{costs}, of which the motion, decaying at {damping:.2g}/s, needs fewer: {told}", None
+        if stiff := _stiff(contact, damping):
+            return name, stiff, None
+        return (
+            best,
+            f"the motion swings, at up to {max(fastest, *moving.system.frequencies):.2g} rad/s, and is hardly damped, "
+            f"by {damping:.2g}/s at most: explicit steps that resolve contacts serve; evaluations of the rates in "
+            f"the first {span:.2g} s: {told}",
+            None,
+        )
 
-    def _cost(self, study: Movable, moving: MovingBearing, span: float) -> "_Tried":
-        begin = time.process_time()
-        found = _finished(study, study.tried(moving, np.array([0.0, span]), _USUAL))
-        return _Tried(found, time.process_time() - begin)
+    def _gone(self, study: Movable, moving: MovingBearing, span: float) -> Trajectory:
+        times = np.linspace(0.0, span, _SPECTRA + 1)
+        return _finished(study, study.tried(moving, times, study.relative_tolerance))
 
 
-@attrs.frozen(eq=False)
-class _Tried:
-    """A motion and its cost [s]."""
+def _spectrum(moving: MovingBearing, t: Array, y: Array) -> tuple[float, float]:
+    """Fastest angular frequency [rad/s] and strongest damping [1/s] at some states.
 
-    found: Trajectory
-    seconds: float
+    The damping is that of speeds by speeds, twice the decay of what it lets swing.
+    """
+    fastest = damping = 0.0
+    speeds = ~moving.system.places
+    for at, state in zip(t.tolist(), y, strict=True):
+        jacobian = moving.system.jacobian(at, state)
+        fastest = max(fastest, float(np.abs(np.linalg.eigvals(jacobian).imag).max()))
+        damping = max(damping, float(-np.linalg.eigvals(jacobian[np.ix_(speeds, speeds)]).real.min()))
+    return fastest, damping
+
+
+def _stiff(contact: float, damping: float) -> str:
+    """Why a motion with contacts of a frequency is stiff; empty if it is not."""
+    step = _RESOLVED / contact
+    if damping * step <= _STIFF:
+        return ""
+    return (
+        f"the motion is stiff: its strongest damping, {damping:.2g}/s, takes {damping * step:.2g} in a step of "
+        f"{step:.2g} s that resolves its contacts, more than the {_STIFF:g} up to which explicit ones are tried"
+    )
 
 
 def _finished(study: Movable, found: Trajectory) -> Trajectory:
     if found.outcome != "finished":
         raise ConvergenceError(f"{study.friction} friction at level {study.level}: {found.message}")
     return found
-
-
-def _speed(moving: MovingBearing, found: Trajectory) -> float:
-    return float(moving.split(found.y)["cage_speed"][-1])
