@@ -96,6 +96,7 @@ KERNELS = (
     "chain",
     "motion/carried",
     "motion/raceway",
+    "motion/varying",
     "equilibrium",
     "layout",
     "stages/blend",

@@ -461,6 +461,11 @@ cdef class Carried:
         return rs_new_system(&s, self)
 
     @property
+    def ring_speeds(self):
+        """Speeds of inner and outer ring that the rates read [rad/s], (2,), to be changed by who varies them."""
+        return np.asarray(<double[:2]>&self.c.inner_speed)  # which outer_speed follows
+
+    @property
     def contacts_evaluated(self):
         """Slices evaluated so far; contacts, where friction is not conventional."""
         return self.c.raceway[INNER].evaluated + self.c.raceway[OUTER].evaluated

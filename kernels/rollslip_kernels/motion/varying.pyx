@@ -1,0 +1,400 @@
+"""A motion whose operation varies in time: rates of systems at fixed operations, blended along the way.
+
+- Ring speeds, load and temperature are courses: piecewise cubic over time, and held before the first piece and in the
+  last, which is a constant. They may jump from one piece to the next, and are those of the later one there.
+- What the contacts depend on beyond the speeds (axes: radial load, temperature, and for effective friction how fast the
+  rings turn against each other) is fixed at stations, each a `Carried` system of its own. Between stations the rates
+  are cubics through four of them along each axis, of piece to piece continuous. Who owns the stations is asked for
+  those around an operation when the motion first comes there.
+- Rates are linear in the tractions, the rolling resistances and the drags, so what is interpolated are these; what the
+  rings' speeds do to the rates is exact, as each station is given those of the moment.
+- At a station the rates are those of its system, to the bit.
+"""
+
+import numpy as np
+
+from cpython.exc cimport PyErr_SetObject
+from cpython.pycapsule cimport PyCapsule_GetPointer
+from libc.math cimport NAN, fabs, isnan
+
+from rollslip_arrow cimport RS_RAISED
+from rollslip_system cimport ROLLSLIP_SYSTEM, rs_new_system, rs_system
+
+cdef enum:
+    MAX_AXES = 3
+    NODES = 4           # stations of a box along an axis
+    MAX_AROUND = 64     # stations of a box
+    MAX_STATIONS = 4096
+    MAX_BOXES = 4096
+
+cdef enum:   # courses
+    INNER_SPEED
+    OUTER_SPEED
+    LIMIT               # cage slip that is watched
+    AXES                # the first axis
+
+cdef struct course_t:
+    size_t pieces, last
+    const double *begin   # [pieces]
+    const double *powers  # [pieces x 4] of the time since the beginning of the piece
+
+cdef struct station_t:
+    const rs_system *system
+    double *speeds        # of the rings, that its rates read
+
+cdef struct box_t:
+    double node[MAX_AXES][NODES]   # ascending
+    size_t station[MAX_AROUND]     # that of the first axis changes fastest
+
+cdef struct varying_t:
+    void *owner
+    size_t rollers, block, rates   # rates: of head and ledger
+    size_t axes
+    int speed_axis        # axis that is |w_i - w_o| in place of a course; -1 for none
+    course_t course[AXES + MAX_AXES]
+    double floor[MAX_AXES]   # ranges of the axes
+    double top[MAX_AXES]
+    station_t *stations
+    box_t *boxes
+    size_t n_boxes, last
+    double inner_share, still   # R_i/(R_i + R_o); epicyclic speed below which there is no slip
+    int watches_film
+    # of the time last looked at
+    double t
+    size_t used
+    size_t which[MAX_AROUND]
+    double weight[MAX_AROUND]
+    size_t refused
+    double *roller_rates
+    double *added
+    double *head_rates
+
+
+cdef double _value(course_t *c, double t) noexcept nogil:
+    cdef size_t low, high, middle, k = c.last
+    cdef const double *p
+    cdef double x
+    if not (c.begin[k] <= t and (k + 1 == c.pieces or t < c.begin[k + 1])):
+        low, high = 0, c.pieces
+        while high - low > 1:
+            middle = (low + high) // 2
+            if c.begin[middle] <= t:
+                low = middle
+            else:
+                high = middle
+        k = c.last = low
+    p = c.powers + 4 * k
+    x = t - c.begin[k]
+    if x <= 0.0:
+        return p[0]
+    return p[0] + x * (p[1] + x * (p[2] + x * p[3]))
+
+
+cdef inline bint _holds(const varying_t *v, const box_t *box, const double *x) noexcept nogil:
+    cdef size_t a
+    for a in range(v.axes):
+        if not box.node[a][0] <= x[a] <= box.node[a][NODES - 1]:
+            return False
+    return True
+
+
+cdef int _look(varying_t *v, double t) noexcept nogil:
+    """Find the stations around the operation at a time, their weights, and set the speeds of the rings; 0 or -1."""
+    cdef double x[MAX_AXES]
+    cdef double along[MAX_AXES][NODES]
+    cdef double inner, outer, weight
+    cdef size_t a, i, j, k, m, around = 1
+    cdef box_t *box
+    if t == v.t:
+        return 0
+    inner, outer = _value(&v.course[INNER_SPEED], t), _value(&v.course[OUTER_SPEED], t)
+    for a in range(v.axes):
+        x[a] = fabs(inner - outer) if <int>a == v.speed_axis else _value(&v.course[AXES + a], t)
+        x[a] = min(max(x[a], v.floor[a]), v.top[a])
+    if v.n_boxes == 0 or not _holds(v, &v.boxes[v.last], x):
+        for m in range(v.n_boxes):
+            if _holds(v, &v.boxes[m], x):
+                v.last = m
+                break
+        else:
+            with gil:
+                try:
+                    (<Varying>v.owner)._more([x[a] for a in range(v.axes)])
+                except BaseException as error:
+                    PyErr_SetObject(type(error), error)
+                    return RS_RAISED
+    box = &v.boxes[v.last]
+    v.used = 0
+    for a in range(v.axes):
+        around *= NODES
+        for i in range(NODES):  # Lagrange's polynomials: at a node one of them is 1 and the others are 0, to the bit
+            along[a][i] = 1.0
+            for j in range(NODES):
+                if j != i:
+                    along[a][i] *= (x[a] - box.node[a][j]) / (box.node[a][i] - box.node[a][j])
+    for k in range(around):
+        weight, m = 1.0, k
+        for a in range(v.axes):
+            weight *= along[a][m % NODES]
+            m //= NODES
+        if weight != 0.0:
+            v.which[v.used], v.weight[v.used] = box.station[k], weight
+            v.used += 1
+    for k in range(v.used):
+        v.stations[v.which[k]].speeds[0] = inner
+        v.stations[v.which[k]].speeds[1] = outer
+    v.t = t
+    return 0
+
+
+cdef int _roller_rates(
+    double t, const double *head, const double *rollers, double *rates, double *added, void *state
+) noexcept nogil:
+    cdef varying_t *v = <varying_t *>state
+    cdef const rs_system *s
+    cdef size_t k, i, own = v.rollers * v.block, more = v.rollers * v.rates
+    cdef double weight
+    cdef int status = _look(v, t)
+    if status != 0:
+        return status
+    for k in range(v.used):
+        s, weight, v.refused = v.stations[v.which[k]].system, v.weight[k], v.which[k]
+        if v.used == 1:
+            return s.roller_rates(t, head, rollers, rates, added, s.state)
+        status = s.roller_rates(t, head, rollers, v.roller_rates, v.added, s.state)
+        if status != 0:
+            return status
+        for i in range(own):
+            rates[i] = weight * v.roller_rates[i] + (rates[i] if k else 0.0)
+        for i in range(more):
+            added[i] = weight * v.added[i] + (added[i] if k else 0.0)
+    return 0
+
+
+cdef int _head_rates(double t, const double *head, double *rates, void *state) noexcept nogil:
+    cdef varying_t *v = <varying_t *>state
+    cdef const rs_system *s
+    cdef size_t k, i
+    cdef double weight
+    cdef int status = _look(v, t)
+    if status != 0:
+        return status
+    for k in range(v.used):
+        s, weight, v.refused = v.stations[v.which[k]].system, v.weight[k], v.which[k]
+        if v.used == 1:
+            return s.head_rates(t, head, rates, s.state)
+        status = s.head_rates(t, head, v.head_rates, s.state)
+        if status != 0:
+            return status
+        for i in range(v.rates):
+            rates[i] = weight * v.head_rates[i] + (rates[i] if k else 0.0)
+    return 0
+
+
+cdef int _watch(double t, const double *y, double *values, void *state) noexcept nogil:
+    """How far the cage lags behind beyond what the watched slip allows [rad/s], 0 where that is not known; film."""
+    cdef varying_t *v = <varying_t *>state
+    cdef const rs_system *s
+    cdef double limit, speed, film = 0.0
+    cdef double own[2]
+    cdef size_t k
+    cdef int status = _look(v, t)
+    if status != 0:
+        return status
+    limit = _value(&v.course[LIMIT], t)
+    speed = v.inner_share * _value(&v.course[INNER_SPEED], t)
+    speed += (1.0 - v.inner_share) * _value(&v.course[OUTER_SPEED], t)
+    if isnan(limit) or not fabs(speed) > v.still:
+        values[0] = 0.0
+    else:
+        values[0] = (speed - y[1] if speed > 0.0 else y[1] - speed) - limit * fabs(speed)
+    if v.watches_film:
+        for k in range(v.used):
+            s, v.refused = v.stations[v.which[k]].system, v.which[k]
+            status = s.watch(t, y, own, s.state)
+            if status != 0:
+                return status
+            film += v.weight[k] * own[1]
+        values[1] = film
+    return 0
+
+
+cdef class Varying:
+    """The system of one bearing whose operation varies; it belongs to one thread.
+
+    Parameters
+    ----------
+    courses : sequence of pairs of arrays
+        Of inner speed, outer speed [rad/s, in the sense in which rolling is positive], watched cage slip (NaN where
+        there is none) and each axis: where the pieces begin [s], ascending, (n,), and their coefficients of the powers
+        of the time since then, (n, 4). The course of an axis that the speeds make is not looked at.
+    ranges : sequence of pairs of float
+        Least and largest value of each axis; what is beyond them is held.
+    around : callable
+        Given a place on the axes, returns the box that it lies in: four nodes along each axis, ascending, and the
+        owners of the systems there, 4 to the power of the axes, of which the node on the first axis changes fastest.
+        Always the same for the same place.
+    speed_axis : int
+        The axis that is |w_i - w_o|, -1 for none.
+    inner_share, still : float
+        R_i/(R_i + R_o), and the epicyclic cage speed below which no slip is watched [rad/s].
+    autonomous : bool
+        Nothing varies at all.
+    scale : array_like
+        Typical magnitudes of the unknowns.
+    """
+
+    cdef varying_t v
+    cdef object around, first
+    cdef list kept
+    cdef dict numbers
+    cdef list owners
+    cdef double[::1] scale
+    cdef bint autonomous
+
+    def __init__(self, courses, ranges, around, *, int speed_axis=-1, double inner_share, double still=0.0,
+                 bint autonomous=False, scale):
+        cdef varying_t *v = &self.v
+        cdef const rs_system *s
+        cdef double[::1] begin
+        cdef double[:, ::1] powers
+        cdef double[::1] room
+        v.axes, v.speed_axis, v.inner_share, v.still, v.t = len(ranges), speed_axis, inner_share, still, NAN
+        if v.axes > MAX_AXES or len(courses) != <Py_ssize_t>(AXES + v.axes):
+            raise ValueError(f"{len(courses)} courses on {len(ranges)} axes: three more than axes are expected, and at "
+                             f"most {MAX_AXES} of these")
+        self.around, self.autonomous = around, autonomous
+        self.kept, self.numbers, self.owners = [], {}, []
+        for k, course in enumerate(courses):
+            begin, powers = (np.array(part, dtype=float, order="C") for part in course)
+            if begin.shape[0] < 1 or powers.shape[0] != begin.shape[0] or powers.shape[1] != 4:
+                raise ValueError(f"course {k}: pieces (n,) and (n, 4) are expected")
+            v.course[k].pieces, v.course[k].last = begin.shape[0], 0
+            v.course[k].begin, v.course[k].powers = &begin[0], &powers[0, 0]
+            self.kept.append((begin, powers))
+        for k, (low, high) in enumerate(ranges):
+            if not low < high:
+                raise ValueError(f"axis {k} goes from {low:g} to {high:g}")
+            v.floor[k], v.top[k] = low, high
+        stations = np.zeros(MAX_STATIONS * sizeof(station_t), dtype=np.uint8)
+        boxes = np.zeros(MAX_BOXES * sizeof(box_t), dtype=np.uint8)
+        v.stations, v.boxes = <station_t *><size_t>stations.ctypes.data, <box_t *><size_t>boxes.ctypes.data
+        v.owner, v.n_boxes, v.last, v.used, v.refused = <void *>self, 0, 0, 0, 0
+        self.kept += [stations, boxes]
+        self.scale = np.array(scale, dtype=float)
+        self._more([low for low, _ in ranges])
+        s = v.stations[0].system
+        v.rollers, v.block, v.rates = s.rollers, s.block, s.head + s.ledger
+        v.watches_film = s.watched > 1
+        if <size_t>self.scale.shape[0] != v.rollers * v.block + v.rates:
+            raise ValueError(f"{v.rollers * v.block + v.rates} unknowns need as many scales, got {self.scale.shape[0]}")
+        room = np.zeros(v.rollers * (v.block + v.rates) + v.rates)
+        v.roller_rates, v.added = &room[0], &room[v.rollers * v.block]
+        v.head_rates = &room[v.rollers * (v.block + v.rates)]
+        self.kept.append(room)
+
+    cdef _more(self, place):
+        """Take the stations around a place from their owner."""
+        cdef varying_t *v = &self.v
+        cdef box_t box
+        cdef size_t a, k
+        if v.n_boxes == MAX_BOXES:
+            raise RuntimeError(f"an operation varies through more than {MAX_BOXES} boxes")
+        nodes, owners = self.around(tuple(place))
+        if len(owners) != NODES ** v.axes:
+            raise ValueError(f"{len(owners)} systems for {v.axes} axes, {NODES ** v.axes} are expected")
+        for a in range(v.axes):
+            for k in range(<size_t>NODES):
+                box.node[a][k] = nodes[a][k]
+                if k and not box.node[a][k - 1] < box.node[a][k]:
+                    raise ValueError(f"nodes on axis {a} do not ascend: {nodes[a]}")
+            if not box.node[a][0] <= place[a] <= box.node[a][NODES - 1]:
+                raise ValueError(f"{place[a]:g} is not between the nodes of axis {a}, {nodes[a]}")
+        for k in range(<size_t>len(owners)):
+            box.station[k] = self._station(owners[k])
+        v.boxes[v.n_boxes] = box
+        v.last = v.n_boxes
+        v.n_boxes += 1
+
+    cdef size_t _station(self, owner) except? 0:
+        cdef varying_t *v = &self.v
+        cdef size_t number
+        cdef double[::1] speeds
+        if id(owner) in self.numbers:
+            return self.numbers[id(owner)]
+        number = len(self.owners)
+        if number == MAX_STATIONS:
+            raise RuntimeError(f"an operation varies between more than {MAX_STATIONS} stations")
+        capsule, speeds = owner.system(), owner.ring_speeds
+        v.stations[number].system = <const rs_system *>PyCapsule_GetPointer(capsule, ROLLSLIP_SYSTEM)
+        v.stations[number].speeds = &speeds[0]
+        self.owners.append(owner)
+        self.kept.append((capsule, speeds))
+        self.numbers[id(owner)] = number
+        return number
+
+    def system(self):
+        """Return the capsule "rollslip.system.v1"."""
+        cdef rs_system s = self.v.stations[0].system[0]
+        s.roller_rates, s.head_rates, s.watch, s.jacobian = _roller_rates, _head_rates, _watch, NULL
+        s.watched = 2 if self.v.watches_film else 1
+        s.scale, s.autonomous, s.state = &self.scale[0], self.autonomous, &self.v
+        return rs_new_system(&s, self)
+
+    def values(self, t):
+        """Return the courses at times (m,), (courses, m)."""
+        cdef double[::1] at = np.array(t, dtype=float, ndmin=1)
+        found = np.empty((AXES + self.v.axes, at.shape[0]))
+        cdef double[:, ::1] to = found
+        cdef size_t i, k
+        for i in range(AXES + self.v.axes):
+            for k in range(<size_t>at.shape[0]):
+                to[i, k] = _value(&self.v.course[i], at[k])
+        return found
+
+    @property
+    def stations(self):
+        """Owners of the systems so far."""
+        return tuple(self.owners)
+
+    @property
+    def contacts_evaluated(self):
+        """Slices evaluated so far by all stations; contacts, where friction is not conventional."""
+        return sum(owner.contacts_evaluated for owner in self.owners)
+
+    @property
+    def refused_by(self):
+        """The station that refused an evaluation last."""
+        return self.owners[self.v.refused]
+
+    def refusal(self):
+        """Return who refused an evaluation last and why, as the station says it; None if nobody."""
+        return self.refused_by.refusal()
+
+    def outputs(self, t, y):
+        """Return what goes with stored states as `Carried.outputs` does, blended; None, if a station refused."""
+        cdef size_t k
+        times, states = np.array(t, dtype=float, ndmin=1), np.array(y, dtype=float, ndmin=2)
+        found = {}
+        for i in range(times.size):
+            if _look(&self.v, times[i]) != 0:
+                raise RuntimeError("the stations around an operation are not known")
+            row = {}
+            for k in range(self.v.used):
+                self.v.refused = self.v.which[k]
+                own = self.owners[self.v.which[k]].outputs(times[i:i + 1], states[i:i + 1])
+                if own is None:
+                    return None
+                for name, values in own.items():
+                    if self.v.used > 1:  # films of hardly loaded contacts have no bound: they go by their logarithm
+                        values = self.v.weight[k] * (np.log(values) if name == "film_parameter" else values)
+                    row[name] = row[name] + values if k else values
+            if self.v.used > 1:
+                row["film_parameter"] = np.exp(row["film_parameter"])
+            for name, values in row.items():
+                found.setdefault(name, []).append(values)
+        return {name: np.concatenate(rows) for name, rows in found.items()}
+
+    def stored_energy(self, x):
+        """Return the elastic energy of pockets, as `Carried.stored_energy`."""
+        return self.owners[0].stored_energy(x)
