@@ -63,6 +63,16 @@ class MovingBearing(abc.ABC):
         return self.assembly.kinematics.direction
 
     @property
+    def breaks(self) -> tuple[float, ...]:
+        """Times at which the rates have a kink or jump [s]."""
+        return ()
+
+    def unslipped(self, t: Array) -> tuple[Array, Array]:
+        """Return the speeds of cage and rollers without slip at times [rad/s], to which slips refer."""
+        k = self.assembly.kinematics
+        return np.full(t.size, k.epicyclic_cage_speed), np.full(t.size, k.epicyclic_roller_speed)
+
+    @property
     def units(self) -> dict[str, str]:
         """Names of the unknowns and their units, in the order of y; those of a roller stand for one each."""
         head, roller, ledger = self.names

@@ -169,6 +169,11 @@ class PlanarMotion(MovingBearing):
     planar: Planar
 
     @property
+    def breaks(self) -> tuple[float, ...]:
+        """Times at which the load has a kink [s]."""
+        return self.settings.breakpoints
+
+    @property
     def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:
         """Unknowns of the head, of each roller and of the ledger, in order -> their unit."""
         return HEAD, ROLLER, LEDGER

@@ -1,0 +1,295 @@
+"""What a scene says of an operation that changes in time: one course for each value that does, or a file of them.
+
+The keys stand with the study that goes through time, not in ``[operation]``: what stands there is what studies of a
+steady bearing take, and without a duration a history means nothing. A value that no course is given for stays as
+``[operation]`` has it.
+"""
+
+import hashlib
+import math
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.errors import SceneError
+from rollslip.fields import FieldError, field, non_negative, positive
+from rollslip.files import content_of, decoded, read_columns
+from rollslip.motion.history.courses import OF_SPEEDS, SHAPES, Array, Course, CourseSettings, constant, table, unordered
+from rollslip.scene.values import Operation, Scene
+from rollslip.structure import Location
+from rollslip.units import format_quantity, quantity
+
+#: Values of the operation that may have a course.
+VARYING: Final = ("inner_speed", "outer_speed", "radial_load", "temperature")
+_MOST_FAULTS: Final = 20
+
+
+def _like(name: str) -> dict[str, Any]:
+    """Unit and ranges of a value of the operation."""
+    known = attrs.fields_dict(Operation)[name].metadata
+    return {key: known[key] for key in ("unit", "possible")}
+
+
+def _value(of: str, doc: str, key: str | None = None, validator: Any = None) -> Any:
+    optional = None if validator is None else attrs.validators.optional(validator)
+    return field(default=None, doc=doc, key=key, validator=optional, **_like(of))
+
+
+def _values(of: str, validator: Any = None) -> Any:
+    every = None if validator is None else attrs.validators.deep_iterable(validator)
+    return field(default=(), doc="values of a table at its times", validator=every, **_like(of))
+
+
+_AMPLITUDE: Final = "amplitude of a sine"
+_FROM, _TO = "value before the change", "value after the change"
+_MEAN: Final = "mean of a sine, by default that of [operation]"
+
+
+@attrs.frozen(kw_only=True)
+class SpeedCourse(CourseSettings):
+    """How the speed of a ring goes over time."""
+
+    from_: float | None = _value("inner_speed", f"{_FROM}, by default that of [operation]; of a run-up 0", "from")
+    to: float | None = _value("inner_speed", f"{_TO}; by default 0, of a run-up that of [operation]")
+    mean: float | None = _value("inner_speed", _MEAN)
+    amplitude: float | None = _value("inner_speed", _AMPLITUDE)
+    value: tuple[float, ...] = _values("inner_speed")
+
+
+@attrs.frozen(kw_only=True)
+class LoadCourse(CourseSettings):
+    """How the radial load goes over time."""
+
+    from_: float | None = _value("radial_load", f"{_FROM}, by default that of [operation]", "from", non_negative)
+    to: float | None = _value("radial_load", _TO, None, non_negative)
+    mean: float | None = _value("radial_load", _MEAN, None, non_negative)
+    amplitude: float | None = _value("radial_load", _AMPLITUDE, None, non_negative)
+    value: tuple[float, ...] = _values("radial_load", non_negative)
+
+
+@attrs.frozen(kw_only=True)
+class TemperatureCourse(CourseSettings):
+    """How the temperature goes over time."""
+
+    from_: float | None = _value("temperature", f"{_FROM}, by default that of [operation]", "from", positive)
+    to: float | None = _value("temperature", _TO, None, positive)
+    mean: float | None = _value("temperature", _MEAN, None, positive)
+    amplitude: float | None = field(
+        default=None, unit="K", doc=f"{_AMPLITUDE}, a difference: in K", validator=attrs.validators.optional(positive)
+    )
+    value: tuple[float, ...] = _values("temperature", positive)
+
+
+@attrs.frozen(kw_only=True)
+class _Row:
+    """A row of a file."""
+
+    time: float = field(unit="s", doc="time")
+    inner_speed: float = field(default=None, doc="speed of the inner ring", **_like("inner_speed"))
+    outer_speed: float = field(default=None, doc="speed of the outer ring", **_like("outer_speed"))
+    radial_load: float = field(default=None, doc="radial load", validator=non_negative, **_like("radial_load"))
+    temperature: float = field(default=None, doc="temperature", validator=positive, **_like("temperature"))
+
+
+@attrs.frozen(kw_only=True)
+class HistorySettings:
+    """What of the operation changes in time, and how."""
+
+    inner_speed: SpeedCourse | None = field(default=None, doc="speed of the inner ring over time")
+    outer_speed: SpeedCourse | None = field(default=None, doc="speed of the outer ring over time")
+    radial_load: LoadCourse | None = field(default=None, doc="radial load over time")
+    temperature: TemperatureCourse | None = field(
+        default=None, doc="temperature over time, of all parts that have none of their own"
+    )
+    file: str = field(
+        default="",
+        doc="CSV with columns time [s] and any of inner_speed [rpm], outer_speed [rpm], radial_load [N], temperature "
+        "[degC], in any units; its place is relative to that of the scene",
+    )
+
+    def __attrs_post_init__(self) -> None:
+        if not self.file and not any(getattr(self, name) for name in VARYING):
+            raise FieldError("file", f"nothing changes: give a table for one of {', '.join(VARYING)}, or a file")
+        for name in ("radial_load", "temperature"):
+            one = getattr(self, name)
+            if one is not None and one.shape in OF_SPEEDS:
+                others = ", ".join(shape for shape in SHAPES if shape not in OF_SPEEDS)
+                raise FieldError(name, f"shape = {one.shape!r} is one of speeds; there are {others}")
+
+    def history(self, scene: Scene, duration: float, where: Location) -> "History":
+        """Return the courses of a run of so many seconds.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene, whose operation holds what has no course.
+        duration : float
+            Length of the run [s].
+        where : Location
+            Place of these settings, for messages.
+
+        Raises
+        ------
+        SceneError
+            With every fault: of the file, and of courses that do not cover the run or go where nothing is.
+        """
+        courses, faults, digest = dict[str, Course](), list[str](), ""
+        if self.file:
+            path = self._path(scene)
+            try:
+                stat = path.stat()
+                columns, lines, digest = _read(path, self.file, stat.st_mtime_ns, stat.st_size)
+            except OSError as error:
+                raise SceneError([where.at("file").says(f"{self.file}: cannot be read: {error.strerror}")]) from None
+            for name in columns.keys() - {"time"}:
+                if getattr(self, name) is not None:
+                    faults.append(where.at(name).says(f"{self.file} has it too; leave one of both out"))
+                courses[name] = table(columns["time"], columns[name])
+            faults += _uncovered(columns["time"], duration, f"{self.file}:{lines[0]}", f"{self.file}:{lines[-1]}")
+        for name in VARYING:
+            one = getattr(self, name)
+            if one is None or name in courses:
+                continue
+            try:
+                courses[name] = one.course(getattr(scene.operation, name), duration)
+            except FieldError as error:
+                faults.append(where.at(name).at(error.field).says(error.reason))
+                continue
+            if one.shape == "table":
+                faults += _uncovered(np.array(one.time), duration, *2 * (where.at(name).at("time").says("")[:-2],))
+        for name in ("radial_load", "temperature"):
+            if name in courses and (least := courses[name].span(duration)[0]) < 0.0:
+                goes = format_quantity(least, _like(name)["unit"])
+                faults.append(where.at(name).says(f"goes down to {goes}: it may not fall below 0"))
+        if faults:
+            raise SceneError(faults)
+        whole = {name: courses.get(name) or constant(getattr(scene.operation, name)) for name in VARYING}
+        given = tuple(name for name in VARYING if name in courses)
+        return History(courses=whole, given=given, end=duration, sha256=digest)
+
+    def _path(self, scene: Scene) -> Path:
+        beside = Path(scene.source)
+        return beside.parent / self.file if scene.source.endswith(".toml") and beside.exists() else Path(self.file)
+
+
+def _uncovered(time: Array, duration: float, first: str, last: str) -> list[str]:
+    said = []
+    if time[0] > 0.0:
+        said.append(f"{first}: the history begins at {time[0]:g} s, the run at 0 s; say how it is from there on")
+    if time[-1] < duration:
+        said.append(
+            f"{last}: the history ends at {time[-1]:g} s, before the run does at {duration:g} s; add what comes, or "
+            "shorten the run with its duration"
+        )
+    return said
+
+
+@lru_cache(maxsize=8)
+def _read(path: Path, source: str, changed: int, size: int) -> tuple[Mapping[str, Array], Array, str]:
+    """Columns of a file in SI units, the line of each row, and the hash of its content."""
+    content = content_of(path)
+    text, digest = decoded(content, source), hashlib.sha256(content).hexdigest()
+    quick = _quickly(text, source)
+    if quick is None:
+        faults = list[str]()
+        columns, numbers = read_columns(text, source, _Row, faults, _something)
+        if faults:
+            more = [f"{source}: and {len(faults) - _MOST_FAULTS} more faults"] if len(faults) > _MOST_FAULTS else []
+            raise SceneError([*faults[:_MOST_FAULTS], *more])
+        quick = {name: np.array(values) for name, values in columns.items()}, np.array(numbers)
+    arrays, lines = quick
+    if fault := unordered(arrays["time"]):
+        raise SceneError([f"{source}:{lines[fault[0]]}: time: {fault[1]}"])
+    return arrays, lines, digest
+
+
+def _something(names: Any) -> str:
+    return "" if {*names} & {*VARYING} else f"only a time: a column of {', '.join(VARYING)} is missing"
+
+
+def _quickly(text: str, source: str) -> tuple[dict[str, Array], Array] | None:
+    """What `read_columns` gives of a long file without faults, in a hundredth of the time; None where it has any."""
+    rows = text.split("\n")
+    plain = [number for number, line in enumerate(rows) if (bare := line.strip()) and not bare.startswith("#")]
+    if len(plain) < 1000:
+        return None
+    faults = list[str]()
+    head = "\n".join(rows[k] for k in plain[:2])
+    names = [*read_columns(head, source, _Row, faults, _something)[0]]
+    try:
+        values = np.array([rows[k].split(",") for k in plain[1:]], dtype=float)
+    except ValueError:
+        return None
+    if faults or values.shape != (len(plain) - 1, len(names)) or not np.isfinite(values).all():
+        return None
+    units = [cell.partition("[")[2].strip().removesuffix("]").strip() for cell in rows[plain[0]].split(",")]
+    columns, known = dict[str, Array](), attrs.fields_dict(_Row)
+    for name, unit, column in zip(names, units, values.T, strict=True):
+        zero, one = (quantity(f"{size} {unit}", known[name].metadata["unit"]) for size in (0, 1))
+        columns[name] = zero + (one - zero) * column
+        check: Any = known[name].validator
+        try:  # at its ends, which are beyond the limits if any is
+            for end in (columns[name].min(), columns[name].max()) if check is not None else ():
+                check(None, known[name], float(end))
+        except FieldError:
+            return None
+    return columns, np.array(plain[1:]) + 1
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class History:
+    """How the operation goes over time.
+
+    Attributes
+    ----------
+    courses : mapping
+        Of each of `VARYING` [rad/s, N, K], constant where nothing was given.
+    given : tuple of str
+        Those that were.
+    end : float
+        Length of the run [s].
+    sha256 : str
+        Of the file; empty without one.
+    """
+
+    courses: Mapping[str, Course]
+    given: tuple[str, ...]
+    end: float
+    sha256: str = ""
+
+    def at(self, t: Any) -> dict[str, Array]:
+        """Return the values at times [s], of any shape."""
+        return {name: course.at(t) for name, course in self.courses.items()}
+
+    @property
+    def spans(self) -> dict[str, tuple[float, float]]:
+        """Least and largest of each value during the run."""
+        return {name: course.span(self.end) for name, course in self.courses.items()}
+
+    @property
+    def varies(self) -> tuple[str, ...]:
+        """What is not the same all the time."""
+        return tuple(name for name, (low, high) in self.spans.items() if low < high)
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Times of jumps and kinks within the run [s]."""
+        every = {one for course in self.courses.values() for one in course.breaks}
+        return tuple(sorted(one for one in every if 0.0 < one < self.end))
+
+    def speeds_in_proportion(self) -> bool:
+        """Whether the ratio of the rings' speeds is that of one instant all the time, or one ring stands still."""
+        inner, outer = self.courses["inner_speed"], self.courses["outer_speed"]
+        if all(span == (0.0, 0.0) for span in (outer.span(self.end),)) or inner.span(self.end) == (0.0, 0.0):
+            return True
+        if not {"inner_speed", "outer_speed"} & {*self.varies}:
+            return True
+        t = np.union1d(np.linspace(0.0, self.end, 1001), [*inner.breaks, *outer.breaks])
+        w_i, w_o = inner.at(t), outer.at(t)
+        k = int(np.argmax(np.abs(w_i - w_o)))
+        apart = np.abs(w_i * w_o[k] - w_o * w_i[k])
+        return bool(np.all(apart <= 1e-12 * max(np.abs(w_i).max(), np.abs(w_o).max()) ** 2)) and math.isfinite(w_i[k])

@@ -1,0 +1,276 @@
+"""Stations: bearings in motion at fixed operations, between which the rates of a varying one are interpolated.
+
+- Axes are what varies of radial load and temperature and, where friction is effective, how fast the rings turn against
+  each other: effective friction is tabulated at one speed, conventional friction knows all of them.
+- Along an axis rates are cubics through the ends of an interval and its thirds. Intervals come from halving: one is
+  right where the rates at a sixth and at five sixths of it, about where a cubic errs most, are those of a bearing put
+  together there, to the tolerance, at some slips of the cage and with the other axes at each of their ends. Which
+  intervals there are does not depend on where a motion went before.
+- Only stations around operations that a motion comes through are put together.
+"""
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.chain import Chain
+from rollslip.bearing.load_map import LoadMap, build_load_map
+from rollslip.bearing.raceway import Array
+from rollslip.errors import ConvergenceError
+from rollslip.motion.carried import CarriedMotion, carried_motion
+from rollslip.motion.raceway_friction import FrictionSettings
+from rollslip.scene.changes import evolve
+from rollslip.units import format_quantity
+from rollslip_kernels.slices import CONDITIONS
+
+#: Cage slips at which rates are compared, with this share of the roller slip that rolls on the outer ring, so that both
+#: contacts slide; and shares of the largest speed.
+_SPIN: Final = 0.9
+_SLIPS: Final = (0.003, 0.03, 0.1, 0.3, 0.7)
+_SPEEDS: Final = (1.0, 0.3)
+#: Shares of the largest speed at which the halving of that axis begins; below the least, tables are those of it.
+_FIRST_SPEEDS: Final = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 1.0)
+#: Halvings of an axis at most.
+_DEEPEST: Final = 9
+#: Nodes of an interval, and where its cubic is checked: they are nodes of its halves, in sixths of it.
+_SIXTHS: Final = (0, 2, 4, 6)
+_CHECKED: Final = (1, 5)
+#: Entries of the ledger that rates are compared by, beside the spins of the rollers.
+_COMPARED: Final = ("impulse_inner", "impulse_outer", "impulse_drag", "lost_rolling")
+
+Place = tuple[float, ...]
+
+
+@attrs.frozen
+class Axis:
+    """What varies: "radial_load" [N], "temperature" [K] or "speed" [rad/s], and between which values."""
+
+    name: str
+    low: float
+    high: float
+
+    @property
+    def roots(self) -> tuple[float, ...]:
+        """Values between which it is halved."""
+        if self.name == "speed":
+            return tuple(share * self.high for share in _FIRST_SPEEDS)
+        return self.low, self.high
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Stations:
+    """Bearings in motion by their place on the axes.
+
+    Attributes
+    ----------
+    assembly : Assembly
+        The bearing as the scene states it.
+    speeds : tuple of float
+        Speeds of inner and outer ring where they turn fastest against each other [rad/s].
+    top_speed : float
+        Largest speed of a ring [rad/s], up to which loads are worked out.
+    axes : tuple of Axis
+        What varies.
+    friction : FrictionSettings
+        Friction of the raceways.
+    level : str
+        Level of the motion.
+    tolerance : float
+        Largest error of the rates between nodes, over all axes, relative to their largest.
+    """
+
+    assembly: Assembly
+    speeds: tuple[float, float]
+    top_speed: float
+    axes: tuple[Axis, ...]
+    friction: FrictionSettings
+    level: str
+    tolerance: float
+    _made: dict[Place, CarriedMotion] = attrs.field(factory=dict, init=False, repr=False)
+    #: Errors of the intervals that were looked at: shared by all motions of the bearing through this operation.
+    _errors: dict[tuple[int, float, float], float] = attrs.field(factory=dict, init=False, repr=False)
+
+    def __attrs_post_init__(self) -> None:
+        of = self.speeds, self.top_speed, self.axes, self.level, self.tolerance
+        key = "stations", self.assembly.resolution, *of, self._friction_key
+        object.__setattr__(self, "_errors", self.assembly.known_maps.setdefault(key, self._errors))
+
+    @property
+    def _friction_key(self) -> tuple[object, ...]:
+        f = self.friction
+        return f.name, f.effective_over, f.coefficient, f.transition, f.tolerance
+
+    @property
+    def error(self) -> float:
+        """Largest error of the rates between nodes, of the intervals that were found right."""
+        right = [error for error in self._errors.values() if error <= self._allowed]
+        return max(right, default=0.0)
+
+    @property
+    def _allowed(self) -> float:
+        return self.tolerance / max(len(self.axes), 1)
+
+    @property
+    def motions(self) -> Mapping[Place, CarriedMotion]:
+        """The stations so far."""
+        return self._made
+
+    def around(self, place: Place) -> tuple[list[Place], list[Any]]:
+        """Return the nodes around a place, by axis, and the compiled systems there, as `Varying` asks for them.
+
+        Raises
+        ------
+        ConvergenceError
+            If the tolerance is not reached with the most halvings.
+        """
+        nodes = [_nodes(*self.interval(axis, value)) for axis, value in enumerate(place)]
+        corners = itertools.product(*reversed(nodes))  # the first axis changes fastest
+        return nodes, [self.motion(tuple(reversed(corner))).carried for corner in corners]
+
+    def interval(self, axis: int, value: float) -> tuple[float, float]:
+        """Return the interval of an axis in which a value lies, small enough for a cubic."""
+        low, high = next(pair for pair in itertools.pairwise(self.axes[axis].roots) if value <= pair[1])
+        for _ in range(_DEEPEST):
+            if self._off(axis, low, high) <= self._allowed:
+                return low, high
+            middle = _between(low, high, 3)
+            low, high = (low, middle) if value <= middle else (middle, high)
+        if self._off(axis, low, high) <= self._allowed:
+            return low, high
+        raise ConvergenceError(
+            f"between {shown(attrs.evolve(self.axes[axis], low=low, high=high))} rates are still off by "
+            f"{self._off(axis, low, high):.1e}, more than {self._allowed:.1e}; raise accuracy.tolerance"
+        )
+
+    def _off(self, axis: int, low: float, high: float) -> float:
+        """Error of the rates between two values of an axis, with the others at each of their ends."""
+        if (axis, low, high) not in self._errors:
+            others = [(a.roots[0], a.high) for k, a in enumerate(self.axes) if k != axis]
+            self._errors[axis, low, high] = max(
+                self._off_at(axis, low, high, rest) for rest in itertools.product(*others)
+            )
+        return self._errors[axis, low, high]
+
+    def _off_at(self, axis: int, low: float, high: float, rest: Place) -> float:
+        def there(value: float) -> CarriedMotion:
+            return self.motion((*rest[:axis], value, *rest[axis:]))
+
+        found = 0.0
+        for share in _CHECKED:
+            true = there(_between(low, high, share))
+            at_nodes = [rates_of(there(node), true) for node in _nodes(low, high)]
+            cubic = sum(weight * rates for weight, rates in zip(_weights(share), at_nodes, strict=True))
+            found = max(found, off(np.asarray(cubic), rates_of(true, true)))
+        return found
+
+    def motion(self, place: Place) -> CarriedMotion:
+        """Return the bearing in motion at a place on the axes."""
+        if place not in self._made:
+            self._made[place] = self._put_together(place)
+        return self._made[place]
+
+    def bearing(self, place: Place) -> Assembly:
+        """Return the bearing at a place on the axes; the one that the scene states where that is there."""
+        known: dict[Place, Assembly] = self.assembly.known_maps.setdefault(
+            ("bearings", self.assembly.resolution, self.axes, self.speeds), {}
+        )
+        if place not in known:
+            values = {axis.name: value for axis, value in zip(self.axes, place, strict=True)}
+            speed = values.pop("speed", None)
+            share = 1.0 if speed is None else speed / abs(self.speeds[0] - self.speeds[1])
+            values |= {"inner_speed": share * self.speeds[0], "outer_speed": share * self.speeds[1]}
+            known[place] = operated(self.assembly, values)
+        return known[place]
+
+    def _put_together(self, place: Place) -> CarriedMotion:
+        bearing = self.bearing(place)
+        loads: LoadMap | None = None
+        read = {name for r in bearing.raceways for name in _read(r.deflection)}
+        key = (
+            *(value for axis, value in zip(self.axes, place, strict=True) if axis.name != "temperature"),
+            *(getattr(raceway.conditions, name) for raceway in bearing.raceways for name in sorted(read)),
+        )
+        tolerance = self.friction.table_tolerance(bearing)
+        of = "loads", self.assembly.resolution, self.axes, self.speeds, self.top_speed, tolerance
+        shared = self.assembly.known_maps.setdefault(of, {})
+        if (loads := shared.get(key)) is None:
+            loads = shared[key] = build_load_map(bearing, tolerance, self.top_speed)
+        return carried_motion(bearing, self.friction, level=self.level, loads=loads)
+
+
+def _between(low: float, high: float, sixths: int) -> float:
+    """A place in an interval, to 12 digits: the same float from whichever interval it is seen."""
+    return (low, high)[sixths // 6] if sixths in (0, 6) else float(f"{low + sixths * (high - low) / 6.0:.12g}")
+
+
+def _nodes(low: float, high: float) -> Place:
+    return tuple(_between(low, high, sixths) for sixths in _SIXTHS)
+
+
+def _weights(sixths: int) -> list[float]:
+    """Weights of the nodes of an interval at a place in it (Lagrange)."""
+    return [math.prod((sixths - other) / (own - other) for other in _SIXTHS if other != own) for own in _SIXTHS]
+
+
+def _read(chain: Chain) -> set[str]:
+    """Conditions that the models of a chain read."""
+    return {name for model in chain.models for name in model.reads if name in CONDITIONS}
+
+
+def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
+    """Return a bearing at other values of its operation [rad/s, N, K]; itself where they are its own.
+
+    Raises
+    ------
+    SceneError
+        If the oil is not known at the temperature.
+    """
+    units = {"radial_load": "N", "temperature": "K"}
+    own = assembly.scene.operation
+    changes = {name: value for name, value in values.items() if value != getattr(own, name)}
+    if not changes:
+        return assembly
+    written = {f"operation.{name}": f"{value!r} {units.get(name, 'rad/s')}" for name, value in changes.items()}
+    return assemble(evolve(assembly.scene, written), assembly.resolution, like=assembly)
+
+
+def rates_of(motion: CarriedMotion, like: CarriedMotion) -> Array:
+    """Rates of a bearing at the speeds of another and some slips of its cage, (slips, spins and ledger)."""
+    k = like.assembly.kinematics
+    speeds, rows = motion.carried.ring_speeds, list[Array]()
+    before = speeds.copy()
+    shares = _SPEEDS if motion.friction.settings.name == "conventional" else _SPEEDS[:1]
+    for share, slip in itertools.product(shares, _slips(like.assembly)):
+        speeds[:] = share * k.direction * np.array([k.inner_speed, k.outer_speed])
+        y = like.initial(slip, _SPIN * float(k.roller_slip_outer_rolling(slip)) if slip else 0.1)
+        head, roller, _ = like.parts(y)
+        head[1] *= share
+        roller[:, :2] *= share
+        of = motion.split(motion.system(0.0, y))
+        rows.append(np.concatenate((of["roller_spin"], [of[name] for name in _COMPARED])))
+    speeds[:] = before
+    return np.array(rows)
+
+
+def _slips(assembly: Assembly) -> Iterable[float]:
+    k = assembly.kinematics
+    return _SLIPS if abs(k.epicyclic_cage_speed) > 1e-9 * abs(k.inner_speed - k.outer_speed) else (0.0,)
+
+
+def off(rates: Array, true: Array) -> float:
+    """Largest error of rates: of the spins together, and of each entry of the ledger, relative to its largest."""
+    apart, whole, more = np.abs(rates - true), np.abs(true), len(_COMPARED)
+    of_spins = apart[:, :-more].sum(axis=1).max(), whole[:, :-more].sum(axis=1).max()
+    pairs = [of_spins, *zip(apart[:, -more:].max(axis=0), whole[:, -more:].max(axis=0), strict=True)]
+    return max(float(error / size) for error, size in pairs if size > 0.0) if any(size for _, size in pairs) else 0.0
+
+
+def shown(axis: Axis) -> str:
+    """Say from what to what an axis goes."""
+    unit = {"radial_load": "N", "temperature": "K"}.get(axis.name, "rad/s")
+    return f"{axis.name.replace('_', ' ')} {format_quantity(axis.low, unit)} to {format_quantity(axis.high, unit)}"

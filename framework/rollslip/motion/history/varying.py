@@ -1,0 +1,192 @@
+"""The motion of a bearing whose operation varies: `Varying` with its stations, and what studies ask of any motion."""
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.raceway import Array
+from rollslip.errors import DomainError, RollslipError
+from rollslip.motion.carried import CarriedMotion
+from rollslip.motion.history.courses import Course, constant
+from rollslip.motion.history.settings import History
+from rollslip.motion.history.stations import Axis, Stations
+from rollslip.motion.moving_bearing import MovingBearing
+from rollslip.motion.raceway_friction import FrictionSettings
+from rollslip_kernels.motion.system import System
+from rollslip_kernels.motion.varying import Varying
+
+#: Share of the largest epicyclic speed of the cage below which no slip is told: it would refer to next to nothing.
+STILL: Final = 0.05
+#: Share of the tolerance that loads and tables of a station may take.
+_TABLES: Final = 0.2
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class VaryingMotion(MovingBearing):
+    """The motion of a bearing along a history.
+
+    Attributes
+    ----------
+    history : History
+        How the operation goes over time.
+    stations : Stations
+        Bearings between which its rates are interpolated.
+    base : CarriedMotion
+        One of them.
+    """
+
+    history: History
+    stations: Stations
+    base: CarriedMotion
+
+    @property
+    def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:
+        """Unknowns of the head, of each roller and of the ledger, in order -> their unit."""
+        return self.base.names
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Times of jumps and kinks of the history [s]."""
+        return self.history.breaks
+
+    def unslipped(self, t: Array) -> tuple[Array, Array]:
+        """Return the epicyclic speeds of cage and rollers at times [rad/s]; of the cage NaN where it is too slow."""
+        cage, roller = epicyclic(self.assembly, self.history, t)
+        slow = np.abs(cage) <= STILL * _fastest(self.assembly, self.history)
+        return np.where(slow, np.nan, cage), np.where(slow, np.nan, roller)
+
+    def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
+        """Return the state with these slips at the operation that the history begins with."""
+        now = self.history.at(0.0)
+        if (float(now["inner_speed"]), float(now["outer_speed"])) == self.stations.speeds:
+            return self.base.initial(cage_slip, roller_slip)
+        cage, roller = (float(one[0]) for one in epicyclic(self.assembly, self.history, np.zeros(1)))
+        speed = (1.0 - cage_slip) * cage
+        y = self.base.initial()
+        head, rollers, _ = self.parts(y)
+        head[1] = speed
+        rollers[:, 0] = (1.0 - roller_slip) * roller - speed
+        if "orbital_speed" in self.names[1]:
+            rollers[:, 1] = speed
+        return y
+
+    def energy(self, y: Array) -> Array:
+        """Return the kinetic energy of cage and rollers, and the elastic energy of the pockets [J], (...)."""
+        return self.base.energy(y)
+
+    def angular_momentum(self, y: Array) -> Array:
+        """Return the angular momentum of cage and rollers about the axis of the bearing [N m s], (...)."""
+        return self.base.angular_momentum(y)
+
+    def error(self, refusal: Any) -> RollslipError:
+        """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
+        by = self.system.owner.refused_by
+        return next(motion for motion in self.stations.motions.values() if motion.carried is by).error(refusal)
+
+
+def epicyclic(assembly: Assembly, history: History, t: Array) -> tuple[Array, Array]:
+    """Return the epicyclic speeds of cage and rollers at times [rad/s], in the sense in which rolling is positive."""
+    k, now = assembly.kinematics, history.at(t)
+    inner, outer = k.inner_radius, k.outer_radius
+    cage = k.direction * (inner * now["inner_speed"] + outer * now["outer_speed"]) / (inner + outer)
+    apart = k.direction * (now["inner_speed"] - now["outer_speed"])
+    return cage, inner * outer / (inner + outer) * apart / k.roller_radius
+
+
+def _fastest(assembly: Assembly, history: History) -> float:
+    """Largest epicyclic speed of the cage [rad/s]: at an instant of a thousand, a break or a node of a table."""
+    ends = [course.begin for name, course in history.courses.items() if name.endswith("_speed")]
+    times = np.concatenate((np.linspace(0.0, history.end, 1001), *ends))
+    return float(np.abs(epicyclic(assembly, history, times[times <= history.end])[0]).max())
+
+
+def varying_motion(
+    assembly: Assembly, friction: FrictionSettings, history: History, *, level: str, limit: Course | None = None
+) -> VaryingMotion:
+    """Build the motion of a bearing along a history.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing as its scene states it.
+    friction : FrictionSettings
+        Which friction; the cage slip that it watches is not looked at.
+    history : History
+        How the operation goes over time.
+    level : str
+        "cage-set".
+    limit : Course, optional
+        Cage slip that is watched, over time.
+
+    Raises
+    ------
+    DomainError
+        If nothing ever rolls, or effective friction is to follow speeds whose ratio changes.
+    SceneError, ConvergenceError
+        If the bearing cannot be put together somewhere on the way.
+    """
+    k, spans = assembly.kinematics, history.spans
+    speeds = _fastest_speeds(assembly, history)
+    axes = [Axis(name, *spans[name]) for name in ("radial_load", "temperature") if name in history.varies]
+    if friction.name == "effective" and {"inner_speed", "outer_speed"} & {*history.varies}:
+        if not history.speeds_in_proportion():
+            raise DomainError(
+                "effective friction follows speeds that change in proportion, or of one ring alone; both change "
+                "differently here: conventional friction takes that"
+            )
+        axes.append(Axis("speed", 0.0, abs(speeds[0] - speeds[1])))
+    top = max(abs(end) for name in ("inner_speed", "outer_speed") for end in spans[name])
+    asked = assembly.scene.accuracy.of("cage_speed")
+    plain = attrs.evolve(friction, critical_slip=float("nan"))
+    if axes:  # tables differ by their errors, of which interpolation can make nothing better
+        plain = attrs.evolve(plain, tolerance=min(friction.table_tolerance(assembly), _TABLES * asked))
+    stations = Stations(
+        assembly=assembly,
+        speeds=speeds,
+        top_speed=top,
+        axes=tuple(axes),
+        friction=plain,
+        level=level,
+        tolerance=asked,
+    )
+    base = stations.motion(tuple(axis.high for axis in axes))
+    stations.motion(tuple(axis.roots[0] for axis in axes))  # what cannot be put together is told before a run
+    courses = [history.courses[name].scaled(k.direction) for name in ("inner_speed", "outer_speed")]
+    courses.append(constant(float("nan")) if limit is None else limit)
+    courses += [constant(0.0) if axis.name == "speed" else history.courses[axis.name] for axis in axes]
+    names = [axis.name for axis in axes]
+    varying = Varying(
+        [(course.begin, course.powers) for course in courses],
+        [(axis.roots[0], axis.high) for axis in axes],
+        stations.around,
+        speed_axis=names.index("speed") if "speed" in names else -1,
+        inner_share=k.inner_radius / (k.inner_radius + k.outer_radius),
+        still=STILL * _fastest(assembly, history),
+        autonomous=not history.varies,
+        scale=base.system.scale,
+    )
+    return VaryingMotion(
+        assembly=assembly,
+        friction=base.friction,
+        system=System(varying.system()),
+        history=history,
+        stations=stations,
+        base=base,
+    )
+
+
+def _fastest_speeds(assembly: Assembly, history: History) -> tuple[float, float]:
+    """Speeds of the rings where they turn fastest against each other, in the direction of the scene."""
+    inner, outer = history.courses["inner_speed"], history.courses["outer_speed"]
+    times = np.unique(np.concatenate((np.linspace(0.0, history.end, 1001), inner.begin, outer.begin)))
+    times = times[(times >= 0.0) & (times <= history.end)]
+    w_i, w_o = inner.at(times), outer.at(times)
+    k = int(np.argmax(np.abs(w_i - w_o)))
+    apart = float(w_i[k] - w_o[k])
+    if apart == 0.0:
+        raise DomainError("nothing rolls at any time: the history keeps both rings at one speed")
+    sense = 1.0 if (apart > 0.0) == (assembly.kinematics.direction > 0) else -1.0
+    return sense * float(w_i[k]), sense * float(w_o[k])
