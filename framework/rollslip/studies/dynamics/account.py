@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Contact, Figures, Table
-from rollslip.studies.dynamics import findings
+from rollslip.studies.dynamics import findings, history_findings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,11 +36,11 @@ class DynamicsAccount(Account):
 
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
-        return findings.topics(dataset)
+        return history_findings.told(dataset, findings.topics(dataset))
 
     def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the single values."""
-        return findings.record(dataset)
+        return findings.record(dataset) | history_findings.record(dataset)
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return the energy ledger and the events."""

@@ -25,6 +25,7 @@ from rollslip.results.style import (
     light_to_dark,
     save_figures,
 )
+from rollslip.studies.dynamics import history_findings
 from rollslip.studies.dynamics.findings import (
     common_times,
     compared,
@@ -36,6 +37,7 @@ from rollslip.studies.dynamics.findings import (
     unslipped_cage_speed,
     unslipped_roller_speed,
 )
+from rollslip.studies.dynamics.history_figures import slip_along
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,6 +77,12 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
         "roller was loaded or the value is not known; pocket forces are the largest."
     )
     yield f"{name}-orbit", caption, _orbit(dataset)
+    if history_findings.along(dataset):
+        caption = (
+            f"Cage slip along the history, {which}, with the slip of running away and the critical slip of the bearing "
+            "held at the operation of each moment; a curve is missing where it is not known."
+        )
+        yield f"{name}-history", caption, slip_along(dataset)
     yield f"{name}-energy", f"Energy ledger since the start, {which}.", _energy(dataset)
     if "ring_displacement" in dataset:
         caption = f"Tracks of the centres of inner ring and cage, {which}; a circle is the end."
@@ -114,7 +122,11 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
     figure, (cage, roller) = _panels(1)
     time, speed = _time(dataset), _RPM * dataset["cage_speed"].to_numpy()
     handles: list[Artist] = [_line(cage, time, speed, label="cage", color=MODEL_COLOURS[0])]
-    unslipped = _RPM * unslipped_cage_speed(dataset)
+    history = history_findings.along(dataset)
+    unslipped = math.nan if history else _RPM * unslipped_cage_speed(dataset)
+    if history:
+        without = _RPM * dataset["epicyclic_cage_speed"].to_numpy()
+        handles.append(_line(cage, time, without, label="without slip", linestyle="dotted", **_QUIET))
     largest, away = float(dataset["cage_slip"].max()), runaway_slip(dataset)
     if not math.isnan(unslipped):
         for axes, level in ((cage, unslipped), (roller, _RPM * unslipped_roller_speed(dataset))):

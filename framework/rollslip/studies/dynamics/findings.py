@@ -104,7 +104,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         "end_time": float(dataset["time"][-1]),
         "steady_cage_slip": float(a["steady_cage_slip"]),
         "steady_status": str(a["steady_status"]),
-        "largest_cage_slip": float(slip.max()),
+        "largest_cage_slip": float(np.nanmax(slip)) if np.isfinite(slip).any() else math.nan,
         "final_cage_slip": float(slip[-1]),
         **{f"runaway_{name}": value for name, value in zip(("slip", "drag", "status"), _away(a), strict=True)},
         "critical_cage_slip": float(a["critical_cage_slip"]),
@@ -270,7 +270,8 @@ def _steady(dataset: "xr.Dataset") -> str:
         return f"steady cage slip {_share(float(a['steady_cage_slip']))}, the mean of the last orbit"
     why = str(a["steady_status"])
     what = f"cage slip is {why}" if why.startswith("not ") else f"no steady cage slip: {why}"
-    return f"{what}; at the end it is {_share(float(dataset['cage_slip'][-1]))}"
+    last = float(dataset["cage_slip"][-1])
+    return f"{what}; at the end {'the rings all but stand' if math.isnan(last) else f'it is {_share(last)}'}"
 
 
 def _critical(dataset: "xr.Dataset") -> str:

@@ -20,7 +20,6 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.resolution import Resolution, finest, refined
 from rollslip.catalogue.registry import find, structure_model
@@ -30,16 +29,19 @@ from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
 from rollslip.motion.carried import carried_motion
 from rollslip.motion.effective_table import table_records
+from rollslip.motion.history.courses import Course
+from rollslip.motion.history.settings import History, HistorySettings
+from rollslip.motion.history.varying import varying_motion
 from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.planar import PlanarMotion, PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FRICTION, FrictionSettings
-from rollslip.motion.runaway import Runaway
 from rollslip.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import Location
 from rollslip.studies import estimates
 from rollslip.studies.answers import Estimated, Evaluated, Keep, Output, Part
+from rollslip.studies.dynamics import along
 from rollslip.studies.dynamics.choice import choose_motion, with_few_slices
 from rollslip.studies.dynamics.cost import costs_of
 from rollslip.studies.dynamics.ending import (
@@ -53,7 +55,6 @@ from rollslip.studies.dynamics.ending import (
 )
 from rollslip.studies.dynamics.outputs import OUTPUTS
 from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
-from rollslip.studies.raceways import LoadedRaceways
 from rollslip.studies.study import CONTACT_CHOICES, Study
 
 if TYPE_CHECKING:
@@ -73,8 +74,6 @@ _STEPS: Final = {"cage-set": (2e-3, 11), "pocket": (4e-5, 17), "planar": (1.1e-5
 _SHARE, _TABLES, _STEPS_SHARE = 0.5, 0.2, 0.2
 #: A usual tolerance of a step, and the time [s] of a short motion.
 _STEP, _SHORT = 1e-5, 5e-3
-#: Instants of a pitch for the slip of running away; more move it by less than an event is worth.
-_INSTANTS: Final = 4
 #: Relative tolerance at which rounding begins to govern the steps, 100 times that of numbers.
 _LEAST_TOLERANCE: Final = 2.3e-14
 
@@ -155,6 +154,9 @@ class Dynamics(Study):
     planar: PlanarSettings | None = attrs.field(
         default=None, metadata={"doc": "masses, damping, gravity and load of level planar", "unit": None}
     )
+    history: HistorySettings | None = attrs.field(
+        default=None, metadata={"doc": "speeds, load and temperature over time, in place of [operation]", "unit": None}
+    )
 
     def __attrs_post_init__(self) -> None:
         if self.film_limit > 0.0 and self.friction != "conventional":
@@ -188,7 +190,7 @@ class Dynamics(Study):
         averaged = self.curved(assembly)
         if assembly.scene.accuracy.exact:
             return self._with_choice(estimates.exactly(averaged, assembly), assembly)
-        estimated, _ = estimates.slices_and_instants(averaged, assembly, _SHARE)
+        estimated, _ = along.at_the_ends(averaged, assembly, self.course(assembly), _SHARE)
         estimated = self._with_choice(estimates.with_tables(estimated, assembly, _TABLES), assembly)
         if "relative_tolerance" in assembly.scene.study.get(self.name, {}):
             return estimated
@@ -196,17 +198,18 @@ class Dynamics(Study):
 
     def _with_choice(self, estimated: Estimated, assembly: Assembly) -> Estimated:
         """Friction, level and integrator, where the scene does not name them."""
-        choice = choose_motion(self, assembly.at(estimated.resolution), [*assembly.scene.study.get(self.name, {})])
+        settings, named = along.left_open(self.course(assembly), [*assembly.scene.study.get(self.name, {})])
+        choice = choose_motion(self.evolved(**settings), assembly.at(estimated.resolution), named)
         return attrs.evolve(
             estimated,
-            resolution=attrs.evolve(estimated.resolution, **choice.settings),
+            resolution=attrs.evolve(estimated.resolution, **settings, **choice.settings),
             errors={**estimated.errors, **choice.errors},
-            reasons=choice.reasons,
+            reasons={**choice.reasons, **along.reasons(settings)},
         )
 
     def _with_steps(self, estimated: Estimated, few: Assembly) -> Estimated:
         """Tolerance of a step: errors of the speeds over a short time go with it, in proportion at most."""
-        study, accuracy = self.at(estimated.resolution), few.scene.accuracy
+        study, accuracy = self.evolved(history=None).at(estimated.resolution), few.scene.accuracy  # which may rest
         moving = study.moving(few)
         span = min(_SHORT, study.duration)
         motions = (study.tried(moving, np.array([0.0, span]), tolerance) for tolerance in (_STEP, 1e-3 * _STEP))
@@ -228,9 +231,11 @@ class Dynamics(Study):
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of tables and motion, from its beginning, and of the slip of running away."""
-        at = attrs.evolve(assembly.resolution, instants=assembly.resolution.instants or _INSTANTS)
+        at = attrs.evolve(assembly.resolution, instants=assembly.resolution.instants or along.INSTANTS)
         told = attrs.evolve(self.curved(assembly), map_points=0).cost(assembly.at(at))
-        return {"running away": sum(told.values()), **costs_of(self, assembly)}
+        away, history = sum(told.values()), self.course(assembly)
+        along_it = along.cost(history, lambda: self.moving(assembly), self.curved(assembly), away)
+        return {"running away": away, **along_it, **costs_of(self, assembly)}
 
     def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
         """Return steps, friction, level and integrator."""
@@ -250,6 +255,7 @@ class Dynamics(Study):
         )
         return [
             *([steps] if "steps" in errors else []),
+            *along.parts(self.course(assembly), lambda: self.moving(assembly), self.name, costs),
             Part(
                 part="friction of the raceways",
                 choice=self.friction,
@@ -304,7 +310,8 @@ class Dynamics(Study):
 
     def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices of the rollers at the last stored instant."""
-        return last_slices(assembly, dataset)
+        then = along.at_the_end(assembly, self.course(assembly), float(dataset["time"][-1]))
+        return [] if then is None else last_slices(then, dataset)
 
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
         """Return the motion, going on from what is kept, and keeping what is computed.
@@ -334,9 +341,10 @@ class Dynamics(Study):
         if self.level == "planar":
             self._of_planar(assembly)
         settings, store = self.curved(assembly), kept.store
-        raceways = settings.loaded(assembly, assembly.resolution.instants or _INSTANTS)
-        critical, away = _critical(settings, raceways), _away(settings, raceways)
-        moving = self.moving(assembly, critical_slip=away.slip)
+        raceways = settings.loaded(assembly, assembly.resolution.instants or along.INSTANTS)
+        critical, away = along.critical_of(settings, raceways), along.away_of(settings, raceways)
+        limit = along.limit_of(settings, assembly, self.course(assembly))
+        moving = self.moving(assembly, critical_slip=away.slip, limit=limit)
         system = moving.system
         times = np.linspace(0.0, self.duration, self.points)
         absolute, relative = moving.tolerances
@@ -360,12 +368,12 @@ class Dynamics(Study):
                 relative=relative,
                 jacobian=system.jacobian,
                 watch=system.watch if system.watched else None,
-                breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
+                breaks=moving.breaks,
             ),
             integrator,
             times[done:],
             rtol=self.relative_tolerance,
-            stop=frozenset({0} if self.stop_at == "critical" and not math.isnan(away.slip) else ()),
+            stop=frozenset({0} if self.stop_at == "critical" and not (math.isnan(away.slip) and limit is None) else ()),
             first_step=first_step,
             state=None if before is None else before.last_state,
             keep=keep,
@@ -375,8 +383,8 @@ class Dynamics(Study):
             found = before.then(found)
         # by now models may fail as in the run, or anew
         outputs, found = outputs_of(moving, found)
-        slip = 1.0 - moving.split(found.y)["cage_speed"][[0, -1]] / assembly.kinematics.epicyclic_cage_speed
-        regimes, found = regimes_of(raceways, np.clip(slip, 0.0, settings.max_cage_slip), found)
+        slip = 1.0 - (moving.split(found.y)["cage_speed"] / moving.unslipped(found.t)[0])[[0, -1]]
+        regimes, found = regimes_of(raceways, np.clip(np.nan_to_num(slip), 0.0, settings.max_cage_slip), found)
         return (
             self._dataset(assembly, moving, found, outputs, integrator)
             .assign(regimes)
@@ -403,7 +411,7 @@ class Dynamics(Study):
             atol=tolerance * absolute,
             relative=relative,
             jacobian=moving.system.jacobian,
-            breaks=moving.settings.breakpoints if isinstance(moving, PlanarMotion) else (),
+            breaks=moving.breaks,
         )
         found = integrate(
             problem,
@@ -417,9 +425,18 @@ class Dynamics(Study):
             raise KeyboardInterrupt
         return found
 
-    def moving(self, assembly: Assembly, *, critical_slip: float = math.nan) -> MovingBearing:
-        """Return the bearing in motion."""
+    def course(self, assembly: Assembly) -> History | None:
+        """Return how the operation goes over time; None where it does not change."""
+        return along.history_of(self.history, assembly, self.duration, self.table)
+
+    def moving(
+        self, assembly: Assembly, *, critical_slip: float = math.nan, limit: Course | None = None
+    ) -> MovingBearing:
+        """Return the bearing in motion; ``limit`` is the slip that is watched along a history."""
         friction = self._frictions(critical_slip)
+        if (history := self.course(assembly)) is not None:
+            along.refused(self.level, assembly, self.table)
+            return varying_motion(assembly, friction, history, level=self.level, limit=limit)
         if self.level == "planar":
             return planar_motion(assembly, self._of_planar(assembly), friction)
         return carried_motion(assembly, friction, level=self.level)
@@ -487,7 +504,8 @@ class Dynamics(Study):
         if place is not None:
             rollers_at = rollers_at + place / k.orbit_radius
         relative = spin + orbit
-        cage_slip = 1.0 - cage / k.epicyclic_cage_speed
+        cage_without, roller_without = moving.unslipped(t)
+        cage_slip = 1.0 - cage / cage_without
         works = moving.works(y)
 
         def by_ring(name: str) -> Array:
@@ -498,7 +516,7 @@ class Dynamics(Study):
             cage_speed=sign * cage,
             cage_slip=cage_slip,
             roller_speed=sign * relative,
-            roller_slip=1.0 - relative / k.epicyclic_roller_speed,
+            roller_slip=1.0 - relative / roller_without[:, None],
             orbit_angle=np.mod(rollers_at, 2.0 * np.pi),
             normal_force=by_ring("normal_force"),
             traction_force=by_ring("traction_force"),
@@ -528,6 +546,8 @@ class Dynamics(Study):
             if assembly.cage.guidance == "inner":
                 x, y = x - of["inner_ring_x"], y - of["inner_ring_y"]
             variables |= self.variables(land_eccentricity=np.hypot(x, y) / clearance)
+        at_instants, of_history = along.with_history(self.curved(assembly), moving, t)
+        variables |= self.variables(**at_instants)
         ended = found.outcome == "finished"  # else a longer run would end there too
         steady, steady_status = steady_slip_of(
             t,
@@ -537,6 +557,7 @@ class Dynamics(Study):
             lambda seconds: f"; run longer with --set {self.table}.duration={seconds:.2g}" if ended else "",
             f"; store more with --set {self.table}.points={4 * self.points}",
         )
+        steady, steady_status = along.settled(moving, t, (steady, steady_status))
         return xr.Dataset(
             variables,
             {
@@ -547,6 +568,7 @@ class Dynamics(Study):
                 "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
             },
             attrs=self.attributes
+            | of_history
             | {
                 "level": self.level,
                 "friction": self.friction,
@@ -574,19 +596,6 @@ class Dynamics(Study):
         if self.friction == "conventional":
             return "of the loaded slices"
         return f"friction is {self.friction}, which knows no film; --set {self.table}.friction=conventional does"
-
-
-def _away(study: EffectiveFriction, raceways: LoadedRaceways) -> Runaway:
-    """Where the cage runs away."""
-    away = study.runaway(raceways.assembly, raceways.distribution.psi.shape[0])
-    unasked = f"it was not looked where the cage runs away: study.{study.name}.runaway_range is 0"
-    return Runaway(math.nan, math.nan, unasked) if away is None else away
-
-
-def _critical(study: EffectiveFriction, raceways: LoadedRaceways) -> Critical:
-    """Cage slip of the largest effective friction on the inner ring."""
-    slip = slip_grid(study.max_cage_slip, study.points)
-    return raceways.critical(slip, raceways.curve(slip))[0]
 
 
 @hookimpl

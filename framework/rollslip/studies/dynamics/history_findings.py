@@ -1,0 +1,160 @@
+"""What a motion along a history says: slip against that of running away, sliding and frictional work, from the dataset.
+
+- Slips are known while the rings turn; where they all but stand an instant has none, and takes no part here.
+- Distances and spans of time are sums over the stored instants (trapezoids, passages on straight lines between them);
+  work is that of the ledger, which the motion integrates.
+"""
+
+import json
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.units import format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+#: Units in which what varies is told.
+_UNITS: Final = {"inner_speed": "rad/s", "outer_speed": "rad/s", "radial_load": "N", "temperature": "K"}
+_WORK: Final = {"inner": "lost_inner", "outer": "lost_outer"}
+
+
+def along(dataset: "xr.Dataset") -> bool:
+    """Whether a motion went along a history."""
+    return "history" in dataset.attrs
+
+
+def largest(dataset: "xr.Dataset") -> tuple[float, float]:
+    """Largest cage slip and its time [s]; NaN where no slip is known."""
+    slip = dataset["cage_slip"].to_numpy()
+    if not np.isfinite(slip).any():
+        return math.nan, math.nan
+    k = int(np.nanargmax(slip))
+    return float(slip[k]), float(dataset["time"][k])
+
+
+def nearest(dataset: "xr.Dataset") -> tuple[float, float, float]:
+    """Least margin of slip below that of running away, its time [s], and the slip of running away then; or NaN."""
+    margin = (dataset["runaway_slip_along"] - dataset["cage_slip"]).to_numpy()
+    if not np.isfinite(margin).any():
+        return math.nan, math.nan, math.nan
+    k = int(np.nanargmin(margin))
+    return float(margin[k]), float(dataset["time"][k]), float(dataset["runaway_slip_along"][k])
+
+
+def time_beyond(dataset: "xr.Dataset") -> float:
+    """Time that the cage spent beyond the slip of running away of the moment [s]; NaN where that is never known."""
+    margin = (dataset["cage_slip"] - dataset["runaway_slip_along"]).to_numpy()
+    if not np.isfinite(margin).any():
+        return math.nan
+    t, one, other = dataset["time"].to_numpy(), margin[:-1], margin[1:]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.where(one * other < 0.0, np.maximum(one, other) / np.abs(other - one), (one + other) > 0.0)
+    known = np.isfinite(one) & np.isfinite(other)
+    return float(np.sum(np.where(known, share, 0.0) * np.diff(t)))
+
+
+def sliding_distance(dataset: "xr.Dataset") -> dict[str, Array]:
+    """Distance [m] that each roller slid on each ring: the time integral of |V| over the stored instants."""
+    t = dataset["time"].to_numpy()
+    return {
+        str(ring): np.trapezoid(np.abs(dataset["sliding_speed"].sel(ring=ring).to_numpy()), t, axis=0)
+        for ring in dataset["ring"].to_numpy()
+    }
+
+
+def frictional_work(dataset: "xr.Dataset") -> dict[str, float]:
+    """Work [J] that sliding took at each ring, of the ledger."""
+    names = [str(name) for name in dataset["work"].to_numpy()]
+    return {ring: -float(dataset["work_done"][names.index(name), -1]) for ring, name in _WORK.items() if name in names}
+
+
+def record(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return the single values of a history; nothing of a motion without one."""
+    if not along(dataset):
+        return {}
+    slip, when = largest(dataset)
+    margin, near, _ = nearest(dataset)
+    values: dict[str, Any] = {
+        "history": json.loads(dataset.attrs["history"]),
+        "largest_cage_slip_time": when,
+        "least_margin_to_runaway": margin,
+        "least_margin_time": near,
+        "time_beyond_runaway": time_beyond(dataset),
+        **{f"sliding_distance_{ring}": float(d.mean()) for ring, d in sliding_distance(dataset).items()},
+        **{f"frictional_work_{ring}": work for ring, work in frictional_work(dataset).items()},
+    }
+    return {key: None if isinstance(v, float) and not math.isfinite(v) else v for key, v in values.items()} | {
+        "largest_cage_slip": None if math.isnan(slip) else slip
+    }
+
+
+def told(dataset: "xr.Dataset", topics: dict[str, list[str]]) -> dict[str, list[str]]:
+    """Return what is told of a motion, with what a history says in place of what holds for a steady operation."""
+    if not along(dataset):
+        return topics
+    first, *others = topics
+    own = {
+        "history": sentences(dataset),
+        "running away": [f"at the operation of the scene: {topics['running away'][0]}", *running_away(dataset)],
+        "largest slip": [largest_in_words(dataset)],
+    }
+    return {name: own.get(name, topics.get(name, [])) for name in (first, "history", *others)}
+
+
+def sentences(dataset: "xr.Dataset") -> list[str]:
+    """Say how the operation went, and what sliding it brought."""
+    said, t = [], dataset["time"].to_numpy()
+    varies = json.loads(dataset.attrs["history_varies"])
+    for name in json.loads(dataset.attrs["history"]):
+        values, what = dataset[name].to_numpy(), name.replace("_", " ")
+        low, high, first, last = (
+            format_quantity(float(value), _UNITS[name], 4)
+            for value in (values.min(), values.max(), values[0], values[-1])
+        )
+        if name not in varies:
+            said.append(f"{what} stays at {first}")
+        elif {first, last} == {low, high}:
+            said.append(f"{what} goes from {first} to {last} in {t[-1]:.3g} s")
+        else:
+            said.append(f"{what} goes from {first} to {last} in {t[-1]:.3g} s, between {low} and {high}")
+    distances, works = sliding_distance(dataset), frictional_work(dataset)
+    for ring, distance in distances.items():
+        far, most = (format_quantity(float(value), "m", 3) for value in (distance.mean(), distance.max()))
+        work = format_quantity(works[ring], "J", 3) if ring in works else "work that is not known"
+        said.append(f"a roller slid {far} on the {ring} ring on average, {most} at most; friction took {work} there")
+    return said
+
+
+def largest_in_words(dataset: "xr.Dataset") -> str:
+    """Say the largest slip and when."""
+    slip, when = largest(dataset)
+    if math.isnan(slip):
+        return "no slip is known at any instant: the rings all but stand"
+    known = int(np.isfinite(dataset["cage_slip"].to_numpy()).sum())
+    said = f"largest cage slip {100 * slip:.3g} % at t = {when:.3g} s"
+    if known < dataset.sizes["time"]:
+        said += f", {dataset.attrs['slip_status']}: at {known} of {dataset.sizes['time']} instants"
+    return said
+
+
+def running_away(dataset: "xr.Dataset") -> list[str]:
+    """Say how near the cage came to running away, at the operation of each moment."""
+    margin, when, limit = nearest(dataset)
+    if math.isnan(margin):
+        return [f"along the way it is not known where the cage runs away: {dataset.attrs['history_status']}"]
+    least = f"{100 * limit:.3g} % at the operation of that moment"
+    if margin > 0.0:
+        return [
+            f"along the way cage slip stays below that of running away, nearest at t = {when:.3g} s: "
+            f"{100 * (limit - margin):.3g} % where it is {least}"
+        ]
+    return [
+        f"along the way the cage is beyond the slip of running away for {time_beyond(dataset):.3g} s, furthest at "
+        f"t = {when:.3g} s: {100 * (limit - margin):.3g} % where it is {least}"
+    ]
