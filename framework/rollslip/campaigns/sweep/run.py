@@ -43,8 +43,8 @@ __all__ = ["Progress", "Settled", "asked_engine", "described", "run_sweep"]
 
 #: Losses of an engine, one after the other without a result between them, before a run gives up.
 _PATIENCE: Final = 3
-#: Start of a pool of processes, with all imports [s].
-_START: Final = 1.0
+#: Start of a pool of processes [s], with all imports, and with what points share, which each of them makes anew.
+_START: Final = 1.5
 #: What threads gain on this process alone where most of a point is compiled and holds up no other thread, and how long
 #: a slice takes there [s]. Else they lose by it: they wait for each other.
 _GAIN, _SLICE = 1.4, 1e-8
@@ -312,28 +312,36 @@ class _Run:
     def measured(self, pending: _Pending, asked: _Interrupts) -> tuple[Engine, str]:
         """Compute some points in this process, and return the engine that is the fastest for the others.
 
-        Two points; and where they are not dear, some together, which have what the first ones have made for all.
+        Two points; and where they are not dear, some together at a time, as long as processes seem to be worth their
+        start and no more time is spent here than that takes: points make what they share, and the next ones have it.
         """
-        times = list[float]()
-        while pending and len(times) < 3 and not (times and asked.times):
+        times, begin, count = list[float](), time.monotonic(), cores()
+        engine: Engine | None = None
+        said = ""
+        while pending and not (times and asked.times):
             some = 1 if len(times) < 2 else min(_SOME, int(_DEAR / min(times)))
             if not some or (some > 1 and len(pending) < 4 * _SOME):
                 break
             done = compute(self.work, self._points(pending.take(some)))
             self._take(done)
             times.append(sum(row.seconds for row in done.rows) / len(done.rows))
-        count, point = cores(), min(times)
+            if len(times) > 2:
+                engine, said = self._fastest(times[-1], len(pending), count)
+                if not engine.separate or time.monotonic() - begin > _START:
+                    break
+        return (engine, said) if engine is not None else self._fastest(min(times), len(pending), count)
+
+    def _fastest(self, point: float, left: int, count: int) -> tuple[Engine, str]:
+        """Return the engine that is the fastest on some cores for what is left, by the time [s] of a point, and why."""
         said = f"a point takes {point * 1e3:.3g} ms"
-        if count == 1 or not pending:
-            return get_model("engine", "serial"), f"{said}, and there is {'one core' if pending else 'nothing left'}"
+        if count == 1 or not left:
+            return get_model("engine", "serial"), f"{said}, and there is {'one core' if left else 'nothing left'}"
         study = settings(self.sweep.scene, self.sweep.study)[self.sweep.study]
         compiled = study.evaluations(assemble(self.sweep.scene)) * _SLICE > 0.5 * point
         name, gain = ("threads", _GAIN) if study.in_threads and compiled else ("serial", 1.0)
-        if point * len(pending) * (1.0 / gain - 1.0 / count) <= _START:
-            return get_model("engine", name), f"{said}: {len(pending)} of them are not worth the start of processes"
-        return get_model(
-            "engine", "processes"
-        ), f"{said}: {len(pending)} of them are worth the start of {count} processes"
+        if point * left * (1.0 / gain - 1.0 / count) <= _START:
+            return get_model("engine", name), f"{said}: {left} of them are not worth the start of processes"
+        return get_model("engine", "processes"), f"{said}: {left} of them are worth the start of {count} processes"
 
     def compute(self, engine: Engine, pending: _Pending, asked: _Interrupts) -> None:
         """Compute all points, until there are none, or the run is interrupted."""
