@@ -12,6 +12,7 @@ import abc
 import math
 import sys
 from collections.abc import Callable, Mapping
+from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -237,9 +238,13 @@ def from_scene(
 
 def left_to_scene(model: Any) -> "list[attrs.Attribute[Any]]":
     """Return the parameters of a model that the scene is to give."""
-    return [
-        a for a in attrs.fields(type(model)) if "from_scene" in a.metadata and _given(getattr(model, a.name)) is None
-    ]
+    declared = _from_scene(type(model))  # type: ignore[arg-type]  # mypy takes a class for unhashable
+    return [a for a in declared if _given(getattr(model, a.name)) is None]
+
+
+@cache
+def _from_scene(cls: "type[Any]") -> "list[attrs.Attribute[Any]]":
+    return [a for a in attrs.fields(cls) if "from_scene" in a.metadata]
 
 
 class SliceModel(abc.ABC):

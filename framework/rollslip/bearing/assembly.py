@@ -2,14 +2,14 @@
 
 import math
 import operator
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from functools import cached_property, lru_cache, partial
 from typing import Any, TypeVar
 
 import attrs
 import numpy as np
 
-from rollslip.bearing.cage import Cage, read_cage
+from rollslip.bearing.cage import Cage, read_cage, with_drags
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_pitch
 from rollslip.bearing.kinematics import Kinematics
@@ -55,8 +55,9 @@ class Assembly:
     #: Load maps over the orbit (`rollslip.bearing.load_map`) and tables of effective friction, which a plan builds and
     #: a run needs again.
     known_maps: dict[tuple[Any, ...], Any] = attrs.field(factory=dict, repr=False)
-    #: The cage once it was read, with what it was read of: slices and laws of the contacts change nothing of it.
-    known_cage: dict[str, tuple[tuple[object, ...], Cage]] = attrs.field(factory=dict, repr=False)
+    #: The cage once it was read, and with its drags bound, and a chain with its resistance, each with what it was made
+    #: of: slices and laws of the contacts change nothing of a cage, and the oil nothing of one that is only read.
+    known_cage: dict[str, tuple[tuple[object, ...], Any]] = attrs.field(factory=dict, repr=False)
 
     @property
     def models(self) -> dict[str, SliceModel]:
@@ -111,28 +112,44 @@ class Assembly:
         PluginError
             If a drag that it names does not exist or cannot be loaded.
         """
-        of = self.scene, self.kinematics, self.lubricant, self.inner.conditions
-        if (known := self.known_cage.get("cage")) is not None and all(map(operator.is_, known[0], of)):
-            return known[1]
-        cage = read_cage(*of[:3])
-        if (resistance := cage.drags.resistance) is not None:
-            _check_given((resistance,), self.inner.conditions, self.lubricant, Location(self.scene.origins))
-        self.known_cage["cage"] = of, cage
-        return cage
+
+        def bound() -> Cage:
+            read = self._known("read", (self.scene.cage, self.scene.bearing), lambda: read_cage(self.scene))
+            cage = with_drags(read, self.scene, self.kinematics, self.lubricant)
+            if (resistance := cage.drags.resistance) is not None:
+                _check_given((resistance,), self.inner.conditions, self.lubricant, Location(self.scene.origins))
+            return cage
+
+        return self._known("cage", (self.scene, self.kinematics, self.lubricant, self.inner.conditions), bound)
+
+    def _known(self, what: str, of: tuple[object, ...], make: Callable[[], _T]) -> _T:
+        """Return what is made of some objects, once for all bearings that have them."""
+        known = self.known_cage.get(what)
+        if known is None or not all(map(operator.is_, known[0], of)):
+            known = self.known_cage[what] = of, make()
+        made: _T = known[1]
+        return made
 
     def with_resistance(self) -> "Assembly":
         """Return the same bearing with resistance to rolling behind the friction of its raceways, if there is any."""
         resistance = self.cage.drags.resistance
         if resistance is None:
             return self
-        return self._with_chain(*self.inner.chain.models, resistance, bounds=self.inner.chain.bounds)
+        before, compiled = self.inner.chain, self.resolution.compiled
+        chain = self._known(
+            "chain",
+            (before, resistance, compiled),
+            lambda: Chain(*before.models, resistance, compiled=compiled, bounds=before.bounds),
+        )
+        return self._with_chain(chain)
 
     def with_bounds(self, *bounds: Callable[[Slices], None]) -> "Assembly":
         """Return the same bearing with bounds that are checked at every evaluation of its contacts."""
-        return self._with_chain(*self.inner.chain.models, bounds=bounds) if bounds else self
+        if not bounds:
+            return self
+        return self._with_chain(Chain(*self.inner.chain.models, compiled=self.resolution.compiled, bounds=bounds))
 
-    def _with_chain(self, *models: SliceModel, bounds: Sequence[Callable[[Slices], None]]) -> "Assembly":
-        chain = Chain(*models, compiled=self.resolution.compiled, bounds=bounds)
+    def _with_chain(self, chain: Chain) -> "Assembly":
         return attrs.evolve(
             self, inner=attrs.evolve(self.inner, chain=chain), outer=attrs.evolve(self.outer, chain=chain)
         )
@@ -333,8 +350,17 @@ def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> 
         attrs.evolve(raceway, conditions=_conditions(scene, like.kinematics, oil, raceway.ring, where))
         for raceway in like.raceways
     )
+    read = like.known_cage.get("read")
     _check_given((*like.inner.deflection.models, *like.inner.chain.models), inner.conditions, oil, where)
-    return attrs.evolve(like, scene=scene, lubricant=oil, inner=inner, outer=outer, known_maps={}, known_cage={})
+    return attrs.evolve(
+        like,
+        scene=scene,
+        lubricant=oil,
+        inner=inner,
+        outer=outer,
+        known_maps={},
+        known_cage={} if read is None else {"read": read},
+    )
 
 
 def _lubricant(scene: Scene, where: Location, problems: list[str]) -> Lubricant | None:
@@ -420,7 +446,9 @@ def _members(reads: tuple[frozenset[str], ...]) -> frozenset[str]:
 def _check_given(models: tuple[SliceModel, ...], conditions: Conditions, lubricant: Lubricant, where: Location) -> None:
     """Refuse models that read what the scene does not give."""
     reads = tuple(frozenset(model.reads) for model in models)
-    if not any(lubricant.slopes.values()) and not any(math.isnan(getattr(conditions, name)) for name in _members(reads)):
+    if not any(lubricant.slopes.values()) and not any(
+        math.isnan(getattr(conditions, name)) for name in _members(reads)
+    ):
         return
     problems = [
         where.at("lubricant").says(

@@ -118,6 +118,7 @@ class Cage:
         possible=(0, 1e4),
     )
     drag: tuple[Any, ...] = field(default=(), doc="what drags cage and rollers: names of kind drag, or tables")
+    named: tuple[Any, ...] = attrs.field(default=(), repr=False, metadata={"key": None})
     drags: Drags = attrs.field(factory=Drags, metadata={"key": None})
 
     def __attrs_post_init__(self) -> None:
@@ -158,8 +159,8 @@ def _estimates(bearing: Bearing, table: Mapping[str, object]) -> dict[str, objec
     return estimates
 
 
-def read_cage(scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cage:
-    """Return the cage of a scene with its drags bound.
+def read_cage(scene: Scene) -> Cage:
+    """Return the cage of a scene with its drags as they are named, which `with_drags` binds.
 
     Raises
     ------
@@ -189,8 +190,20 @@ def read_cage(scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cag
     ]
     if cage is None or problems:
         raise SceneError(problems)
+    return attrs.evolve(cage, named=tuple(models))
+
+
+def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cage:
+    """Return a cage with its drags bound to what the scene gives.
+
+    Raises
+    ------
+    SceneError
+        If they need what it does not give, or do not go together; all faults that can be found at once.
+    """
+    where, problems = Location(scene.origins, ("cage",)), list[str]()
     values = _scene_values(scene, cage, kinematics, lubricant)
-    filled = [_filled(model, values, where.at("drag").at(k), problems) for k, model in enumerate(models)]
+    filled = [_filled(model, values, where.at("drag").at(k), problems) for k, model in enumerate(cage.named)]
     drags = _by_sort([with_law(model, lubricant.pressure_viscosity_law) for model in filled], where, problems)
     if problems:
         raise SceneError(problems)

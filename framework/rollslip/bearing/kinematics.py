@@ -1,6 +1,7 @@
 """Speeds and equivalent radii of a cylindrical roller bearing: what slides and what rolls at a given slip."""
 
 import math
+from functools import cached_property
 
 import attrs
 import numpy as np
@@ -103,29 +104,29 @@ class Kinematics:
         """1 for the bearing as given, -1 if its mirror image is described."""
         return 1 if self.inner_speed > self.outer_speed else -1
 
-    @property
+    @cached_property
     def epicyclic_cage_speed(self) -> float:
         """Cage speed w_ce at which both contacts can roll without sliding [rad/s]."""
         Ri, Ro = self.inner_radius, self.outer_radius
         return self.direction * (Ri * self.inner_speed + Ro * self.outer_speed) / (Ri + Ro)
 
-    @property
+    @cached_property
     def epicyclic_roller_speed(self) -> float:
         """Spin w_re of the roller relative to the cage at which both contacts roll without sliding [rad/s]."""
         Ri, Ro = self.inner_radius, self.outer_radius
         return Ri * Ro / (Ri + Ro) * abs(self.inner_speed - self.outer_speed) / self.roller_radius
 
-    @property
+    @cached_property
     def inner_equivalent_radius(self) -> float:
         """Equivalent radius of roller and inner raceway, 1/R = 1/r + 1/R_i [m]."""
         return 1.0 / (1.0 / self.roller_radius + 1.0 / self.inner_radius)
 
-    @property
+    @cached_property
     def outer_equivalent_radius(self) -> float:
         """Equivalent radius of roller and outer raceway, 1/R = 1/r - 1/R_o [m]."""
         return 1.0 / (1.0 / self.roller_radius - 1.0 / self.outer_radius)
 
-    @property
+    @cached_property
     def orbit_radius(self) -> float:
         """Radius of the rollers' orbit, R_m = (R_i + R_o) / 2 [m]."""
         return 0.5 * (self.inner_radius + self.outer_radius)

@@ -96,13 +96,18 @@ class LoadedContacts:
         return self.raceway.chain.bind(self.slices)
 
     @cached_property
+    def carried(self) -> Array:
+        """Force of every roller [N], (rollers,)."""
+        return self.per_roller(self.force)
+
+    @cached_property
     def _first(self) -> "NDArray[np.intp]":
         """First slice of every roller, and where the last one ends."""
         return np.searchsorted(self.owner, np.arange(self.rollers + 1))
 
     def on(self, raceway: Raceway) -> "LoadedContacts":
         """Return the same loads on a raceway of other laws or conditions."""
-        _, other = self._first, copy.copy(self)  # found once for all
+        _, _, other = self._first, self.carried, copy.copy(self)  # found once for all
         for made in ("slices", "_evaluate"):
             vars(other).pop(made, None)
         other.raceway = raceway
@@ -138,13 +143,16 @@ class LoadedContacts:
         u, V = (np.ascontiguousarray(speed.reshape(len(speed), -1)) for speed in (rolling, sliding))
         return self._evaluate, u, V, self.owner, self.force
 
-    def gathered(self) -> tuple[object, Slices, tuple[Any, ...]]:
+    def gathered(self, known: tuple[object, Slices] | None = None) -> tuple[object, Slices, tuple[Any, ...]]:
         """Stage of the chain, a table to work in, and what `rollslip_kernels.motion.spin` takes of a ring.
 
-        No bound is looked at there: that is for who evaluates what it finds.
+        No bound is looked at there: that is for who evaluates what it finds. Stage and table may be those ``known`` of
+        other contacts of the raceway, if these are not used any more; a table that is too small is made anew.
         """
         raceway = self.raceway
-        stage, table = raceway.chain.kernel.as_stage(), Slices(self.force.size, raceway.conditions)
+        stage, table = known or (raceway.chain.kernel.as_stage(), None)
+        if table is None or len(table) < self.force.size:
+            table = Slices(self.force.size, raceway.conditions)
         return stage, table, (stage, table, self.load, self.force, self.width, self._first, raceway.chain.resists)
 
     def mean(self, pull: Array) -> Array:

@@ -37,6 +37,7 @@ from rollslip.errors import ConvergenceError
 from rollslip.motion.effective_table import EffectiveTable, effective_table
 from rollslip_kernels.motion.spin import NUDGED
 from rollslip_kernels.motion.spin import Spin as Kernel
+from rollslip_kernels.slices import Slices
 
 #: Entrainment speed that is never fallen below in the film [m/s]: u_film = sqrt(u^2 + SLOW^2).
 SLOW: Final = 1e-3
@@ -178,6 +179,8 @@ class TorqueBalance:
         self._sense = 1.0 if assembly.kinematics.epicyclic_cage_speed > 0.0 else -1.0
         self._known: dict[float, Orbit] = {}
         self._by_few: dict[float, Orbit] = {}
+        #: Stage and table to work in of each raceway, for one motion after the other.
+        self.tables_of: dict[Raceway, tuple[object, Slices]] = {}
 
     @property
     def rolls_freely(self) -> bool:
@@ -313,7 +316,7 @@ class TorqueBalance:
             cage_slip=cage_slip,
             torque=self._torque(on_cage),
             roller_slip=roller_slip,
-            force=np.stack([of_ring.contacts.per_roller(of_ring.contacts.force) for of_ring in contacts]),
+            force=np.array([of_ring.contacts.carried for of_ring in contacts]),
             traction=self._sense * tractions,
             multiplier=multiplier,
         )
@@ -350,6 +353,8 @@ class Spins:
         Speed that the film never falls below [m/s], 0 for none.
     pocket : float
         Coefficient of friction in the pockets.
+    tables : dict, optional
+        Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
     """
 
     def __init__(
@@ -360,10 +365,12 @@ class Spins:
         *,
         slow: float = 0.0,
         pocket: float = 0.0,
+        tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
-        k = kinematics
+        k, tables = kinematics, {} if tables is None else tables
         self._contacts = () if callable(contacts) else tuple(contacts)
-        self._gathered = [one.gathered() for one in self._contacts]
+        self._gathered = [one.gathered(tables.get(one.raceway)) for one in self._contacts]
+        tables.update((one.raceway, made[:2]) for one, made in zip(self._contacts, self._gathered, strict=True))
         self._told = (0, 0)
         rings = contacts if callable(contacts) else [ring for *_, ring in self._gathered]
         radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
@@ -425,7 +432,7 @@ class Spin:
         of = conventional if len(conventional) == len(RINGS) else self.forces
         #: bounds have to be looked at by whom compiled code does not know
         self._compiled = not (callable(of) or any(one.raceway.chain.bounds for one in of))
-        self._spins = Spins(k, self._positions, of, slow=SLOW, pocket=pocket)
+        self._spins = Spins(k, self._positions, of, slow=SLOW, pocket=pocket, tables=balance.tables_of)
         ahead = k.surface_speeds(cage_slip, np.zeros_like(cage_slip))
         inner, outer = (np.full(self._positions, lead) for lead in (ahead.inner_sliding, ahead.outer_sliding))
         self._spins.kernel.at(inner, outer)
