@@ -11,6 +11,7 @@
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Final
 
 import attrs
@@ -184,11 +185,8 @@ def surmised(
         By how much the torque may be off, relative to itself. Unsure is where it all but balances the drag without
         crossing it, or at the end.
     """
-    from scipy.interpolate import CubicSpline
-
-    between = np.linspace(0.0, 1.0, _FEW_BETWEEN, endpoint=False)
-    fine = np.append((slip[:-1, None] + np.diff(slip)[:, None] * between).ravel(), slip[-1])
-    drives = CubicSpline(slip, torque)(fine)
+    fine, spline = _splined(tuple(slip.tolist()))
+    drives = spline @ torque
     excess = drives + np.array([drag(s) for s in fine.tolist()])
     rises = np.diff(excess) > 0.0
     turns = 1 + np.flatnonzero(rises[1:] != rises[:-1])
@@ -199,6 +197,16 @@ def surmised(
     widths = fine[crossed + 1] - fine[crossed]
     slopes = (excess[crossed + 1] - excess[crossed]) / widths
     return list(zip((fine[crossed] - excess[crossed] / slopes).tolist(), slopes.tolist(), strict=True))
+
+
+@lru_cache(maxsize=16)
+def _splined(slips: tuple[float, ...]) -> tuple[Array, Array]:
+    """Slips between some, and what takes values at those to the cubic spline through them, there."""
+    from scipy.interpolate import CubicSpline
+
+    slip, between = np.array(slips), np.linspace(0.0, 1.0, _FEW_BETWEEN, endpoint=False)
+    fine = np.append((slip[:-1, None] + np.diff(slip)[:, None] * between).ravel(), slip[-1])
+    return fine, np.asarray(CubicSpline(slip, np.eye(slip.size))(fine))
 
 
 def crossing(

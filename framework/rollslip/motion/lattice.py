@@ -24,8 +24,11 @@ _STEP: Final = 0.0625
 _FIVE, _MOST = 5, 24
 #: Steps of secants on a polynomial; the first and the last of them, in steps of the lattice.
 _STEPS, _FIRST, _LAST = 30, 1e-2, 1e-10
-#: Coefficients, from the lowest degree on, of the polynomial through values at 0, 1, 2, ...
-_THROUGH: Final = {n: np.linalg.inv(np.vander(np.arange(float(n)), increasing=True)) for n in (4, 5)}
+#: Coefficients, from the lowest degree on, of the polynomials through values at 0, 1, 2, 3, 4, the first and the last
+#: four of them.
+_THROUGH: Final = [
+    np.linalg.inv(np.vander(np.arange(float(first), last), increasing=True)) for first, last in ((0, 5), (0, 4), (1, 5))
+]
 
 
 def slip_of(place: float) -> float:
@@ -68,8 +71,8 @@ class Torques:
         Where the torque has a corner between its slips they do not say the same.
         """
         values = np.array([self(number) for number in range(first, first + _FIVE)])
-        last = np.polynomial.Polynomial(_THROUGH[4] @ values[1:])(np.polynomial.Polynomial([-1.0, 1.0]))
-        return [(_THROUGH[5] @ values).tolist(), (_THROUGH[4] @ values[:-1]).tolist(), last.coef.tolist()]
+        parts = values, values[:-1], values[1:]
+        return [(through @ part).tolist() for through, part in zip(_THROUGH, parts, strict=True)]
 
 
 def highest(torques: Torques, start: float) -> int | None:

@@ -1,6 +1,7 @@
 """Torques on the cage: of one size, of the oil between cage and land, of rollers that plough through oil; pockets."""
 
 import math
+from functools import cached_property
 from typing import Any, ClassVar
 
 import attrs
@@ -133,7 +134,7 @@ class PetroffLand(DragModel):
         **_ranges(Cage, "land_clearance"),
     )
 
-    @property
+    @cached_property
     def damping(self) -> float:
         """Torque for each rad/s between ring and cage [N m s]."""
         self.check_given()
