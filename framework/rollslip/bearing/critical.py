@@ -42,6 +42,8 @@ _SLOPES: Final = np.vstack((chebyshev.chebder(np.eye(_NODES.size)), np.zeros(_NO
 _BENDS: Final = np.vstack((chebyshev.chebder(np.eye(_NODES.size), 2), np.zeros((2, _NODES.size)))) @ _TERMS
 #: Slips all over a grid at which a rough curve is held against the exact one.
 _HELD: Final = 9
+#: Slips on either side of where it is highest that are exact at once.
+_BESIDE: Final = 2
 
 
 def slip_grid(largest: float, points: int) -> Array:
@@ -80,6 +82,8 @@ def look_further(key: str, largest: float, most: float) -> str:
 
 #: Yields slips, is sent the friction there, and returns the maximum.
 Search: TypeAlias = Generator[Array, Array, Critical]
+#: Ends of an interval, and the friction at Chebyshev's points of it.
+_Known: TypeAlias = tuple[float, float, Array]
 
 
 def locate(
@@ -170,23 +174,24 @@ def searching(
     ``friction`` is the curve on the grid; where it is not ``exact`` but a rough one, few slips are chosen by it, or all
     are asked for where these leave a doubt. ``together`` is with several slips at a time.
     """
+    beside: _Known | None = None
     if not exact:
         few = yield from _few(slip, friction)
-        slip, friction = (slip, (yield slip)) if few is None else few
+        slip, friction, beside = (slip, (yield slip), None) if few is None else few
     if not np.isfinite(friction).all():
         bad = int(np.argmin(np.isfinite(friction)))
         raise DomainError(f"the {of} is {friction[bad]} at a slip of {slip[bad]:.4g}: it must be finite all along")
     best = int(np.argmax(friction))
     if not friction[best] > 0.0:
         return Critical(np.nan, np.nan, f"no {sought}: there is no {of} in the range")
-    at, largest = yield from _around(slip, friction, best, together)
+    at, largest = yield from _around(slip, friction, best, together, beside)
     found = largest - friction[-1] > _FLAT * largest
     before = np.maximum.accumulate(friction)
     fallen = (before > 0.0) & (friction < (1.0 - _FALL) * before)
     top = int(np.argmax(friction[: int(np.argmax(fallen))])) if fallen.any() else best
     first = (at, largest) if found else (math.nan, math.nan)
     if top < best:
-        first = yield from _around(slip, friction, top, together)
+        first = yield from _around(slip, friction, top, together, beside)
     if found:
         return Critical(at, largest, "found", *first)
     rises = friction[-1] - friction[-2] > _FLAT * largest
@@ -196,64 +201,86 @@ def searching(
 
 
 @cache
-def _held(points: int) -> tuple["NDArray[np.intp]", Array]:
-    """Points of a grid at which a rough curve is held against the exact one, and where the inner ones lie.
+def _held(points: int) -> tuple["NDArray[np.intp]", Array, Array]:
+    """Points of a grid at which a rough curve is held against the exact one, where the inner ones lie, and all points.
 
-    That is as shares of the way from the one before to the one behind.
+    They lie at shares of the way from the one before to the one behind.
     """
     at = np.linspace(0.0, points - 1.0, _HELD).round().astype(np.intp)
-    return at, (at[1:-1] - at[:-2]) / (at[2:] - at[:-2])
+    return at, (at[1:-1] - at[:-2]) / (at[2:] - at[:-2]), np.arange(float(points))
 
 
-def _few(slip: Array, rough: Array) -> Generator[Array, Array, tuple[Array, Array] | None]:
+def _nodes(low: float, high: float) -> Array:
+    """Chebyshev's points of an interval."""
+    return low + 0.5 * (high - low) * (1.0 + _NODES)
+
+
+def _few(slip: Array, rough: Array) -> Generator[Array, Array, tuple[Array, Array, _Known] | None]:
     """Slips of a grid that decide where the largest friction is, by a rough curve, and the exact friction there.
 
     The rough curve is corrected by what it misses at some slips, straight between them. What each of these misses of
-    the straight line through its neighbours is twice as far from it, so of a smooth difference four times the error,
-    and bounds it. None where friction may fall before its maximum, where many slips may be the highest, or where the
-    exact friction there is not within the bound.
+    the straight line through its neighbours is twice as far from it, so of a smooth difference four times the error;
+    the most of that, and of what the corrected curve misses where it is highest, bounds it. None where friction may
+    fall before its maximum, where many slips may be the highest, or where the exact friction at these is not within the
+    bound. With it comes the friction at Chebyshev's points where the rough one is highest, which is mostly asked next.
     """
     points = rough.size
-    if points < 4 * _HELD:
+    if points < 4 * _HELD or not np.isfinite(rough).all():
         return None
-    at, share = _held(points)
-    exact = yield slip[at]
+    at, share, every = _held(points)
+    best = min(max(int(np.argmax(rough)), _BESIDE), points - 1 - _BESIDE)
+    known = np.zeros(points, dtype=bool)
+    known[at] = known[best - _BESIDE : best + _BESIDE + 1] = known[-2] = True
+    chosen = np.flatnonzero(known)
+    low, high = float(slip[best - 1]), float(slip[best + 1])
+    asked = yield np.concatenate((slip[chosen], _nodes(low, high)))
+    exact = np.zeros(points)
+    exact[chosen], beside = asked[: chosen.size], (low, high, asked[chosen.size :])
     with np.errstate(all="ignore"):  # without slip there is no friction either way
-        off = exact / rough[at] - 1.0
+        off = exact[at] / rough[at] - 1.0
     if exact[0] == rough[0] == 0.0:
         off[0] = off[1]
     error = float(np.abs(off[:-2] + share * (off[2:] - off[:-2]) - off[1:-1]).max()) + _FLAT
+    if not np.isfinite(error):
+        return None
+    guess = rough * (1.0 + np.interp(every, at, off))
+    error = max(error, _missed(exact[chosen], guess[chosen]))
     if not 4.0 * error < _FALL:
         return None
-    guess = rough * (1.0 + np.interp(np.arange(points), at, off))
     best = int(np.argmax(guess))
     before = np.maximum.accumulate(guess[: best + 1])
     if (guess[: best + 1] < np.minimum(1.0, 1.0 - _FALL + 2.0 * error) * before).any():
         return None
-    high = np.flatnonzero(guess >= guess[best] - 2.0 * error * abs(guess[best]))
-    wanted = np.zeros(points, dtype=bool)
-    for beside in (-1, 0, 1):
-        wanted[np.clip(high + beside, 0, points - 1)] = True
-    wanted[-2] = True
-    wanted[at] = False
-    more = np.flatnonzero(wanted)
+    wanted = guess >= guess[best] - 2.0 * error * abs(guess[best])
+    wanted[1:] |= wanted[:-1].copy()
+    wanted[:-1] |= wanted[1:].copy()
+    more = np.flatnonzero(wanted & ~known)
     if more.size > points // 3:
         return None
-    found = yield slip[more]
-    if not (np.abs(found - guess[more]) <= error * np.abs(guess[more])).all():
-        return None
-    chosen = np.concatenate((at, more))
-    order = np.argsort(chosen)
-    return slip[chosen[order]], np.concatenate((exact, found))[order]
+    if more.size:
+        exact[more] = yield slip[more]
+        if not _missed(exact[more], guess[more]) <= error:
+            return None
+        chosen = np.flatnonzero(known | wanted)
+    return slip[chosen], exact[chosen], beside
 
 
-def _around(slip: Array, friction: Array, top: int, together: bool) -> Generator[Array, Array, tuple[float, float]]:
+def _missed(exact: Array, guess: Array) -> float:
+    """By how much a guess misses what is exact at most, relative to it; where both are zero it does not."""
+    size = np.abs(guess)
+    return float((np.abs(exact - guess) / np.where((size > 0.0) | (exact != 0.0), size, 1.0)).max())
+
+
+def _around(
+    slip: Array, friction: Array, top: int, together: bool, beside: _Known | None
+) -> Generator[Array, Array, tuple[float, float]]:
     """Place and value of the largest friction on the two intervals around a point of the grid that tops both."""
     first, last = max(top - 1, 0), min(top + 1, slip.size - 1)
     low, high = float(slip[first]), float(slip[last])
     at, largest = float(slip[top]), float(friction[top])
     if together and first < top < last:
-        found = _smooth((yield low + 0.5 * (high - low) * (1.0 + _NODES)), low, high)
+        at_nodes = beside[2] if beside is not None and beside[:2] == (low, high) else (yield _nodes(low, high))
+        found = _smooth(at_nodes, low, high)
         if found is not None:
             return found if found[1] > largest else (at, largest)
 

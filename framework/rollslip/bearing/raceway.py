@@ -140,8 +140,9 @@ class LoadedContacts:
 
     def job(self, rolling: Array, sliding: Array) -> Job:
         """What `rollslip.bearing.chain.along` takes, for speeds [m/s] (n,) of all rollers, or (n, rollers) of each."""
-        u, V = (np.ascontiguousarray(speed.reshape(len(speed), -1)) for speed in (rolling, sliding))
-        return self._evaluate, u, V, self.owner, self.force
+        if rolling.ndim == 1:
+            return self._evaluate, rolling[:, None], sliding[:, None], self.owner, self.force
+        return self._evaluate, np.ascontiguousarray(rolling), np.ascontiguousarray(sliding), self.owner, self.force
 
     def gathered(self, known: tuple[object, Slices] | None = None) -> tuple[object, Slices, tuple[Any, ...]]:
         """Stage of the chain, a table to work in, and what `rollslip_kernels.motion.spin` takes of a ring.
