@@ -11,7 +11,7 @@ import sqlite3
 import threading
 import tracemalloc
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 
 import attrs
 import numpy as np
@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
-from rollslip.campaigns.sweep import findings
+from rollslip.campaigns.sweep import findings, point
 from rollslip.campaigns.sweep import run as sweep_run
 from rollslip.campaigns.sweep.definition import Resolutions, here
 from rollslip.campaigns.sweep.findings import record as sweep_record
@@ -42,6 +42,7 @@ from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, PluginError, SceneError
 from rollslip.models import TractionModel
 from rollslip.scene.reading import parse_scene
+from rollslip.scene.values import scene_hash
 from rollslip.studies import study as studies
 
 SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5})
@@ -724,6 +725,35 @@ def test_the_engine_is_chosen_by_what_a_point_takes(tmp_path):
     assert get_class("engine", "processes").separate
 
 
+@pytest.mark.parametrize(
+    ("paces", "engine", "lots"),
+    [
+        # what points share is made by the first ones: the others are cheap, and stay
+        ((0.06, 0.02, 0.02, 0.015, 1e-4), "serial", 5),
+        # they stay dear: processes, once as much time was spent as these take to start
+        ((0.06, 0.02), "processes", 7),
+        # cheap at once: nothing more is measured
+        ((0.06, 1e-4), "serial", 3),
+    ],
+)
+def test_the_pace_of_points_is_looked_at_as_long_as_processes_take_to_start(monkeypatch, paces, engine, lots):
+    sweep, clock, taken = planned(over={"operation.radial_load": "500:5000:400"}), [0.0], []
+
+    def paced(work, points):
+        pace = paces[min(len(taken), len(paces) - 1)]
+        taken.append(len(points))
+        clock[0] += 0.25
+        return Done(tuple(Row(n, "", "ok", "", pace) for n, _ in points), here(work.packages))
+
+    monkeypatch.setattr(sweep_run, "compute", paced)
+    monkeypatch.setattr(sweep_run, "cores", lambda: 2)
+    monkeypatch.setattr(sweep_run, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    run = sweep_run._Run(sweep, 400, sweep_run.Counter(), lambda progress: None)
+    monkeypatch.setattr(run, "_take", lambda done: None)
+    chosen, _ = run.measured(sweep_run._Pending(range(400), bytearray(400), {0}), sweep_run._Interrupts())
+    assert (chosen.name, len(taken)) == (engine, lots)
+
+
 def test_a_failed_point_is_counted_until_it_succeeds(tmp_path):
     sweep = planned()
     store_sweep(sweep, tmp_path)
@@ -759,6 +789,22 @@ def test_keys_of_points_tell_scenes_and_outputs_apart():
     keys = [row.key for pair in rows for row in pair]
     assert len(set(keys)) == 4
     assert keys[:2] == [row.key for row in compute(one.work, [(n, one.design.changes(n)) for n in (0, 1)]).rows]
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"lubricant.viscosity_factor": 1.05},
+        {"operation.radial_load": "2 kN", "models.film": "dowson-1968"},
+        {"cage.mass": 0.3, "study.effective-friction.closure": "epicyclic", "title": 'ä "quoted"'},
+    ],
+)
+def test_the_hash_of_a_point_is_that_of_its_scene(changes):
+    work = planned().work
+    scene = rollslip.evolve(work.scene, changes)
+    assert point._Task(work).hash(scene) == scene_hash(scene)
+    assert point._Task(work).study(scene) == studies.settings(scene, work.study)[work.study]
 
 
 def test_a_journal_that_is_none_is_named(tmp_path):
