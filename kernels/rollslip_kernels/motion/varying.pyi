@@ -12,6 +12,7 @@ class Varying:
         around: Callable[[tuple[float, ...]], tuple[Sequence[Sequence[float]], Sequence[Any]]],
         *,
         speed_axis: int = ...,
+        root_axis: int = ...,
         inner_share: float,
         still: float = ...,
         autonomous: bool = ...,

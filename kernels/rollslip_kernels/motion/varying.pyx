@@ -15,7 +15,7 @@ import numpy as np
 
 from cpython.exc cimport PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport NAN, fabs, isnan
+from libc.math cimport NAN, fabs, isnan, sqrt
 
 from rollslip_arrow cimport RS_RAISED
 from rollslip_system cimport ROLLSLIP_SYSTEM, rs_new_system, rs_system
@@ -51,6 +51,7 @@ cdef struct varying_t:
     size_t rollers, block, rates   # rates: of head and ledger
     size_t axes
     int speed_axis        # axis that is |w_i - w_o| in place of a course; -1 for none
+    int root_axis         # axis on which the root of its course counts; -1 for none
     course_t course[AXES + MAX_AXES]
     double floor[MAX_AXES]   # ranges of the axes
     double top[MAX_AXES]
@@ -110,6 +111,8 @@ cdef int _look(varying_t *v, double t) noexcept nogil:
     inner, outer = _value(&v.course[INNER_SPEED], t), _value(&v.course[OUTER_SPEED], t)
     for a in range(v.axes):
         x[a] = fabs(inner - outer) if <int>a == v.speed_axis else _value(&v.course[AXES + a], t)
+        if <int>a == v.root_axis:
+            x[a] = sqrt(max(x[a], 0.0))
         x[a] = min(max(x[a], v.floor[a]), v.top[a])
     if v.n_boxes == 0 or not _holds(v, &v.boxes[v.last], x):
         for m in range(v.n_boxes):
@@ -236,6 +239,8 @@ cdef class Varying:
         Always the same for the same place.
     speed_axis : int
         The axis that is |w_i - w_o|, -1 for none.
+    root_axis : int
+        The axis on which the root of its course counts, -1 for none.
     inner_share, still : float
         R_i/(R_i + R_o), and the epicyclic cage speed below which no slip is watched [rad/s].
     autonomous : bool
@@ -252,14 +257,15 @@ cdef class Varying:
     cdef double[::1] scale
     cdef bint autonomous
 
-    def __init__(self, courses, ranges, around, *, int speed_axis=-1, double inner_share, double still=0.0,
-                 bint autonomous=False, scale):
+    def __init__(self, courses, ranges, around, *, int speed_axis=-1, int root_axis=-1, double inner_share,
+                 double still=0.0, bint autonomous=False, scale):
         cdef varying_t *v = &self.v
         cdef const rs_system *s
         cdef double[::1] begin
         cdef double[:, ::1] powers
         cdef double[::1] room
-        v.axes, v.speed_axis, v.inner_share, v.still, v.t = len(ranges), speed_axis, inner_share, still, NAN
+        v.axes, v.speed_axis, v.root_axis = len(ranges), speed_axis, root_axis
+        v.inner_share, v.still, v.t = inner_share, still, NAN
         if v.axes > MAX_AXES or len(courses) != <Py_ssize_t>(AXES + v.axes):
             raise ValueError(f"{len(courses)} courses on {len(ranges)} axes: three more than axes are expected, and at "
                              f"most {MAX_AXES} of these")

@@ -8,7 +8,7 @@ steady bearing take, and without a duration a history means nothing. A value tha
 import hashlib
 import math
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -160,7 +160,7 @@ class HistorySettings:
                 faults.append(where.at(name).at(error.field).says(error.reason))
                 continue
             if one.shape == "table":
-                faults += _uncovered(np.array(one.time), duration, *2 * (where.at(name).at("time").says("")[:-2],))
+                faults += _uncovered(np.array(one.time), duration, *2 * (where.at(name).at("time").says(""),))
         for name in ("radial_load", "temperature"):
             if name in courses and (least := courses[name].span(duration)[0]) < 0.0:
                 goes = format_quantity(least, _like(name)["unit"])
@@ -265,17 +265,17 @@ class History:
         """Return the values at times [s], of any shape."""
         return {name: course.at(t) for name, course in self.courses.items()}
 
-    @property
+    @cached_property
     def spans(self) -> dict[str, tuple[float, float]]:
         """Least and largest of each value during the run."""
         return {name: course.span(self.end) for name, course in self.courses.items()}
 
-    @property
+    @cached_property
     def varies(self) -> tuple[str, ...]:
         """What is not the same all the time."""
         return tuple(name for name, (low, high) in self.spans.items() if low < high)
 
-    @property
+    @cached_property
     def breaks(self) -> tuple[float, ...]:
         """Times of jumps and kinks within the run [s]."""
         every = {one for course in self.courses.values() for one in course.breaks}

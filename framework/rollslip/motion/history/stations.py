@@ -6,6 +6,7 @@
   right where the rates at a sixth and at five sixths of it, about where a cubic errs most, are those of a bearing put
   together there, to the tolerance, at some slips of the cage and with the other axes at each of their ends. Which
   intervals there are does not depend on where a motion went before.
+- The load counts by its root: the width of a contact goes with that, and its traction down to no load.
 - Only stations around operations that a motion comes through are put together.
 """
 
@@ -40,6 +41,11 @@ _DEEPEST: Final = 9
 #: Nodes of an interval, and where its cubic is checked: they are nodes of its halves, in sixths of it.
 _SIXTHS: Final = (0, 2, 4, 6)
 _CHECKED: Final = (1, 5)
+#: Share of the rates at the highest load, temperature and speed that errors are relative to at least: near no load
+#: there is next to nothing to be relative to, and drags move the cage.
+_LEAST: Final = 0.05
+#: Least load, relative to the largest.
+_HARDLY: Final = 1e-9
 #: Entries of the ledger that rates are compared by, beside the spins of the rollers.
 _COMPARED: Final = ("impulse_inner", "impulse_outer", "impulse_drag", "lost_rolling")
 
@@ -48,11 +54,22 @@ Place = tuple[float, ...]
 
 @attrs.frozen
 class Axis:
-    """What varies: "radial_load" [N], "temperature" [K] or "speed" [rad/s], and between which values."""
+    """What varies, and from where to where: the root of "radial_load" [N^0.5], "temperature" [K] or "speed" [rad/s]."""
 
     name: str
     low: float
     high: float
+
+    @classmethod
+    def of(cls, name: str, low: float, high: float) -> "Axis":
+        """Return the axis of a value of the operation from one to another; no load is the limit of hardly any."""
+        if name != "radial_load":
+            return cls(name, low, high)
+        return cls(name, math.sqrt(max(low, _HARDLY * high)), math.sqrt(high))
+
+    def value(self, place: float) -> float:
+        """Return the value of the operation at a place [N, K, rad/s]."""
+        return place * place if self.name == "radial_load" else place
 
     @property
     def roots(self) -> tuple[float, ...]:
@@ -92,6 +109,7 @@ class Stations:
     level: str
     tolerance: float
     _made: dict[Place, CarriedMotion] = attrs.field(factory=dict, init=False, repr=False)
+    _kept: dict[str, Array] = attrs.field(factory=dict, init=False, repr=False)
     #: Errors of the intervals that were looked at: shared by all motions of the bearing through this operation.
     _errors: dict[tuple[int, float, float], float] = attrs.field(factory=dict, init=False, repr=False)
 
@@ -165,8 +183,16 @@ class Stations:
             true = there(_between(low, high, share))
             at_nodes = [rates_of(there(node), true) for node in _nodes(low, high)]
             cubic = sum(weight * rates for weight, rates in zip(_weights(share), at_nodes, strict=True))
-            found = max(found, off(np.asarray(cubic), rates_of(true, true)))
+            found = max(found, off(np.asarray(cubic), rates_of(true, true), _LEAST * self._largest))
         return found
+
+    @property
+    def _largest(self) -> Array:
+        """Largest rates at the highest end of all axes, as `off` takes them."""
+        if "largest" not in self._kept:
+            top = self.motion(tuple(axis.high for axis in self.axes))
+            self._kept["largest"] = sizes_of(rates_of(top, top))
+        return self._kept["largest"]
 
     def motion(self, place: Place) -> CarriedMotion:
         """Return the bearing in motion at a place on the axes."""
@@ -180,7 +206,7 @@ class Stations:
             ("bearings", self.assembly.resolution, self.axes, self.speeds), {}
         )
         if place not in known:
-            values = {axis.name: value for axis, value in zip(self.axes, place, strict=True)}
+            values = {axis.name: axis.value(at) for axis, at in zip(self.axes, place, strict=True)}
             speed = values.pop("speed", None)
             share = 1.0 if speed is None else speed / abs(self.speeds[0] - self.speeds[1])
             values |= {"inner_speed": share * self.speeds[0], "outer_speed": share * self.speeds[1]}
@@ -262,15 +288,20 @@ def _slips(assembly: Assembly) -> Iterable[float]:
     return _SLIPS if abs(k.epicyclic_cage_speed) > 1e-9 * abs(k.inner_speed - k.outer_speed) else (0.0,)
 
 
-def off(rates: Array, true: Array) -> float:
-    """Largest error of rates: of the spins together, and of each entry of the ledger, relative to its largest."""
-    apart, whole, more = np.abs(rates - true), np.abs(true), len(_COMPARED)
-    of_spins = apart[:, :-more].sum(axis=1).max(), whole[:, :-more].sum(axis=1).max()
-    pairs = [of_spins, *zip(apart[:, -more:].max(axis=0), whole[:, -more:].max(axis=0), strict=True)]
-    return max(float(error / size) for error, size in pairs if size > 0.0) if any(size for _, size in pairs) else 0.0
+def sizes_of(rates: Array) -> Array:
+    """Largest rates over the slips: of the spins together, and of each entry of the ledger, (1 + entries,)."""
+    size, more = np.abs(rates), len(_COMPARED)
+    return np.concatenate(([size[:, :-more].sum(axis=1).max()], size[:, -more:].max(axis=0)))
+
+
+def off(rates: Array, true: Array, least: Array) -> float:
+    """Largest error of rates, relative to the largest of their sort, or to the least that counts if that is more."""
+    error, size = sizes_of(rates - true), np.maximum(sizes_of(true), least)
+    return float(np.divide(error, size, out=np.zeros(size.size), where=size > 0.0).max())
 
 
 def shown(axis: Axis) -> str:
     """Say from what to what an axis goes."""
     unit = {"radial_load": "N", "temperature": "K"}.get(axis.name, "rad/s")
-    return f"{axis.name.replace('_', ' ')} {format_quantity(axis.low, unit)} to {format_quantity(axis.high, unit)}"
+    low, high = (format_quantity(axis.value(end), unit) for end in (axis.low, axis.high))
+    return f"{axis.name.replace('_', ' ')} {low} to {high}"

@@ -130,7 +130,7 @@ def varying_motion(
     """
     k, spans = assembly.kinematics, history.spans
     speeds = _fastest_speeds(assembly, history)
-    axes = [Axis(name, *spans[name]) for name in ("radial_load", "temperature") if name in history.varies]
+    axes = [Axis.of(name, *spans[name]) for name in ("radial_load", "temperature") if name in history.varies]
     if friction.name == "effective" and {"inner_speed", "outer_speed"} & {*history.varies}:
         if not history.speeds_in_proportion():
             raise DomainError(
@@ -163,6 +163,7 @@ def varying_motion(
         [(axis.roots[0], axis.high) for axis in axes],
         stations.around,
         speed_axis=names.index("speed") if "speed" in names else -1,
+        root_axis=names.index("radial_load") if "radial_load" in names else -1,
         inner_share=k.inner_radius / (k.inner_radius + k.outer_radius),
         still=STILL * _fastest(assembly, history),
         autonomous=not history.varies,

@@ -53,8 +53,11 @@ def history_of(settings: HistorySettings | None, assembly: Assembly, duration: f
     """
     if settings is None:
         return None
-    where = Location(assembly.scene.origins, (*table_of.split("."), "history"))
-    return settings.history(assembly.scene, duration, where)
+    where, key = Location(assembly.scene.origins, (*table_of.split("."), "history")), ("history", settings, duration)
+    if key not in assembly.known_maps:
+        assembly.known_maps[key] = settings.history(assembly.scene, duration, where)
+    known: History = assembly.known_maps[key]
+    return known
 
 
 def refused(level: str, assembly: Assembly, table_of: str) -> None:
@@ -297,6 +300,8 @@ def settled(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float
     """Return a steady slip and its status; none where the operation changed in the last three eighths of a run."""
     if not isinstance(moving, VaryingMotion):
         return status
+    if math.isnan(moving.unslipped(times)[0][-1]):
+        return math.nan, "the rings all but stand at the end"
     last = times[times >= times[-1] - 0.375 * (times[-1] - times[0])]
     now: Mapping[str, Array] = moving.history.at(last)
     changing = [name for name, values in now.items() if np.ptp(values) > 0.0]

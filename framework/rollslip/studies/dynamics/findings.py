@@ -271,7 +271,7 @@ def _steady(dataset: "xr.Dataset") -> str:
     why = str(a["steady_status"])
     what = f"cage slip is {why}" if why.startswith("not ") else f"no steady cage slip: {why}"
     last = float(dataset["cage_slip"][-1])
-    return f"{what}; at the end {'the rings all but stand' if math.isnan(last) else f'it is {_share(last)}'}"
+    return what if math.isnan(last) else f"{what}; at the end it is {_share(last)}"
 
 
 def _critical(dataset: "xr.Dataset") -> str:
