@@ -12,7 +12,7 @@ from rollslip.errors import DomainError, RollslipError
 from rollslip.motion.carried import CarriedMotion
 from rollslip.motion.history.courses import Course, constant
 from rollslip.motion.history.settings import History
-from rollslip.motion.history.stations import Axis, Stations
+from rollslip.motion.history.stations import Axis, Stations, operated
 from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip_kernels.motion.system import System
@@ -139,12 +139,15 @@ def varying_motion(
             )
         axes.append(Axis("speed", 0.0, abs(speeds[0] - speeds[1])))
     top = max(abs(end) for name in ("inner_speed", "outer_speed") for end in spans[name])
+    steady = _held(
+        assembly, {name: spans[name][0] for name in ("radial_load", "temperature") if name not in history.varies}
+    )
     asked = assembly.scene.accuracy.of("cage_speed")
     plain = attrs.evolve(friction, critical_slip=float("nan"))
     if axes:  # tables differ by their errors, of which interpolation can make nothing better
         plain = attrs.evolve(plain, tolerance=min(friction.table_tolerance(assembly), _TABLES * asked))
     stations = Stations(
-        assembly=assembly,
+        assembly=steady,
         speeds=speeds,
         top_speed=top,
         axes=tuple(axes),
@@ -177,6 +180,14 @@ def varying_motion(
         stations=stations,
         base=base,
     )
+
+
+def _held(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
+    """The bearing at the values that stay the same, put together once."""
+    key = "held", assembly.resolution, *values.items()
+    held: Assembly = assembly.known_maps.setdefault(key, None) or operated(assembly, values)
+    assembly.known_maps[key] = held
+    return held
 
 
 def _fastest_speeds(assembly: Assembly, history: History) -> tuple[float, float]:

@@ -135,17 +135,27 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
         low, high = (STILL * apart.max(), apart.max()) if name == "speed" else spans[name]
         values.append(apart if name == "speed" else now[name])
         grids.append(_grid(low, high, _GRID[len(names)]))
-    key = "along", repr(study), assembly.resolution, *names, *(float(one) for grid in grids for one in grid[[0, -1]])
+    ends = (spans["radial_load"], spans["temperature"], float(apart.max()))
+    key = (
+        "along",
+        repr(study),
+        assembly.resolution,
+        ends,
+        *names,
+        *(float(one) for grid in grids for one in grid[[0, -1]]),
+    )
     found: dict[tuple[int, ...], tuple[float, float, float]]
     found, statuses = assembly.known_maps.setdefault(key, ({}, set[str]()))
     top = int(np.argmax(apart))
     speeds = {name: float(now[name][top]) / (apart[top] or 1.0) for name in ("inner_speed", "outer_speed")}
 
+    held = {name: spans[name][0] for name in ("radial_load", "temperature") if name not in names}
+
     def at(place: tuple[int, ...]) -> tuple[float, float, float]:
         if place not in found:
             here = {name: float(grid[k]) for name, grid, k in zip(names, grids, place, strict=True)}
             speed = here.pop("speed", float(apart[top]))
-            there = here | {name: float(share * speed) for name, share in speeds.items()}
+            there = held | here | {name: float(share * speed) for name, share in speeds.items()}
             try:
                 raceways = study.loaded(operated(assembly, there), assembly.resolution.instants or INSTANTS)
                 away, critical = away_of(study, raceways), critical_of(study, raceways)

@@ -1,0 +1,286 @@
+"""Study dynamics along a history: against another integration, what is known of skidding, and at its limits."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import rollslip
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.load_map import build_load_map
+from rollslip.catalogue.registry import get_model
+from rollslip.errors import SceneError
+from rollslip.motion.history.settings import HistorySettings
+from rollslip.motion.history.varying import varying_motion
+from rollslip.motion.raceway_friction import FrictionSettings
+from rollslip.motion.time_integration import InitialValueProblem, integrate
+from rollslip.structure import Location, structure
+from rollslip.studies.dynamics import along, history_findings
+from rollslip.studies.dynamics.account import DynamicsAccount
+from rollslip.studies.dynamics.study import Dynamics
+from rollslip.studies.effective_friction.study import EffectiveFriction
+
+HISTORY = "study.dynamics.history"
+SHORT = {
+    "accuracy.slices": 5,
+    "study.dynamics.friction": "conventional",
+    "study.dynamics.integrator": "rodas5p",
+    "study.dynamics.relative_tolerance": 1e-5,
+    "study.dynamics.points": 101,
+    "study.dynamics.duration": "0.5 s",
+}
+SCENE = rollslip.evolve(rollslip.load_scene("1032930-50C"), SHORT)
+
+
+def scene(changes=None, **raw):
+    return rollslip.evolve(SCENE, (changes or {}) | ({HISTORY: raw} if raw else {}))
+
+
+def ran(changes=None, **raw):
+    """Run at exactly the settings of the scene, without a plan."""
+    bearing = assemble(scene(changes, **raw))
+    return Dynamics.of(bearing.scene).run(bearing)
+
+
+@pytest.mark.parametrize("friction", ["conventional", "effective"])
+def test_a_history_in_which_nothing_changes_leaves_the_bits(friction):
+    changes = {"study.dynamics.friction": friction}
+    without, still = ran(changes), ran(changes, radial_load={"shape": "step", "to": "1037 N", "at": "0.2 s"})
+    for name in without.data_vars:
+        if name not in ("event_what",):
+            assert np.array_equal(without[name], still[name], equal_nan=without[name].dtype.kind == "f"), name
+    assert without.attrs["steps"] == still.attrs["steps"]
+
+
+# Another integration ------------------------------------------------------------------------------------------------
+
+
+def independent(bearing, ring_speed, loads, end, times):
+    """Cage speed at times of an outer ring at rest and rollers at the cage's spacing, torques of every slice in Python.
+
+    J s' = r (F_i - F_o), (I_c + Z m R_m^2) w' = T + sum (R_i + r) F_i + (R_o - r) F_o, with s the absolute spin in the
+    sense of rolling, T the drag, and F the sum of mu(Q', V, u) Q' dx over the slices of a contact.
+    """
+    k, cage = bearing.kinematics, bearing.cage
+    count, radius, mass = bearing.scene.bearing.rollers, k.roller_radius, bearing.roller_mass
+    spin_inertia, inertia = 0.5 * mass * radius**2, cage.inertia + count * mass * k.orbit_radius**2
+
+    def friction(raceway, load, sliding, rolling):
+        roller, column = np.nonzero(load > 0.0)
+        film_speed = np.sqrt(rolling**2 + 1e-3**2)
+        slices = raceway.evaluate(load[roller, column], film_speed[roller], sliding[roller])
+        force = slices.friction * load[roller, column] * bearing.widths[column]
+        return np.bincount(roller, force, count)
+
+    def rates(t, y):
+        angle, speed, spin = y[0], y[1], y[2:]
+        psi = angle + 2.0 * np.pi / count * np.arange(count)
+        inner, outer = loads.at(psi, mass * k.orbit_radius * speed**2)
+        surface = radius * (spin + speed)
+        ahead_i, ahead_o = k.inner_radius * (ring_speed(t) - speed), k.outer_radius * speed
+        F_i = friction(bearing.inner, inner, ahead_i - surface, 0.5 * (ahead_i + surface))
+        F_o = friction(bearing.outer, outer, surface - ahead_o, 0.5 * (ahead_o + surface))
+        drag = sum(model.torque(speed, ring_speed(t), 0.0) for model in cage.drags.torques)
+        torque = drag + ((k.inner_radius + radius) * F_i + (k.outer_radius - radius) * F_o).sum()
+        return np.concatenate(([speed, torque / inertia], radius * (F_i - F_o) / spin_inertia))
+
+    share = k.inner_radius / (k.inner_radius + k.outer_radius)
+    start = share * ring_speed(0.0)
+    spin = k.inner_radius * k.outer_radius / (k.inner_radius + k.outer_radius) * ring_speed(0.0) / radius - start
+    y = np.concatenate(([0.0, start], np.full(count, spin)))
+    found = solve_ivp(rates, (0.0, end), y, "DOP853", t_eval=times, rtol=1e-10, atol=1e-9)
+    assert found.success
+    return found.y[1]
+
+
+def test_a_run_up_is_that_of_another_integration_with_torques_worked_out_directly():
+    """To 1e-7, with loads from the same map: the integrators' tolerances are 1e-10 here and 1e-9 there."""
+    of = rollslip.evolve(SCENE, {"bearing.rollers": 10, "accuracy.slices": 3, "cage.drag": ["petroff-land"]})
+    bearing, end = assemble(of), 0.02
+    low, high = 0.5 * of.operation.inner_speed, of.operation.inner_speed
+    raw = {"inner_speed": {"shape": "run-up", "from": low, "within": f"{end} s"}}
+    problems = []
+    settings = structure(HistorySettings, raw, "study.dynamics.history", problems)
+    way = settings.history(of, end, Location({}))
+    moving = varying_motion(bearing, FrictionSettings(name="conventional"), way, level="cage-set")
+    times = np.linspace(0.0, end, 9)
+    problem = InitialValueProblem(rates=moving.system, y=moving.initial(), atol=1e-9 * moving.system.scale)
+    ours = integrate(problem, get_model("integrator", "rk45"), times, rtol=1e-9)
+    assert ours.outcome == "finished"
+    speed = moving.split(ours.y)["cage_speed"]
+
+    def ring_speed(t):
+        x = min(max(t / end, 0.0), 1.0)
+        return low + (high - low) * x * x * (3.0 - 2.0 * x)
+
+    loads = build_load_map(bearing, FrictionSettings(name="conventional").table_tolerance(bearing), high)
+    theirs = independent(bearing, ring_speed, loads, end, times)
+    assert np.abs(speed / theirs - 1.0).max() < 1e-7
+    assert speed[-1] > 1.02 * speed[0]  # it did run up
+
+
+# What is known of skidding ------------------------------------------------------------------------------------------
+
+LIGHT = {"operation.radial_load": "400 N", "study.dynamics.duration": "1 s"}
+
+
+def test_accelerating_a_lightly_loaded_bearing_skids_more_than_running_it_steadily():
+    steady = ran(LIGHT | {"study.dynamics.duration": "3 s"})
+    up = ran(LIGHT, inner_speed={"shape": "run-up", "from": "1000 rpm", "within": "0.3 s"})
+    slow = ran(LIGHT, inner_speed={"shape": "run-up", "from": "1000 rpm", "within": "0.9 s"})
+    fast, gentle = (history_findings.largest(one)[0] for one in (up, slow))
+    assert fast > 1.5 * float(steady.cage_slip[-1])
+    assert fast > gentle
+
+
+def test_a_drop_in_load_skids():
+    at_rest = {"study.dynamics.cage_slip": 0.07, "study.dynamics.duration": "1 s"}
+    kept, dropped = ran(at_rest), ran(at_rest, radial_load={"shape": "step", "to": "400 N", "at": "0.2 s"})
+    assert np.array_equal(kept.cage_slip[:20], dropped.cage_slip[:20]) or np.allclose(
+        kept.cage_slip[:20], dropped.cage_slip[:20], atol=1e-4
+    )
+    assert float(dropped.cage_slip[-1]) > float(kept.cage_slip[-1]) + 0.02
+
+
+def test_colder_oil_slips_more_at_light_load():
+    cold, warm = (
+        ran(LIGHT, temperature={"shape": "step", "from": start, "to": start, "at": "0.1 s"})
+        for start in ("20 degC", "50 degC")
+    )
+    assert float(cold.cage_slip[-1]) > float(warm.cage_slip[-1]) + 0.01
+
+
+# Hard cases ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_ring_that_turns_back_is_followed_and_slips_are_told_where_they_refer_to_something():
+    back = ran(inner_speed={"shape": "ramp", "to": "-6371 rpm", "within": "0.2 s", "at": "0.1 s"})
+    assert back.attrs["outcome"] == "finished"
+    without, slip = back.epicyclic_cage_speed.to_numpy(), back.cage_slip.to_numpy()
+    slow = np.abs(without) <= 0.05 * np.abs(without).max()
+    assert slow.any()
+    assert np.array_equal(np.isnan(slip), slow)
+    assert slip[~slow] == pytest.approx(1.0 - back.cage_speed.to_numpy()[~slow] / without[~slow], abs=1e-12)
+    assert np.abs(back.energy_residual).max() < 1e-4 * np.abs(back.work_done).max()
+    mirrored = ran(
+        {"operation.inner_speed": "-6371 rpm"},
+        inner_speed={"shape": "ramp", "to": "6371 rpm", "within": "0.2 s", "at": "0.1 s"},
+    )
+    assert np.allclose(mirrored.cage_speed, -back.cage_speed, rtol=1e-9)
+
+
+def test_a_jump_in_load_is_a_kink_of_the_slip_and_no_step_goes_over_it():
+    to = {"study.dynamics.relative_tolerance": 1e-9}
+    jump = {"shape": "step", "to": "700 N", "at": "0.2345 s"}
+    whole = ran(to, radial_load=jump)
+    # what comes before does not know of it
+    before = ran(to | {"study.dynamics.duration": "0.23 s", "study.dynamics.points": 47}, radial_load=jump)
+    assert float(whole.cage_speed.sel(time=0.23, method="nearest")) == pytest.approx(
+        float(before.cage_speed[-1]),
+        rel=1e-6,  # states between steps are right to fourth order
+    )
+    assert whole.radial_load.to_numpy()[[46, 47]].tolist() == [1037.0, 700.0]
+
+
+def test_a_run_from_rest_ends_as_one_that_always_turned():
+    longer = {"study.dynamics.duration": "4 s"}
+    steady, up = ran(longer), ran(longer, inner_speed={"shape": "run-up", "within": "0.05 s"})
+    assert up.attrs["outcome"] == "finished"
+    assert math.isnan(float(up.cage_slip[0]))
+    assert float(up.cage_slip[-1]) > float(steady.cage_slip[-1])  # it has not caught up yet, and is not below
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("level", ["pocket", "planar"])
+def test_a_level_without_histories_says_so(level):
+    changes = {"study.dynamics.level": level, "study.dynamics.planar": {"inner_ring_mass": "5 kg"}}
+    with pytest.raises(SceneError, match=f"level '{level}' does not take a history yet, level 'cage-set' does"):
+        ran(changes, radial_load={"shape": "step", "to": "700 N", "at": "0.2 s"})
+
+
+# What is told -------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def dropped():
+    return ran({"study.dynamics.cage_slip": 0.07}, radial_load={"shape": "ramp", "to": "900 N", "within": "0.5 s"})
+
+
+def test_the_slip_of_running_away_along_the_way_is_that_of_the_bearing_held_there(dropped):
+    for k in (0, 33, 100):
+        load = f"{float(dropped.radial_load[k])!r} N"
+        held = assemble(scene({"operation.radial_load": load}))
+        study = EffectiveFriction.of(held.scene)
+        away = along.away_of(study, study.loaded(held, along.INSTANTS))
+        assert float(dropped.runaway_slip_along[k]) == pytest.approx(away.slip, abs=2e-3)
+        assert float(dropped.runaway_drag_along[k]) == pytest.approx(away.drag, rel=2e-3)
+
+
+def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
+    account = DynamicsAccount("dynamics")
+    record, topics = account.record(dropped), account.topics(dropped)
+    assert record["history"] == ["radial_load"]
+    assert record["largest_cage_slip"] == float(dropped.cage_slip.max())
+    assert record["time_beyond_runaway"] == 0.0
+    assert record["frictional_work_inner"] == -float(dropped.work_done.sel(work="lost_inner")[-1]) > 0.0
+    sliding = np.abs(dropped.sliding_speed.sel(ring="inner")).mean("roller")
+    assert record["sliding_distance_inner"] == pytest.approx(float(np.trapezoid(sliding, dropped.time)))
+    assert topics["history"][0] == "radial load goes from 1.037 kN to 900 N in 0.5 s"
+    assert "stays below that of running away, nearest at" in topics["running away"][1]
+    names = [name for name, *_ in account.figures(dropped)]
+    assert "dynamics-conventional-history" in names
+    json.dumps(record)
+
+
+@pytest.mark.quick
+def test_time_beyond_is_that_of_straight_lines_between_the_instants():
+    import xarray as xr
+
+    slip = [0.1, 0.3, 0.5, 0.3, np.nan, 0.9]
+    dataset = xr.Dataset(
+        {"cage_slip": ("time", slip), "runaway_slip_along": ("time", np.full(6, 0.4))}, {"time": np.arange(6.0)}
+    )
+    assert history_findings.time_beyond(dataset) == pytest.approx(1.0)  # from 1.5 to 2.5 s
+    assert history_findings.largest(dataset) == (0.9, 5.0)
+    assert history_findings.nearest(dataset) == pytest.approx((-0.5, 5.0, 0.4))
+
+
+def test_the_plan_tells_what_a_history_costs_and_why_friction_is_conventional():
+    open_friction = {"study.dynamics": {"duration": "0.2 s"}}
+    changes = open_friction | {f"{HISTORY}.inner_speed": {"shape": "run-up", "from": "2000 rpm", "within": "0.1 s"}}
+    plan = rollslip.plan(rollslip.evolve(SCENE, changes), "dynamics")
+    parts = {part.part: part for part in plan.parts}
+    assert parts["history"].choice == "inner speed"
+    assert parts["history"].seconds > 0.0
+    assert parts["friction of the raceways"].choice == "conventional"
+    assert "effective friction is tabulated at one speed" in parts["friction of the raceways"].reason
+
+
+@pytest.mark.quick
+def test_a_parameter_of_a_history_can_be_varied():
+    from rollslip.planning.quantities import quantities
+
+    of = scene(radial_load={"shape": "ramp", "to": "900 N", "within": "0.5 s"})
+    bearing = assemble(of)
+    known = quantities(bearing, {"dynamics": Dynamics.of(of)})
+    one = known[f"{HISTORY}.radial_load.to"]
+    assert (one.value, one.unit) == (900.0, "N")
+    assert one.read("1.2 kN") == 1200.0
+    changed = Dynamics.of(rollslip.evolve(of, {one.key: "800 N"}))
+    assert changed.history.radial_load.to == 800.0
+
+
+def test_the_passage_of_the_slip_of_running_away_is_an_event_and_can_end_the_run():
+    drag = [{"model": "constant-torque", "size": "0.9 N m"}]
+    changes = {
+        "cage.drag": drag,
+        "study.dynamics.cage_slip": 0.2,
+        "study.dynamics.stop_at": "critical",
+        "study.dynamics.duration": "4 s",
+    }
+    away = ran(changes, radial_load={"shape": "step", "to": "950 N", "at": "0.1 s"})
+    assert away.attrs["outcome"] == "stopped"
+    last = float(away.cage_slip[-1])
+    assert last == pytest.approx(float(away.runaway_slip_along[-1]), abs=1e-6)
