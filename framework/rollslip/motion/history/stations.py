@@ -47,8 +47,8 @@ _CHECKED: Final = (1, 3, 5)
 _LEAST: Final = 0.05
 #: Least load, relative to the largest.
 _HARDLY: Final = 1e-9
-#: Share of the tolerance that is left to what is seen at the checked places: tables take another, and where a slice parts
-#: between them the rates have a kink, at which a cubic errs two to three times as much.
+#: Share of the tolerance that is left to what is seen at the checked places: tables take another, and where a slice
+#: parts between them the rates have a kink, at which a cubic errs two to three times as much.
 _SHARE: Final = 0.4
 #: Entries of the ledger that rates are compared by, beside the spins of the rollers.
 _COMPARED: Final = ("impulse_inner", "impulse_outer", "impulse_drag", "lost_rolling")
@@ -204,11 +204,20 @@ class Stations:
             self._made[place] = self._put_together(place)
         return self._made[place]
 
+    @property
+    def _bearings(self) -> dict[Place, Assembly]:
+        key = "bearings", self.assembly.resolution, self.axes, self.speeds
+        known: dict[Place, Assembly] = self.assembly.known_maps.setdefault(key, {})
+        return known
+
+    @property
+    def bearings(self) -> int:
+        """How many bearings were put together, by all motions through this operation."""
+        return len(self._bearings)
+
     def bearing(self, place: Place) -> Assembly:
         """Return the bearing at a place on the axes; the one that the scene states where that is there."""
-        known: dict[Place, Assembly] = self.assembly.known_maps.setdefault(
-            ("bearings", self.assembly.resolution, self.axes, self.speeds), {}
-        )
+        known = self._bearings
         if place not in known:
             values = {axis.name: axis.value(at) for axis, at in zip(self.axes, place, strict=True)}
             speed = values.pop("speed", None)

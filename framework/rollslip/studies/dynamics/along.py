@@ -10,7 +10,7 @@ import json
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import attrs
 import numpy as np
@@ -27,9 +27,13 @@ from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.runaway import Runaway
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
+from rollslip.studies.dynamics import history_findings
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.estimates import slices_and_instants
 from rollslip.studies.raceways import LoadedRaceways
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Operations along each axis, by the number of axes.
 _GRID: Final = {0: 1, 1: 9, 2: 5, 3: 4}
@@ -274,7 +278,9 @@ def parts(
         Part(
             part="history",
             choice=", ".join(history.given).replace("_", " "),
-            resolution=axes if stations.axes else "nothing to be mapped: rates know the speeds of the rings",
+            resolution=f"{axes}; {stations.bearings} bearings put together for them"
+            if stations.axes
+            else "nothing to be mapped: rates know the speeds of the rings",
             reason="the scene gives it; a map has nodes where the motion comes through, until it is right between them",
             study=study,
             errors={"cage_speed": stations.error} if stations.error else {},
@@ -283,12 +289,10 @@ def parts(
     ]
 
 
-def cost(
-    history: History | None, make: Callable[[], MovingBearing], study: EffectiveFriction, away: float
-) -> dict[str, float]:
-    """Return the time [s] that maps along a history take in a run, and the slip of running away, once at ``away``.
+def cost(history: History | None, make: Callable[[], MovingBearing], study: EffectiveFriction) -> dict[str, float]:
+    """Return the time [s] that maps along a history, and the slips of running away along it, take in a run.
 
-    The maps are made for it, and kept: of them the run pays what finding them costs.
+    They are made for it, and kept: of them the run pays what finding them costs.
     """
     if history is None:
         return {}
@@ -301,9 +305,19 @@ def cost(
             moving.system(float(t), y)
 
     through()
+    along(study, make().assembly, history, times)
     begin = time.process_time()
     through()
-    return {"history": time.process_time() - begin + away * along(study, make().assembly, history, times).operations}
+    along(study, make().assembly, history, times)
+    return {"history": time.process_time() - begin}
+
+
+def told(dataset: "xr.Dataset") -> "xr.Dataset":
+    """Return a result with what is asked of a history as single values, which campaigns keep; as it is without one."""
+    if not history_findings.along(dataset):
+        return dataset
+    values = {k: v for k, v in history_findings.record(dataset).items() if not isinstance(v, list)}
+    return dataset.assign_attrs({key: math.nan if value is None else value for key, value in values.items()})
 
 
 def settled(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float, str]:

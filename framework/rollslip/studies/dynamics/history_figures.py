@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ROW, TWO_COLUMNS, plain_ticks
+from rollslip.studies.dynamics.history_findings import nearest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -15,13 +16,13 @@ if TYPE_CHECKING:
 
 #: What varies -> label, and how its SI value is shown.
 _SHOWN: Final[dict[str, tuple[str, float, float]]] = {
-    "inner_speed": ("Inner ring [rpm]", 30.0 / math.pi, 0.0),
-    "outer_speed": ("Outer ring [rpm]", 30.0 / math.pi, 0.0),
-    "radial_load": ("Radial load [N]", 1.0, 0.0),
-    "temperature": ("Temperature [°C]", 1.0, -273.15),
+    "inner_speed": ("Inner ring\n[rpm]", 30.0 / math.pi, 0.0),
+    "outer_speed": ("Outer ring\n[rpm]", 30.0 / math.pi, 0.0),
+    "radial_load": ("Radial\nload [N]", 1.0, 0.0),
+    "temperature": ("Temperature\n[°C]", 1.0, -273.15),
 }
-#: Share of the largest slip beyond which the axis of slip does not go for what lies above.
-_ROOM: Final = 1.3
+#: Room on the axis above the largest slip, and how far it goes at most for a slip of running away beyond.
+_ROOM, _FAR = 1.3, 4.0
 
 
 def slip_along(dataset: "xr.Dataset") -> "Figure":
@@ -29,7 +30,7 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
     from matplotlib.figure import Figure
 
     given = json.loads(dataset.attrs["history"])
-    figure = Figure(figsize=(TWO_COLUMNS[0], (52 + 24 * len(given)) * MM), layout="constrained")
+    figure = Figure(figsize=(TWO_COLUMNS[0], (52 + 26 * len(given)) * MM), layout="constrained")
     axes, *below = figure.subplots(1 + len(given), 1, sharex=True, height_ratios=(2.2, *[1.0] * len(given)))
     plain_ticks(axes, *below)
     t = dataset["time"].to_numpy()
@@ -38,8 +39,9 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
     )
     handles: list[Artist] = []
     top = _ROOM * float(np.nanmax(slip)) if np.isfinite(slip).any() else 100.0
-    known = np.concatenate((away[np.isfinite(away)], [math.inf]))
-    top = min(max(top, min(_ROOM * float(known.min()), 4.0 * top)), 105.0 if top <= 105.0 else top)
+    limit = 100.0 * nearest(dataset)[2]  # where the cage comes nearest to it
+    if math.isfinite(limit):
+        top = max(top, min(_ROOM * limit, _FAR * top))
     handles += axes.plot(t, slip, color=MODEL_COLOURS[0], label="cage slip")
     if np.isfinite(away).any():
         tint: dict[str, Any] = {"color": MODEL_COLOURS[1], "alpha": 0.25, "linewidth": 0.0}

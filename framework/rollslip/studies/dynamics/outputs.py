@@ -54,6 +54,20 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "land_eccentricity": Output(
             "time", "1", "eccentricity of the cage on the land that guides it, in clearances"
         ),
+        **{
+            name: Output("", unit, f"{meaning}, of a run along a history", attribute=True)
+            for name, unit, meaning in (
+                ("largest_cage_slip", "1", "largest cage slip"),
+                ("largest_cage_slip_time", "s", "time of the largest cage slip"),
+                ("least_margin_to_runaway", "1", "least slip that is left to that of running away at the moment"),
+                ("least_margin_time", "s", "time of that"),
+                ("time_beyond_runaway", "s", "time beyond the slip of running away"),
+                ("sliding_distance_inner", "m", "distance that a roller slides on the inner ring, mean of all"),
+                ("sliding_distance_outer", "m", "distance that a roller slides on the outer ring, mean of all"),
+                ("frictional_work_inner", "J", "work of sliding at the inner ring"),
+                ("frictional_work_outer", "J", "work of sliding at the outer ring"),
+            )
+        },
         "steady_cage_slip": Output("", "1", "steady cage slip", status="steady_status", default=True, attribute=True),
         "steady_status": Output("", "1", "steady status", attribute=True),
         "runaway_slip": Output(

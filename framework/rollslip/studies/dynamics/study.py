@@ -234,7 +234,7 @@ class Dynamics(Study):
         at = attrs.evolve(assembly.resolution, instants=assembly.resolution.instants or along.INSTANTS)
         told = attrs.evolve(self.curved(assembly), map_points=0).cost(assembly.at(at))
         away, history = sum(told.values()), self.course(assembly)
-        along_it = along.cost(history, lambda: self.moving(assembly), self.curved(assembly), away)
+        along_it = along.cost(history, lambda: self.moving(assembly), self.curved(assembly))
         return {"running away": away, **along_it, **costs_of(self, assembly)}
 
     def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
@@ -334,7 +334,7 @@ class Dynamics(Study):
         DomainError, ConvergenceError
             If loads or friction cannot be tabulated.
         """
-        return self.at(assembly.resolution)._run(assembly, keep or Keep())
+        return along.told(self.at(assembly.resolution)._run(assembly, keep or Keep()))
 
     def _run(self, assembly: Assembly, kept: Keep) -> "xr.Dataset":
         integrator = self.method(assembly)
