@@ -199,8 +199,8 @@ def test_a_smaller_tolerance_brings_the_answer_nearer(level, friction):
         ).roller_speed
 
     exact = at(1e-11)
-    errors = [float(np.abs(at(tolerance) - exact).max() / np.abs(exact).max()) for tolerance in (1e-4, 1e-6, 1e-8)]
-    assert all(error < 10.0 * tolerance for error, tolerance in zip(errors, (1e-4, 1e-6, 1e-8), strict=True))
+    errors = [float(np.abs(at(tolerance) - exact).max() / np.abs(exact).max()) for tolerance in (1e-3, 1e-5, 1e-7)]
+    assert all(error < 10.0 * tolerance for error, tolerance in zip(errors, (1e-3, 1e-5, 1e-7), strict=True))
     assert errors[1] < errors[0] / 8.0
     assert errors[2] < errors[1] / 8.0
 

@@ -54,8 +54,8 @@ _PER_STEP, _PER_DECAY = 3, 1.0
 #: By how much fewer evaluations make up for the default's larger stability.
 _CHEAPER = 2.0
 #: A step resolves a contact by this part of a radian; what is damped by more than the other part in it is stiff. An
-#: explicit method bears half as much again.
-_RESOLVED, _STIFF = 0.2, 0.2
+#: explicit method bears a fifth more.
+_RESOLVED, _STIFF = 0.2, 0.25
 
 
 class Movable(Protocol):
@@ -255,9 +255,10 @@ class _Trials:
             default = self._gone(study, moving, span)
             found = _spectrum(moving, default.t, default.y)
             own, least = default.evaluations, max(_PER_STEP * default.steps, _PER_DECAY * found[1] * span)
-        costs = f"{name} takes {own} evaluations of the rates for {span:.2g} s"
+        decays = f"the motion decays at up to {found[1]:.2g}/s"
+        costs = f"{name} takes {own} evaluations of the rates in the first {span:.2g} s"
         if _CHEAPER * least >= own:
-            return name, f"{costs}, an explicit one at least {least:.0f}: the motion decays at {found[1]:.2g}/s", None
+            return name, f"{decays}, for which explicit integrators take at least {least:.0f}, and {costs}", None
         tried, failed = dict[str, Trajectory](), ""
         for other in available("integrator"):
             model = get_model("integrator", other)
@@ -272,18 +273,18 @@ class _Trials:
         if best is None:
             return name, f"no explicit integrator goes through the first {span:.2g} s: {failed}", None
         told = ", ".join(f"{other} {one.evaluations}" for other, one in tried.items())
-        fastest, damping = _spectrum(moving, tried[best].t, tried[best].y)
         if not contact:
             if _CHEAPER * tried[best].evaluations >= own:
-                return name, f"{costs}, explicit ones hardly fewer: {told}", None
-            return best, f"{costs}, of which the motion, decaying at {damping:.2g}/s, needs fewer: {told}", None
+                return name, f"{decays}, and {costs}, explicit integrators more than half of it: {told}", None
+            return best, f"{decays}, which does not bind an explicit integrator: {costs}, against {told}", None
+        fastest, damping = _spectrum(moving, tried[best].t, tried[best].y)
         if stiff := _stiff(contact, damping):
             return name, stiff, None
         return (
             best,
             f"the motion swings, at up to {max(fastest, *moving.system.frequencies):.2g} rad/s, and is hardly damped, "
-            f"by {damping:.2g}/s at most: explicit steps that resolve contacts serve; evaluations of the rates in "
-            f"the first {span:.2g} s: {told}",
+            f"by {damping:.2g}/s at most: explicit steps that resolve contacts serve, and evaluations of the "
+            f"rates in the first {span:.2g} s decide among them: {told}",
             None,
         )
 
