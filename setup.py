@@ -41,7 +41,7 @@ def kernel(name: str) -> Extension:
     if name == "stages/simd":  # which alone compiles the laws
         shared.append("stages/*.h")
     if name.startswith("motion/"):
-        shared.append("motion/*.pxd")
+        shared += ["motion/*.pxd", "motion/*.h"]
     return Extension(
         f"rollslip_kernels.{name.replace('/', '.')}",
         [f"{HERE}/{name}.pyx"],

@@ -36,10 +36,11 @@ def scene_of(rollers=28, guidance="roller", drag=(), cage=(), more=()):
     return evolve(load_scene("1032930-50C"), changes | dict(more))
 
 
-def motion(scene, friction="constant", coefficient=0.05, transition=0.1, **given):
+def motion(scene, friction="constant", coefficient=0.05, transition=0.1, tabulated=False, **given):
+    """The motion of a scene; its forces come from the slices at every evaluation unless they may come from a table."""
     found = PlanarSettings(**{"inner_ring_mass": 3.0} | given)
     of_raceways = FrictionSettings(name=friction, coefficient=coefficient, transition=transition, tolerance=1e-2)
-    return planar_motion(assemble(scene), found, of_raceways)
+    return planar_motion(assemble(scene), found, of_raceways, tabulated=tabulated)
 
 
 # Lagrange's equations ------------------------------------------------------------------------------------------------

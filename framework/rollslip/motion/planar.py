@@ -2,7 +2,10 @@
 
 - The loads follow from the motion, by the deflection law of the contact model. So the clearance, the mass of the inner
   ring and the history of the load matter, and a map of loads does not exist.
-- Rollers do not tilt. A profile that is the same to both ends tilts none, and anything else is refused.
+- Rollers do not tilt, so that the force of one follows from its gap alone: it is tabulated over the root of the gap, from
+  which it rises smoothly but for a corner where each slice first touches. The error is that of all slices half-way
+  between nodes. Deeper than the table goes, and where friction looks at slices, forces come from the slices.
+- A profile that is the same to both ends tilts none, and anything else is refused.
 - A land's film carries and drags at once: a drag that describes it in another way is left out, not added.
 - The start is the equilibrium of the bearing at the cage speed it starts with, so that rollers are at rest along the
   radius but for what friction, gravity and m w^2 rho leave, which is small against the contact forces.
@@ -32,6 +35,10 @@ from rollslip_kernels.slices import Slices
 _STEP: Final = 1e-6  # s, in which a step of the load is made: a fiftieth of the period of a roller on its contacts
 _SWING: Final = 30.0  # deflections by which the motion of rollers along the radius is measured, see _scale
 _CELLS: Final = 64  # of the table of rolling resistance over sqrt(Q)
+_DEEP: Final = 10.0  # times the usual force of a roller, up to which forces and resistances are tabulated
+#: Error of the table of forces, relative to a force or to this share of the usual one, and its first and most cells.
+_FORCE_ERROR, _LIGHT = 3e-5, 1e-2
+_FIRST_CELLS, _MOST_CELLS = 512, 65536
 
 #: Unknowns of the head, of each roller and of the ledger, in order -> their unit.
 HEAD: Final = {
@@ -151,6 +158,34 @@ class PlanarSettings:
 
 
 @attrs.frozen(eq=False, kw_only=True)
+class ForceTable:
+    """Force of a roller on a raceway by its gap, the approach from first touch on: cubic on cells equal in its root.
+
+    Attributes
+    ----------
+    deepest : float
+        Largest gap [m].
+    coefficients : ndarray
+        (cells, 4): of the powers of the place in a cell, 0 to 1 [N].
+    error : float
+        Largest error against all slices, half-way between nodes, relative to the force or to a light one [1].
+    light : float
+        Force below which the error is relative to it: a hundredth of a roller's share of load and centrifugal force
+        [N].
+    """
+
+    deepest: float
+    coefficients: Array
+    error: float
+    light: float
+
+    @property
+    def record(self) -> dict[str, float]:
+        """Size and error by name, as results keep them."""
+        return {"cells": len(self.coefficients), "deepest": self.deepest, "error": self.error, "light": self.light}
+
+
+@attrs.frozen(eq=False, kw_only=True)
 class PlanarMotion(MovingBearing):
     """The plane motion of a bearing.
 
@@ -162,11 +197,14 @@ class PlanarMotion(MovingBearing):
         Tables of inner and outer raceway that the deflection law works in.
     planar : Planar
         The compiled system; ``deflections_evaluated`` counts.
+    forces : tuple of ForceTable
+        Forces of a roller on both raceways by its gap; none where they come from the slices.
     """
 
     settings: PlanarSettings
     contacts: tuple[Slices, ...]
     planar: Planar
+    forces: tuple[ForceTable, ...] = ()
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -264,7 +302,9 @@ class PlanarMotion(MovingBearing):
         return error
 
 
-def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: FrictionSettings) -> PlanarMotion:
+def planar_motion(
+    assembly: Assembly, settings: PlanarSettings, friction: FrictionSettings, *, tabulated: bool = True
+) -> PlanarMotion:
     """Build the plane motion of a bearing whose scene has a cage.
 
     Parameters
@@ -275,6 +315,8 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         Masses, damping, gravity and load.
     friction : FrictionSettings
         Which friction, and what is watched.
+    tabulated : bool
+        Whether forces may come from a table; if not, they come from the slices at every evaluation.
 
     Raises
     ------
@@ -305,6 +347,8 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
     guidance = ("roller", "inner", "outer").index(cage.guidance)
     torques = zip(cage.drags.torques, cage.drags.capsules(), strict=True)
     times, factors = settings.history
+    most = _DEEP * _usual_force(a, max(factors, default=1.0))
+    forces = () if friction.by_slices or not tabulated else _force_tables(a, most)
     planar = Planar(
         of_raceways.capsules,
         [raceway.deflection.kernel for raceway in a.raceways],
@@ -317,6 +361,7 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         _scale(a, cage),
         times=times,
         factors=factors,
+        forces=[(table.deepest, table.coefficients) for table in forces],
         resistances=None if friction.name == "conventional" else _resistances(a),
         critical_slip=friction.critical_slip,
         film_limit=friction.watched_film,
@@ -352,6 +397,7 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         contacts=contacts,
         planar=planar,
         system=System(planar.system(_swing_frequency(a, settings))),
+        forces=forces,
     )
 
 
@@ -376,13 +422,72 @@ def _land(cage: Cage, settings: PlanarSettings, oil: float, roughness: float) ->
     }
 
 
+def _usual_force(a: Assembly, factor: float = 1.0) -> float:
+    """A roller's share of the load times a factor, and its centrifugal force [N]; at least 0.1 N."""
+    return factor * a.scene.operation.radial_load / a.scene.bearing.rollers + a.centrifugal_force + 0.1
+
+
+def _force_tables(a: Assembly, most: float) -> tuple[ForceTable, ...]:
+    """Tables of both raceways, or none."""
+    tables = [force_table(a, raceway, most) for raceway in a.raceways]
+    return tuple(table for table in tables if table is not None) if None not in tables else ()
+
+
+def force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None:
+    """Return the force of a roller by its gap, up to a force; made once for a bearing.
+
+    Cells are halved until the force half-way between nodes is right to 3e-5 of it or of a light one; None if that takes
+    more than 65536.
+    """
+    key = "force by gap", most, raceway.conditions, raceway.deflection.models, a.drop.tobytes(), a.widths.tobytes()
+    try:
+        if key not in a.known_maps:
+            a.known_maps[key] = _force_table(a, raceway, most)
+    except TypeError:  # a model that is not to be told from others
+        return _force_table(a, raceway, most)
+    found: ForceTable | None = a.known_maps[key]
+    return found
+
+
+def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None:
+    drop, light = a.drop - a.drop.min(), _LIGHT * most / _DEEP
+
+    def forces(root: Array) -> Array:
+        """Force and its derivative by the root of the gap, (2, m)."""
+        load, stiffness = a.deflect((root**2)[:, None] - drop, raceway.ring)
+        return np.stack((load @ a.widths, stiffness @ a.widths * 2.0 * root))
+
+    approach = np.geomspace(1e-9, 1e-3, 601)
+    deepest = float(approach[min(np.searchsorted(forces(np.sqrt(approach))[0], most), approach.size - 1)])
+    cells = _FIRST_CELLS
+    root = np.linspace(0.0, math.sqrt(deepest), cells + 1)
+    known = forces(root)
+    while True:
+        step = root[1]
+        half_way = forces(root[:-1] + 0.5 * step)
+        (force, after), (slope, ahead) = ((row[:-1], row[1:]) for row in (known[0], known[1] * step))
+        wrong = 0.5 * (force + after) + 0.125 * (slope - ahead) - half_way[0]
+        error = float((np.abs(wrong) / np.maximum(half_way[0], light)).max())
+        if error <= _FORCE_ERROR:
+            break
+        if 2 * cells > _MOST_CELLS:  # a profile or law with a jump
+            return None
+        both = np.empty((2, 2 * cells + 1))
+        both[:, ::2], both[:, 1::2] = known, half_way
+        cells, known = 2 * cells, both
+        root = np.linspace(0.0, math.sqrt(deepest), cells + 1)
+    rise = after - force
+    powers = np.stack((force, slope, 3.0 * rise - 2.0 * slope - ahead, slope + ahead - 2.0 * rise), axis=1)
+    return ForceTable(deepest=deepest, coefficients=powers, error=error, light=light)
+
+
 def _resistances(a: Assembly) -> list[tuple[float, Array]] | None:
     """Rolling resistance of a contact at epicyclic speed, at equal steps of sqrt(Q), by which it is nearly linear."""
     return [_resistance(a, raceway) for raceway in a.raceways] if a.inner.chain.resists else None
 
 
 def _resistance(a: Assembly, raceway: Raceway) -> tuple[float, Array]:
-    most = 10.0 * (a.scene.operation.radial_load / a.scene.bearing.rollers + a.centrifugal_force) + 1.0
+    most = _DEEP * _usual_force(a)
     approach = np.geomspace(1e-9, 1e-3, 601)
     load, _ = a.deflect(approach[:, None] - (a.drop - a.drop.min()), raceway.ring)
     force = load @ a.widths

@@ -46,6 +46,11 @@ class FrictionSettings:
     film_limit: float = math.nan
 
     @property
+    def by_slices(self) -> bool:
+        """Whether friction looks at the slices of a roller, or at its force alone."""
+        return self.name == "conventional"
+
+    @property
     def watched_film(self) -> float:
         """Film parameter that is watched, NaN where friction knows no film."""
         return self.film_limit if self.name == "conventional" else math.nan

@@ -26,6 +26,9 @@ At level cage-set P is what carries the roller round at a steady speed, H = 0.
 
 - The loads are quasi-static, from tables over the orbital position at centrifugal forces, linear between them
   (``load_map``). Their owner is asked for the two that a force lies between when one first does.
+- All rollers at once: the equations stand in carried_columns.h, a column for each unknown and each quantity. Forces come
+  from coefficients of cubics, each roller from the interval of centrifugal force that held it last; where friction asks
+  for slices their loads are interpolated one by one. Rollers that no bar may touch are passed over.
 - The ledger records what the rates do, term by term; energy and angular momentum close to rounding of the rates.
 """
 
@@ -33,13 +36,16 @@ import numpy as np
 
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport INFINITY, M_PI, NAN, fabs, floor, fmin, isfinite, sqrt
+from libc.math cimport INFINITY, NAN, fabs, fmin, isfinite, sqrt
+from libc.string cimport memset
 
 from rollslip_abi cimport ROLLSLIP_DRAG, rs_drag
 from rollslip_arrow cimport RS_RAISED
 from rollslip_errors cimport rs_raise_pending
 from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_pocket, rs_pocket_bars
-from rollslip_raceway cimport RS_RACEWAY, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest
+from rollslip_raceway cimport (
+    RS_CONVENTIONAL, RS_RACEWAY, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest,
+)
 from rollslip_system cimport rs_new_system, rs_system, rs_tells_nothing, rs_until
 
 from rollslip_kernels.motion.raceway import OUTPUTS, refusal
@@ -66,6 +72,48 @@ cdef enum:  # ledger, behind the head
     IMPULSE_DRAG
     ALL
 
+cdef extern from "motion/carried_columns.h" nogil:
+    enum:   # what a roller adds
+        TO_TORQUE
+        TO_WORK_RINGS
+        TO_LOST_INNER
+        TO_LOST_OUTER
+        TO_LOST_ROLLING
+        TO_LOST_POCKETS
+        TO_IMPULSE_INNER
+        TO_IMPULSE_OUTER
+        ADDED
+
+    ctypedef struct rs_carried:   # numbers of the bearing, and columns of the evaluation under way
+        size_t rollers, block
+        int pocket
+        double inner_radius, outer_radius, radius, orbit
+        double inner_speed, outer_speed
+        double mass, spin_inertia
+        size_t positions, channels
+        double *spin
+        double *speed
+        double *at
+        double *spin_rate
+        double *speed_rate
+        double *at_rate
+        double *turns
+        double *pull
+        double *force
+        double *sliding
+        double *rolling
+        double *traction
+        double *push
+        double *moment
+        double *lost
+        double **added
+
+    double rs_total(const double *x, size_t n)
+    void rs_carried_places(rs_carried *c, const double *head, const double *rollers)
+    void rs_carried_forces(rs_carried *c, size_t j, const double *powers, double share)
+    void rs_carried_rates(rs_carried *c, const double *head, double mu, double fading)
+    void rs_carried_blocks(const rs_carried *c, double *rates)
+
 cdef enum:  # who refused
     NOBODY
     RACEWAY_INNER
@@ -85,20 +133,19 @@ cdef struct cell_t:
     double low, high
     const double *below
     const double *above
+    const double *powers   # of forces, [positions x channels x 8] coefficients of the place below and above; else NULL
 
 
 cdef struct carried_t:
+    rs_carried c
     void *owner
-    int pocket
-    size_t rollers, block
     double direction
-    double inner_radius, outer_radius, radius, orbit
-    double inner_speed, outer_speed
-    double mass, spin_inertia, cage_inertia
-    # loads, by intervals of centrifugal force up to the top: those known so far, and the one looked up last
+    double cage_inertia
+    # loads, by intervals of centrifugal force up to the top: those known so far, and the one that held a roller last
     double top
     cell_t *cells
-    size_t n_cells, last, positions, channels, slices
+    size_t n_cells, slices
+    size_t *last
     const double *widths
     rs_raceway raceway[RINGS]
     rs_drag drags[MAX_DRAGS]
@@ -107,12 +154,7 @@ cdef struct carried_t:
     double epicyclic_speed, critical_slip, film_limit
     int refused
     size_t refused_roller
-    # scratch: [channels x rollers x slices], [4 x rollers] the forces and the rolling resistances, [2 x rollers]
-    double *load
-    double *force
-    double *sliding
-    double *rolling
-    double *traction
+    double *load   # [channels x Z x slices], where friction asks for slices
 
 
 cdef inline double _risen(double d, double soft) noexcept nogil:
@@ -124,42 +166,34 @@ cdef inline double _risen(double d, double soft) noexcept nogil:
     return (d + soft) * (d + soft) * (d + soft) / (12.0 * soft)
 
 
-cdef int _find_cell(carried_t *c, double pull) noexcept nogil:
-    """Make the last cell one that holds a centrifugal force; -1 with a Python error."""
+cdef int _find_cell(carried_t *p, double pull, size_t *last) noexcept nogil:
+    """The cell that holds a centrifugal force; -1 with a Python error."""
     cdef size_t m
-    for m in range(c.n_cells):
-        if c.cells[m].low <= pull <= c.cells[m].high:
-            c.last = m
+    for m in range(p.n_cells):
+        if p.cells[m].low <= pull <= p.cells[m].high:
+            last[0] = m
             return 0
     with gil:
         try:
-            (<Carried>c.owner)._more(pull)
+            (<Carried>p.owner)._more(pull)
         except BaseException as error:
             PyErr_SetObject(type(error), error)
             return RS_RAISED
+    last[0] = p.n_cells - 1
     return 0
 
 
-cdef inline int _loads(carried_t *c, size_t j, double psi, double speed) noexcept nogil:
-    """Loads and forces of roller j on both rings; LOADS where its centrifugal force is beyond the top."""
-    cdef double pull = c.mass * c.orbit * speed * speed, place, f, x, y0, y1, d0, d1, value, total
-    cdef size_t k, i, row = c.channels * c.slices, channel
+cdef inline void _slices(carried_t *p, size_t j, const cell_t *cell, double f) noexcept nogil:
+    """Loads of the slices of roller j, and its forces, at a share of the way from one centrifugal force to the next."""
+    cdef double place, x, y0, y1, d0, d1, value, total
+    cdef size_t k, i, row = p.c.channels * p.slices, channel
     cdef const double *a
     cdef const double *b
     cdef const double *e
     cdef const double *g
     cdef double *out
-    cdef cell_t *cell = &c.cells[c.last]
-    if not pull <= c.top:
-        return LOADS
-    if not cell.low <= pull <= cell.high:
-        if _find_cell(c, pull) != 0:
-            return RS_RAISED
-        cell = &c.cells[c.last]
-    f = (pull - cell.low) / (cell.high - cell.low)
-    place = psi / (2.0 * M_PI)
-    place = (place - floor(place)) * <double>c.positions
-    k = <size_t>place if place < <double>c.positions else c.positions - 1
+    place = p.c.turns[j] * <double>p.c.positions
+    k = <size_t>place if place < <double>p.c.positions else p.c.positions - 1
     x = place - <double>k
     y1 = x * x * (3.0 - 2.0 * x)
     y0 = 1.0 - y1
@@ -169,132 +203,162 @@ cdef inline int _loads(carried_t *c, size_t j, double psi, double speed) noexcep
     b = a + 2 * row
     e = cell.above + 2 * row * k
     g = e + 2 * row
-    for channel in range(c.channels):
-        out = c.load + (channel * c.rollers + j) * c.slices
+    for channel in range(p.c.channels):
+        out = p.load + (channel * p.c.rollers + j) * p.slices
         total = 0.0
-        for i in range(c.slices):
+        for i in range(p.slices):
             value = ((1.0 - f) * (y0 * a[i] + d0 * a[row + i] + y1 * b[i] + d1 * b[row + i])
                      + f * (y0 * e[i] + d0 * e[row + i] + y1 * g[i] + d1 * g[row + i]))
             out[i] = value if value > 0.0 else 0.0
-            total += out[i] * c.widths[i]
-        c.force[channel * c.rollers + j] = total
-        a += c.slices
-        b += c.slices
-        e += c.slices
-        g += c.slices
-    return NOBODY
+            total += out[i] * p.widths[i]
+        p.c.force[channel * p.c.rollers + j] = total
+        a += p.slices
+        b += p.slices
+        e += p.slices
+        g += p.slices
 
 
-cdef int _contacts(carried_t *c, const double *head, const double *rollers) noexcept nogil:
-    """Fill load, force, speeds and friction of all contacts."""
-    cdef size_t j, Z = c.rollers
-    cdef const double *y
-    cdef double w, a, angle, pitch = 2.0 * M_PI / <double>Z
+cdef int _contacts(carried_t *p, const double *head, const double *rollers) noexcept nogil:
+    """Fill load, force, speeds and friction of all contacts; a centrifugal force beyond the top is refused."""
+    cdef size_t j, Z = p.c.rollers
+    cdef double pull, share
+    cdef double *resistance
+    cdef cell_t *cell
     cdef int status, ring
+    rs_carried_places(&p.c, head, rollers)
     for j in range(Z):
-        y = rollers + j * c.block
-        angle = head[0] + pitch * <double>j
-        w = head[1]
-        if c.pocket:
-            w = y[1]
-            angle += y[2] / c.orbit
-        status = _loads(c, j, angle, w) if isfinite(angle) else LOADS
-        if status == RS_RAISED:
-            return status
-        if status != NOBODY:
-            c.refused, c.refused_roller = LOADS, j
+        pull = p.c.pull[j]
+        if not (pull <= p.top and isfinite(p.c.turns[j])):
+            p.refused, p.refused_roller = LOADS, j
             return 1
-        a = c.radius * (y[0] + w)
-        c.sliding[j] = c.inner_radius * (c.inner_speed - w) - a
-        c.rolling[j] = 0.5 * (c.inner_radius * (c.inner_speed - w) + a)
-        c.sliding[Z + j] = a - c.outer_radius * (w - c.outer_speed)
-        c.rolling[Z + j] = 0.5 * (c.outer_radius * (w - c.outer_speed) + a)
-    for j in range(RINGS * Z if c.channels == RINGS else 0):
-        c.force[RINGS * Z + j] = 0.0
+        cell = &p.cells[p.last[j]]
+        if not cell.low <= pull <= cell.high:
+            if _find_cell(p, pull, &p.last[j]) != 0:
+                return RS_RAISED
+            cell = &p.cells[p.last[j]]
+        share = (pull - cell.low) / (cell.high - cell.low)
+        if cell.powers != NULL:
+            rs_carried_forces(&p.c, j, cell.powers, share)
+        else:
+            _slices(p, j, cell, share)
     for ring in range(RINGS):
+        resistance = p.c.force + (RINGS + ring) * Z
+        if p.c.channels == RINGS and p.raceway[ring].friction != RS_CONVENTIONAL:
+            resistance = NULL   # zero for good
         status = rs_raceway_friction(
-            &c.raceway[ring], c.load + ring * Z * c.slices, c.force + ring * Z, c.sliding + ring * Z,
-            c.rolling + ring * Z, c.traction + ring * Z, c.force + (RINGS + ring) * Z)
+            &p.raceway[ring], p.load + ring * Z * p.slices, p.c.force + ring * Z, p.c.sliding + ring * Z,
+            p.c.rolling + ring * Z, p.c.traction + ring * Z, resistance)
         if status != 0:
-            c.refused = RACEWAY_INNER + ring
+            p.refused = RACEWAY_INNER + ring
             return status
     return 0
+
+
+cdef inline void _bars(carried_t *p, const double *head) noexcept nogil:
+    """What the rollers do to the bars of their pockets; a film reaches across its gap."""
+    cdef double reach = p.cage.half_clearance - RS_POCKET_TOUCH / p.cage.stiffness if p.cage.film == 0.0 else -1.0
+    cdef double rate, slides
+    cdef rs_bars bars
+    cdef size_t j
+    for j in range(p.c.rollers):
+        p.c.push[j] = p.c.moment[j] = p.c.lost[j] = 0.0
+        if fabs(p.c.at[j]) <= reach:
+            continue
+        rate = p.c.orbit * (p.c.speed[j] - head[1])
+        bars = rs_pocket_bars(&p.cage, p.c.at[j], rate)
+        p.c.push[j] = bars.ahead - bars.behind
+        p.c.lost[j] = ((bars.ahead - bars.spring_ahead) - (bars.behind - bars.spring_behind)) * rate
+        if p.cage.friction > 0.0:
+            slides = p.c.radius * (p.c.spin[j] + head[1])
+            slides /= sqrt(slides * slides + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
+            p.c.moment[j] = p.cage.friction * (bars.ahead + bars.behind) * p.c.radius * slides
+
+
+cdef inline double _inertia(const carried_t *p) noexcept nogil:
+    """What the cage turns with: at level cage-set the orbital motion of the rollers too."""
+    if p.c.pocket:
+        return p.cage_inertia
+    return p.cage_inertia + <double>p.c.rollers * p.c.mass * p.c.orbit * p.c.orbit
+
+
+cdef inline void _receive(const carried_t *p, const double *sums, double *row) noexcept nogil:
+    """Add what rollers add to a row of rates of head and ledger."""
+    row[1] += sums[TO_TORQUE] / _inertia(p)
+    row[WORK_RINGS] += sums[TO_WORK_RINGS]
+    row[LOST_INNER] += sums[TO_LOST_INNER]
+    row[LOST_OUTER] += sums[TO_LOST_OUTER]
+    row[LOST_ROLLING] += sums[TO_LOST_ROLLING]
+    row[LOST_POCKETS] += sums[TO_LOST_POCKETS]
+    row[IMPULSE_INNER] += sums[TO_IMPULSE_INNER]
+    row[IMPULSE_OUTER] += sums[TO_IMPULSE_OUTER]
+
+
+cdef int _columns(carried_t *p, const double *head, const double *rollers) noexcept nogil:
+    """Rates of the rollers' unknowns, and what they add, in columns."""
+    cdef int status = _contacts(p, head, rollers)
+    if status == 0:
+        if p.c.pocket:
+            _bars(p, head)
+        rs_carried_rates(&p.c, head, p.cage.friction, RS_POCKET_SLIDING)
+    return status
 
 
 cdef int _roller_rates(
     double t, const double *head, const double *rollers, double *rates, double *added, void *state
 ) noexcept nogil:
-    cdef carried_t *c = <carried_t *>state
-    cdef size_t j, Z = c.rollers
-    cdef const double *y
-    cdef double *to
-    cdef double *rate
-    cdef double Fi, Fo, Ri, Ro, spin, orbital, force, normal, lost, moment, slides, rate_of_x
-    cdef rs_bars bars
-    cdef double inertia = c.cage_inertia
-    cdef double orbital_inertia = c.mass * c.orbit * c.orbit
-    cdef int status = _contacts(c, head, rollers)
+    cdef carried_t *p = <carried_t *>state
+    cdef double one[ADDED]
+    cdef size_t j, k
+    cdef int status = _columns(p, head, rollers)
     if status != 0:
         return status
-    if not c.pocket:
-        inertia += <double>Z * orbital_inertia
-    for j in range(Z):
-        y = rollers + j * c.block
-        rate = rates + j * c.block
-        to = added + j * ALL
-        Fi, Fo = c.traction[j], c.traction[Z + j]
-        Ri, Ro = c.force[RINGS * Z + j], c.force[(RINGS + 1) * Z + j]
-        spin = c.radius * (Fi - Ri) - c.radius * (Fo + Ro)
-        orbital = spin + c.inner_radius * (Fi + Ri) + c.outer_radius * (Fo - Ro)
-        lost = 0.0
-        if c.pocket:
-            rate_of_x = c.orbit * (y[1] - head[1])
-            bars = rs_pocket_bars(&c.cage, y[2], rate_of_x)
-            force, normal = bars.ahead - bars.behind, bars.ahead + bars.behind
-            lost = ((bars.ahead - bars.spring_ahead) - (bars.behind - bars.spring_behind)) * rate_of_x
-        else:
-            force = orbital / c.orbit
-            normal = fabs(force)
-        slides = c.radius * (y[0] + head[1])
-        slides /= sqrt(slides * slides + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
-        moment = c.cage.friction * normal * c.radius * slides
-        rate[0] = (spin - moment) / c.spin_inertia
-        if c.pocket:
-            rate[1] = (orbital - c.orbit * force) / orbital_inertia
-            rate[2] = c.orbit * (y[1] - head[1])
-        to[0] = 0.0
-        to[1] = (c.orbit * force - moment) / inertia
-        to[WORK_RINGS] = c.inner_radius * c.inner_speed * (Fi + Ri) + c.outer_radius * c.outer_speed * (Fo - Ro)
-        to[WORK_DRAG] = 0.0
-        to[LOST_INNER] = Fi * c.sliding[j]
-        to[LOST_OUTER] = Fo * c.sliding[Z + j]
-        to[LOST_ROLLING] = 2.0 * (Ri * c.rolling[j] + Ro * c.rolling[Z + j])
-        to[LOST_POCKETS] = lost + moment * (y[0] + head[1])
-        to[IMPULSE_INNER] = c.inner_radius * (Fi + Ri)
-        to[IMPULSE_OUTER] = c.outer_radius * (Fo - Ro)
-        to[IMPULSE_DRAG] = 0.0
+    rs_carried_blocks(&p.c, rates)
+    memset(added, 0, p.c.rollers * ALL * sizeof(double))
+    for j in range(p.c.rollers):
+        for k in range(<size_t>ADDED):
+            one[k] = p.c.added[k][j]
+        _receive(p, one, added + j * ALL)
+    return 0
+
+
+cdef int _rates(double t, const double *y, double *rates, void *state) noexcept nogil:
+    """All rates, the sums over the rollers without what each adds."""
+    cdef carried_t *p = <carried_t *>state
+    cdef double row[ALL]
+    cdef double sums[ADDED]
+    cdef size_t k, behind = HEAD + p.c.rollers * p.c.block
+    cdef int status = _head_rates(t, y, row, state)
+    if status == 0:
+        status = _columns(p, y, y + HEAD)
+    if status != 0:
+        return status
+    for k in range(<size_t>ADDED):
+        sums[k] = rs_total(p.c.added[k], p.c.rollers)
+    _receive(p, sums, row)
+    rates[0], rates[1] = row[0], row[1]
+    rs_carried_blocks(&p.c, rates + HEAD)
+    for k in range(<size_t>(ALL - HEAD)):
+        rates[behind + k] = row[HEAD + k]
     return 0
 
 
 cdef int _head_rates(double t, const double *head, double *rates, void *state) noexcept nogil:
-    cdef carried_t *c = <carried_t *>state
-    cdef double torque = 0.0, inertia = c.cage_inertia
+    cdef carried_t *p = <carried_t *>state
+    cdef double torque = 0.0
     cdef size_t k
-    for k in range(c.n_drags):
-        torque += c.direction * c.drags[k].torque(
-            c.direction * head[1], c.direction * c.inner_speed, c.direction * c.outer_speed, c.drags[k].params)
+    for k in range(p.n_drags):
+        torque += p.direction * p.drags[k].torque(
+            p.direction * head[1], p.direction * p.c.inner_speed, p.direction * p.c.outer_speed, p.drags[k].params)
     if not isfinite(torque):
         with gil:
             if PyErr_Occurred() != NULL:
                 return -1
-        c.refused = DRAG
+        p.refused = DRAG
         return 1
-    if not c.pocket:
-        inertia += <double>c.rollers * c.mass * c.orbit * c.orbit
     for k in range(<size_t>ALL):
         rates[k] = 0.0
     rates[0] = head[1]
-    rates[1] = torque / inertia
+    rates[1] = torque / _inertia(p)
     rates[WORK_DRAG] = torque * head[1]
     rates[IMPULSE_DRAG] = torque
     return 0
@@ -302,43 +366,43 @@ cdef int _head_rates(double t, const double *head, double *rates, void *state) n
 
 cdef int _watch(double t, const double *y, double *values, void *state) noexcept nogil:
     """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, if watched."""
-    cdef carried_t *c = <carried_t *>state
+    cdef carried_t *p = <carried_t *>state
     cdef int status, ring
-    values[0] = 1.0 - y[1] / c.epicyclic_speed - c.critical_slip if c.critical_slip == c.critical_slip else -1.0
-    if c.film_limit == c.film_limit:
-        status = _contacts(c, y, y + HEAD)
+    values[0] = 1.0 - y[1] / p.epicyclic_speed - p.critical_slip if p.critical_slip == p.critical_slip else -1.0
+    if p.film_limit == p.film_limit:
+        status = _contacts(p, y, y + HEAD)
         if status != 0:
             return status
         values[1] = 1e308
         for ring in range(RINGS):
-            values[1] = rs_thinnest(&c.raceway[ring], values[1], c.sliding + ring * c.rollers)
-        values[1] -= c.film_limit
+            values[1] = rs_thinnest(&p.raceway[ring], values[1], p.c.sliding + ring * p.c.rollers)
+        values[1] -= p.film_limit
     return 0
 
 
 cdef double _until_contact(double t, const double *y, void *state) noexcept nogil:
     """Time [s] until a roller meets a bar of its pocket at the present speeds."""
-    cdef carried_t *c = <carried_t *>state
-    cdef double soft = RS_POCKET_TOUCH / c.cage.stiffness, soonest = INFINITY, rate
+    cdef carried_t *p = <carried_t *>state
+    cdef double soft = RS_POCKET_TOUCH / p.cage.stiffness, soonest = INFINITY, rate
     cdef const double *roller
     cdef size_t j
-    for j in range(c.rollers):
+    for j in range(p.c.rollers):
         roller = y + HEAD + 3 * j
-        rate = c.orbit * (roller[1] - y[1])
-        soonest = fmin(soonest, rs_until(c.cage.half_clearance - soft - roller[2], rate))
-        soonest = fmin(soonest, rs_until(c.cage.half_clearance - soft + roller[2], -rate))
+        rate = p.c.orbit * (roller[1] - y[1])
+        soonest = fmin(soonest, rs_until(p.cage.half_clearance - soft - roller[2], rate))
+        soonest = fmin(soonest, rs_until(p.cage.half_clearance - soft + roller[2], -rate))
     return soonest
 
 
 cdef int _drift(double h, double *y, void *state) noexcept nogil:
-    cdef carried_t *c = <carried_t *>state
+    cdef carried_t *p = <carried_t *>state
     cdef double *roller
     cdef size_t j
     y[0] += h * y[1]
-    if c.pocket:
-        for j in range(c.rollers):
+    if p.c.pocket:
+        for j in range(p.c.rollers):
             roller = y + HEAD + 3 * j
-            roller[2] += h * c.orbit * (roller[1] - y[1])
+            roller[2] += h * p.c.orbit * (roller[1] - y[1])
     return 0
 
 
@@ -368,7 +432,7 @@ cdef class Carried:
         Watched values; NaN for none.
     """
 
-    cdef carried_t c
+    cdef carried_t p
     cdef tuple kept
     cdef list tables
     cdef object cell
@@ -376,112 +440,128 @@ cdef class Carried:
 
     def __init__(self, bint pocket, bearing, loads, inner, outer, drags, cage, scale, double critical_slip=NAN,
                  double film_limit=NAN):
-        cdef carried_t *c = &self.c
+        cdef carried_t *p = &self.p
         cdef size_t Z = bearing["rollers"]
-        c.pocket, c.rollers, c.block = pocket, Z, 3 if pocket else 1
-        c.direction, c.epicyclic_speed = bearing["direction"], bearing["epicyclic_speed"]
-        c.inner_radius, c.outer_radius = bearing["inner_radius"], bearing["outer_radius"]
-        c.radius, c.orbit = bearing["radius"], bearing["orbit"]
-        c.inner_speed, c.outer_speed = bearing["inner_speed"], bearing["outer_speed"]
-        c.mass, c.spin_inertia = bearing["mass"], bearing["spin_inertia"]
-        c.cage_inertia = bearing["cage_inertia"]
-        c.cage.half_clearance, c.cage.stiffness = cage["half_clearance"], cage["stiffness"]
-        c.cage.damping, c.cage.friction = cage["damping"], cage["friction"]
-        c.cage.film, c.cage.roughness = cage["film"], cage["roughness"]
-        c.critical_slip, c.film_limit = critical_slip, film_limit
+        p.c.pocket, p.c.rollers, p.c.block = pocket, Z, 3 if pocket else 1
+        p.direction, p.epicyclic_speed = bearing["direction"], bearing["epicyclic_speed"]
+        p.c.inner_radius, p.c.outer_radius = bearing["inner_radius"], bearing["outer_radius"]
+        p.c.radius, p.c.orbit = bearing["radius"], bearing["orbit"]
+        p.c.inner_speed, p.c.outer_speed = bearing["inner_speed"], bearing["outer_speed"]
+        p.c.mass, p.c.spin_inertia = bearing["mass"], bearing["spin_inertia"]
+        p.cage_inertia = bearing["cage_inertia"]
+        p.cage.half_clearance, p.cage.stiffness = cage["half_clearance"], cage["stiffness"]
+        p.cage.damping, p.cage.friction = cage["damping"], cage["friction"]
+        p.cage.film, p.cage.roughness = cage["film"], cage["roughness"]
+        p.critical_slip, p.film_limit = critical_slip, film_limit
 
-        c.top, wide, self.cell = loads
+        p.top, wide, self.cell = loads
         cells = np.zeros(MAX_CELLS * sizeof(cell_t), dtype=np.uint8)
-        c.owner, c.cells, c.n_cells, c.last = <void *>self, <cell_t *><size_t>cells.ctypes.data, 0, 0
-        c.positions = c.channels = 0
+        p.owner, p.cells, p.n_cells = <void *>self, <cell_t *><size_t>cells.ctypes.data, 0
+        p.c.positions = p.c.channels = 0
         self.tables = []
         cdef double[::1] widths = np.array(wide, dtype=float)
-        c.widths, c.slices = &widths[0], widths.shape[0]
-        self._more(c.mass * c.orbit * c.epicyclic_speed ** 2 if c.mass * c.orbit * c.epicyclic_speed ** 2 < c.top
-                   else c.top)
-
+        cdef size_t[::1] last = np.zeros(Z, dtype=np.uintp)
+        p.widths, p.slices, p.last = &widths[0], widths.shape[0], &last[0]
         for ring, capsule in enumerate((inner, outer)):
-            c.raceway[ring] = (<rs_raceway *>PyCapsule_GetPointer(capsule, RS_RACEWAY))[0]
-            if c.raceway[ring].rollers != Z or c.raceway[ring].slices != c.slices:
+            p.raceway[ring] = (<rs_raceway *>PyCapsule_GetPointer(capsule, RS_RACEWAY))[0]
+            if p.raceway[ring].rollers != Z or p.raceway[ring].slices != p.slices:
                 raise ValueError("raceways and loads are made for other numbers of rollers or slices")
+        self._more(min(p.c.mass * p.c.orbit * p.epicyclic_speed ** 2, p.top))
+
         if len(drags) > MAX_DRAGS:
             raise ValueError(f"at most {MAX_DRAGS} drags act on a cage, got {len(drags)}")
         for k, capsule in enumerate(drags):
-            c.drags[k] = (<rs_drag *>PyCapsule_GetPointer(capsule, ROLLSLIP_DRAG))[0]
-        c.n_drags = len(drags)
+            p.drags[k] = (<rs_drag *>PyCapsule_GetPointer(capsule, ROLLSLIP_DRAG))[0]
+        p.n_drags = len(drags)
 
         self.scale = np.array(scale, dtype=float)
-        if <size_t>self.scale.shape[0] != ALL + Z * c.block:
-            raise ValueError(f"{ALL + Z * c.block} unknowns need as many scales, got {self.scale.shape[0]}")
-        self.kicked = np.ones(ALL + Z * c.block)
+        if <size_t>self.scale.shape[0] != ALL + Z * p.c.block:
+            raise ValueError(f"{ALL + Z * p.c.block} unknowns need as many scales, got {self.scale.shape[0]}")
+        self.kicked = np.ones(ALL + Z * p.c.block)
         self.kicked[0] = 0.0
-        if c.pocket:
+        if p.c.pocket:
             self.kicked[HEAD + 2:HEAD + 3 * Z:3] = 0.0
-        cdef double[::1] load = np.zeros(c.channels * Z * c.slices)
-        cdef double[::1] force = np.zeros(2 * RINGS * Z)
-        cdef double[::1] speeds = np.zeros(3 * RINGS * Z)
-        c.load, c.force = &load[0], &force[0]
-        c.sliding, c.rolling, c.traction = &speeds[0], &speeds[RINGS * Z], &speeds[2 * RINGS * Z]
-        self.kept = (inner, outer, tuple(drags), load, force, speeds, widths, cells)
+        cdef double[::1] load = np.zeros(p.c.channels * Z * p.slices)
+        cdef double[::1] columns = np.zeros((11 + 10 + ADDED) * Z)
+        cdef double *room = &columns[0]
+        cdef size_t i
+        p.load = &load[0]
+        p.c.spin, p.c.speed, p.c.at, p.c.turns, p.c.pull = room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z
+        p.c.spin_rate, p.c.speed_rate, p.c.at_rate = room + 5 * Z, room + 6 * Z, room + 7 * Z
+        p.c.push, p.c.moment, p.c.lost = room + 8 * Z, room + 9 * Z, room + 10 * Z
+        p.c.force, p.c.sliding, p.c.rolling, p.c.traction = room + 11 * Z, room + 15 * Z, room + 17 * Z, room + 19 * Z
+        for i in range(<size_t>ADDED):
+            p.c.added[i] = room + (21 + i) * Z
+        self.kept = (inner, outer, tuple(drags), load, columns, last, widths, cells)
 
     cdef _more(self, double pull):
         """Take the cell that holds a centrifugal force from the owner of the loads."""
-        cdef carried_t *c = &self.c
+        cdef carried_t *p = &self.p
         cdef double[:, :, :, ::1] below, above
-        if c.n_cells == MAX_CELLS:
+        if p.n_cells == MAX_CELLS:
             raise RuntimeError(f"loads are linear between more than {MAX_CELLS} pairs of centrifugal forces")
         low, high, *tables = self.cell(pull)
         below, above = tables
-        if not c.n_cells:
-            c.positions, c.channels = below.shape[0] - 1, below.shape[2]
-        shape = c.positions + 1, 2, c.channels, c.slices
-        if any(np.shape(table) != shape for table in tables) or c.channels not in (RINGS, 2 * RINGS) or shape[0] < 2:
-            raise ValueError(f"tables of loads are of one shape (K + 1, 2, 2 or 4, {c.slices}), got "
+        if not p.n_cells:
+            p.c.positions, p.c.channels = below.shape[0] - 1, below.shape[2]
+        shape = p.c.positions + 1, 2, p.c.channels, p.slices
+        if any(np.shape(table) != shape for table in tables) or p.c.channels not in (RINGS, 2 * RINGS) or shape[0] < 2:
+            raise ValueError(f"tables of loads are of one shape (K + 1, 2, 2 or 4, {p.slices}), got "
                              f"{', '.join(str(np.shape(table)) for table in tables)}")
         if not low <= pull <= high > low:
             raise ValueError(f"{pull:g} N is not between centrifugal forces of {low:g} and {high:g} N")
-        self.tables.append((below, above))
-        c.cells[c.n_cells] = cell_t(low, high, &below[0, 0, 0, 0], &above[0, 0, 0, 0])
-        c.last = c.n_cells
-        c.n_cells += 1
+        powers = np.ascontiguousarray(np.concatenate([self._powers(table) for table in tables], axis=-1)).ravel()
+        cdef double[::1] coefficients = powers
+        self.tables.append((below, above, coefficients))
+        p.cells[p.n_cells] = cell_t(low, high, &below[0, 0, 0, 0], &above[0, 0, 0, 0], NULL)
+        if p.slices == 1 and p.raceway[INNER].friction != RS_CONVENTIONAL:
+            p.cells[p.n_cells].powers = &coefficients[0]
+        p.n_cells += 1
+
+    def _powers(self, table):
+        """Coefficients of the place between positions, (K, channels, 4), of the forces in a table of one slice."""
+        value, slope = np.asarray(table)[:, :, :, 0].swapaxes(0, 1) * self.p.widths[0]
+        nodes = len(value) - 1
+        rise, before, after = np.diff(value, axis=0), slope[:nodes], slope[1:]
+        return np.stack((value[:nodes], before, 3.0 * rise - 2.0 * before - after, before + after - 2.0 * rise), axis=-1)
 
     def system(self):
         """Return the capsule "rollslip.system.v1"."""
         cdef rs_system s
-        s.head, s.rollers, s.block, s.ledger = HEAD, self.c.rollers, self.c.block, ALL - HEAD
+        s.head, s.rollers, s.block, s.ledger = HEAD, self.p.c.rollers, self.p.c.block, ALL - HEAD
         s.roller_rates, s.head_rates = _roller_rates, _head_rates
-        s.watched, s.watch = 1 if self.c.film_limit != self.c.film_limit else 2, _watch
-        s.jacobian, s.scale, s.autonomous, s.state = NULL, &self.scale[0], 1, &self.c
+        s.watched, s.watch = 1 if self.p.film_limit != self.p.film_limit else 2, _watch
+        s.jacobian, s.scale, s.autonomous, s.state = NULL, &self.scale[0], 1, &self.p
         rs_tells_nothing(&s)
-        s.kicked, s.drift = &self.kicked[0], _drift
-        if self.c.pocket:   # one roller against the cage
-            s.contact_frequency = sqrt(
-                self.c.cage.stiffness * (1.0 / self.c.mass + self.c.orbit * self.c.orbit / self.c.cage_inertia))
+        s.rates, s.kicked, s.drift = _rates, &self.kicked[0], _drift
+        if self.p.c.pocket:   # one roller against the cage
+            s.contact_frequency = sqrt(self.p.cage.stiffness * (
+                1.0 / self.p.c.mass + self.p.c.orbit * self.p.c.orbit / self.p.cage_inertia))
             s.until_contact = _until_contact
         return rs_new_system(&s, self)
 
     @property
     def ring_speeds(self):
         """Speeds of inner and outer ring that the rates read [rad/s], (2,), to be changed by who varies them."""
-        return np.asarray(<double[:2]>&self.c.inner_speed)  # which outer_speed follows
+        return np.asarray(<double[:2]>&self.p.c.inner_speed)  # which outer_speed follows
 
     @property
     def contacts_evaluated(self):
         """Slices evaluated so far; contacts, where friction is not conventional."""
-        return self.c.raceway[INNER].evaluated + self.c.raceway[OUTER].evaluated
+        return self.p.raceway[INNER].evaluated + self.p.raceway[OUTER].evaluated
 
     def refusal(self):
         """Return who refused an evaluation last, "inner", "outer", "loads" or "drag", and why; None if nobody.
 
         For a ring that is what ``Chain.run`` returns, for the loads the number of the roller, for a drag None.
         """
-        if self.c.refused == NOBODY:
+        if self.p.refused == NOBODY:
             return None
-        if self.c.refused == LOADS:
-            return "loads", self.c.refused_roller
-        if self.c.refused == DRAG:
+        if self.p.refused == LOADS:
+            return "loads", self.p.refused_roller
+        if self.p.refused == DRAG:
             return "drag", None
-        ring = self.c.refused - RACEWAY_INNER
+        ring = self.p.refused - RACEWAY_INNER
         return ("inner", "outer")[ring], refusal(self.kept[ring])
 
     def outputs(self, t, y):
@@ -492,39 +572,40 @@ cdef class Carried:
         [N], the tangential one of a roller on the cage. None, if an evaluation was refused.
         """
         cdef double[:, ::1] states = np.array(y, dtype=float, ndmin=2, order="C")
-        cdef size_t Z = self.c.rollers, i, j
+        cdef size_t Z = self.p.c.rollers, i, j
         cdef int status, ring
         cdef double spin
         cdef rs_bars bars
-        if <size_t>states.shape[1] != ALL + Z * self.c.block:
-            raise ValueError(f"states are of shape (m, {ALL + Z * self.c.block}), got {np.shape(y)}")
+        if <size_t>states.shape[1] != ALL + Z * self.p.c.block:
+            raise ValueError(f"states are of shape (m, {ALL + Z * self.p.c.block}), got {np.shape(y)}")
         found = np.empty((len(OUTPUTS), states.shape[0], RINGS, Z))
         pockets = np.zeros((states.shape[0], Z))
         cdef double[:, :, :, ::1] to = found
         cdef double[:, ::1] push = pockets
         cdef const double *row
-        cdef carried_t *c = &self.c
+        cdef carried_t *p = &self.p
         for i in range(<size_t>states.shape[0]):
             row = &states[i, 0]
-            status = _contacts(c, row, row + HEAD)
+            status = _contacts(p, row, row + HEAD)
             if status == -1:
                 rs_raise_pending()
             if status != 0:
                 return None
             for ring in range(RINGS):
                 rs_contact_outputs(
-                    &c.raceway[ring], c.force + ring * Z, c.traction + ring * Z, c.sliding + ring * Z,
-                    c.rolling + ring * Z, c.force + (RINGS + ring) * Z, &to[0, i, ring, 0],
+                    &p.raceway[ring], p.c.force + ring * Z, p.c.traction + ring * Z, p.c.sliding + ring * Z,
+                    p.c.rolling + ring * Z, p.c.force + (RINGS + ring) * Z, &to[0, i, ring, 0],
                     RINGS * Z * <size_t>states.shape[0])
             for j in range(Z):
-                if c.pocket:
+                if p.c.pocket:
                     bars = rs_pocket_bars(
-                        &c.cage, row[HEAD + 3 * j + 2], c.orbit * (row[HEAD + 3 * j + 1] - row[1]))
+                        &p.cage, row[HEAD + 3 * j + 2], p.c.orbit * (row[HEAD + 3 * j + 1] - row[1]))
                     push[i, j] = bars.ahead - bars.behind
                 else:
-                    spin = c.radius * (c.traction[j] - c.force[2 * Z + j] - c.traction[Z + j] - c.force[3 * Z + j])
-                    push[i, j] = (spin + c.inner_radius * (c.traction[j] + c.force[2 * Z + j])
-                                  + c.outer_radius * (c.traction[Z + j] - c.force[3 * Z + j])) / c.orbit
+                    spin = p.c.radius * (
+                        p.c.traction[j] - p.c.force[2 * Z + j] - p.c.traction[Z + j] - p.c.force[3 * Z + j])
+                    push[i, j] = (spin + p.c.inner_radius * (p.c.traction[j] + p.c.force[2 * Z + j])
+                                  + p.c.outer_radius * (p.c.traction[Z + j] - p.c.force[3 * Z + j])) / p.c.orbit
         return dict(zip(OUTPUTS, found, strict=True)) | {"pocket_force": pockets}
 
     def stored_energy(self, x):
@@ -532,9 +613,9 @@ cdef class Carried:
         cdef double[::1] at = np.array(x, dtype=float).ravel()
         energy = np.zeros(at.shape[0])
         cdef double[::1] to = energy
-        cdef double soft = RS_POCKET_TOUCH / self.c.cage.stiffness
+        cdef double soft = RS_POCKET_TOUCH / self.p.cage.stiffness
         cdef Py_ssize_t i
         for i in range(at.shape[0]):
-            to[i] = self.c.cage.stiffness * (
-                _risen(at[i] - self.c.cage.half_clearance, soft) + _risen(-at[i] - self.c.cage.half_clearance, soft))
+            to[i] = self.p.cage.stiffness * (
+                _risen(at[i] - self.p.cage.half_clearance, soft) + _risen(-at[i] - self.p.cage.half_clearance, soft))
         return energy.reshape(np.shape(x))

@@ -31,7 +31,11 @@ forces come from the energy, and no force is written down twice::
 - A cage that no land holds is held by the rollers: their pockets have a play along the radius too, with the same
   stiffness, damping and friction of the bars, and no film.  A land leaves the radius to itself.
 - Elastic work is recorded, not taken from a potential: a contact law need not have one in closed form.
-- Cage accelerations are coupled by the unbalance: M^-1 is applied to what each roller adds, so that sums stay sums.
+- Cage accelerations are coupled by the unbalance: M^-1 is applied to what rollers add, so that sums stay sums.
+- All rollers at once: the equations stand in planar_columns.h, a column for each unknown and each quantity. Rollers that
+  no bar may touch are passed over; the law of a bar is a roller's own.
+- The force of a roller comes from a table over the root of its gap, where there is one, friction needs no slices and no
+  gap lies beyond it; else from the deflection law on every slice. One gap beyond it takes its ring there.
 """
 
 import numpy as np
@@ -39,12 +43,17 @@ import numpy as np
 from cpython.exc cimport PyErr_Occurred
 from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport INFINITY, M_PI, NAN, cos, fmax, fmin, sin, sqrt
+from libc.string cimport memset
 
 from rollslip_abi cimport ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
 from rollslip_errors cimport rs_raise_pending
 from rollslip_land cimport INNER_LAND, OUTER_LAND, ROLLERS, rs_land, rs_land_force, rs_land_forces
-from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_damping, rs_pocket, rs_pocket_bars
-from rollslip_raceway cimport RS_RACEWAY, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest
+from rollslip_pocket cimport (
+    RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_damping, rs_pocket, rs_pocket_bars,
+)
+from rollslip_raceway cimport (
+    RS_CONVENTIONAL, RS_RACEWAY, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest,
+)
 from rollslip_system cimport rs_new_system, rs_system, rs_tells_nothing, rs_until
 
 from rollslip_kernels.chain import bound
@@ -54,26 +63,97 @@ cdef enum:
     INNER
     OUTER
 
-cdef enum:   # head
-    RING_X
-    RING_Y
-    RING_VX
-    RING_VY
-    CAGE_X
-    CAGE_Y
-    CAGE_VX
-    CAGE_VY
-    CAGE_SPEED
-    CAGE_ANGLE
-    HEAD
+cdef extern from "motion/planar_columns.h" nogil:
+    enum:   # head, as it stands in y
+        RING_X
+        RING_Y
+        RING_VX
+        RING_VY
+        CAGE_X
+        CAGE_Y
+        CAGE_VX
+        CAGE_VY
+        CAGE_SPEED
+        CAGE_ANGLE
+        HEAD
 
-cdef enum:   # block of a roller
-    POSITION
-    ORBIT
-    SPIN
-    RADIAL
-    RISE
-    BLOCK
+    enum:   # block of a roller
+        POSITION
+        ORBIT
+        SPIN
+        RADIAL
+        RISE
+        BLOCK
+
+    enum:   # what a roller adds
+        TO_RING_X
+        TO_RING_Y
+        TO_CAGE_X
+        TO_CAGE_Y
+        TO_CAGE_TORQUE
+        TO_WORK_RINGS
+        TO_WORK_GRAVITY
+        TO_WORK_RACEWAYS
+        TO_WORK_CAGE
+        TO_LOST_INNER
+        TO_LOST_OUTER
+        TO_LOST_ROLLING
+        TO_LOST_DAMPING
+        TO_LOST_POCKETS
+        TO_IMPULSE_RINGS
+        TO_IMPULSE_GRAVITY
+        ADDED
+
+    ctypedef struct rs_gap_table:
+        size_t cells
+        double per_root
+        const double *values
+
+    ctypedef struct rs_plane:   # numbers of the bearing, and columns of the evaluation under way
+        size_t rollers
+        double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance
+        double inner_speed, outer_speed
+        double roller_mass, roller_inertia
+        double gravity_x, gravity_y
+        double damping
+        double lowest_drop
+        rs_gap_table *table
+        double *pitch_cos
+        double *pitch_sin
+        double **unknown
+        double **rate_of
+        double *cosine
+        double *sine
+        double *small
+        double **gap
+        double **rate
+        double **elastic
+        double **force
+        double **sliding
+        double **rolling
+        double **traction
+        double **resistance
+        double *place
+        double *closing
+        double *height
+        double *rising
+        double *push
+        double *lift
+        double *moment
+        double *stored
+        double *lost
+        double **added
+        int touched
+
+    void rs_plane_places(rs_plane *p, const double *head, const double *rollers)
+    int rs_plane_forces(rs_plane *p, int ring)
+    void rs_plane_damped(rs_plane *p, int ring)
+    void rs_plane_pockets(rs_plane *p, const double *head, double reach, double radial_reach, int *touch)
+    void rs_plane_rates(rs_plane *p, const double *head)
+    void rs_plane_totals(const rs_plane *p, double *sums)
+    void rs_plane_one(const rs_plane *p, size_t j, double *sums)
+    void rs_plane_blocks(const rs_plane *p, double *rates)
+    double rs_plane_deepest(rs_plane *p, const double *head, const double *rollers)
 
 cdef enum:   # ledger, behind the head in what is added
     WORK_RINGS = HEAD
@@ -127,12 +207,9 @@ NUMBERS = (
 )
 
 ctypedef struct planar_t:
-    size_t rollers, slices
-    double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance
-    double inner_speed, outer_speed
-    double roller_mass, roller_inertia, ring_mass, cage_mass, cage_inertia, unbalance
-    double gravity_x, gravity_y
-    double damping
+    rs_plane c
+    size_t slices
+    double ring_mass, cage_mass, cage_inertia, unbalance
     # load: factors at times, linear between them
     double load
     size_t points
@@ -143,7 +220,6 @@ ctypedef struct planar_t:
     rs_land land
     const double *drop
     const double *widths
-    double lowest_drop
     rs_model deflection[2]
     rs_slices contact[2]   # room for Z n slices each
     rs_raceway raceway[2]
@@ -158,19 +234,9 @@ ctypedef struct planar_t:
     double epicyclic_speed, critical_slip, film_limit
     int refused
     double displaced       # by how much, where that was refused
-    # by roller, of the evaluation under way
-    double *cosine
-    double *sine
-    double *gap[2]         # approach of a straight roller
-    double *rate[2]        # d'
-    double *elastic[2]     # force without damping
-    double *force[2]
     double *load_of[2]     # per length, by roller and slice
     size_t *first[2]       # where the slices of a roller begin among those in contact
-    double *sliding[2]
-    double *rolling[2]
-    double *traction[2]
-    double *resistance[2]
+    int *touch             # whether a bar may touch the roller
 
 cdef double FAR = 0.1     # displacement over the roller's radius, beyond which it is not small
 
@@ -212,178 +278,180 @@ cdef inline int displacement(const double *head, planar_t *p) noexcept nogil:
     cdef const double *x
     for body in range(2):
         x = head + (CAGE_X if body else RING_X)
-        if x[0] * x[0] + x[1] * x[1] > FAR * FAR * p.roller_radius * p.roller_radius:
+        if x[0] * x[0] + x[1] * x[1] > FAR * FAR * p.c.roller_radius * p.c.roller_radius:
             p.refused, p.displaced = DISPLACED + <int>body, sqrt(x[0] * x[0] + x[1] * x[1])
             return 1
     return 0
 
 
-cdef int contacts(const double *head, const double *rollers, planar_t *p) noexcept nogil:
-    """Loads, speeds and friction of both contacts of every roller; 0, -1 or k > 0 as a stage of a chain."""
-    cdef size_t j, k, n, ring
-    cdef const double *y
-    cdef double c, s, across, along, psi, drive, a1, a2, factor, total
-    cdef rs_slices *slices
+cdef int forces_by_slices(planar_t *p, size_t ring) noexcept nogil:
+    """Elastic forces of a ring, and loads per length, by the deflection law on every slice; as a stage of a chain."""
+    cdef size_t j, k, n = 0
+    cdef double factor, total
+    cdef const double *gap = p.c.gap[ring]
+    cdef rs_slices *slices = &p.contact[ring]
     cdef int status
-    for j in range(p.rollers):
-        y = rollers + j * BLOCK
-        psi = head[CAGE_ANGLE] + 2.0 * M_PI * j / p.rollers + y[POSITION] / p.orbit_radius
-        c = cos(psi)
-        s = sin(psi)
-        p.cosine[j] = c
-        p.sine[j] = s
-        along = head[RING_X] * c + head[RING_Y] * s
-        across = head[RING_Y] * c - head[RING_X] * s
-        p.gap[INNER][j] = along - p.half_clearance - y[RADIAL]
-        p.gap[OUTER][j] = y[RADIAL]
-        p.rate[INNER][j] = head[RING_VX] * c + head[RING_VY] * s + across * y[ORBIT] - y[RISE]
-        p.rate[OUTER][j] = y[RISE]
-        drive = head[RING_VY] * c - head[RING_VX] * s - along * y[ORBIT]
-        a1 = p.inner_radius * (p.inner_speed - y[ORBIT]) + drive
-        a2 = p.roller_radius * (y[SPIN] + y[ORBIT])
-        p.sliding[INNER][j] = a1 - a2
-        p.rolling[INNER][j] = 0.5 * (a1 + a2)
-        a1 = p.outer_radius * (y[ORBIT] - p.outer_speed)
-        p.sliding[OUTER][j] = a2 - a1
-        p.rolling[OUTER][j] = 0.5 * (a1 + a2)
-    for ring in range(2):
-        slices = &p.contact[ring]
-        n = 0
-        for j in range(p.rollers):
-            p.first[ring][j] = n
-            if p.gap[ring][j] > p.lowest_drop:
-                for k in range(p.slices):
-                    slices.approach[n] = p.gap[ring][j] - p.drop[k]
-                    n += slices.approach[n] > 0.0   # the next one overwrites a slice out of contact
-        p.first[ring][p.rollers] = n
-        slices.n = n
-        p.evaluated += n
-        status = p.deflection[ring].evaluate(slices, p.deflection[ring].params) if n else 0
-        if status != 0:
-            p.refused = DEFLECTION_REFUSED + <int>ring
-            return status
-        for j in range(p.rollers):
-            factor = 1.0 + rs_damping(p.damping * p.rate[ring][j])
-            total = 0.0
-            n = p.first[ring][j]
+    for j in range(p.c.rollers):
+        p.first[ring][j] = n
+        if gap[j] > p.c.lowest_drop:
             for k in range(p.slices):
-                if n < p.first[ring][j + 1] and p.gap[ring][j] - p.drop[k] > 0.0:
-                    total += slices.load[n] * p.widths[k]
-                    p.load_of[ring][j * p.slices + k] = slices.load[n] * factor
-                    n += 1
-                else:
-                    p.load_of[ring][j * p.slices + k] = 0.0
-            p.elastic[ring][j] = total
-            p.force[ring][j] = total * factor
-            p.resistance[ring][j] = (
-                tabulated_resistance(p, ring, p.force[ring][j]) if p.resistance_cells[ring] else 0.0)
-        status = rs_raceway_friction(
-            &p.raceway[ring], p.load_of[ring], p.force[ring], p.sliding[ring], p.rolling[ring], p.traction[ring],
-            p.resistance[ring])
-        if status != 0:
-            p.refused = FRICTION_REFUSED + <int>ring
-            return status
+                slices.approach[n] = gap[j] - p.drop[k]
+                n += slices.approach[n] > 0.0   # the next one overwrites a slice out of contact
+    p.first[ring][p.c.rollers] = n
+    slices.n = n
+    p.evaluated += n
+    status = p.deflection[ring].evaluate(slices, p.deflection[ring].params) if n else 0
+    if status != 0:
+        return status
+    for j in range(p.c.rollers):
+        factor = 1.0 + rs_damping(p.c.damping * p.c.rate[ring][j])
+        total = 0.0
+        n = p.first[ring][j]
+        for k in range(p.slices):
+            if n < p.first[ring][j + 1] and gap[j] - p.drop[k] > 0.0:
+                total += slices.load[n] * p.widths[k]
+                p.load_of[ring][j * p.slices + k] = slices.load[n] * factor
+                n += 1
+            else:
+                p.load_of[ring][j * p.slices + k] = 0.0
+        p.c.elastic[ring][j] = total
     return 0
 
 
-cdef inline double pocket_place(
-    const planar_t *p, const double *head, const double *y, size_t j, double *closing
-) noexcept nogil:
-    """Displacement of a roller from the middle of its pocket along the orbit, and its rate."""
-    cdef double c = p.cosine[j], s = p.sine[j]
-    closing[0] = (p.orbit_radius * (y[ORBIT] - head[CAGE_SPEED]) + (head[CAGE_X] * c + head[CAGE_Y] * s) * y[ORBIT]
-                  - (head[CAGE_VY] * c - head[CAGE_VX] * s))
-    return y[POSITION] - (head[CAGE_Y] * c - head[CAGE_X] * s)
-
-
-cdef inline double radial_place(
-    const planar_t *p, const double *head, const double *y, size_t j, double *rising
-) noexcept nogil:
-    """The same along the radius."""
-    cdef double c = p.cosine[j], s = p.sine[j]
-    rising[0] = (y[RISE] - (head[CAGE_VX] * c + head[CAGE_VY] * s)
-                 - (head[CAGE_Y] * c - head[CAGE_X] * s) * y[ORBIT])
-    return y[RADIAL] - (head[CAGE_X] * c + head[CAGE_Y] * s)
+cdef int contacts(const double *head, const double *rollers, planar_t *p) noexcept nogil:
+    """Loads, speeds and friction of both contacts of every roller; 0, -1 or k > 0 as a stage of a chain."""
+    cdef size_t j
+    cdef double *resistance
+    cdef int status, ring
+    rs_plane_places(&p.c, head, rollers)
+    for ring in range(2):
+        if (p.raceway[ring].friction == RS_CONVENTIONAL or p.c.table[ring].cells == 0
+                or rs_plane_forces(&p.c, ring)):
+            status = forces_by_slices(p, ring)
+            if status != 0:
+                p.refused = DEFLECTION_REFUSED + ring
+                return status
+        rs_plane_damped(&p.c, ring)
+        resistance = p.c.resistance[ring]
+        if p.resistance_cells[ring]:
+            for j in range(p.c.rollers):
+                resistance[j] = tabulated_resistance(p, ring, p.c.force[ring][j])
+        elif p.raceway[ring].friction != RS_CONVENTIONAL:
+            resistance = NULL   # zero for good
+        status = rs_raceway_friction(
+            &p.raceway[ring], p.load_of[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring],
+            p.c.traction[ring], resistance)
+        if status != 0:
+            p.refused = FRICTION_REFUSED + ring
+            return status
+    return 0
 
 
 cdef inline double rubbing(const planar_t *p, double force, double speed) noexcept nogil:
     return p.pocket.friction * force * speed / sqrt(speed * speed + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
 
 
-cdef int roller_rates(
-    double t, const double *head, const double *rollers, double *rates, double *added, void *state
-) noexcept nogil:
-    cdef planar_t *p = <planar_t *>state
-    cdef size_t j, k
-    cdef const double *y
-    cdef double *rate
-    cdef double *add
-    cdef double c, s, along, across, radius, ni, no, fi, fo, ri, ro, z, closing, rising, spin
-    cdef double push, lift, pushed, lifted, fore, aft, top, bottom, moment
-    cdef rs_bars pocket, guide
-    cdef double fx, fy, weight, torque, uc = cos(head[CAGE_ANGLE]), us = sin(head[CAGE_ANGLE])
-    cdef double cage_along, cage_across, r = p.roller_radius
-    cdef int status = contacts(head, rollers, p)
-    if status != 0:
-        return status
-    for j in range(p.rollers):
-        y, rate, add = rollers + j * BLOCK, rates + j * BLOCK, added + j * ROW
-        for k in range(ROW):
-            add[k] = 0.0
-        c, s = p.cosine[j], p.sine[j]
-        along, across = head[RING_X] * c + head[RING_Y] * s, head[RING_Y] * c - head[RING_X] * s
-        cage_along, cage_across = head[CAGE_X] * c + head[CAGE_Y] * s, head[CAGE_Y] * c - head[CAGE_X] * s
-        radius = p.orbit_radius + y[RADIAL]
-        ni, no = p.force[INNER][j], p.force[OUTER][j]
-        fi, fo = p.traction[INNER][j], p.traction[OUTER][j]
-        ri, ro = p.resistance[INNER][j], p.resistance[OUTER][j]
+cdef inline void places_in_pockets(const double *head, planar_t *p) noexcept nogil:
+    """Places in the pockets, and whether a bar may touch: a film reaches across its gap."""
+    cdef double soft = RS_POCKET_TOUCH / p.pocket.stiffness
+    rs_plane_pockets(&p.c, head, p.pocket.half_clearance - soft if p.pocket.film == 0.0 else -1.0,
+                     p.guide.half_clearance - soft, p.touch)
 
-        z = pocket_place(p, head, y, j, &closing)
-        pocket = rs_pocket_bars(&p.pocket, z, closing)
-        z = radial_place(p, head, y, j, &rising)
-        guide = rs_pocket_bars(&p.guide, z, rising)
+
+cdef void bars(const double *head, planar_t *p) noexcept nogil:
+    """What the bars of the cage do to the rollers, and its power."""
+    cdef size_t j
+    cdef double closing, rising, spin, fore, aft, top, bottom, pushed, lifted
+    cdef rs_bars pocket, guide
+    places_in_pockets(head, p)
+    memset(p.c.push, 0, 5 * p.c.rollers * sizeof(double))   # and the four columns behind it
+    if not p.c.touched:
+        return
+    for j in range(p.c.rollers):
+        if not p.touch[j]:
+            continue
+        closing, rising = p.c.closing[j], p.c.rising[j]
+        pocket = rs_pocket_bars(&p.pocket, p.c.place[j], closing)
+        guide = rs_pocket_bars(&p.guide, p.c.height[j], rising)
         pushed, lifted = pocket.spring_ahead - pocket.spring_behind, guide.spring_ahead - guide.spring_behind
         # every bar rubs on its own side of the roller, those opposite in opposite directions by the spin
-        spin = r * (y[SPIN] + head[CAGE_SPEED])
+        spin = p.c.roller_radius * (p.c.unknown[SPIN][j] + head[CAGE_SPEED])
         fore, aft = rubbing(p, pocket.ahead, rising + spin), rubbing(p, pocket.behind, rising - spin)
         top, bottom = rubbing(p, guide.ahead, closing - spin), rubbing(p, guide.behind, closing + spin)
-        push = pocket.ahead - pocket.behind + top + bottom
-        lift = guide.ahead - guide.behind + fore + aft
-        moment = r * (fore - aft - top + bottom)
-
-        weight = p.roller_mass * (p.gravity_y * c - p.gravity_x * s) * radius
-        torque = (
-            fi * (p.inner_radius + along + r) + ri * (p.inner_radius + along - r) - ni * across
-            + fo * (p.outer_radius - r) - ro * (p.outer_radius + r)
-            - push * (p.orbit_radius + cage_along) + lift * cage_across + weight
-        )
-        rate[POSITION] = p.orbit_radius * (y[ORBIT] - head[CAGE_SPEED])
-        rate[ORBIT] = (torque / (p.roller_mass * radius) - 2.0 * y[RISE] * y[ORBIT]) / radius
-        rate[SPIN] = (r * (fi - ri - fo - ro) - moment) / p.roller_inertia
-        rate[RADIAL] = y[RISE]
-        rate[RISE] = (radius * y[ORBIT] * y[ORBIT] + (ni - no - lift) / p.roller_mass
-                      + p.gravity_x * c + p.gravity_y * s)
-
-        add[RING_VX] = (-ni * c + (fi + ri) * s) / p.ring_mass
-        add[RING_VY] = (-ni * s - (fi + ri) * c) / p.ring_mass
-        fx, fy = lift * c - push * s, lift * s + push * c
-        cage_acceleration(p, uc, us, fx, fy, push * p.orbit_radius - moment, add)
-
-        add[WORK_RINGS] = (p.inner_radius * p.inner_speed * (fi + ri) + p.outer_radius * p.outer_speed * (fo - ro))
-        add[WORK_GRAVITY] = weight * y[ORBIT] + p.roller_mass * (p.gravity_x * c + p.gravity_y * s) * y[RISE]
-        add[WORK_RACEWAYS] = -p.elastic[INNER][j] * p.rate[INNER][j] - p.elastic[OUTER][j] * p.rate[OUTER][j]
-        add[WORK_CAGE] = -pushed * closing - lifted * rising
-        add[LOST_INNER], add[LOST_OUTER] = fi * p.sliding[INNER][j], fo * p.sliding[OUTER][j]
-        add[LOST_ROLLING] = 2.0 * (ri * p.rolling[INNER][j] + ro * p.rolling[OUTER][j])
-        add[LOST_DAMPING] = ((ni - p.elastic[INNER][j]) * p.rate[INNER][j]
-                             + (no - p.elastic[OUTER][j]) * p.rate[OUTER][j])
-        add[LOST_POCKETS] = (
+        p.c.push[j] = pocket.ahead - pocket.behind + top + bottom
+        p.c.lift[j] = guide.ahead - guide.behind + fore + aft
+        p.c.moment[j] = p.c.roller_radius * (fore - aft - top + bottom)
+        p.c.stored[j] = pushed * closing + lifted * rising
+        p.c.lost[j] = (
             (pocket.ahead - pocket.behind - pushed) * closing
             + (guide.ahead - guide.behind - lifted) * rising
             + fore * (rising + spin) + aft * (rising - spin) + top * (closing - spin) + bottom * (closing + spin)
         )
-        add[IMPULSE_RINGS] = p.inner_radius * (fi + ri) + p.outer_radius * (fo - ro)
-        add[IMPULSE_GRAVITY] = weight
+
+
+cdef inline void receive(const planar_t *p, double c, double s, const double *sums, double *row) noexcept nogil:
+    """Add what rollers add to a row of rates of head and ledger; the cage's unbalance stands at (c, s)."""
+    row[RING_VX] += sums[TO_RING_X] / p.ring_mass
+    row[RING_VY] += sums[TO_RING_Y] / p.ring_mass
+    cage_acceleration(p, c, s, sums[TO_CAGE_X], sums[TO_CAGE_Y], sums[TO_CAGE_TORQUE], row)
+    row[WORK_RINGS] += sums[TO_WORK_RINGS]
+    row[WORK_GRAVITY] += sums[TO_WORK_GRAVITY]
+    row[WORK_RACEWAYS] += sums[TO_WORK_RACEWAYS]
+    row[WORK_CAGE] += sums[TO_WORK_CAGE]
+    row[LOST_INNER] += sums[TO_LOST_INNER]
+    row[LOST_OUTER] += sums[TO_LOST_OUTER]
+    row[LOST_ROLLING] += sums[TO_LOST_ROLLING]
+    row[LOST_DAMPING] += sums[TO_LOST_DAMPING]
+    row[LOST_POCKETS] += sums[TO_LOST_POCKETS]
+    row[IMPULSE_RINGS] += sums[TO_IMPULSE_RINGS]
+    row[IMPULSE_GRAVITY] += sums[TO_IMPULSE_GRAVITY]
+
+
+cdef int roller_columns(const double *head, const double *rollers, planar_t *p) noexcept nogil:
+    """Rates of the rollers' unknowns, and what they add, in columns."""
+    cdef int status = contacts(head, rollers, p)
+    if status == 0:
+        bars(head, p)
+        rs_plane_rates(&p.c, head)
+    return status
+
+
+cdef int roller_rates(
+    double t, const double *head, const double *rollers, double *rates, double *added, void *state
+) noexcept nogil:
+    cdef planar_t *p = <planar_t *>state
+    cdef double c = cos(head[CAGE_ANGLE]), s = sin(head[CAGE_ANGLE])
+    cdef double one[ADDED]
+    cdef size_t j
+    cdef int status = roller_columns(head, rollers, p)
+    if status != 0:
+        return status
+    rs_plane_blocks(&p.c, rates)
+    memset(added, 0, p.c.rollers * ROW * sizeof(double))
+    for j in range(p.c.rollers):
+        rs_plane_one(&p.c, j, one)
+        receive(p, c, s, one, added + j * ROW)
+    return 0
+
+
+cdef int all_rates(double t, const double *y, double *rates, void *state) noexcept nogil:
+    """All rates, the sums over the rollers without what each adds."""
+    cdef planar_t *p = <planar_t *>state
+    cdef double row[ROW]
+    cdef double sums[ADDED]
+    cdef size_t k, behind = HEAD + p.c.rollers * BLOCK
+    cdef int status = head_rates(t, y, row, state)
+    if status == 0:
+        status = roller_columns(y, y + HEAD, p)
+    if status != 0:
+        return status
+    rs_plane_totals(&p.c, sums)
+    receive(p, cos(y[CAGE_ANGLE]), sin(y[CAGE_ANGLE]), sums, row)
+    for k in range(HEAD):
+        rates[k] = row[k]
+    rs_plane_blocks(&p.c, rates + HEAD)
+    for k in range(LEDGER):
+        rates[behind + k] = row[HEAD + k]
     return 0
 
 
@@ -393,23 +461,23 @@ cdef int head_rates(double t, const double *head, double *rates, void *state) no
     cdef double c = cos(head[CAGE_ANGLE]), s = sin(head[CAGE_ANGLE]), w = head[CAGE_SPEED]
     cdef double load = p.load * load_factor(p, t), drag = 0.0
     # the cage's weight acts at its centre of mass
-    cdef double fx = p.cage_mass * p.gravity_x, fy = p.cage_mass * p.gravity_y
-    cdef double weight = p.unbalance * (p.gravity_y * c - p.gravity_x * s), torque = weight
+    cdef double fx = p.cage_mass * p.c.gravity_x, fy = p.cage_mass * p.c.gravity_y
+    cdef double weight = p.unbalance * (p.c.gravity_y * c - p.c.gravity_x * s), torque = weight
     cdef rs_land_forces f
     for k in range(ROW):
         rates[k] = 0.0
     rates[RING_X], rates[RING_Y] = head[RING_VX], head[RING_VY]
     rates[CAGE_X], rates[CAGE_Y], rates[CAGE_ANGLE] = head[CAGE_VX], head[CAGE_VY], w
-    rates[RING_VX], rates[RING_VY] = load / p.ring_mass + p.gravity_x, p.gravity_y
+    rates[RING_VX], rates[RING_VY] = load / p.ring_mass + p.c.gravity_x, p.c.gravity_y
     rates[WORK_LOAD] = load * head[RING_VX]
     rates[IMPULSE_LOAD] = -load * head[RING_Y]
-    rates[WORK_GRAVITY] = (p.ring_mass * (p.gravity_x * head[RING_VX] + p.gravity_y * head[RING_VY])
+    rates[WORK_GRAVITY] = (p.ring_mass * (p.c.gravity_x * head[RING_VX] + p.c.gravity_y * head[RING_VY])
                            + fx * head[CAGE_VX] + fy * head[CAGE_VY] + weight * w)
-    rates[IMPULSE_GRAVITY] = (p.ring_mass * (p.gravity_y * head[RING_X] - p.gravity_x * head[RING_Y])
+    rates[IMPULSE_GRAVITY] = (p.ring_mass * (p.c.gravity_y * head[RING_X] - p.c.gravity_x * head[RING_Y])
                               + fy * head[CAGE_X] - fx * head[CAGE_Y] + weight)
     for k in range(p.n_drags):
         drag += p.direction * p.drags[k].torque(
-            p.direction * w, p.direction * p.inner_speed, p.direction * p.outer_speed, p.drags[k].params)
+            p.direction * w, p.direction * p.c.inner_speed, p.direction * p.c.outer_speed, p.drags[k].params)
     if drag != drag:
         with gil:
             if PyErr_Occurred() != NULL:
@@ -422,20 +490,20 @@ cdef int head_rates(double t, const double *head, double *rates, void *state) no
     if p.land.guidance == INNER_LAND:   # the ring is the journal
         f = rs_land_force(
             &p.land, head[RING_X] - head[CAGE_X], head[RING_Y] - head[CAGE_Y], head[RING_VX] - head[CAGE_VX],
-            head[RING_VY] - head[CAGE_VY], p.inner_speed, w)
+            head[RING_VY] - head[CAGE_VY], p.c.inner_speed, w)
         rates[RING_VX] += f.x / p.ring_mass
         rates[RING_VY] += f.y / p.ring_mass
         fx -= f.x
         fy -= f.y
         torque += f.bush
-        rates[WORK_RINGS] = -f.journal * p.inner_speed
+        rates[WORK_RINGS] = -f.journal * p.c.inner_speed
         rates[IMPULSE_RINGS] = -f.journal
     elif p.land.guidance == OUTER_LAND:   # the cage is
-        f = rs_land_force(&p.land, head[CAGE_X], head[CAGE_Y], head[CAGE_VX], head[CAGE_VY], w, p.outer_speed)
+        f = rs_land_force(&p.land, head[CAGE_X], head[CAGE_Y], head[CAGE_VX], head[CAGE_VY], w, p.c.outer_speed)
         fx += f.x
         fy += f.y
         torque += f.journal
-        rates[WORK_RINGS] = -f.bush * p.outer_speed
+        rates[WORK_RINGS] = -f.bush * p.c.outer_speed
         rates[IMPULSE_RINGS] = -f.bush
     if p.land.guidance != ROLLERS:
         rates[WORK_CAGE] = f.stored
@@ -446,19 +514,6 @@ cdef int head_rates(double t, const double *head, double *rates, void *state) no
     return 0
 
 
-cdef double deepest(const double *head, const double *rollers, planar_t *p) noexcept nogil:
-    """Largest approach of a roller and the inner ring; below zero none carries it."""
-    cdef double most = -1e308, psi, approach
-    cdef size_t j
-    for j in range(p.rollers):
-        psi = head[CAGE_ANGLE] + 2.0 * M_PI * j / p.rollers + rollers[j * BLOCK + POSITION] / p.orbit_radius
-        approach = (head[RING_X] * cos(psi) + head[RING_Y] * sin(psi) - p.half_clearance
-                    - rollers[j * BLOCK + RADIAL] - p.lowest_drop)
-        if approach > most:
-            most = approach
-    return most
-
-
 cdef int watch(double t, const double *y, double *values, void *state) noexcept nogil:
     """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, NaN where it is
     not watched; largest approach at the inner ring."""
@@ -467,7 +522,7 @@ cdef int watch(double t, const double *y, double *values, void *state) noexcept 
     cdef int status = displacement(y, p)
     if status != 0:
         return status
-    values[0], values[1], values[2] = -1.0, NAN, deepest(y, y + HEAD, p)
+    values[0], values[1], values[2] = -1.0, NAN, rs_plane_deepest(&p.c, y, y + HEAD)
     if p.critical_slip == p.critical_slip:
         values[0] = 1.0 - y[CAGE_SPEED] / p.epicyclic_speed - p.critical_slip
     if p.film_limit == p.film_limit:
@@ -476,7 +531,7 @@ cdef int watch(double t, const double *y, double *values, void *state) noexcept 
             return status
         values[1] = 1e308
         for ring in range(2):
-            values[1] = rs_thinnest(&p.raceway[ring], values[1], p.sliding[ring])
+            values[1] = rs_thinnest(&p.raceway[ring], values[1], p.c.sliding[ring])
         values[1] -= p.film_limit
     return 0
 
@@ -484,19 +539,17 @@ cdef int watch(double t, const double *y, double *values, void *state) noexcept 
 cdef double until_contact(double t, const double *y, void *state) noexcept nogil:
     """Time [s] until a roller meets a bar of its pocket, or the cage its land, at the present speeds."""
     cdef planar_t *p = <planar_t *>state
-    cdef double soft = RS_POCKET_TOUCH / p.pocket.stiffness, soonest = INFINITY, psi, place, rate
+    cdef double soft = RS_POCKET_TOUCH / p.pocket.stiffness, soonest = INFINITY, place, rate
     cdef double dx = y[CAGE_X], dy = y[CAGE_Y], vx = y[CAGE_VX], vy = y[CAGE_VY]
-    cdef const double *roller
     cdef size_t j
-    for j in range(p.rollers):
-        roller = y + HEAD + j * BLOCK
-        psi = y[CAGE_ANGLE] + 2.0 * M_PI * j / p.rollers + roller[POSITION] / p.orbit_radius
-        p.cosine[j], p.sine[j] = cos(psi), sin(psi)
-        place = pocket_place(p, y, roller, j, &rate)
+    rs_plane_places(&p.c, y, y + HEAD)
+    places_in_pockets(y, p)
+    for j in range(p.c.rollers):
+        place, rate = p.c.place[j], p.c.closing[j]
         soonest = fmin(soonest, rs_until(p.pocket.half_clearance - soft - place, rate))
         soonest = fmin(soonest, rs_until(p.pocket.half_clearance - soft + place, -rate))
         if p.land.guidance == ROLLERS:
-            place = radial_place(p, y, roller, j, &rate)
+            place, rate = p.c.height[j], p.c.rising[j]
             soonest = fmin(soonest, rs_until(p.guide.half_clearance - soft - place, rate))
             soonest = fmin(soonest, rs_until(p.guide.half_clearance - soft + place, -rate))
     if p.land.guidance != ROLLERS:
@@ -517,9 +570,9 @@ cdef int drift(double h, double *y, void *state) noexcept nogil:
     y[CAGE_X] += h * y[CAGE_VX]
     y[CAGE_Y] += h * y[CAGE_VY]
     y[CAGE_ANGLE] += h * y[CAGE_SPEED]
-    for j in range(p.rollers):
+    for j in range(p.c.rollers):
         roller = y + HEAD + j * BLOCK
-        roller[POSITION] += h * p.orbit_radius * (roller[ORBIT] - y[CAGE_SPEED])
+        roller[POSITION] += h * p.c.orbit_radius * (roller[ORBIT] - y[CAGE_SPEED])
         roller[RADIAL] += h * roller[RISE]
     return 0
 
@@ -539,6 +592,10 @@ cdef class Planar:
         Profile at the slices [m].
     drags : sequence of capsules
         Torques on the cage, "rollslip.drag.v1".
+    forces : sequence of two (deepest, coefficients), optional
+        Force [N] of a roller on each raceway over the root of its gap from first touch to the deepest [m]: on cells
+        equal in the root, (cells, 4) coefficients of the powers of the place in one. Without them, beyond the deepest
+        and where friction is that of every slice, it comes from the slices.
     resistances : sequence of two (step, values), optional
         Rolling resistance [N] at equal steps of sqrt(Q) [N^0.5], where friction is not conventional.
     times, factors : array_like
@@ -555,11 +612,12 @@ cdef class Planar:
     cdef readonly size_t n
     cdef double[::1] scale, drop, widths, times, factors, memory, kicked
     cdef size_t[::1] begins
-    cdef tuple kept, deflections, resistances
+    cdef int[::1] touches
+    cdef tuple kept, deflections, forces, resistances
 
     def __init__(
         self, raceways, deflections, contacts, drop, widths, drags, Py_ssize_t rollers, int guidance, scale,
-        times=(), factors=(), resistances=None, double critical_slip=NAN, double film_limit=NAN, **numbers,
+        times=(), factors=(), forces=None, resistances=None, double critical_slip=NAN, double film_limit=NAN, **numbers,
     ):
         cdef planar_t *p = &self.p
         cdef size_t Z = rollers, n = len(drop), ring, k
@@ -571,11 +629,12 @@ cdef class Planar:
             raise ValueError(f"tables must have room for {n} slices of {Z} rollers")
         if len(times) != len(factors):
             raise ValueError(f"{len(times)} times and {len(factors)} factors of the load")
-        p.rollers, p.slices, p.land.guidance = Z, n, guidance
+        p.c.rollers, p.slices, p.land.guidance = Z, n, guidance
         p.critical_slip, p.film_limit = critical_slip, film_limit
-        (p.inner_radius, p.outer_radius, p.roller_radius, p.orbit_radius, p.half_clearance,
-         p.inner_speed, p.outer_speed, p.roller_mass, p.roller_inertia, p.ring_mass, p.cage_mass, p.cage_inertia,
-         p.unbalance, p.gravity_x, p.gravity_y, p.damping, p.load, p.direction, p.epicyclic_speed,
+        (p.c.inner_radius, p.c.outer_radius, p.c.roller_radius, p.c.orbit_radius, p.c.half_clearance,
+         p.c.inner_speed, p.c.outer_speed, p.c.roller_mass, p.c.roller_inertia, p.ring_mass, p.cage_mass,
+         p.cage_inertia, p.unbalance, p.c.gravity_x, p.c.gravity_y, p.c.damping, p.load, p.direction,
+         p.epicyclic_speed,
          p.pocket.half_clearance, p.guide.half_clearance, p.pocket.stiffness, p.pocket.damping, p.pocket.friction,
          p.pocket.film, p.pocket.roughness, p.land.radius, p.land.clearance, p.land.film,
          p.land.shear, p.land.floor, p.land.stiffness, p.land.damping, p.land.friction) = (
@@ -585,7 +644,7 @@ cdef class Planar:
         self.widths = np.array(widths, dtype=float)
         if <size_t>self.widths.shape[0] != n:
             raise ValueError(f"{self.widths.shape[0]} widths for {n} slices of a roller")
-        p.drop, p.widths, p.lowest_drop = &self.drop[0], &self.widths[0], np.min(drop)
+        p.drop, p.widths, p.c.lowest_drop = &self.drop[0], &self.widths[0], np.min(drop)
         self.times, self.factors = np.array(times, dtype=float), np.array(factors, dtype=float)
         p.points = len(times)
         if p.points:
@@ -596,6 +655,13 @@ cdef class Planar:
         for k in range(p.n_drags):
             p.drags[k] = (<const rs_drag *>PyCapsule_GetPointer(drags[k], ROLLSLIP_DRAG))[0]
         self.deflections = tuple(deflections)
+        self.forces = tuple(np.array(values, dtype=float, order="C") for _, values in forces or ())
+        for ring in range(<size_t>len(self.forces)):
+            if self.forces[ring].ndim != 2 or self.forces[ring].shape[1] != 4 or not forces[ring][0] > 0.0:
+                raise ValueError("a table of forces is (cells, 4) coefficients up to a gap above 0")
+            nodes = self.forces[ring].ravel()
+            p.c.table[ring].values, p.c.table[ring].cells = &nodes[0], nodes.shape[0] // 4
+            p.c.table[ring].per_root = <double>p.c.table[ring].cells / sqrt(forces[ring][0])
         self.resistances = tuple(np.array(values, dtype=float) for _, values in resistances or ())
         for ring in range(<size_t>len(self.resistances)):
             nodes = self.resistances[ring]
@@ -604,11 +670,26 @@ cdef class Planar:
         stages = [chain.as_stage() for chain in self.deflections]
         tables = [bound(slices) for slices in contacts]
         self.kept = tuple(raceways), tuple(stages), tuple(tables), tuple(drags)
-        self.memory = np.zeros(2 * Z + 2 * Z * (8 + n))
+        self.memory = np.zeros((10 + 2 * BLOCK + 2 * (8 + n) + 4 + ADDED) * Z)
         self.begins = np.zeros(2 * (Z + 1), dtype=np.uintp)
-        room = &self.memory[0]
-        p.cosine, p.sine = room, room + Z
-        room += 2 * Z
+        self.touches = np.zeros(Z, dtype=np.intc)
+        p.touch, room = &self.touches[0], &self.memory[0]
+        p.c.push, p.c.lift, p.c.moment, p.c.stored, p.c.lost = (   # one after another, see `bars`
+            room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z)
+        room += 5 * Z
+        p.c.pitch_cos, p.c.pitch_sin, p.c.cosine, p.c.sine, p.c.small = (
+            room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z)
+        room += 5 * Z
+        p.c.place, p.c.closing, p.c.height, p.c.rising = room, room + Z, room + 2 * Z, room + 3 * Z
+        room += 4 * Z
+        for k in range(Z):
+            p.c.pitch_cos[k], p.c.pitch_sin[k] = cos(2.0 * M_PI * k / Z), sin(2.0 * M_PI * k / Z)
+        for k in range(BLOCK):
+            p.c.unknown[k], p.c.rate_of[k] = room, room + Z
+            room += 2 * Z
+        for k in range(ADDED):
+            p.c.added[k] = room
+            room += Z
         for ring in range(2):
             p.raceway[ring] = (<rs_raceway *>PyCapsule_GetPointer(raceways[ring], RS_RACEWAY))[0]
             if p.raceway[ring].rollers != Z or p.raceway[ring].slices not in (1, n):
@@ -616,9 +697,9 @@ cdef class Planar:
             p.deflection[ring] = (<const rs_model *>PyCapsule_GetPointer(stages[ring], ROLLSLIP_MODEL))[0]
             p.contact[ring] = (<const rs_slices *>PyCapsule_GetPointer(tables[ring], "rollslip.slices"))[0]
             p.first[ring] = &self.begins[ring * (Z + 1)]
-            (p.gap[ring], p.rate[ring], p.elastic[ring], p.force[ring], p.sliding[ring], p.rolling[ring],
-             p.traction[ring], p.resistance[ring]) = (room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z,
-                                                      room + 5 * Z, room + 6 * Z, room + 7 * Z)
+            (p.c.gap[ring], p.c.rate[ring], p.c.elastic[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring],
+             p.c.traction[ring], p.c.resistance[ring]) = (room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z,
+                                                          room + 5 * Z, room + 6 * Z, room + 7 * Z)
             p.load_of[ring] = room + 8 * Z
             room += (8 + n) * Z
         self.n = HEAD + Z * BLOCK + LEDGER
@@ -636,16 +717,16 @@ cdef class Planar:
         cdef rs_system s
         cdef const planar_t *p = &self.p
         cdef double cage = 1.0 / p.cage_mass
-        s.head, s.rollers, s.block, s.ledger = HEAD, self.p.rollers, BLOCK, LEDGER
+        s.head, s.rollers, s.block, s.ledger = HEAD, self.p.c.rollers, BLOCK, LEDGER
         s.roller_rates, s.head_rates, s.jacobian = roller_rates, head_rates, NULL
         s.watched, s.watch = 3, watch
         s.scale, s.autonomous, s.state = &self.scale[0], self.p.points == 0, &self.p
         rs_tells_nothing(&s)
-        s.kicked, s.drift = &self.kicked[0], drift
+        s.rates, s.kicked, s.drift = all_rates, &self.kicked[0], drift
         s.until_contact, s.swing_frequency = until_contact, swing_frequency
         # one roller against the cage, which moves and turns; the cage against a ring
         s.contact_frequency = sqrt(p.pocket.stiffness * (
-            1.0 / p.roller_mass + cage + p.orbit_radius * p.orbit_radius / p.cage_inertia))
+            1.0 / p.c.roller_mass + cage + p.c.orbit_radius * p.c.orbit_radius / p.cage_inertia))
         if p.land.guidance != ROLLERS:
             if p.land.guidance == INNER_LAND:
                 cage += 1.0 / p.ring_mass
@@ -667,7 +748,7 @@ cdef class Planar:
         if who == NOBODY:
             return None
         if who >= DISPLACED:
-            return ("inner ring", "cage")[who - DISPLACED], (self.p.displaced, FAR * self.p.roller_radius)
+            return ("inner ring", "cage")[who - DISPLACED], (self.p.displaced, FAR * self.p.c.roller_radius)
         if who == DRAG_REFUSED:
             return "drag", None
         if who >= DEFLECTION_REFUSED:
@@ -685,7 +766,7 @@ cdef class Planar:
         evaluation was refused.
         """
         cdef double[:, ::1] states = np.array(y, dtype=float, ndmin=2, order="C")
-        cdef size_t Z = self.p.rollers, ring, m, j
+        cdef size_t Z = self.p.c.rollers, ring, m, j
         cdef planar_t *p = &self.p
         cdef int status
         if <size_t>states.shape[1] != self.n:
@@ -694,7 +775,6 @@ cdef class Planar:
         pockets = np.empty((2, states.shape[0], Z))
         cdef double[:, :, :, ::1] to = found
         cdef double[:, :, ::1] push = pockets
-        cdef double z, rate
         cdef rs_bars f
         for m in range(<size_t>states.shape[0]):
             status = contacts(&states[m, 0], &states[m, HEAD], p)
@@ -704,14 +784,13 @@ cdef class Planar:
                 return None
             for ring in range(2):
                 rs_contact_outputs(
-                    &p.raceway[ring], p.force[ring], p.traction[ring], p.sliding[ring], p.rolling[ring],
-                    p.resistance[ring], &to[0, m, ring, 0], 2 * Z * <size_t>states.shape[0])
+                    &p.raceway[ring], p.c.force[ring], p.c.traction[ring], p.c.sliding[ring], p.c.rolling[ring],
+                    p.c.resistance[ring], &to[0, m, ring, 0], 2 * Z * <size_t>states.shape[0])
+            places_in_pockets(&states[m, 0], p)
             for j in range(Z):
-                z = pocket_place(p, &states[m, 0], &states[m, HEAD + j * BLOCK], j, &rate)
-                f = rs_pocket_bars(&p.pocket, z, rate)
+                f = rs_pocket_bars(&p.pocket, p.c.place[j], p.c.closing[j])
                 push[0, m, j] = f.ahead - f.behind
-                z = radial_place(p, &states[m, 0], &states[m, HEAD + j * BLOCK], j, &rate)
-                f = rs_pocket_bars(&p.guide, z, rate)
+                f = rs_pocket_bars(&p.guide, p.c.height[j], p.c.rising[j])
                 push[1, m, j] = f.ahead - f.behind
         return dict(zip(OUTPUTS, found, strict=True)) | {
             "pocket_force": pockets[0], "pocket_radial_force": pockets[1]}

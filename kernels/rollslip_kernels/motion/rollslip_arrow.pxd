@@ -109,6 +109,18 @@ cdef inline void rs_sum(const rs_system *s, const double *raw, double *rates) no
         added += sums
 
 
+cdef inline int rs_rates(const rs_system *s, double t, const double *y, double *raw, double *rates) noexcept nogil:
+    """f(t, y), at once where the system has it so, else from its parts, which are left in ``raw``."""
+    cdef int status
+    if s.rates == NULL:
+        status = rs_raw(s, t, y, raw)
+        if status == 0 or status == RS_NOT_FINITE:
+            rs_sum(s, raw, rates)
+        return status
+    status = s.rates(t, y, rates, s.state)
+    return RS_NOT_FINITE if status == 0 and not rs_finite(rates, rs_unknowns(s)) else status
+
+
 # Derivatives ---------------------------------------------------------------------------------------------------------
 
 

@@ -153,7 +153,7 @@ cdef inline int rs_raceway_friction(
     """Traction force [N], with the sign of V, and rolling resistance [N], with that of u, of every roller.
 
     ``load`` [Z x n, N/m] is read by conventional friction only, ``force`` [Z, N] by the others only.  ``resistance``
-    comes in, unless friction is conventional, as its magnitude.  Returns 0, -1 or k > 0 as the stages of a chain do.
+    comes in, unless friction is conventional, as its magnitude, or is NULL where there is none.  Returns 0, -1 or k > 0 as the stages of a chain do.
     """
     cdef size_t j
     cdef int status
@@ -172,8 +172,9 @@ cdef inline int rs_raceway_friction(
         else:
             for j in range(w.rollers):
                 traction[j] = force[j] * rs_map_friction(&w.table, sliding[j], rs_film_speed(rolling[j]))
-    for j in range(w.rollers):
-        resistance[j] *= rolling[j] / rs_film_speed(rolling[j])
+    if resistance != NULL and (w.resists or w.friction != RS_CONVENTIONAL):
+        for j in range(w.rollers):
+            resistance[j] *= rolling[j] / rs_film_speed(rolling[j])
     return 0
 
 

@@ -54,6 +54,8 @@ cdef extern from *:
            for any other; NULL: not told. drift adds h times the rates of the places to them, nothing else moves. */
         const double *kicked;
         int (*drift)(double h, double *y, void *state);
+        /* all rates at once [n], the same to rounding; NULL: the parts above are summed */
+        int (*rates)(double t, const double *y, double *rates, void *state);
     } rs_system;
     #endif
     """
@@ -71,6 +73,7 @@ cdef extern from *:
     ctypedef int (*rs_jacobian)(double, const double *, const rs_arrow *, void *) noexcept nogil
     ctypedef double (*rs_until_contact)(double, const double *, void *) noexcept nogil
     ctypedef int (*rs_drift)(double, double *, void *) noexcept nogil
+    ctypedef int (*rs_all_rates)(double, const double *, double *, void *) noexcept nogil
 
     ctypedef struct rs_system:
         size_t head
@@ -90,12 +93,13 @@ cdef extern from *:
         rs_until_contact until_contact
         const double *kicked
         rs_drift drift
+        rs_all_rates rates
 
 
 cdef inline void rs_tells_nothing(rs_system *s) noexcept nogil:
-    """Leave untold what moves fast and what is a place."""
+    """Leave untold what moves fast, what is a place, and all rates at once."""
     s.contact_frequency = s.swing_frequency = 0.0
-    s.until_contact, s.kicked, s.drift = NULL, NULL, NULL
+    s.until_contact, s.kicked, s.drift, s.rates = NULL, NULL, NULL, NULL
 
 
 cdef inline double rs_until(double gap, double closing) noexcept nogil:

@@ -44,7 +44,7 @@ from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid
 
 from rollslip_arrow cimport (
     RS_CENTRAL, RS_FORWARD, RS_NOT_FINITE, RS_RAISED, rs_arrow_size, rs_differences, rs_factorise, rs_factors_size,
-    rs_finite, rs_place_arrow, rs_place_factors, rs_raw, rs_raw_size, rs_solve, rs_sum, rs_unknowns,
+    rs_finite, rs_place_arrow, rs_place_factors, rs_rates, rs_raw, rs_raw_size, rs_solve, rs_unknowns,
 )
 from rollslip_errors cimport rs_raise_pending
 from rollslip_system cimport ROLLSLIP_SYSTEM, rs_system
@@ -405,13 +405,9 @@ cdef class Stepper:
     # A step ----------------------------------------------------------------------------------------------------------
 
     cdef int _rates(self, double t, const double *y, double *rates) noexcept nogil:
-        """f(t, y), its parts left in ``raw``."""
-        cdef int status
+        """f(t, y), its parts left in ``raw`` where the system does not give all at once."""
         self.evaluations += 1
-        status = rs_raw(self.c, t, y, self.raw)
-        if status == 0:
-            rs_sum(self.c, self.raw, rates)
-        return status
+        return rs_rates(self.c, t, y, self.raw, rates)
 
     cdef double _norm(self, const double *x, const double *y, const double *z) noexcept nogil:
         """Largest |x| in tolerances at y or z; infinite where one is zero and missed."""
@@ -660,6 +656,11 @@ cdef class Rosenbrock(Stepper):
         if self.c.jacobian != NULL:
             status = self.c.jacobian(self.t, self.y_now, &self.arrow, self.c.state)
         else:
+            if self.c.rates != NULL:
+                self.evaluations += 1
+                status = rs_raw(self.c, self.t, self.y_now, self.raw)
+                if status != 0:
+                    return status
             status = rs_differences(self.c, self.t, self.y_now, self.raw, self.central, &self.arrow, self.u,
                                     self.minus, self.plus, &self.evaluations)
         if status != 0:

@@ -14,7 +14,7 @@ from libc.string cimport memcpy
 
 from rollslip_arrow cimport (
     RS_NOT_FINITE, RS_RAISED, rs_arrow_size, rs_differences, rs_factorise, rs_factors, rs_factors_size,
-    rs_place_arrow, rs_place_factors, rs_raw, rs_raw_size, rs_solve, rs_sum, rs_unknowns,
+    rs_place_arrow, rs_place_factors, rs_rates, rs_raw, rs_raw_size, rs_solve, rs_unknowns,
 )
 from rollslip_errors cimport rs_raise_pending
 from rollslip_stage cimport rs_capsule_context
@@ -85,11 +85,15 @@ cdef class System:
 
     def rates(self, double t, y):
         """Return f(t, y)."""
-        cdef double[::1] given = self._unknowns(y), rates = np.empty(self.n), raw = np.empty(1 + rs_raw_size(self.c))
-        self._raw(t, given, raw)
-        if self.n:
-            rs_sum(self.c, &raw[0], &rates[0])
-        return np.asarray(rates)
+        cdef double[::1] given = self._unknowns(y), rates = np.empty(1 + self.n)
+        cdef double[::1] raw = np.empty(1 + rs_raw_size(self.c))
+        cdef int status = 0
+        self.evaluations += 1
+        with nogil:
+            status = rs_rates(self.c, t, &given[0] if given.shape[0] else NULL, &raw[0], &rates[0])
+        if status != RS_NOT_FINITE:  # SciPy looks at the rates itself
+            self._check(status, t)
+        return np.asarray(rates)[:self.n]
 
     def __call__(self, t, y):
         return self.rates(t, y)
@@ -163,7 +167,7 @@ cdef class System:
         self.evaluations += 1
         with nogil:
             status = rs_raw(self.c, t, &y[0] if y.shape[0] else NULL, &raw[0])
-        return 0 if status == RS_NOT_FINITE else self._check(status, t)  # SciPy looks at the rates itself
+        return 0 if status == RS_NOT_FINITE else self._check(status, t)  # of which differences make the best
 
     cdef int _arrow(self, double t, double[::1] y, double[::1] memory, bint central, rs_arrow *a) except -1:
         cdef double[::1] base = np.empty(1 + rs_raw_size(self.c))

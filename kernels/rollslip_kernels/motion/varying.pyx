@@ -18,7 +18,7 @@ from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport NAN, fabs, isnan, sqrt
 
 from rollslip_arrow cimport RS_RAISED
-from rollslip_system cimport ROLLSLIP_SYSTEM, rs_new_system, rs_system
+from rollslip_system cimport ROLLSLIP_SYSTEM, rs_new_system, rs_system, rs_tells_nothing
 
 cdef enum:
     MAX_AXES = 3
@@ -345,6 +345,7 @@ cdef class Varying:
         s.roller_rates, s.head_rates, s.watch, s.jacobian = _roller_rates, _head_rates, _watch, NULL
         s.watched = 2 if self.v.watches_film else 1
         s.scale, s.autonomous, s.state = &self.scale[0], self.autonomous, &self.v
+        rs_tells_nothing(&s)
         return rs_new_system(&s, self)
 
     def values(self, t):
