@@ -14,8 +14,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.load_map import build_load_map
 from rollslip.errors import ConvergenceError, DomainError
+from rollslip.motion import raceway_friction as friction_module
 from rollslip.motion.carried import carried_motion
-from rollslip.motion.raceway_friction import FrictionSettings
+from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.motion.carried import LEDGER
 from rollslip_kernels.motion.system import RefusedError
@@ -27,7 +28,7 @@ FAST = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2, "cage.mass": 0.4, "cag
 DRAGS = ["rolling-resistance", {"model": "pocket-friction", "coefficient": 0.08}]
 KINDS = ["constant", "effective", "slips", "conventional"]
 LEVELS = ["cage-set", "pocket"]
-CONVENTIONAL = FrictionSettings(name="conventional")
+CONVENTIONAL = FrictionSettings(name="conventional", tabulated=False)
 
 
 def bearing(**changes):
@@ -37,8 +38,13 @@ def bearing(**changes):
 MADE = {}
 
 
-def motion(level, kind, drags=DRAGS, torque=0.03, critical_slip=math.nan, film_limit=math.nan, **changes):
-    """The motion of the scene, tables and loads made once; ``torque`` [N m] against the cage."""
+def motion(
+    level, kind, drags=DRAGS, torque=0.03, critical_slip=math.nan, film_limit=math.nan, tabulated=False, **changes
+):
+    """The motion of the scene, tables and loads made once; ``torque`` [N m] against the cage.
+
+    Conventional friction is that of the slices, unless it may be ``tabulated``.
+    """
     key = (str(sorted(changes.items())), str(drags))
     if key not in MADE:
         assembly = bearing(**changes | ({"cage.drag": drags} if drags else {}))
@@ -48,6 +54,7 @@ def motion(level, kind, drags=DRAGS, torque=0.03, critical_slip=math.nan, film_l
         assembly,
         FrictionSettings(
             name="effective" if kind == "slips" else kind,
+            tabulated=tabulated,
             effective_over="slips" if kind == "slips" else "sliding-speed",
             coefficient=0.01,
             transition=0.5,
@@ -513,6 +520,117 @@ def test_work_is_counted_in_contacts_and_slices():
     assert effective.carried.contacts_evaluated == 56
     loads = conventional.loads.at(2 * np.pi * np.arange(28) / 28, conventional.assembly.centrifugal_force * 0.81)
     assert conventional.carried.contacts_evaluated == np.count_nonzero(loads)
+
+
+# Conventional friction from a table ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("drags", [("rolling-resistance",), ()])
+@pytest.mark.parametrize("level", LEVELS)
+def test_rates_by_a_table_of_friction_are_those_of_the_slices_to_its_error(level, drags):
+    tabulated, sliced = (motion(level, "conventional", drags, tabulated=yes) for yes in (True, False))
+    assert len(tabulated.friction.by_force) == 2
+    assert not sliced.friction.by_force
+    error = max(table.error for table in tabulated.friction.by_force)
+    assert 0.0 < error <= tabulated.friction.settings.table_tolerance(tabulated.assembly)
+    rng = np.random.default_rng(5)
+    for _ in range(4):
+        y = sliced.initial(rng.uniform(0.0, 0.4), rng.uniform(0.0, 0.1))
+        sliced.split(y)["cage_angle"][...] = rng.uniform(0.0, 6.0)
+        found, expected = tabulated.system.rates(0.0, y), sliced.system.rates(0.0, y)
+        true = sliced.outputs([0.0], y)
+        # the largest friction coefficient there is times every force, as the error is told
+        force = 0.02 * true["normal_force"][0].sum() + np.abs(true["rolling_resistance"][0]).max() * 56
+        k = sliced.assembly.kinematics
+        torque = error * (k.inner_radius + k.outer_radius) * force
+        wrong = sliced.split(np.abs(found - expected))
+        assert wrong["roller_spin"].max() <= torque / sliced.spin_inertia
+        assert wrong["cage_speed"] <= torque / sliced.assembly.cage.inertia
+        assert wrong["impulse_inner"] + wrong["impulse_outer"] <= torque
+        assert np.any(found != expected)
+
+
+@pytest.mark.parametrize("ring", [0, 1])
+def test_the_error_of_a_table_of_friction_is_that_against_the_chain(ring):
+    """At contacts of its own choosing, by the chain of the raceway slice by slice."""
+    m = motion("cage-set", "conventional", ("rolling-resistance",), tabulated=True)
+    a, table, rng = m.assembly, m.friction.by_force[ring], np.random.default_rng(8)
+    raceway = a.raceways[ring]
+    gap = rng.uniform(0.2e-6, 1.5e-6, 28)
+    load, _ = a.deflect(gap[:, None] - (a.drop - a.drop.min()), raceway.ring)
+    slow, fast = (table.speed_scale * end / (1.0 - end) for end in table.speed_ends)
+    V, u = rng.uniform(-30.0, 30.0, 28), rng.uniform(slow, fast, 28)
+    found = compiled.table_friction(m.friction.capsules[ring], load @ a.widths, V, u)
+    expected = plain_friction(motion("cage-set", "conventional", ("rolling-resistance",)), ring, load, V, u)
+    largest = np.abs(expected[0] / (load @ a.widths)).max()
+    assert np.abs(found[0] - expected[0]).max() <= 2.0 * table.error * max(largest, 0.01) * (load @ a.widths).max()
+    assert np.abs(found[1] - expected[1]).max() <= 2.0 * table.error * 1.5 * np.abs(expected[1]).max()
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("change", ["force", "sliding", "rolling"])
+def test_outside_a_table_of_friction_the_chain_is_asked(change):
+    m = motion("cage-set", "conventional", (), tabulated=True)
+    contact = {"force": 100.0, "sliding": 0.5, "rolling": 30.0}
+    (table, _), (capsule, _) = m.friction.by_force, m.friction.capsules
+    assert compiled.table_friction(capsule, **contact) is not None
+    root = table.root_scale * table.root_ends[1] / (1.0 - table.root_ends[1])
+    beyond = {"force": [root**2 * 1.001], "sliding": [100.0, -100.0], "rolling": [10.0, 50.0, -30.0, 0.0]}
+    for value in [*beyond[change], math.nan]:
+        assert compiled.table_friction(capsule, **contact | {change: value}) is None
+    sliced = motion("cage-set", "conventional", ())
+    y = sliced.initial(0.9, 0.9)  # rolls on the outer ring more slowly than the table knows
+    found, expected = (one.split(one.system.rates(0.0, y)) for one in (m, sliced))
+    assert found["lost_outer"] == expected["lost_outer"] > 0.0
+    assert found["lost_inner"] != expected["lost_inner"]
+
+
+def test_without_force_there_is_no_friction_of_a_table():
+    m = motion("cage-set", "conventional", (), tabulated=True)
+    found = compiled.table_friction(m.friction.capsules[0], 0.0, 0.5, 30.0)
+    assert np.all(found == 0.0)
+
+
+def test_what_has_no_table_of_friction_says_why(monkeypatch):
+    assembly = bearing(**{"operation.misalignment": "0.2 mrad"}).with_resistance()
+    friction = raceway_friction(assembly, FrictionSettings(name="conventional"))
+    assert friction.by_force == ()
+    assert "rollers tilt" in friction.way
+    m = motion("cage-set", "conventional", ())
+
+    friction = raceway_friction(with_traction(m, NumpyForm(m.assembly.traction)), FrictionSettings(name="conventional"))
+    assert friction.by_force == ()
+    assert "runs in Python" in friction.way
+    friction = raceway_friction(m.assembly, FrictionSettings(name="conventional", tolerance=1e-7))
+    assert friction.by_force == ()
+    assert "on the inner ring would err by" in friction.way
+
+    def ends(*_):
+        raise DomainError("no such speed")
+
+    monkeypatch.setattr(friction_module._OfRoller, "on", ends)
+    friction = raceway_friction(m.assembly, FrictionSettings(name="conventional", tolerance=3e-2))
+    assert friction.by_force == ()
+    assert "a law of the inner ring ends where a table of it would have to reach (no such speed)" in friction.way
+
+
+def test_film_and_stored_friction_stay_those_of_the_chain():
+    tabulated, sliced = (motion("pocket", "conventional", (), film_limit=0.5, tabulated=yes) for yes in (True, False))
+    y = sliced.initial(0.2, 0.05)
+    done, true = tabulated.outputs([0.0], y), sliced.outputs([0.0], y)
+    for name in ("traction_force", "film_parameter"):
+        np.testing.assert_array_equal(done[name], true[name])
+    np.testing.assert_array_equal(tabulated.system.watch(0.0, y), sliced.system.watch(0.0, y))
+
+
+def test_a_table_of_friction_that_cannot_be_is_refused():
+    m = motion("cage-set", "conventional", ())
+    ends = (2.0, 0.9, 10.0, (0.0, 0.5), 10.0, (0.3, 0.8))
+    for shape, message in (((2, 4, 4, 7), "has 1 parts"), ((1, 3, 4, 7), "at least"), ((1, 4, 4, 8), "odd number")):
+        with pytest.raises(ValueError, match=message):
+            compiled.with_table(m.friction.capsules[0], np.zeros(shape), *ends)
+    with pytest.raises(ValueError, match="conventional friction"):
+        compiled.with_table(compiled.constant(28, 0.1, 0.1), np.zeros((1, 4, 4, 7)), *ends)
 
 
 # Raceways ------------------------------------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from scipy.special import gamma
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
+from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.motion import planar as planar_module
@@ -39,8 +40,10 @@ def scene_of(rollers=28, guidance="roller", drag=(), cage=(), more=()):
 def motion(scene, friction="constant", coefficient=0.05, transition=0.1, tabulated=False, **given):
     """The motion of a scene; its forces come from the slices at every evaluation unless they may come from a table."""
     found = PlanarSettings(**{"inner_ring_mass": 3.0} | given)
-    of_raceways = FrictionSettings(name=friction, coefficient=coefficient, transition=transition, tolerance=1e-2)
-    return planar_motion(assemble(scene), found, of_raceways, tabulated=tabulated)
+    of_raceways = FrictionSettings(
+        name=friction, tabulated=tabulated, coefficient=coefficient, transition=transition, tolerance=1e-2
+    )
+    return planar_motion(assemble(scene), found, of_raceways)
 
 
 # Lagrange's equations ------------------------------------------------------------------------------------------------
@@ -893,6 +896,120 @@ def test_a_drag_of_the_land_is_its_film():
     without = motion(scene_of(5, "outer", ("constant-torque",)))
     y = random_state(without, 1)
     assert np.all(with_drag.system.rates(0.0, y) == without.system.rates(0.0, y))
+
+
+# Tables in place of slices -------------------------------------------------------------------------------------------
+
+TABULATED = ("constant", "effective, inner land", "conventional, resisting", "conventional, mirrored, clearance")
+
+
+@functools.cache
+def both(name, seed):
+    """A state, the motion with tables and that of the slices, and the rates of both."""
+    scene, more = CASES[name]
+    sliced, tabulated = case(name)[0], motion(scene, name.split(",")[0], tabulated=True, **more)
+    start = sliced.initial(0.05, 0.1)
+    y = start + 0.15 * (random_state(sliced, seed) - start)  # within the tables, as motions are
+    return y, tabulated, sliced, tabulated.system.rates(0.3, y), sliced.system.rates(0.3, y)
+
+
+@pytest.mark.parametrize("name", TABULATED)
+@pytest.mark.parametrize("seed", range(4))
+def test_rates_by_tables_are_those_of_the_slices_to_their_error(name, seed):
+    y, tabulated, sliced, found, expected = both(name, seed)
+    assert len(tabulated.forces) == 2
+    error = max(table.error for table in tabulated.forces)
+    error += max((table.error for table in tabulated.friction.by_force), default=0.0)
+    done, true = (one.outputs(np.zeros(1), y[None]) for one in (tabulated, sliced))
+    size = yardstick(sliced, y, expected)
+    # tractions of both rings nearly balance
+    torque = sliced.assembly.kinematics.outer_radius * np.abs(true["traction_force"]).sum()
+    size[-4:] = np.maximum(size[-4:], torque)
+    orbits = sliced.parts(size)[1][:, 1]
+    orbits[:] = np.maximum(orbits, torque / (sliced.assembly.roller_mass * sliced.assembly.kinematics.orbit_radius**2))
+    # the error is known half-way between nodes and at random contacts: elsewhere it may be some times that
+    assert np.all(np.abs(found - expected) <= 3.0 * error * size)
+    assert np.any(found != expected)
+    light = max(table.light for table in tabulated.forces)
+    wrong = np.abs(done["normal_force"] - true["normal_force"]) / np.maximum(true["normal_force"], light)
+    assert wrong.max() <= 3.0 * max(table.error for table in tabulated.forces)
+    assert np.array_equal(done["normal_force"] == 0.0, true["normal_force"] == 0.0)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("ring", RINGS)
+def test_the_error_of_a_table_of_forces_is_that_against_all_slices(ring):
+    """At random gaps, evenly over the root of the deepest, by the deflection law itself."""
+    planar = motion(scene_of(5), tabulated=True)
+    a, table = planar.assembly, planar.forces[RINGS.index(ring)]
+    gap = table.deepest * np.random.default_rng(4).uniform(size=20_000) ** 2
+    true = a.deflect(gap[:, None] - (a.drop - a.drop.min()), ring)[0] @ a.widths
+    cells = len(table.coefficients)
+    place = np.sqrt(gap / table.deepest) * cells
+    cell = np.minimum(place.astype(int), cells - 1)
+    found = np.polynomial.polynomial.polyval(place - cell, table.coefficients[cell].T, tensor=False)
+    wrong = np.abs(found - true) / np.maximum(true, table.light)
+    assert 0.1 * table.error < wrong.max() < 1.5 * table.error <= 1.5 * 3e-5
+    usual = a.scene.operation.radial_load / 5 + a.centrifugal_force + 0.1
+    assert table.light == pytest.approx(0.01 * usual, rel=1e-12)
+
+
+@pytest.mark.quick
+def test_beyond_a_table_of_forces_the_slices_are_asked():
+    tabulated, sliced = (motion(scene_of(5), tabulated=yes) for yes in (True, False))
+    y = random_state(sliced, 1)
+    deepest = tabulated.forces[0].deepest
+    _, rollers, _ = sliced.parts(y)
+    rollers[:, 3] = 0.5 * deepest
+    within = tabulated.system.rates(0.0, y), sliced.system.rates(0.0, y)
+    assert np.any(within[0] != within[1])
+    rollers[2, 3] = 1.01 * deepest + min(sliced.assembly.drop)
+    assert tabulated.planar.deflections_evaluated == 0
+    forces = [one.outputs(np.zeros(1), y[None])["normal_force"][0] for one in (tabulated, sliced)]
+    assert np.array_equal(forces[0][1], forces[1][1])
+    assert np.any(forces[0][0] != forces[1][0])
+    assert tabulated.planar.deflections_evaluated > 0
+
+
+def test_a_force_that_few_cells_do_not_tell_comes_from_the_slices(monkeypatch):
+    monkeypatch.setattr(planar_module, "_MOST_CELLS", 1024)
+    scene = scene_of.__wrapped__(5)  # of its own: tables are kept with the bearing
+    rough, sliced = (motion(scene, tabulated=yes) for yes in (True, False))
+    assert rough.forces == ()
+    assert "from every slice" in rough.way
+    y = random_state(sliced, 3)
+    np.testing.assert_array_equal(rough.system.rates(0.0, y), sliced.system.rates(0.0, y))
+
+
+def test_film_and_stored_friction_are_those_of_the_slices():
+    y, tabulated, sliced, *_ = both("conventional, resisting", 2)
+    done, true = (one.outputs(np.zeros(1), y[None]) for one in (tabulated, sliced))
+    for name in ("traction_force", "film_parameter", "rolling_resistance"):
+        np.testing.assert_array_equal(done[name], true[name])
+
+
+def test_rates_do_not_depend_on_what_was_asked_before():
+    """Of the same state the same bits, whatever roller leans on its bar or leaves a table in between."""
+    _, tabulated, _, _, _ = both("conventional, resisting", 0)
+    states = [random_state(tabulated, seed) for seed in range(4)]
+    first = [tabulated.system.rates(0.3, y) for y in states]
+    again = [tabulated.system.rates(0.3, y) for y in reversed(states)]
+    assert all(np.array_equal(*pair) for pair in zip(first, reversed(again), strict=True))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_all_rates_at_once_are_the_sums_of_their_parts(name):
+    """The Jacobian by differences goes by the parts, with these increments, and all else by the rates at once."""
+    planar, system, _ = case(name)
+    y = random_state(planar, 2)
+    jacobian, rounding = system.jacobian(0.3, y), 1e-12 * yardstick(planar, y, system.rates(0.3, y))
+    for k in range(len(HEAD) + 2 * len(ROLLER)):
+        by = 2.0**-17 * max(abs(y[k]), system.scale[k])
+        ahead, behind = y.copy(), y.copy()
+        ahead[k] += by
+        behind[k] -= by
+        slope = (system.rates(0.3, ahead) - system.rates(0.3, behind)) / (ahead[k] - behind[k])
+        assert np.all(np.abs(slope - jacobian[:, k]) <= rounding / by)
 
 
 # Bad input -----------------------------------------------------------------------------------------------------------

@@ -26,9 +26,9 @@
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import attrs
 import numpy as np
@@ -175,10 +175,17 @@ def effective_table(assembly: Assembly, raceway: Raceway, load: Array, tolerance
     )
 
 
-def table_records(tables: Sequence[EffectiveTable]) -> dict[str, str]:
+class _Recorded(Protocol):
+    @property
+    def record(self) -> Mapping[str, object]:
+        """Size and errors by name."""
+        ...
+
+
+def table_records(tables: Sequence[_Recorded], name: str = "effective_tables") -> dict[str, str]:
     """Return the attribute of a result that says how right its tables of inner and outer raceway are, if it has any."""
     records = dict(zip(RINGS, (table.record for table in tables), strict=False))
-    return {"effective_tables": json.dumps(records)} if records else {}
+    return {name: json.dumps(records)} if records else {}
 
 
 def curve_table(friction: Law, rolling: float, tolerance: float) -> EffectiveTable:

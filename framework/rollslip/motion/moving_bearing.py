@@ -11,7 +11,8 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.errors import DomainError, RollslipError
-from rollslip.motion.raceway_friction import RacewayFriction
+from rollslip.motion.effective_table import table_records
+from rollslip.motion.raceway_friction import FRICTION, RacewayFriction
 from rollslip_kernels.motion.system import System
 
 #: Friction coefficient of the traction under which a roller is taken to lean on its pocket, where that is a measure.
@@ -71,6 +72,19 @@ class MovingBearing(abc.ABC):
         """Return the speeds of cage and rollers without slip at times [rad/s], to which slips refer."""
         k = self.assembly.kinematics
         return np.full(t.size, k.epicyclic_cage_speed), np.full(t.size, k.epicyclic_roller_speed)
+
+    @property
+    def tables(self) -> dict[str, str]:
+        """Attributes of a result that say how right the tables are that the motion rests on."""
+        by_force = table_records(self.friction.by_force, "friction_tables")
+        return {**table_records(self.friction.tables), **by_force}
+
+    @property
+    def way(self) -> str:
+        """How friction is evaluated, and what else there is a table of, in words."""
+        friction = self.friction
+        said = FRICTION[friction.settings.name]
+        return f"{said}, {friction.way}" if friction.way else said
 
     @property
     def units(self) -> dict[str, str]:

@@ -2,8 +2,8 @@
 
 - The loads follow from the motion, by the deflection law of the contact model. So the clearance, the mass of the inner
   ring and the history of the load matter, and a map of loads does not exist.
-- Rollers do not tilt, so that the force of one follows from its gap alone: it is tabulated over the root of the gap, from
-  which it rises smoothly but for a corner where each slice first touches. The error is that of all slices half-way
+- Rollers do not tilt, so that the force of one follows from its gap alone: it is tabulated over the root of the gap,
+  over which it is smooth but for a bend where each slice first touches. The error is that against all slices half-way
   between nodes. Deeper than the table goes, and where friction looks at slices, forces come from the slices.
 - A profile that is the same to both ends tilts none, and anything else is refused.
 - A land's film carries and drags at once: a drag that describes it in another way is left out, not added.
@@ -26,8 +26,9 @@ from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.errors import DomainError, RollslipError
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
 from rollslip.models import DragModel
+from rollslip.motion.effective_table import table_records
 from rollslip.motion.moving_bearing import MovingBearing, pocket_contact
-from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
+from rollslip.motion.raceway_friction import DEEP, FrictionSettings, made_once, raceway_friction, usual_force
 from rollslip_kernels.motion.planar import LEDGER_UNITS, Planar
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.slices import Slices
@@ -35,7 +36,6 @@ from rollslip_kernels.slices import Slices
 _STEP: Final = 1e-6  # s, in which a step of the load is made: a fiftieth of the period of a roller on its contacts
 _SWING: Final = 30.0  # deflections by which the motion of rollers along the radius is measured, see _scale
 _CELLS: Final = 64  # of the table of rolling resistance over sqrt(Q)
-_DEEP: Final = 10.0  # times the usual force of a roller, up to which forces and resistances are tabulated
 #: Error of the table of forces, relative to a force or to this share of the usual one, and its first and most cells.
 _FORCE_ERROR, _LIGHT = 3e-5, 1e-2
 _FIRST_CELLS, _MOST_CELLS = 512, 65536
@@ -212,6 +212,23 @@ class PlanarMotion(MovingBearing):
         return self.settings.breakpoints
 
     @property
+    def tables(self) -> dict[str, str]:
+        """Attributes of a result that say how right the tables are that the motion rests on."""
+        return {**super().tables, **table_records(self.forces, "force_tables")}
+
+    @property
+    def way(self) -> str:
+        """How friction is evaluated, and where the forces of rollers come from, in words."""
+        if not self.forces:
+            return f"{super().way}; forces of rollers from every slice"
+        cells, most = max(len(t.coefficients) for t in self.forces), max(table.error for table in self.forces)
+        deepest = 1e6 * min(table.deepest for table in self.forces)
+        return (
+            f"{super().way}; forces of rollers from a table of {cells} cells over the root of the gap, within "
+            f"{most:.1e} of every slice, and from the slices at gaps above {deepest:.2g} um"
+        )
+
+    @property
     def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:
         """Unknowns of the head, of each roller and of the ledger, in order -> their unit."""
         return HEAD, ROLLER, LEDGER
@@ -302,9 +319,7 @@ class PlanarMotion(MovingBearing):
         return error
 
 
-def planar_motion(
-    assembly: Assembly, settings: PlanarSettings, friction: FrictionSettings, *, tabulated: bool = True
-) -> PlanarMotion:
+def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: FrictionSettings) -> PlanarMotion:
     """Build the plane motion of a bearing whose scene has a cage.
 
     Parameters
@@ -314,9 +329,7 @@ def planar_motion(
     settings : PlanarSettings
         Masses, damping, gravity and load.
     friction : FrictionSettings
-        Which friction, and what is watched.
-    tabulated : bool
-        Whether forces may come from a table; if not, they come from the slices at every evaluation.
+        Which friction, what is watched, and whether forces may come from a table.
 
     Raises
     ------
@@ -347,8 +360,8 @@ def planar_motion(
     guidance = ("roller", "inner", "outer").index(cage.guidance)
     torques = zip(cage.drags.torques, cage.drags.capsules(), strict=True)
     times, factors = settings.history
-    most = _DEEP * _usual_force(a, max(factors, default=1.0))
-    forces = () if friction.by_slices or not tabulated else _force_tables(a, most)
+    most = DEEP * usual_force(a, max(factors, default=1.0))
+    forces = _force_tables(a, most) if friction.tabulated and not of_raceways.by_slices else ()
     planar = Planar(
         of_raceways.capsules,
         [raceway.deflection.kernel for raceway in a.raceways],
@@ -422,13 +435,10 @@ def _land(cage: Cage, settings: PlanarSettings, oil: float, roughness: float) ->
     }
 
 
-def _usual_force(a: Assembly, factor: float = 1.0) -> float:
-    """A roller's share of the load times a factor, and its centrifugal force [N]; at least 0.1 N."""
-    return factor * a.scene.operation.radial_load / a.scene.bearing.rollers + a.centrifugal_force + 0.1
-
-
 def _force_tables(a: Assembly, most: float) -> tuple[ForceTable, ...]:
-    """Tables of both raceways, or none."""
+    """Tables of both raceways, or none: a law in Python may depend on more than the gap."""
+    if any(raceway.deflection.alone for raceway in a.raceways):
+        return ()
     tables = [force_table(a, raceway, most) for raceway in a.raceways]
     return tuple(table for table in tables if table is not None) if None not in tables else ()
 
@@ -440,17 +450,11 @@ def force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None
     more than 65536.
     """
     key = "force by gap", most, raceway.conditions, raceway.deflection.models, a.drop.tobytes(), a.widths.tobytes()
-    try:
-        if key not in a.known_maps:
-            a.known_maps[key] = _force_table(a, raceway, most)
-    except TypeError:  # a model that is not to be told from others
-        return _force_table(a, raceway, most)
-    found: ForceTable | None = a.known_maps[key]
-    return found
+    return made_once(a, key, lambda: _force_table(a, raceway, most))
 
 
 def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None:
-    drop, light = a.drop - a.drop.min(), _LIGHT * most / _DEEP
+    drop, light = a.drop - a.drop.min(), _LIGHT * most / DEEP
 
     def forces(root: Array) -> Array:
         """Force and its derivative by the root of the gap, (2, m)."""
@@ -458,7 +462,7 @@ def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | Non
         return np.stack((load @ a.widths, stiffness @ a.widths * 2.0 * root))
 
     approach = np.geomspace(1e-9, 1e-3, 601)
-    deepest = float(approach[min(np.searchsorted(forces(np.sqrt(approach))[0], most), approach.size - 1)])
+    deepest = float(approach[min(int(np.searchsorted(forces(np.sqrt(approach))[0], most)), approach.size - 1)])
     cells = _FIRST_CELLS
     root = np.linspace(0.0, math.sqrt(deepest), cells + 1)
     known = forces(root)
@@ -487,7 +491,7 @@ def _resistances(a: Assembly) -> list[tuple[float, Array]] | None:
 
 
 def _resistance(a: Assembly, raceway: Raceway) -> tuple[float, Array]:
-    most = _DEEP * _usual_force(a)
+    most = DEEP * usual_force(a)
     approach = np.geomspace(1e-9, 1e-3, 601)
     load, _ = a.deflect(approach[:, None] - (a.drop - a.drop.min()), raceway.ring)
     force = load @ a.widths

@@ -1,22 +1,55 @@
-"""Friction of both raceways by the name that a study gives it: what the compiled systems of the dynamics work with."""
+"""Friction of both raceways by the name that a study gives it: what the compiled systems of the dynamics work with.
+
+- Without tilt the loads of a roller's slices follow from its force. So conventional friction of a roller is tabulated
+  over force, sliding and rolling speed: the same law, not an average. The error is that against all slices at random
+  contacts; nodes are added along the axis that errs most until it is within the tolerance of tables.
+- The chain stays for all else: tilted rollers, laws in Python, a table that does not get there, contacts outside it,
+  and film parameters. `RacewayFriction.way` says which it is.
+"""
 
 import math
-from typing import Final
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Final, TypeVar
 
 import attrs
+import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.load_map import LoadMap, build_load_map
+from rollslip.bearing.raceway import Array, Raceway
+from rollslip.errors import RollslipError
 from rollslip.motion.effective_table import EffectiveTable, effective_table
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.slices import Slices
 
+T = TypeVar("T")
+
 #: Friction by name -> what it is.
 FRICTION: Final = {
     "effective": "the effective friction of the raceways, tabulated once",
-    "conventional": "the friction of every loaded slice at every step",
+    "conventional": "the friction of every loaded slice",
     "constant": "one coefficient",
 }
+
+_SLICED: Final = "at every step"
+#: Times the usual force of a roller, its share of load and its centrifugal force, up to which deflection is tabulated,
+#: from which on friction is, and below which its error is that of a light contact; and the largest force of the bearing
+#: at its epicyclic speed, up to which friction is.
+DEEP, _LEAST, _LIGHT, _HEAVY = 10.0, 1e-6, 1e-2, 1.5
+#: Rolling speeds over the epicyclic one, and the largest sliding speed over it, of a table of friction.
+_SPEEDS, _REACH = (0.4, 1.6), 2.5
+#: The rolling speed over the epicyclic one that stands for u_s: friction turns where it is slow.
+_SLOW: Final = 0.5
+#: Nodes of rolling speed, of force and on either side of no sliding at first, and the most of all together.
+_FIRST_NODES, _MOST_NODES = (5, 17, 24), 300_000
+#: What more nodes have to leave of the error at most, and how often in a row they may fail to before there is no table.
+_GAIN, _VAIN = 0.9, 4
+#: Random contacts at which a table is held against the slices.
+_PROBES: Final = 600
+#: Sliding speeds over the rolling speed among which that is chosen over which friction rises, by so many nodes.
+_SCALES: Final = np.geomspace(1e-3, 1.0, 13)
+_RISE: Final = 64
 
 
 @attrs.frozen(kw_only=True)
@@ -27,6 +60,8 @@ class FrictionSettings:
     ----------
     name : str
         One of `FRICTION`.
+    tabulated : bool
+        Whether what follows from a roller's force may come from tables; if not, from the slices at every evaluation.
     effective_over : str
         What effective friction is tabulated over: "sliding-speed", or "slips" for sliding and rolling speed.
     coefficient, transition : float
@@ -38,17 +73,13 @@ class FrictionSettings:
     """
 
     name: str
+    tabulated: bool = True
     effective_over: str = "sliding-speed"
     coefficient: float = math.nan
     transition: float = math.nan
     tolerance: float | None = None
     critical_slip: float = math.nan
     film_limit: float = math.nan
-
-    @property
-    def by_slices(self) -> bool:
-        """Whether friction looks at the slices of a roller, or at its force alone."""
-        return self.name == "conventional"
 
     @property
     def watched_film(self) -> float:
@@ -58,6 +89,61 @@ class FrictionSettings:
     def table_tolerance(self, assembly: Assembly) -> float:
         """Error of loads and tables of a bearing."""
         return assembly.resolution.table_tolerance if self.tolerance is None else self.tolerance
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class FrictionTable:
+    """Conventional friction of a roller over force, sliding and rolling speed, as `compiled.with_table` takes it.
+
+    Attributes
+    ----------
+    values : ndarray
+        F/sqrt(Q) [N^0.5] and, if there is any, the same of the rolling resistance, over rolling speed, force and
+        sliding speed.
+    sliding_scale : float
+        V_s [m/s] of V/(|V| + V_s).
+    sliding_end : float
+        Its last node.
+    root_scale : float
+        r_s [N^0.5] of r/(r + r_s), r = sqrt(Q).
+    root_ends : tuple of float
+        Its first and last node.
+    speed_scale : float
+        u_s [m/s] of u/(u + u_s).
+    speed_ends : tuple of float
+        Its first and last node.
+    error : float
+        Largest error at random contacts: of traction relative to the largest friction coefficient times the force, or
+        a light one, of rolling resistance relative to the largest [1].
+    """
+
+    values: Array
+    sliding_scale: float
+    sliding_end: float
+    root_scale: float
+    root_ends: tuple[float, float]
+    speed_scale: float
+    speed_ends: tuple[float, float]
+    error: float = math.nan
+
+    def of(self, raceway: object) -> object:
+        """Return a compiled conventional raceway with this table."""
+        return compiled.with_table(
+            raceway,
+            self.values,
+            self.sliding_scale,
+            self.sliding_end,
+            self.root_scale,
+            self.root_ends,
+            self.speed_scale,
+            self.speed_ends,
+        )
+
+    @property
+    def record(self) -> dict[str, object]:
+        """Size and error by name, as results keep them."""
+        speeds = [self.speed_scale * end / (1.0 - end) for end in self.speed_ends]
+        return {"nodes": list(self.values.shape[1:]), "error": self.error, "rolling_speed": speeds}
 
 
 @attrs.frozen(eq=False)
@@ -74,12 +160,35 @@ class RacewayFriction:
         Tables that conventional friction works in.
     tables : tuple of EffectiveTable
         What effective friction is taken from.
+    by_force : tuple of FrictionTable
+        What conventional friction is taken from without tilt; none where it comes from the slices.
+    way : str
+        Which way conventional friction is evaluated, in words.
     """
 
     settings: FrictionSettings
     capsules: tuple[object, object]
     slices: tuple[Slices, ...] = ()
     tables: tuple[EffectiveTable, ...] = ()
+    by_force: tuple[FrictionTable, ...] = ()
+    way: str = ""
+
+    @property
+    def by_slices(self) -> bool:
+        """Whether friction looks at the slices of a roller at every evaluation."""
+        return self.settings.name == "conventional" and not self.by_force
+
+
+def usual_force(assembly: Assembly, factor: float = 1.0) -> float:
+    """Return a roller's share of the load times a factor, and its centrifugal force [N]; at least 0.1 N."""
+    share = factor * assembly.scene.operation.radial_load / assembly.scene.bearing.rollers
+    return share + assembly.centrifugal_force + 0.1
+
+
+def tilts(assembly: Assembly) -> bool:
+    """Return whether rollers or rings tilt: by the scene, or by a profile that differs to its two ends."""
+    drop = assembly.drop
+    return assembly.scene.operation.misalignment != 0.0 or not np.allclose(drop, drop[::-1], rtol=1e-9, atol=1e-15)
 
 
 def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: LoadMap | None = None) -> RacewayFriction:
@@ -111,22 +220,238 @@ def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: Load
             compiled.conventional(r.chain.kernel, table, rollers, assembly.widths, r.chain.resists)
             for r, table in zip(assembly.raceways, slices, strict=True)
         )
-        return RacewayFriction(settings, (inner, outer), slices=slices)
+        tables, way = _by_force(assembly, settings) if settings.tabulated else ((), _SLICED)
+        if tables:
+            inner, outer = (table.of(raceway) for table, raceway in zip(tables, (inner, outer), strict=True))
+        return RacewayFriction(settings, (inner, outer), slices=slices, by_force=tables, way=way)
     tolerance = settings.table_tolerance(assembly)
     loads = build_load_map(assembly, tolerance) if loads is None else loads
-    tables = tuple(_table(assembly, ring, loads, tolerance, settings.effective_over == "slips") for ring in (0, 1))
-    inner, outer = (table.raceway(rollers) for table in tables)
-    return RacewayFriction(settings, (inner, outer), tables=tables)
+    effective = tuple(_table(assembly, ring, loads, tolerance, settings.effective_over == "slips") for ring in (0, 1))
+    inner, outer = (table.raceway(rollers) for table in effective)
+    return RacewayFriction(settings, (inner, outer), tables=effective)
+
+
+def made_once(assembly: Assembly, key: tuple[object, ...], make: Callable[[], T]) -> T:
+    """Return what is made for a bearing and kept with it, under a key that has all it depends on."""
+    try:
+        known = key in assembly.known_maps
+    except TypeError:  # a model that is not to be told from others
+        return make()
+    if not known:
+        assembly.known_maps[key] = make()
+    kept: T = assembly.known_maps[key]
+    return kept
 
 
 def _table(assembly: Assembly, ring: int, loads: LoadMap, tolerance: float, slips: bool) -> EffectiveTable:
     """Return the effective friction of a ring at the epicyclic speed, made once for a bearing."""
     raceway, load = assembly.raceways[ring], loads.loads(min(assembly.centrifugal_force, loads.top))[ring]
     key = ring, loads.orbits, raceway.conditions, raceway.chain.models, raceway.chain.bounds, tolerance, slips
+    return made_once(assembly, key, lambda: effective_table(assembly, raceway, load, tolerance, slips))
+
+
+def _by_force(assembly: Assembly, settings: FrictionSettings) -> tuple[tuple[FrictionTable, ...], str]:
+    """Tables of both raceways, or none, and which way that is in words; made once for a bearing."""
+    if tilts(assembly):
+        return (), f"{_SLICED}: rollers tilt, so that the loads along one do not follow from its force"
+    if any(raceway.chain.alone for raceway in assembly.raceways):
+        return (), f"{_SLICED}: a law runs in Python, and may depend on more than a table knows"
+    tolerance, tables = settings.table_tolerance(assembly), list[FrictionTable]()
+    for raceway in assembly.raceways:
+        key = (
+            ("friction by force", raceway.conditions, raceway.chain.models, raceway.chain.bounds, tolerance),
+            (assembly.drop.tobytes(), assembly.widths.tobytes(), usual_force(assembly)),
+        )
+        table = made_once(assembly, key, partial(_friction_table, assembly, raceway, tolerance))
+        if isinstance(table, str):
+            return (), f"{_SLICED}: {table}"
+        tables.append(table)
+    most = max(table.error for table in tables)
+    return tuple(tables), f"from a table over force and both speeds, within {most:.1e} of it, at every step outside it"
+
+
+def _friction_table(assembly: Assembly, raceway: Raceway, tolerance: float) -> FrictionTable | str:
+    """The table of a raceway, or why there is none."""
+    law = _OfRoller(assembly, raceway)
+    usual, speed = usual_force(assembly), abs(float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling))
+    if not speed > 0.0:
+        return "nothing rolls at the epicyclic speed"
+    root_scale, first = math.sqrt(usual), math.sqrt(_LEAST * usual)
+    at_rest = assembly.load_distribution(1)
+    heaviest = _HEAVY * max(float((load @ assembly.widths).max()) for load in (at_rest.inner_load, at_rest.outer_load))
+    last = math.sqrt(max(heaviest, usual))
+    roots = (first / (first + root_scale), last / (last + root_scale))
+    slow, fast = _SPEEDS
+    speeds, nodes = (slow / (slow + _SLOW), fast / (fast + _SLOW)), [*_FIRST_NODES]
+    least, vain = math.inf, 0
     try:
-        known: EffectiveTable | None = assembly.known_maps.get(key)
-    except TypeError:  # a model that is not to be told from others
-        return effective_table(assembly, raceway, load, tolerance, slips)
-    if known is None:
-        known = assembly.known_maps[key] = effective_table(assembly, raceway, load, tolerance, slips)
-    return known
+        scale = law.scale((usual, last**2), speed)
+        while True:
+            end, of_speed, of_root, of_sliding = _REACH * speed / (_REACH * speed + scale), *nodes
+            at = _Grid(scale, end, root_scale, roots, _SLOW * speed, speeds, (of_speed, of_root, of_sliding))
+            values = law.on(at)
+            if (error := law.error(at, values, usual)) <= tolerance:
+                break
+            least, vain = (error, 0) if error < _GAIN * least else (least, vain + 1)
+            errors = [law.error(at, values, usual, axis) for axis in range(3)]
+            axis = int(np.argmax(errors))
+            nodes[axis] = 2 * nodes[axis] - (axis < 2)
+            if nodes[0] * nodes[1] * (2 * nodes[2] + 1) > _MOST_NODES or vain == _VAIN:
+                return (
+                    f"a table of it on the {raceway.ring} ring would err by {error:.1e}, more than the {tolerance:.1e} "
+                    "that tables may leave"
+                )
+    except RollslipError as refused:  # where the motion need never go: if it does, that is told there
+        return f"a law of the {raceway.ring} ring ends where a table of it would have to reach ({refused})"
+    return FrictionTable(
+        values=values,
+        sliding_scale=scale,
+        sliding_end=at.sliding_end,
+        root_scale=root_scale,
+        root_ends=roots,
+        speed_scale=at.speed_scale,
+        speed_ends=speeds,
+        error=error,
+    )
+
+
+@attrs.frozen(eq=False)
+class _Grid:
+    """Nodes of a table of friction: of rolling speed, of force, and on either side of no sliding."""
+
+    scale: float
+    sliding_end: float
+    root_scale: float
+    root_ends: tuple[float, float]
+    speed_scale: float
+    speed_ends: tuple[float, float]
+    nodes: tuple[int, int, int]
+
+    def speed(self, share: Array) -> Array:
+        """Rolling speed at shares 0 to 1 of its nodes."""
+        low, high = self.speed_ends
+        at = low + (high - low) * share
+        return np.asarray(self.speed_scale * at / (1.0 - at))
+
+    def force(self, share: Array) -> Array:
+        """Force at them."""
+        low, high = self.root_ends
+        at = low + (high - low) * share
+        return np.asarray((self.root_scale * at / (1.0 - at)) ** 2)
+
+    def sliding(self, share: Array) -> Array:
+        """Sliding speed at them, from -1 to 1."""
+        at = self.sliding_end * share
+        return np.asarray(at * self.scale / (1.0 - np.abs(at)))
+
+
+class _OfRoller:
+    """What the chain of a raceway makes of a roller, by its force: F and the rolling resistance over sqrt(Q)."""
+
+    def __init__(self, assembly: Assembly, raceway: Raceway) -> None:
+        self.assembly, self.raceway = assembly, raceway
+        self.drop, self.at = np.unique(assembly.drop - assembly.drop.min(), return_inverse=True)
+        self.widths = np.bincount(self.at, assembly.widths)
+        self.gaps = np.geomspace(1e-12, 1e-3, 901)
+        self.forces = self._loads(self.gaps) @ self.widths
+
+    def _loads(self, gap: Array) -> Array:
+        return self.assembly.deflect(gap[:, None] - self.drop, self.raceway.ring)[0]
+
+    def loads(self, force: Array) -> Array:
+        """Loads per length of the slices at forces [N], (m, n)."""
+        known = self.forces > 0.0
+        gap = np.exp(np.interp(np.log(force), np.log(self.forces[known]), np.log(self.gaps[known])))
+        for _ in range(3):  # F goes nearly with the gap to the power of 10/9 and what the profile adds
+            load, stiffness = self.assembly.deflect(gap[:, None] - self.drop, self.raceway.ring)
+            found, slope = load @ self.widths, stiffness @ self.widths
+            gap = gap + (force - found) / slope
+        return self._loads(gap)
+
+    def _each(self, load: Array, sliding: Array, rolling: Array) -> Array:
+        """F and the rolling resistance over sqrt(Q), (1 or 2, m), of loads (m, n) at speeds (m,)."""
+        owner, piece = np.nonzero(load > 0.0)
+        film = np.hypot(rolling, compiled.REST_SPEED)
+        done = self.raceway.evaluate(load[owner, piece], film[owner], sliding[owner])
+        root = np.sqrt(load @ self.widths)
+        parts = [done.friction * done.load] + ([done.resistance] if self.raceway.chain.resists else [])
+        return np.array([np.bincount(owner, part * self.widths[piece], len(load)) / root for part in parts])
+
+    def scale(self, forces: tuple[float, ...], speed: float) -> float:
+        """The speed V_s over which friction of usual and of heavy contacts, slow and fast, is best taken."""
+        share = np.linspace(-1.0, 1.0, 2 * _RISE + 1)
+        both = np.sort(np.concatenate((share, share[:-1] + 0.5 / _RISE)))
+        contacts = [(force, factor) for force in forces for factor in _SPEEDS]
+        loads = self.loads(np.array([force for force, _ in contacts])).repeat(both.size, axis=0)
+        rolling = np.array([factor for _, factor in contacts]).repeat(both.size) * speed
+        best, chosen = math.inf, speed
+        for scale in (_SCALES * speed).tolist():
+            at = _Grid(scale, _REACH * speed / (_REACH * speed + scale), 1.0, (0.0, 0.5), 1.0, (0.0, 0.5), _FIRST_NODES)
+            sliding = np.tile(at.sliding(both), len(contacts))
+            error = 0.0
+            for values in self._each(loads, sliding, rolling)[0].reshape(len(contacts), -1):
+                found = _interpolated(values[::2], [_places(both[1::2], _RISE)])
+                error = max(error, float(np.abs(found - values[1::2]).max() / np.abs(values).max()))
+            if error < best:
+                best, chosen = error, scale
+        return chosen
+
+    def on(self, at: _Grid) -> Array:
+        """Values on all nodes, (1 or 2, speeds, roots, slidings)."""
+        speeds, roots, half = at.nodes
+        sliding, speed = at.sliding(np.linspace(-1.0, 1.0, 2 * half + 1)), at.speed(np.linspace(0.0, 1.0, speeds))
+        V, u = (grid.ravel() for grid in np.meshgrid(sliding, speed))
+        rows = []
+        for load in self.loads(at.force(np.linspace(0.0, 1.0, roots))):
+            rows.append(self._each(np.broadcast_to(load, (V.size, load.size)), V, u).reshape(-1, speeds, 2 * half + 1))
+        return np.stack(rows, axis=2)
+
+    def error(self, at: _Grid, values: Array, usual: float, axis: int | None = None) -> float:
+        """Largest error at random contacts, or half-way between nodes of one axis and on nodes of the others."""
+        shares = np.random.default_rng(1).uniform(size=(3, _PROBES))
+        shares[2] = 2.0 * shares[2] - 1.0
+        if axis is not None:
+            for k, nodes in enumerate(at.nodes):
+                cells = nodes - (k < 2)
+                off = 0.5 if k == axis else 0.0
+                shares[k] = (np.clip(np.floor(shares[k] * cells), -cells if k == 2 else 0, cells - 1) + off) / cells
+        force, sliding, speed = at.force(shares[1]), at.sliding(shares[2]), at.speed(shares[0])
+        true = self._each(self.loads(force), sliding, speed)
+        places = [_whole(shares[0], at.nodes[0]), _whole(shares[1], at.nodes[1]), _places(shares[2], at.nodes[2])]
+        found = np.array([_interpolated(part, places) for part in values])
+        wrong = np.abs(found - true) * np.sqrt(force)
+        size = np.maximum(force, _LIGHT * usual)
+        coefficient = np.abs(true[0]) * np.sqrt(force) / size
+        errors = [wrong[0] / (float(coefficient.max()) * size)]
+        if len(wrong) > 1:
+            errors.append(wrong[1] / float((np.abs(true[1]) * np.sqrt(force)).max()))
+        return float(np.max(errors))
+
+
+def _whole(share: Array, nodes: int) -> tuple[Array, Array]:
+    """First of the four nodes about a place, and the place from it on."""
+    place = share * (nodes - 1)
+    first = np.clip(np.floor(place).astype(int) - 1, 0, nodes - 4)
+    return first, place - first
+
+
+def _places(share: Array, half: int) -> tuple[Array, Array]:
+    """The same over the sliding speed, where no four nodes reach across zero."""
+    place = half * (share + 1.0)
+    low = np.where(share >= 0.0, half, 0)
+    first = np.clip(np.floor(place).astype(int) - 1, low, low + half - 3)
+    return first, place - first
+
+
+def _interpolated(values: Array, places: Sequence[tuple[Array, Array]]) -> Array:
+    """Cubic between four nodes along every axis, as friction_table.h has it."""
+    shape = (1,) * len(places)
+    found = np.zeros(places[0][0].size)
+    for corner in np.ndindex(*(4 * one for one in shape)):
+        weight, index = np.ones(found.size), []
+        for (first, t), node in zip(places, corner, strict=True):
+            others = [k for k in range(4) if k != node]
+            weight = weight * np.prod([(t - k) / (node - k) for k in others], axis=0)
+            index.append(first + node)
+        found += weight * values[tuple(index)]
+    return found

@@ -26,9 +26,10 @@ At level cage-set P is what carries the roller round at a steady speed, H = 0.
 
 - The loads are quasi-static, from tables over the orbital position at centrifugal forces, linear between them
   (``load_map``). Their owner is asked for the two that a force lies between when one first does.
-- All rollers at once: the equations stand in carried_columns.h, a column for each unknown and each quantity. Forces come
-  from coefficients of cubics, each roller from the interval of centrifugal force that held it last; where friction asks
-  for slices their loads are interpolated one by one. Rollers that no bar may touch are passed over.
+- All rollers at once: the equations stand in carried_columns.h, a column for each unknown and each quantity. Forces
+  come from coefficients of cubics, each roller's from the interval of centrifugal force that held it last; where
+  friction asks for slices, as conventional friction does beyond its table, their loads are interpolated one by one.
+  Rollers that no bar may touch are passed over.
 - The ledger records what the rates do, term by term; energy and angular momentum close to rounding of the rates.
 """
 
@@ -44,7 +45,7 @@ from rollslip_arrow cimport RS_RAISED
 from rollslip_errors cimport rs_raise_pending
 from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_pocket, rs_pocket_bars
 from rollslip_raceway cimport (
-    RS_CONVENTIONAL, RS_RACEWAY, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest,
+    RS_CONVENTIONAL, RS_RACEWAY, rs_box_reaches, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest,
 )
 from rollslip_system cimport rs_new_system, rs_system, rs_tells_nothing, rs_until
 
@@ -133,7 +134,7 @@ cdef struct cell_t:
     double low, high
     const double *below
     const double *above
-    const double *powers   # of forces, [positions x channels x 8] coefficients of the place below and above; else NULL
+    const double *powers   # of forces, [positions x 2 x 4 x channels], below and above
 
 
 cdef struct carried_t:
@@ -146,7 +147,6 @@ cdef struct carried_t:
     cell_t *cells
     size_t n_cells, slices
     size_t *last
-    const double *widths
     rs_raceway raceway[RINGS]
     rs_drag drags[MAX_DRAGS]
     size_t n_drags
@@ -184,8 +184,8 @@ cdef int _find_cell(carried_t *p, double pull, size_t *last) noexcept nogil:
 
 
 cdef inline void _slices(carried_t *p, size_t j, const cell_t *cell, double f) noexcept nogil:
-    """Loads of the slices of roller j, and its forces, at a share of the way from one centrifugal force to the next."""
-    cdef double place, x, y0, y1, d0, d1, value, total
+    """Loads of the slices of roller j, at a share of the way from one centrifugal force to the next."""
+    cdef double place, x, y0, y1, d0, d1, value
     cdef size_t k, i, row = p.c.channels * p.slices, channel
     cdef const double *a
     cdef const double *b
@@ -205,26 +205,28 @@ cdef inline void _slices(carried_t *p, size_t j, const cell_t *cell, double f) n
     g = e + 2 * row
     for channel in range(p.c.channels):
         out = p.load + (channel * p.c.rollers + j) * p.slices
-        total = 0.0
         for i in range(p.slices):
             value = ((1.0 - f) * (y0 * a[i] + d0 * a[row + i] + y1 * b[i] + d1 * b[row + i])
                      + f * (y0 * e[i] + d0 * e[row + i] + y1 * g[i] + d1 * g[row + i]))
             out[i] = value if value > 0.0 else 0.0
-            total += out[i] * p.widths[i]
-        p.c.force[channel * p.c.rollers + j] = total
         a += p.slices
         b += p.slices
         e += p.slices
         g += p.slices
 
 
-cdef int _contacts(carried_t *p, const double *head, const double *rollers) noexcept nogil:
-    """Fill load, force, speeds and friction of all contacts; a centrifugal force beyond the top is refused."""
+cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint film) noexcept nogil:
+    """Fill force, speeds and friction of all contacts, and load where friction needs it.
+
+    A centrifugal force beyond the top is refused. With ``film`` conventional friction is that of the slices.
+    """
     cdef size_t j, Z = p.c.rollers
-    cdef double pull, share
+    cdef double pull
     cdef double *resistance
+    cdef double *force
     cdef cell_t *cell
     cdef int status, ring
+    cdef bint sliced = False
     rs_carried_places(&p.c, head, rollers)
     for j in range(Z):
         pull = p.c.pull[j]
@@ -236,18 +238,23 @@ cdef int _contacts(carried_t *p, const double *head, const double *rollers) noex
             if _find_cell(p, pull, &p.last[j]) != 0:
                 return RS_RAISED
             cell = &p.cells[p.last[j]]
-        share = (pull - cell.low) / (cell.high - cell.low)
-        if cell.powers != NULL:
-            rs_carried_forces(&p.c, j, cell.powers, share)
-        else:
-            _slices(p, j, cell, share)
+        rs_carried_forces(&p.c, j, cell.powers, (pull - cell.low) / (cell.high - cell.low))
     for ring in range(RINGS):
-        resistance = p.c.force + (RINGS + ring) * Z
-        if p.c.channels == RINGS and p.raceway[ring].friction != RS_CONVENTIONAL:
+        force, resistance = p.c.force + ring * Z, p.c.force + (RINGS + ring) * Z
+        if p.raceway[ring].friction == RS_CONVENTIONAL:
+            if not film and rs_box_reaches(&p.raceway[ring], force, p.c.sliding + ring * Z, p.c.rolling + ring * Z,
+                                           p.c.traction + ring * Z, resistance):
+                continue
+            if not sliced:
+                for j in range(Z):
+                    cell = &p.cells[p.last[j]]
+                    _slices(p, j, cell, (p.c.pull[j] - cell.low) / (cell.high - cell.low))
+                sliced = True
+        elif p.c.channels == RINGS:
             resistance = NULL   # zero for good
         status = rs_raceway_friction(
-            &p.raceway[ring], p.load + ring * Z * p.slices, p.c.force + ring * Z, p.c.sliding + ring * Z,
-            p.c.rolling + ring * Z, p.c.traction + ring * Z, resistance)
+            &p.raceway[ring], p.load + ring * Z * p.slices, force, p.c.sliding + ring * Z, p.c.rolling + ring * Z,
+            p.c.traction + ring * Z, resistance)
         if status != 0:
             p.refused = RACEWAY_INNER + ring
             return status
@@ -295,7 +302,7 @@ cdef inline void _receive(const carried_t *p, const double *sums, double *row) n
 
 cdef int _columns(carried_t *p, const double *head, const double *rollers) noexcept nogil:
     """Rates of the rollers' unknowns, and what they add, in columns."""
-    cdef int status = _contacts(p, head, rollers)
+    cdef int status = _contacts(p, head, rollers, False)
     if status == 0:
         if p.c.pocket:
             _bars(p, head)
@@ -370,7 +377,7 @@ cdef int _watch(double t, const double *y, double *values, void *state) noexcept
     cdef int status, ring
     values[0] = 1.0 - y[1] / p.epicyclic_speed - p.critical_slip if p.critical_slip == p.critical_slip else -1.0
     if p.film_limit == p.film_limit:
-        status = _contacts(p, y, y + HEAD)
+        status = _contacts(p, y, y + HEAD, True)
         if status != 0:
             return status
         values[1] = 1e308
@@ -436,7 +443,7 @@ cdef class Carried:
     cdef tuple kept
     cdef list tables
     cdef object cell
-    cdef double[::1] scale, kicked
+    cdef double[::1] scale, kicked, widths
 
     def __init__(self, bint pocket, bearing, loads, inner, outer, drags, cage, scale, double critical_slip=NAN,
                  double film_limit=NAN):
@@ -461,7 +468,8 @@ cdef class Carried:
         self.tables = []
         cdef double[::1] widths = np.array(wide, dtype=float)
         cdef size_t[::1] last = np.zeros(Z, dtype=np.uintp)
-        p.widths, p.slices, p.last = &widths[0], widths.shape[0], &last[0]
+        self.widths = widths
+        p.slices, p.last = widths.shape[0], &last[0]
         for ring, capsule in enumerate((inner, outer)):
             p.raceway[ring] = (<rs_raceway *>PyCapsule_GetPointer(capsule, RS_RACEWAY))[0]
             if p.raceway[ring].rollers != Z or p.raceway[ring].slices != p.slices:
@@ -492,7 +500,7 @@ cdef class Carried:
         p.c.force, p.c.sliding, p.c.rolling, p.c.traction = room + 11 * Z, room + 15 * Z, room + 17 * Z, room + 19 * Z
         for i in range(<size_t>ADDED):
             p.c.added[i] = room + (21 + i) * Z
-        self.kept = (inner, outer, tuple(drags), load, columns, last, widths, cells)
+        self.kept = (inner, outer, tuple(drags), load, columns, last, cells)
 
     cdef _more(self, double pull):
         """Take the cell that holds a centrifugal force from the owner of the loads."""
@@ -510,20 +518,18 @@ cdef class Carried:
                              f"{', '.join(str(np.shape(table)) for table in tables)}")
         if not low <= pull <= high > low:
             raise ValueError(f"{pull:g} N is not between centrifugal forces of {low:g} and {high:g} N")
-        powers = np.ascontiguousarray(np.concatenate([self._powers(table) for table in tables], axis=-1)).ravel()
+        powers = np.stack([self._powers(table) for table in tables], axis=1).ravel()
         cdef double[::1] coefficients = powers
         self.tables.append((below, above, coefficients))
-        p.cells[p.n_cells] = cell_t(low, high, &below[0, 0, 0, 0], &above[0, 0, 0, 0], NULL)
-        if p.slices == 1 and p.raceway[INNER].friction != RS_CONVENTIONAL:
-            p.cells[p.n_cells].powers = &coefficients[0]
+        p.cells[p.n_cells] = cell_t(low, high, &below[0, 0, 0, 0], &above[0, 0, 0, 0], &coefficients[0])
         p.n_cells += 1
 
     def _powers(self, table):
-        """Coefficients of the place between positions, (K, channels, 4), of the forces in a table of one slice."""
-        value, slope = np.asarray(table)[:, :, :, 0].swapaxes(0, 1) * self.p.widths[0]
+        """Coefficients of the place between positions, (K, 4, channels), of the sums over the slices."""
+        value, slope = (np.asarray(table) @ np.asarray(self.widths)).swapaxes(0, 1)
         nodes = len(value) - 1
         rise, before, after = np.diff(value, axis=0), slope[:nodes], slope[1:]
-        return np.stack((value[:nodes], before, 3.0 * rise - 2.0 * before - after, before + after - 2.0 * rise), axis=-1)
+        return np.stack((value[:nodes], before, 3.0 * rise - 2.0 * before - after, before + after - 2.0 * rise), axis=1)
 
     def system(self):
         """Return the capsule "rollslip.system.v1"."""
@@ -586,7 +592,7 @@ cdef class Carried:
         cdef carried_t *p = &self.p
         for i in range(<size_t>states.shape[0]):
             row = &states[i, 0]
-            status = _contacts(p, row, row + HEAD)
+            status = _contacts(p, row, row + HEAD, True)
             if status == -1:
                 rs_raise_pending()
             if status != 0:

@@ -4,7 +4,7 @@
  * - What the rollers add to the rates of head and ledger stays apart until it is summed, or told roller by roller. */
 #ifndef ROLLSLIP_CARRIED_COLUMNS_H
 #define ROLLSLIP_CARRIED_COLUMNS_H
-#include "columns.h"
+#include "motion/columns.h"
 
 enum {   /* what a roller adds: torque on the cage, and rates of the ledger */
     TO_TORQUE, TO_WORK_RINGS, TO_LOST_INNER, TO_LOST_OUTER, TO_LOST_ROLLING, TO_LOST_POCKETS, TO_IMPULSE_INNER,
@@ -72,17 +72,25 @@ static void rs_carried_places(rs_carried *c, const double *head, const double *r
     }
 }
 
-/* Forces of roller j in a cell of loads [positions x channels x 8], cubics at both of its centrifugal forces. */
-static inline void rs_carried_forces(rs_carried *c, size_t j, const double *powers, double share) {
+/* Forces of roller j in a cell of loads [positions x 2 x 4 x channels]: powers of the place, below and above. */
+static inline void rs_carried_forces_of(rs_carried *c, size_t j, const double *powers, double share, size_t channels) {
     const double place = c->turns[j] * (double)c->positions;
     size_t k = (size_t)place;
     k = k < c->positions ? k : c->positions - 1;
-    const double x = place - (double)k, *a = powers + 8 * c->channels * k;
-    for (size_t i = 0; i < c->channels; i++, a += 8) {
-        double low = a[0] + x * (a[1] + x * (a[2] + x * a[3])), high = a[4] + x * (a[5] + x * (a[6] + x * a[7]));
+    const double x = place - (double)k, *a = powers + 8 * channels * k, *b = a + 4 * channels;
+    for (size_t i = 0; i < channels; i++) {
+        double low = a[i] + x * (a[channels + i] + x * (a[2 * channels + i] + x * a[3 * channels + i]));
+        double high = b[i] + x * (b[channels + i] + x * (b[2 * channels + i] + x * b[3 * channels + i]));
         double value = low + share * (high - low);
         c->force[i * c->rollers + j] = value > 0.0 ? value : 0.0;
     }
+}
+
+static inline void rs_carried_forces(rs_carried *c, size_t j, const double *powers, double share) {
+    if (c->channels == 2)
+        rs_carried_forces_of(c, j, powers, share, 2);
+    else
+        rs_carried_forces_of(c, j, powers, share, 4);
 }
 
 /* Rates of the rollers' unknowns, and what they add; mu the friction in pockets, which fades below a sliding speed. */

@@ -24,6 +24,7 @@ class Planar:
         scale: ArrayLike,
         times: ArrayLike = ...,
         factors: ArrayLike = ...,
+        forces: Sequence[tuple[float, ArrayLike]] | None = ...,
         resistances: Sequence[tuple[float, ArrayLike]] | None = ...,
         critical_slip: float = ...,
         film_limit: float = ...,

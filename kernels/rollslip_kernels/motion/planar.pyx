@@ -32,10 +32,11 @@ forces come from the energy, and no force is written down twice::
   stiffness, damping and friction of the bars, and no film.  A land leaves the radius to itself.
 - Elastic work is recorded, not taken from a potential: a contact law need not have one in closed form.
 - Cage accelerations are coupled by the unbalance: M^-1 is applied to what rollers add, so that sums stay sums.
-- All rollers at once: the equations stand in planar_columns.h, a column for each unknown and each quantity. Rollers that
-  no bar may touch are passed over; the law of a bar is a roller's own.
+- All rollers at once: the equations stand in planar_columns.h, a column for each unknown and each quantity. Rollers
+  that no bar may touch are passed over.
 - The force of a roller comes from a table over the root of its gap, where there is one, friction needs no slices and no
-  gap lies beyond it; else from the deflection law on every slice. One gap beyond it takes its ring there.
+  gap lies beyond it; else from the deflection law on every slice. One gap beyond it takes its ring there, and so does
+  one contact beyond the table of conventional friction.
 """
 
 import numpy as np
@@ -52,7 +53,8 @@ from rollslip_pocket cimport (
     RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_damping, rs_pocket, rs_pocket_bars,
 )
 from rollslip_raceway cimport (
-    RS_CONVENTIONAL, RS_RACEWAY, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest,
+    RS_CONVENTIONAL, RS_RACEWAY, rs_box_reaches, rs_by_slices, rs_contact_outputs, rs_raceway, rs_raceway_friction,
+    rs_thinnest,
 )
 from rollslip_system cimport rs_new_system, rs_system, rs_tells_nothing, rs_until
 
@@ -284,8 +286,8 @@ cdef inline int displacement(const double *head, planar_t *p) noexcept nogil:
     return 0
 
 
-cdef int forces_by_slices(planar_t *p, size_t ring) noexcept nogil:
-    """Elastic forces of a ring, and loads per length, by the deflection law on every slice; as a stage of a chain."""
+cdef int forces_by_slices(planar_t *p, int ring) noexcept nogil:
+    """Forces of a ring, and loads per length, by the deflection law on every slice; 0, -1 or k > 0 as a stage."""
     cdef size_t j, k, n = 0
     cdef double factor, total
     cdef const double *gap = p.c.gap[ring]
@@ -302,6 +304,7 @@ cdef int forces_by_slices(planar_t *p, size_t ring) noexcept nogil:
     p.evaluated += n
     status = p.deflection[ring].evaluate(slices, p.deflection[ring].params) if n else 0
     if status != 0:
+        p.refused = DEFLECTION_REFUSED + ring
         return status
     for j in range(p.c.rollers):
         factor = 1.0 + rs_damping(p.c.damping * p.c.rate[ring][j])
@@ -315,28 +318,41 @@ cdef int forces_by_slices(planar_t *p, size_t ring) noexcept nogil:
             else:
                 p.load_of[ring][j * p.slices + k] = 0.0
         p.c.elastic[ring][j] = total
+    rs_plane_damped(&p.c, ring)
     return 0
 
 
-cdef int contacts(const double *head, const double *rollers, planar_t *p) noexcept nogil:
-    """Loads, speeds and friction of both contacts of every roller; 0, -1 or k > 0 as a stage of a chain."""
+cdef int contacts(const double *head, const double *rollers, planar_t *p, bint film) noexcept nogil:
+    """Loads, speeds and friction of both contacts of every roller; 0, -1 or k > 0 as a stage of a chain.
+
+    With ``film`` conventional friction is that of the slices.
+    """
     cdef size_t j
     cdef double *resistance
+    cdef bint conventional, sliced
     cdef int status, ring
     rs_plane_places(&p.c, head, rollers)
     for ring in range(2):
-        if (p.raceway[ring].friction == RS_CONVENTIONAL or p.c.table[ring].cells == 0
-                or rs_plane_forces(&p.c, ring)):
+        resistance, conventional = p.c.resistance[ring], p.raceway[ring].friction == RS_CONVENTIONAL
+        sliced = rs_by_slices(&p.raceway[ring]) or (conventional and film)
+        if not sliced and p.c.table[ring].cells and not rs_plane_forces(&p.c, ring):
+            rs_plane_damped(&p.c, ring)
+        else:
+            sliced = True
             status = forces_by_slices(p, ring)
             if status != 0:
-                p.refused = DEFLECTION_REFUSED + ring
                 return status
-        rs_plane_damped(&p.c, ring)
-        resistance = p.c.resistance[ring]
-        if p.resistance_cells[ring]:
+        if conventional:
+            if not film and rs_box_reaches(&p.raceway[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring],
+                                           p.c.traction[ring], resistance):
+                continue
+            status = 0 if sliced else forces_by_slices(p, ring)
+            if status != 0:
+                return status
+        elif p.resistance_cells[ring]:
             for j in range(p.c.rollers):
                 resistance[j] = tabulated_resistance(p, ring, p.c.force[ring][j])
-        elif p.raceway[ring].friction != RS_CONVENTIONAL:
+        else:
             resistance = NULL   # zero for good
         status = rs_raceway_friction(
             &p.raceway[ring], p.load_of[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring],
@@ -409,7 +425,7 @@ cdef inline void receive(const planar_t *p, double c, double s, const double *su
 
 cdef int roller_columns(const double *head, const double *rollers, planar_t *p) noexcept nogil:
     """Rates of the rollers' unknowns, and what they add, in columns."""
-    cdef int status = contacts(head, rollers, p)
+    cdef int status = contacts(head, rollers, p, False)
     if status == 0:
         bars(head, p)
         rs_plane_rates(&p.c, head)
@@ -526,7 +542,7 @@ cdef int watch(double t, const double *y, double *values, void *state) noexcept 
     if p.critical_slip == p.critical_slip:
         values[0] = 1.0 - y[CAGE_SPEED] / p.epicyclic_speed - p.critical_slip
     if p.film_limit == p.film_limit:
-        status = contacts(y, y + HEAD, p)
+        status = contacts(y, y + HEAD, p, True)
         if status != 0:
             return status
         values[1] = 1e308
@@ -777,7 +793,7 @@ cdef class Planar:
         cdef double[:, :, ::1] push = pockets
         cdef rs_bars f
         for m in range(<size_t>states.shape[0]):
-            status = contacts(&states[m, 0], &states[m, HEAD], p)
+            status = contacts(&states[m, 0], &states[m, HEAD], p, True)
             if status == -1:
                 rs_raise_pending()
             if status != 0:

@@ -5,7 +5,7 @@
  *   differences need it so. */
 #ifndef ROLLSLIP_PLANAR_COLUMNS_H
 #define ROLLSLIP_PLANAR_COLUMNS_H
-#include "columns.h"
+#include "motion/columns.h"
 
 enum {   /* head */
     RING_X, RING_Y, RING_VX, RING_VY, CAGE_X, CAGE_Y, CAGE_VX, CAGE_VY, CAGE_SPEED, CAGE_ANGLE, HEAD

@@ -20,6 +20,19 @@ def effective(
     rolling_scale: float = ...,
 ) -> object: ...
 def conventional(chain: Chain, slices: Slices, rollers: int, widths: ArrayLike, resists: bool) -> object: ...
+def with_table(
+    raceway: object,
+    values: ArrayLike,
+    sliding_scale: float,
+    sliding_end: float,
+    root_scale: float,
+    root_ends: Sequence[float],
+    speed_scale: float,
+    speed_ends: Sequence[float],
+) -> object: ...
+def table_friction(
+    raceway: object, force: ArrayLike, sliding: ArrayLike, rolling: ArrayLike
+) -> NDArray[np.float64] | None: ...
 def refusal(raceway: object) -> Refusal | None: ...
 def friction(
     raceway: object, load: ArrayLike, force: ArrayLike, sliding: ArrayLike, rolling: ArrayLike, resistance: ArrayLike

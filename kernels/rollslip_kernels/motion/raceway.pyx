@@ -11,7 +11,7 @@ from rollslip_abi cimport ROLLSLIP_MODEL, rs_model, rs_slices
 from rollslip_errors cimport rs_raise_pending
 from rollslip_raceway cimport (
     RS_CONSTANT, RS_CONVENTIONAL, RS_EFFECTIVE, RS_RACEWAY, RS_REST_SPEED, rs_film_parameter, rs_raceway,
-    rs_raceway_friction,
+    rs_box_reaches, rs_raceway_friction,
 )
 from rollslip_stage cimport rs_capsule_context, rs_new_capsule
 
@@ -82,6 +82,49 @@ def conventional(chain, slices, Py_ssize_t rollers, widths, bint resists):
     w.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
     w.gathered = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
     return _new(&w, (chain, stage, gathered, begins, wide))
+
+
+def with_table(
+    raceway, values, double sliding_scale, double sliding_end, double root_scale, root_ends, double speed_scale,
+    speed_ends,
+):
+    """Return a conventional raceway that takes its friction from a table where its contacts lie within it.
+
+    ``values`` holds F/sqrt(Q) and, if there is any, the same of the rolling resistance, at equal steps of
+    u/(u + u_s) between ``speed_ends``, of r/(r + r_s), r = sqrt(Q), between ``root_ends``, and of V/(|V| + V_s) from
+    -``sliding_end`` to it, (1 or 2, L, M, 2 N + 1): see friction_table.h.
+    """
+    cdef const rs_raceway *given = <const rs_raceway *>PyCapsule_GetPointer(raceway, RS_RACEWAY)
+    cdef rs_raceway w = given[0]
+    table = np.array(values, dtype=float, order="C")
+    if w.friction != RS_CONVENTIONAL or table.ndim != 4 or table.shape[0] != 1 + bool(w.resists):
+        raise ValueError(f"a table of conventional friction has {1 + bool(w.resists)} parts of three axes")
+    _, speeds, roots, across = table.shape
+    if min(speeds, roots) < 4 or across < 7 or across % 2 == 0:
+        raise ValueError(
+            f"a table of friction has at least 4 x 4 x 7 nodes, those of V in odd number; got {table.shape}")
+    cdef double[::1] flat = table.ravel()
+    w.box.values[0] = &flat[0]
+    w.box.values[1] = &flat[speeds * roots * across] if w.resists else NULL
+    w.box.speeds, w.box.roots, w.box.half = speeds, roots, across // 2
+    w.box.sliding_scale, w.box.per_sliding = sliding_scale, w.box.half / sliding_end
+    w.box.root_scale, w.box.first_root = root_scale, root_ends[0]
+    w.box.per_root, w.box.last_root = (roots - 1) / (root_ends[1] - root_ends[0]), roots - 1
+    w.box.speed_scale, w.box.first_speed = speed_scale, speed_ends[0]
+    w.box.per_speed = (speeds - 1) / (speed_ends[1] - speed_ends[0])
+    return _new(&w, (*<object>rs_capsule_context(raceway), flat))
+
+
+def table_friction(raceway, force, sliding, rolling):
+    """Return traction and rolling resistance [N] by the table of a raceway; None where a contact lies outside."""
+    cdef rs_raceway *w = <rs_raceway *>PyCapsule_GetPointer(raceway, RS_RACEWAY)
+    given_each = [np.broadcast_to(values, w.rollers) for values in (force, sliding, rolling)]
+    cdef double[:, ::1] given = np.array(given_each, dtype=float)
+    out = np.zeros((2, w.rollers))
+    cdef double[:, ::1] results = out
+    if not rs_box_reaches(w, &given[0, 0], &given[1, 0], &given[2, 0], &results[0, 0], &results[1, 0]):
+        return None
+    return out
 
 
 def refusal(raceway):

@@ -3,6 +3,8 @@
 # - Three kinds behind one call: `constant`, `effective` (a curve over the sliding speed, or a map over sliding and
 #   rolling speed) and `conventional` (the whole chain of models on every loaded slice).  Where the loads come from, a
 #   map or the motion itself, is not its business: loads per length [Z x n] and forces [Z] are given.
+# - Conventional friction of rollers without tilt may come from a table over force, sliding and rolling speed, where all
+#   contacts of a ring lie within it (friction_table.h): `rs_box_reaches` asks and answers. Else the slices are asked.
 # - Conventional friction gathers the loaded slices of all rollers into one table, so that the chain runs in full blocks
 #   and never sees an unloaded slice.
 # - A film needs surfaces that draw oil in.  Started from rest, or backwards, the entrainment speed passes zero: all
@@ -42,6 +44,19 @@ ctypedef struct rs_friction_table:
     double per_row, before_row
 
 
+cdef extern from "motion/friction_table.h" nogil:
+    ctypedef struct rs_friction_box:
+        const double **values
+        int speeds, roots, half
+        double sliding_scale, per_sliding
+        double root_scale, first_root, per_root, last_root
+        double speed_scale, first_speed, per_speed
+
+    int rs_box_friction(
+        const rs_friction_box *t, size_t n, const double *force, const double *sliding, const double *rolling,
+        double *traction, double *resistance)
+
+
 ctypedef struct rs_raceway:
     int friction
     size_t rollers, slices         # Z; n, 1 unless friction is conventional
@@ -52,6 +67,7 @@ ctypedef struct rs_raceway:
     rs_model chain
     size_t *first                    # [Z + 1]: the slices of roller j are first[j] to first[j + 1]
     int resists                      # the chain fills the rolling resistance
+    rs_friction_box box              # its table; without nodes there is none
     size_t evaluated                 # slices so far; contacts, where friction is not conventional
 
 
@@ -146,6 +162,26 @@ cdef inline int rs_chain_friction(
     return 0
 
 
+cdef inline bint rs_by_slices(const rs_raceway *w) noexcept nogil:
+    """Whether friction needs the slices' loads, a table or not."""
+    return w.friction == RS_CONVENTIONAL and w.box.half == 0
+
+
+cdef inline bint rs_box_reaches(
+    rs_raceway *w, const double *force, const double *sliding, const double *rolling, double *traction,
+    double *resistance
+) noexcept nogil:
+    """Conventional friction by its table, as `rs_raceway_friction` gives it; whether all contacts lie within it."""
+    cdef size_t j
+    if w.friction != RS_CONVENTIONAL or w.box.half == 0 or rs_box_friction(
+            &w.box, w.rollers, force, sliding, rolling, traction, resistance):
+        return False
+    w.evaluated += w.rollers
+    for j in range(w.rollers if w.resists else 0):
+        resistance[j] *= rolling[j] / rs_film_speed(rolling[j])
+    return True
+
+
 cdef inline int rs_raceway_friction(
     rs_raceway *w, const double *load, const double *force, const double *sliding, const double *rolling,
     double *traction, double *resistance
@@ -153,7 +189,8 @@ cdef inline int rs_raceway_friction(
     """Traction force [N], with the sign of V, and rolling resistance [N], with that of u, of every roller.
 
     ``load`` [Z x n, N/m] is read by conventional friction only, ``force`` [Z, N] by the others only.  ``resistance``
-    comes in, unless friction is conventional, as its magnitude, or is NULL where there is none.  Returns 0, -1 or k > 0 as the stages of a chain do.
+    comes in, unless friction is conventional, as its magnitude, or is NULL where there is none.  Returns 0, -1 or
+    k > 0 as the stages of a chain do.
     """
     cdef size_t j
     cdef int status

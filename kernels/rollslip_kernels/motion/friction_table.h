@@ -1,0 +1,83 @@
+/* Friction of a roller without tilt as a table over its force, its sliding and its rolling speed.
+ *
+ * - Without tilt the loads of the slices follow from the force Q, and with them all that a chain of laws makes of a
+ *   contact: the table is that law, not an average.
+ * - Traction goes with Q at heavy load and with its root at light load, so the table holds F/sqrt(Q), at equal steps of
+ *   r/(r + r_s), r = sqrt(Q), of V/(|V| + V_s), and of u/(u + u_s).  Cubic between four nodes in each; across V = 0, where laws
+ *   bend, no cubic reaches.
+ * - A contact beyond the ends is for the chain, but below the least force: F/sqrt(Q) is held there. */
+#ifndef ROLLSLIP_FRICTION_TABLE_H
+#define ROLLSLIP_FRICTION_TABLE_H
+#include "motion/columns.h"
+
+typedef struct {
+    const double *values[2];   /* traction, rolling resistance or NULL: [speeds x roots x (2 half + 1)] */
+    int speeds, roots, half;   /* nodes of u, of r and on either side of V = 0; at least 4, 4 and 3 */
+    double sliding_scale, per_sliding;           /* V_s; nodes over V/(|V| + V_s) */
+    double root_scale, first_root, per_root, last_root;   /* r_s; r/(r + r_s): nodes from the first on, and its end */
+    double speed_scale, first_speed, per_speed;           /* u_s; u/(u + u_s) */
+} rs_friction_box;
+
+/* Weights of four nodes at 0 .. 3 */
+static inline void rs_lagrange(double t, double *w) {
+    const double a = t - 1.0, b = t - 2.0, c = t - 3.0;
+    w[0] = a * b * c * (-1.0 / 6.0);
+    w[1] = t * b * c * 0.5;
+    w[2] = t * a * c * (-0.5);
+    w[3] = t * a * b * (1.0 / 6.0);
+}
+
+/* Traction with the sign of V and magnitude of the rolling resistance of n contacts; 1 where one lies outside. */
+static int rs_box_friction(
+    const rs_friction_box *t, size_t n, const double *force, const double *sliding, const double *rolling,
+    double *traction, double *resistance
+) {
+    const int across = 2 * t->half + 1;
+    const double most = (double)t->half, speeds = (double)(t->speeds - 1);
+    double of_sliding[RS_ROUND], of_root[RS_ROUND], of_speed[RS_ROUND], root[RS_ROUND];
+    for (size_t start = 0; start < n; start += RS_ROUND) {
+        const size_t part = n - start < RS_ROUND ? n - start : RS_ROUND;
+        rs_given Q = force + start, V = sliding + start, u = rolling + start;
+        int outside = 0;
+        RS_EACH(j, part) {
+            double r = sqrt(Q[j]);
+            root[j] = r;
+            of_sliding[j] = V[j] / (fabs(V[j]) + t->sliding_scale) * t->per_sliding;
+            of_root[j] = (r / (r + t->root_scale) - t->first_root) * t->per_root;
+            of_speed[j] = (u[j] / (u[j] + t->speed_scale) - t->first_speed) * t->per_speed;
+        }
+        for (size_t j = 0; j < part; j++)
+            outside |= (!(fabs(of_sliding[j]) <= most)) | (!(of_root[j] <= t->last_root))
+                | (!(of_speed[j] >= 0.0)) | (!(of_speed[j] <= speeds));
+        if (outside) return 1;
+        for (size_t j = 0; j < part; j++) {
+            double wv[4], wr[4], wu[4], x = of_sliding[j] + most, y = of_root[j] > 0.0 ? of_root[j] : 0.0;
+            int low = x >= most ? t->half : 0, v = (int)x - 1, r = (int)y - 1, s = (int)of_speed[j] - 1;
+            v = v < low ? low : v > low + t->half - 3 ? low + t->half - 3 : v;
+            r = r < 0 ? 0 : r > t->roots - 4 ? t->roots - 4 : r;
+            s = s < 0 ? 0 : s > t->speeds - 4 ? t->speeds - 4 : s;
+            rs_lagrange(x - (double)v, wv);
+            rs_lagrange(y - (double)r, wr);
+            rs_lagrange(of_speed[j] - (double)s, wu);
+            const size_t at = ((size_t)s * (size_t)t->roots + (size_t)r) * (size_t)across + (size_t)v;
+            for (int channel = 0; channel < 2 && t->values[channel]; channel++) {
+                double sum[4] = {0.0, 0.0, 0.0, 0.0};
+                for (int a = 0; a < 4; a++)
+                    for (int b = 0; b < 4; b++) {
+                        const double *p = t->values[channel] + at
+                            + ((size_t)a * (size_t)t->roots + (size_t)b) * (size_t)across;
+                        const double w = wu[a] * wr[b];
+                        for (int k = 0; k < 4; k++) sum[k] += w * p[k];
+                    }
+                double value = root[j] * ((sum[0] * wv[0] + sum[1] * wv[1]) + (sum[2] * wv[2] + sum[3] * wv[3]));
+                if (channel == 0)
+                    traction[start + j] = value;
+                else
+                    resistance[start + j] = value;
+            }
+        }
+    }
+    return 0;
+}
+
+#endif
