@@ -16,7 +16,7 @@ from rollslip.errors import OutputError
 from rollslip.files import whole_file
 from rollslip.motion.time_integration import Event, Trajectory
 
-_NUMBERS = ("last_t", "last_step", "steps", "rejected", "evaluations", "jacobians", "wall_time")
+_NUMBERS = ("last_t", "last_step", "steps", "rejected", "evaluations", "jacobians", "wall_time", "processor_time")
 
 
 @attrs.frozen

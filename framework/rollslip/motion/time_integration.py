@@ -75,6 +75,8 @@ class Trajectory:
         [s].
     last_state : ndarray
         All that the next steps of a compiled solver depend on at ``last_t``; empty if it is not known.
+    processor_time : float
+        Time of the processor that the integration alone took [s].
     """
 
     t: Floats
@@ -92,6 +94,7 @@ class Trajectory:
     jacobians: int
     wall_time: float
     last_state: Floats = attrs.field(factory=lambda: np.zeros(0))
+    processor_time: float = 0.0
 
     def then(self, later: "Trajectory") -> "Trajectory":
         """Return this trajectory with a later one that went on from it."""
@@ -105,6 +108,7 @@ class Trajectory:
             evaluations=self.evaluations + later.evaluations,
             jacobians=self.jacobians + later.jacobians,
             wall_time=self.wall_time + later.wall_time,
+            processor_time=self.processor_time + later.processor_time,
         )
 
 
@@ -210,6 +214,7 @@ class _Run:
         self.work: Counts = np.zeros(4, dtype=int)  # steps, rejected, evaluations, jacobians
         self.extra: tuple[float, Floats] | None = None  # state at the event that stops, between the instants
         self.begin = self.clock = time.perf_counter()
+        self.worked = self.looked = time.process_time()
         self.sides: Floats = np.zeros(0)  # of zero on which the watched values are
         self.parts = 0  # kept, and what they hold: instants, events, work
         self.kept = (0, 0, self.work)
@@ -261,6 +266,7 @@ class _Run:
             jacobians=int(work[3]),
             wall_time=time.perf_counter() - (self.begin if count == 0 else self.clock),
             last_state=self.state,
+            processor_time=time.process_time() - (self.worked if count == 0 else self.looked),
         )
 
     def _stretch(self, end: float, bound: float) -> str:
@@ -406,7 +412,7 @@ class _Run:
         if self.keep is not None and time.perf_counter() - self.clock > self.every:
             self.keep(self.parts, self._since(*self.kept, "interrupted", "", None))
             self.parts, self.kept = self.parts + 1, (self.count, len(self.events), self.work)
-            self.clock = time.perf_counter()
+            self.clock, self.looked = time.perf_counter(), time.process_time()
 
 
 class _Rates:

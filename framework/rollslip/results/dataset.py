@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Attributes that may differ between two runs of the same scene.
-VOLATILE = ("created", "cost", "plan", "wall_time", "integration_time", "real_time_factor")
+VOLATILE = ("created", "cost", "plan", "wall_time", "integration_time", "integration_seconds", "real_time_factor")
 #: Attributes that say what to cite: as it reads, and as data.
 CITED = ("citations", "bibliography")
 #: What attributes are that any result may have: texts, finite numbers from 0 on, and structures as JSON.

@@ -28,7 +28,6 @@ from rollslip.fields import FieldError, at_least, in_range, non_negative, one_of
 from rollslip.hookspecs import hookimpl
 from rollslip.models import IntegratorModel
 from rollslip.motion.carried import carried_motion
-from rollslip.motion.effective_table import table_records
 from rollslip.motion.history.courses import Course
 from rollslip.motion.history.settings import History, HistorySettings
 from rollslip.motion.history.varying import varying_motion
@@ -107,7 +106,7 @@ class Dynamics(Study):
     )
     friction: str = parameter(
         default="effective",
-        doc="of every slice at every step (conventional), effective friction of the raceways, or a constant; a plan "
+        doc="of every loaded slice (conventional), effective friction of the raceways, or a constant; a plan "
         "chooses between the first two where it is not given",
         validator=one_of(*FRICTION),
     )
@@ -259,7 +258,7 @@ class Dynamics(Study):
             Part(
                 part="friction of the raceways",
                 choice=self.friction,
-                resolution=FRICTION[self.friction],
+                resolution=self.moving(assembly).way,
                 reason=why("friction"),
                 errors=errors.get("friction", {}),
             ),
@@ -283,11 +282,13 @@ class Dynamics(Study):
         return {"points": 4.0 * self.points}
 
     def evaluations(self, assembly: Assembly) -> int:
-        """Return about how many slices the study will evaluate, from steps such as bearings of this size took."""
+        """Return about how many slices it will evaluate in time, from steps such as bearings of this size took."""
         if self.friction != "conventional":
             return 0
         loads = assembly.load_distribution(1)
         loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
+        if not self.moving(assembly).friction.by_slices:  # but for what is stored
+            return int(loaded) * self.points
         step, evaluations = _STEPS[self.level]
         steps = self.duration / step * (1e-5 / self.relative_tolerance) ** 0.2
         return int(loaded) * int(evaluations * steps + self.points)
@@ -323,7 +324,9 @@ class Dynamics(Study):
             (time, roller): roller_speed, roller_slip, orbit_angle; (ring, time, roller): normal_force, traction_force,
             sliding_speed, film_parameter, NaN without load; (work, time): work_done; (event,): event_time, event_what,
             event_rising; with effective friction its curves (inner_node,): inner_sliding, inner_friction, and so outer,
-            and how right they are, attribute effective_tables (`EffectiveTable.record` by ring, JSON);
+            and how right they are, attribute effective_tables (`EffectiveTable.record` by ring, JSON), with those of
+            conventional friction and of forces at level planar in friction_tables and force_tables; processor time of
+            the integration alone [s], attribute integration_seconds;
             at levels pocket and planar (time, roller): pocket_force, pocket_displacement; at level planar (direction,
             time): ring_displacement, cage_displacement, and (time,): land_eccentricity.
 
@@ -583,12 +586,13 @@ class Dynamics(Study):
                 "jacobians": found.jacobians,
                 "contacts_evaluated": int(moving.system.owner.contacts_evaluated),
                 "integration_time": found.wall_time,
+                "integration_seconds": found.processor_time,
                 "real_time_factor": float(t[-1] - t[0]) / found.wall_time if found.wall_time > 0.0 else math.inf,
                 "steady_cage_slip": steady,
                 "steady_status": steady_status,
                 "drag": json.dumps([{"name": drag.name, "equation": drag.equation} for drag in assembly.cage.drags]),
                 "cage": json.dumps(resolved(assembly.cage), default=str),
-                **table_records(moving.friction.tables),
+                **moving.tables,
             },
         )
 
