@@ -32,7 +32,7 @@ from libc.math cimport fabs, fmax, fmin, sqrt
 from libc.stddef cimport size_t
 from libc.string cimport memcpy, memset
 
-from rollslip_arrow cimport RS_NOT_FINITE, rs_differences, rs_finite
+from rollslip_arrow cimport RS_NOT_FINITE, rs_differences, rs_finite, rs_raw
 from rollslip_kernels.motion.rosenbrock cimport DAMPED, STAGES, Stepper
 
 cdef enum:
@@ -206,7 +206,8 @@ cdef class Leapfrog(Stepper):
         if self.c.jacobian != NULL:
             status = self.c.jacobian(self.t, self.y_now, &self.arrow, self.c.state)
         else:
-            status = self._rates(self.t, self.y_now, x)   # what comes of it in ``raw`` is the base of differences
+            self.evaluations += 1
+            status = rs_raw(self.c, self.t, self.y_now, self.raw)
             if status == 0:
                 status = rs_differences(self.c, self.t, self.y_now, self.raw, False, &self.arrow, self.u, self.minus,
                                         self.plus, &self.evaluations)

@@ -69,6 +69,7 @@ cdef struct varying_t:
     double *roller_rates
     double *added
     double *head_rates
+    double *all_rates
 
 
 cdef double _value(course_t *c, double t) noexcept nogil:
@@ -194,6 +195,26 @@ cdef int _head_rates(double t, const double *head, double *rates, void *state) n
     return 0
 
 
+cdef int _rates(double t, const double *y, double *rates, void *state) noexcept nogil:
+    cdef varying_t *v = <varying_t *>state
+    cdef const rs_system *s
+    cdef size_t k, i, n = v.rates + v.rollers * v.block
+    cdef double weight
+    cdef int status = _look(v, t)
+    if status != 0:
+        return status
+    for k in range(v.used):
+        s, weight, v.refused = v.stations[v.which[k]].system, v.weight[k], v.which[k]
+        if v.used == 1:
+            return s.rates(t, y, rates, s.state)
+        status = s.rates(t, y, v.all_rates, s.state)
+        if status != 0:
+            return status
+        for i in range(n):
+            rates[i] = weight * v.all_rates[i] + (rates[i] if k else 0.0)
+    return 0
+
+
 cdef int _watch(double t, const double *y, double *values, void *state) noexcept nogil:
     """How far the cage lags behind beyond what the watched slip allows [rad/s], 0 where that is not known; film."""
     cdef varying_t *v = <varying_t *>state
@@ -294,9 +315,10 @@ cdef class Varying:
         v.watches_film = s.watched > 1
         if <size_t>self.scale.shape[0] != v.rollers * v.block + v.rates:
             raise ValueError(f"{v.rollers * v.block + v.rates} unknowns need as many scales, got {self.scale.shape[0]}")
-        room = np.zeros(v.rollers * (v.block + v.rates) + v.rates)
+        room = np.zeros(v.rollers * (2 * v.block + v.rates) + 2 * v.rates)
         v.roller_rates, v.added = &room[0], &room[v.rollers * v.block]
-        v.head_rates = &room[v.rollers * (v.block + v.rates)]
+        v.head_rates = v.added + v.rollers * v.rates
+        v.all_rates = v.head_rates + v.rates
         self.kept.append(room)
 
     cdef _more(self, place):
@@ -346,6 +368,7 @@ cdef class Varying:
         s.watched = 2 if self.v.watches_film else 1
         s.scale, s.autonomous, s.state = &self.scale[0], self.autonomous, &self.v
         rs_tells_nothing(&s)
+        s.rates = _rates
         return rs_new_system(&s, self)
 
     def values(self, t):
