@@ -7,16 +7,16 @@ then all of them at once. Time of the processor, least of three rounds; half a m
 import time
 
 import attrs
-import numpy as np
 from output import write_table
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import slip_grid
-from rollslip.campaigns.sweep.point import _key, compute
+from rollslip.campaigns.sweep.point import _key, _Task, compute
 from rollslip.campaigns.uncertainty.margin import plan_margin
 from rollslip.scene.changes import evolve
+from rollslip.studies.effective_friction.study import _held_at
 from rollslip.studies.outputs import named_outputs
-from rollslip.studies.raceways import evaluated_together
+from rollslip.studies.raceways import agree_together, critical_together, evaluated_together
 from rollslip.studies.study import settings, study_class
 
 SCENE, SAMPLES = "1032930-70C", 320
@@ -37,7 +37,7 @@ if __name__ == "__main__":
     sweep = plan_margin(SCENE, samples=SAMPLES, steady=0).critical
     work, points = sweep.work, [(number, sweep.design.changes(number)) for number in range(SAMPLES)]
     work = attrs.evolve(work, outputs=named_outputs(study_class(sweep.study), OUTPUTS))
-    resolution = work.resolutions.of({})
+    task, resolution = _Task(work), work.resolutions.of({})
     study = settings(sweep.scene, sweep.study)[sweep.study]
     slip = slip_grid(study.max_cage_slip, study.points)
     compute(work, points)  # whatever is made once
@@ -50,21 +50,28 @@ if __name__ == "__main__":
 
     like = assemble(work.scene, resolution)
     scenes = step("scene changed and checked", lambda _, changes: evolve(work.scene, changes), points)
-    step("key of the point", lambda scene: _key(work, scene, resolution), [(scene,) for scene in scenes])
+    step("key of the point", lambda scene: _key(task, scene, resolution), [(scene,) for scene in scenes])
     bearings = step(
         "oil and conditions of its bearing", lambda one: assemble(one, resolution, like=like), [(s,) for s in scenes]
     )
-    raceways = step(
-        "tables of slices and of few loads",
-        lambda one: study.loaded(one, resolution.instants).by_few_loads(),
-        [(b,) for b in bearings],
-    )
+
+    def tables(one):
+        whole = study.loaded(one, resolution.instants)
+        return whole.by_few_loads(), whole.by_few_loads(rough=True)
+
+    raceways = step("tables of slices, of few loads and of fewer", tables, [(b,) for b in bearings])
     curves = step(
-        "friction at 101 slips", lambda one: evaluated_together([(one, one.speeds(slip))])[0], [(r,) for r in raceways]
+        "rough friction at 101 slips",
+        lambda _, one: evaluated_together([(one, one.speeds(slip))])[0],
+        raceways,
     )
-    found = step("maximum", lambda one, curve: one.critical(slip, curve[0]), list(zip(raceways, curves, strict=True)))
-    probes = [np.array([slip[-1], *(c.slip for c in both if c.slip == c.slip)]) for both in found]
-    step("held against all slices", lambda one, at: one.agrees(at, 1e-5), list(zip(raceways, probes, strict=True)))
+    found = step(
+        "few slips and maximum",
+        lambda one, friction: critical_together([(one, slip, friction, False)])[0],
+        [(few, friction) for (few, _), (friction, _) in zip(raceways, curves, strict=True)],
+    )
+    held = [(few, [_held_at(slip, ring) for ring in both]) for (few, _), both in zip(raceways, found, strict=True)]
+    step("held against all slices", lambda *one: agree_together([one], [1e-5]), held)
     whole = min(least(lambda: compute(work, points), [()])[0] for _ in range(3)) / SAMPLES
     rows.append(["all of it", whole])
     write_table(

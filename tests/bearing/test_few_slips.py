@@ -61,14 +61,14 @@ def made_up(kind, random):
 
 #: Kind of curve -> how many of 50 need the whole grid, as measured.
 KINDS = {
-    "narrow peaks": 23,
+    "narrow peaks": 22,
     "narrow peaks that move with load": 21,
     "two peaks": 12,
     "kinks": 0,
-    "plateaus": 45,
+    "plateaus": 30,
     "maxima at the ends": 15,
     "rises, or falls below nothing": 0,
-    "smooth": 9,
+    "smooth": 8,
 }
 
 
@@ -148,6 +148,6 @@ def test_few_slips_find_what_all_find_on_curves_of_the_laws_in_the_box():
                 moved.append(abs(found.slip - fine[best]) / (fine[best + 1] - fine[best - 1]))
             else:
                 assert np.isnan(found.slip)
-    assert whole <= 40  # of 100, as measured: laws with kinks, and friction that all but keeps its size
+    assert whole <= 26  # of 100, as measured: laws with kinks, and friction that all but keeps its size
     assert len(moved) == 51
     assert max(moved) < 0.5  # the best slip of the fine grid has the maximum in one of the two steps beside it
