@@ -74,6 +74,20 @@ def test_it_is_of_order_two_at_its_steps_and_between_them(problem):
     assert fine < 1e-3
 
 
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_within_a_step_it_is_as_near_as_at_its_end(problem):
+    """One step is off by the third power of its size: so is what lies between its ends, in places and speeds."""
+    rates, exact, places, _ = PROBLEMS[problem]
+    errors = []
+    for h in (0.04, 0.02):
+        solver = in_steps_of(h, rates, exact(0.7), places, 1.0)
+        solver.restart(0.7, exact(0.7))
+        solver.step()
+        inside = 0.7 + h * np.array([0.2, 0.5, 0.8])
+        errors.append(np.max([np.abs(solver.interpolate(t) - exact(t)) for t in inside], axis=0))
+    assert np.all(np.log2(errors[0] / errors[1]) > 2.6)
+
+
 def test_one_evaluation_a_step_and_no_loss_over_a_thousand_swings():
     """A method of order 5 with as long steps, of six evaluations, has lost a quarter of the energy by then."""
     rates, end, h = (lambda t, y: [y[1], -y[0]]), 6400.0, 0.8
@@ -153,7 +167,7 @@ def test_it_goes_on_bit_by_bit_from_its_state(steps):
     whole, first, rest = swing(), swing(), swing()
     first.advance(max_steps=steps)
     rest.state = first.state
-    times = np.linspace(first.t, 7.0, 23)
+    times = np.sort(np.append(np.linspace(first.t, 7.0, 23), first.t + 0.003))  # one in the next step
     states = []
     for solver in (whole, rest):
         ahead = times[times >= solver.t]
