@@ -193,6 +193,32 @@ def test_a_place_in_a_pocket_is_held_to_the_depth_of_its_contact():
         assert np.all(relative[name] == 1.0)
 
 
+@pytest.mark.parametrize("name", ["leapfrog", "rk45"])
+@pytest.mark.parametrize("level", ["pocket", "planar"])
+def test_a_motion_with_impacts_goes_on_bit_by_bit_from_what_was_kept(level, name, monkeypatch):
+    moving, end = motion(level), 6e-3
+    absolute, relative = moving.tolerances
+    times, kept = np.linspace(0.0, end, 61), []
+
+    def run(y, t=0.0, done=0, **options):
+        problem = InitialValueProblem(
+            rates=moving.system, y=y, t=t, atol=1e-5 * absolute, relative=relative, watch=moving.system.watch
+        )
+        return integrate(problem, get_model("integrator", name), times[done:], rtol=1e-5, **options)
+
+    monkeypatch.setattr("rollslip.motion.time_integration._MANY", 100)
+    whole = run(moved(moving, 3), keep=lambda number, part: kept.append(part), every=-1.0)
+    assert whole.outcome == "finished"
+    assert np.abs(moving.outputs(whole.t, whole.y)["pocket_force"]).max() > 1.0
+    before = functools.reduce(lambda one, other: one.then(other), kept[:3])
+    assert 0.0 < before.last_t < end
+    options = {"first_step": before.last_step, "state": before.last_state}
+    rest = run(before.last_y, before.last_t, before.t.size, **options)
+    again = before.then(rest)
+    assert np.array_equal(again.y, whole.y)
+    assert (again.steps, again.events) == (whole.steps, whole.events)
+
+
 @pytest.mark.parametrize("level", ["pocket", "planar"])
 def test_a_film_in_the_pockets_damps_more_than_leapfrog_bears(level):
     moving = motion(level, film="film")
