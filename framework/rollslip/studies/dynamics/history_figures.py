@@ -45,7 +45,7 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
     handles += axes.plot(t, slip, color=MODEL_COLOURS[0], label="cage slip")
     if np.isfinite(away).any():
         tint: dict[str, Any] = {"color": MODEL_COLOURS[1], "alpha": 0.25, "linewidth": 0.0}
-        handles.append(axes.fill_between(t, away, max(top, float(np.nanmax(away))), label="runs away", **tint))
+        handles.append(axes.fill_between(t, away, max(top, 105.0), label="runs away", **tint))
         handles += axes.plot(t, away, color=MODEL_COLOURS[1], linestyle=DASHES[1], label="slip of running away")
     if np.isfinite(critical).any():
         handles += axes.plot(
