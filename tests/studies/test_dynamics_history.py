@@ -229,9 +229,23 @@ def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
     assert record["sliding_distance_inner"] == pytest.approx(float(np.trapezoid(sliding, dropped.time)))
     assert topics["history"][0] == "radial load goes from 1.037 kN to 900 N in 0.5 s"
     assert "stays below that of running away, nearest at" in topics["running away"][1]
+    assert account.headline(dropped) == topics["running away"][1]
+    assert account.operation(dropped) == topics["largest slip"][0]
     names = [name for name, *_ in account.figures(dropped)]
     assert "dynamics-conventional-history" in names
     json.dumps(record)
+
+
+def test_a_run_along_a_history_has_the_outputs_that_are_declared(dropped):
+    given = {"inner_speed", "outer_speed", "temperature"}  # by other histories
+    elsewhere = {"ring_displacement", "cage_displacement", "land_eccentricity", "pocket_force", "pocket_displacement"}
+    curves = {f"{ring}_{what}" for ring in ("inner", "outer") for what in ("sliding", "friction")}
+    single = {name for name, output in Dynamics.outputs.items() if output.attribute}
+    assert {*map(str, dropped.data_vars)} == Dynamics.outputs.keys() - single - given - elsewhere - curves
+    assert single <= set(dropped.attrs)
+    for name in dropped.data_vars:
+        assert dropped[name].attrs["units"] == Dynamics.outputs[name].unit
+    assert np.isfinite(dropped["runaway_slip_along"]).all()
 
 
 @pytest.mark.quick

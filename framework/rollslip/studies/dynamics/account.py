@@ -27,11 +27,15 @@ class DynamicsAccount(Account):
     }
 
     def headline(self, dataset: "xr.Dataset") -> str:
-        """Return where the cage runs away."""
+        """Return where the cage runs away; along a history, how near it came to that."""
+        if history_findings.along(dataset):
+            return history_findings.running_away(dataset)[0]
         return findings.headline(dataset)
 
     def operation(self, dataset: "xr.Dataset") -> str:
-        """Return the slip at the end."""
+        """Return the slip at the end; along a history the largest."""
+        if history_findings.along(dataset):
+            return history_findings.largest_in_words(dataset)
         return findings.operation(dataset)
 
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
