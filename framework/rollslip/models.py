@@ -238,8 +238,7 @@ def from_scene(
 
 def left_to_scene(model: Any) -> "list[attrs.Attribute[Any]]":
     """Return the parameters of a model that the scene is to give."""
-    declared = _from_scene(type(model))  # type: ignore[arg-type]  # mypy takes a class for unhashable
-    return [a for a in declared if _given(getattr(model, a.name)) is None]
+    return [a for a in _from_scene(type(model)) if _given(getattr(model, a.name)) is None]  # type: ignore[arg-type]
 
 
 @cache
@@ -583,8 +582,7 @@ class IntegratorModel(abc.ABC):
     order: ClassVar[int | None] = None
     #: Whether its steps solve no equations; a plan then tries it where motions are not stiff.
     explicit: ClassVar[bool] = False
-    #: Whether its compiled form goes by what a system tells of its contacts, and steps over none of them; only such
-    #: explicit ones does a plan take where rollers hit their pockets.
+    #: Whether its compiled form steps over no contact that a system tells of, as plans ask of explicit ones.
     resolves_contacts: ClassVar[bool] = False
     name: ClassVar[str]
     equation: ClassVar[str]

@@ -301,7 +301,10 @@ def _spectrum(moving: MovingBearing, t: Array, y: Array) -> tuple[float, float]:
     fastest = damping = 0.0
     speeds = ~moving.system.places
     for at, state in zip(t.tolist(), y, strict=True):
-        jacobian = moving.system.jacobian(at, state)
+        try:
+            jacobian = moving.system.jacobian(at, state)
+        except Exception as fault:  # of somebody's drag or friction: the run tells whose
+            raise ConvergenceError(f"the rates fail at t = {at:.3g} s: {fault}") from fault
         fastest = max(fastest, float(np.abs(np.linalg.eigvals(jacobian).imag).max()))
         damping = max(damping, float(-np.linalg.eigvals(jacobian[np.ix_(speeds, speeds)]).real.min()))
     return fastest, damping

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ROW, TWO_COLUMNS, plain_ticks
+from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ROW, TWO_COLUMNS
 from rollslip.studies.dynamics.history_findings import nearest
 
 if TYPE_CHECKING:
@@ -32,7 +32,6 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
     given = json.loads(dataset.attrs["history"])
     figure = Figure(figsize=(TWO_COLUMNS[0], (52 + 26 * len(given)) * MM), layout="constrained")
     axes, *below = figure.subplots(1 + len(given), 1, sharex=True, height_ratios=(2.2, *[1.0] * len(given)))
-    plain_ticks(axes, *below)
     t = dataset["time"].to_numpy()
     slip, away, critical = (
         100.0 * dataset[name].to_numpy() for name in ("cage_slip", "runaway_slip_along", "critical_slip_along")

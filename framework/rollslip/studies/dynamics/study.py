@@ -348,12 +348,8 @@ class Dynamics(Study):
         critical, away = along.critical_of(settings, raceways), along.away_of(settings, raceways)
         limit = along.limit_of(settings, assembly, self.course(assembly))
         moving = self.moving(assembly, critical_slip=away.slip, limit=limit)
-        system = moving.system
-        times = np.linspace(0.0, self.duration, self.points)
-        absolute, relative = moving.tolerances
-        start, first_step, before = moving.initial(self.cage_slip, self.roller_slip), 0.0, None
-        if store is not None and (before := store.load(times, start.size)) is not None:
-            start, first_step = before.last_y, before.last_step
+        times, watch = np.linspace(0.0, self.duration, self.points), moving.system.watch
+        before = None if store is None else store.load(times, moving.system.n)
         done, parts = (0, 0) if before is None or store is None else (before.t.size, len(store.parts()))
 
         def keep(number: int, trajectory: Trajectory) -> None:
@@ -363,21 +359,12 @@ class Dynamics(Study):
                 kept.progress(f"{trajectory.last_t:.4g} of {self.duration:.4g} s")
 
         found = integrate(
-            InitialValueProblem(
-                rates=system,
-                y=start,
-                t=0.0 if before is None else before.last_t,
-                atol=self.relative_tolerance * absolute,
-                relative=relative,
-                jacobian=system.jacobian,
-                watch=system.watch if system.watched else None,
-                breaks=moving.breaks,
-            ),
+            self._problem(moving, self.relative_tolerance, before, watch=watch if moving.system.watched else None),
             integrator,
             times[done:],
             rtol=self.relative_tolerance,
             stop=frozenset({0} if self.stop_at == "critical" and not (math.isnan(away.slip) and limit is None) else ()),
-            first_step=first_step,
+            first_step=0.0 if before is None else before.last_step,
             state=None if before is None else before.last_state,
             keep=keep,
         )
@@ -406,18 +393,8 @@ class Dynamics(Study):
         self, moving: MovingBearing, times: Array, tolerance: float, before: Trajectory | None = None
     ) -> Trajectory:
         """Return the motion from its start or from before, at some times [s], nothing watched or kept."""
-        absolute, relative = moving.tolerances
-        problem = InitialValueProblem(
-            rates=moving.system,
-            y=moving.initial(self.cage_slip, self.roller_slip) if before is None else before.last_y,
-            t=0.0 if before is None else before.last_t,
-            atol=tolerance * absolute,
-            relative=relative,
-            jacobian=moving.system.jacobian,
-            breaks=moving.breaks,
-        )
         found = integrate(
-            problem,
+            self._problem(moving, tolerance, before),
             self.method(moving.assembly),
             times,
             rtol=tolerance,
@@ -427,6 +404,21 @@ class Dynamics(Study):
         if found.outcome == "interrupted":  # else what is chosen by trials would take it for a fault of one
             raise KeyboardInterrupt
         return found
+
+    def _problem(
+        self, moving: MovingBearing, tolerance: float, before: Trajectory | None, **watched: Any
+    ) -> InitialValueProblem:
+        absolute, relative = moving.tolerances
+        return InitialValueProblem(
+            rates=moving.system,
+            y=moving.initial(self.cage_slip, self.roller_slip) if before is None else before.last_y,
+            t=0.0 if before is None else before.last_t,
+            atol=tolerance * absolute,
+            relative=relative,
+            jacobian=moving.system.jacobian,
+            breaks=moving.breaks,
+            **watched,
+        )
 
     def course(self, assembly: Assembly) -> History | None:
         """Return how the operation goes over time; None where it does not change."""
