@@ -285,3 +285,17 @@ def test_rings_that_never_turn_against_each_other_are_refused():
 def test_no_load_is_the_limit_of_hardly_any():
     assert Axis.of("radial_load", 0.0, 900.0).low == pytest.approx(math.sqrt(9e-7))
     assert Axis.of("radial_load", 100.0, 900.0) == Axis("radial_load", 10.0, 30.0)
+
+
+@pytest.mark.quick
+def test_a_file_is_looked_for_beside_the_scene(tmp_path, monkeypatch):
+    (tmp_path / "scenes").mkdir()
+    (tmp_path / "scenes" / "stand.csv").write_text("time [min], radial_load [kN]\n0, 1\n1, 2\n")
+    path = tmp_path / "scenes" / "own.toml"
+    path.write_text(SCENE.text, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    beside = history({"file": "stand.csv"}, scene=rollslip.load_scene(path))
+    assert beside.courses["radial_load"].at([0.0, 30.0]).tolist() == [1000.0, 1500.0]
+    assert beside.given == ("radial_load",)
+    with pytest.raises(SceneError, match="cannot be read"):
+        history({"file": "stand.csv"})  # a shipped scene has no folder: the file is looked for where one works
