@@ -348,7 +348,10 @@ def evaluated_together(cases: Sequence[tuple[LoadedRaceways, SurfaceSpeeds]]) ->
 
 def friction_together(asked: Sequence[tuple[LoadedRaceways, int, Array]]) -> list[Array]:
     """Return the effective friction of rings of bearings, 0 or 1, at cage slips, (n,) each, evaluated in one go."""
-    rings = [raceways.rings(raceways.speeds(slip))[ring] for raceways, ring, slip in asked]
+    return _mean_friction([raceways.rings(raceways.speeds(slip))[ring] for raceways, ring, slip in asked])
+
+
+def _mean_friction(rings: Sequence[tuple[LoadedContacts, Array, Array]]) -> list[Array]:
     pulls = along([contacts.job(u, V) for contacts, u, V in rings])
     return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(rings, pulls, strict=True)]
 
@@ -371,9 +374,16 @@ def critical_together(cases: Sequence[tuple[LoadedRaceways, Array, Array, bool]]
 
 
 def agree_together(cases: Sequence[tuple[LoadedRaceways, Sequence[Array]]], errors: Sequence[float]) -> list[bool]:
-    """Return whether all slices have the friction of few loads at slips of either ring, up to errors relative to it."""
-    both = [(of, ring, slip) for few, slips in cases for ring, slip in enumerate(slips) for of in (few, few.whole)]
-    friction = friction_together(both)
+    """Return whether all slices have the friction of few loads at slips of either ring, up to errors relative to it.
+
+    That is at the speeds of the rollers that few loads give.
+    """
+    rings = []
+    for few, slips in cases:
+        for ring, slip in enumerate(slips):
+            speeds = few.speeds(slip)
+            rings += [few.rings(speeds)[ring], few.whole.rings(speeds)[ring]]
+    friction = _mean_friction(rings)
     alike = [
         bool(np.all(np.abs(few - every) <= errors[k // 2] * np.abs(every)))
         for k, (few, every) in enumerate(zip(friction[::2], friction[1::2], strict=True))
