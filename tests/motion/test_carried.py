@@ -26,6 +26,7 @@ from strategies import NumpyForm
 
 FAST = {"accuracy.slices": 5, "accuracy.tolerance": 2e-2, "cage.mass": 0.4, "cage.inertia": 3.3e-3}
 DRAGS = ["rolling-resistance", {"model": "pocket-friction", "coefficient": 0.08}]
+MANY = {"accuracy.slices": 15}  # enough for a table of friction
 KINDS = ["constant", "effective", "slips", "conventional"]
 LEVELS = ["cage-set", "pocket"]
 CONVENTIONAL = FrictionSettings(name="conventional", tabulated=False)
@@ -528,7 +529,7 @@ def test_work_is_counted_in_contacts_and_slices():
 @pytest.mark.parametrize("drags", [("rolling-resistance",), ()])
 @pytest.mark.parametrize("level", LEVELS)
 def test_rates_by_a_table_of_friction_are_those_of_the_slices_to_its_error(level, drags):
-    tabulated, sliced = (motion(level, "conventional", drags, tabulated=yes) for yes in (True, False))
+    tabulated, sliced = (motion(level, "conventional", drags, tabulated=yes, **MANY) for yes in (True, False))
     assert len(tabulated.friction.by_force) == 2
     assert not sliced.friction.by_force
     error = max(table.error for table in tabulated.friction.by_force)
@@ -553,7 +554,7 @@ def test_rates_by_a_table_of_friction_are_those_of_the_slices_to_its_error(level
 @pytest.mark.parametrize("ring", [0, 1])
 def test_the_error_of_a_table_of_friction_is_that_against_the_chain(ring):
     """At contacts of its own choosing, by the chain of the raceway slice by slice."""
-    m = motion("cage-set", "conventional", ("rolling-resistance",), tabulated=True)
+    m = motion("cage-set", "conventional", ("rolling-resistance",), tabulated=True, **MANY)
     a, table, rng = m.assembly, m.friction.by_force[ring], np.random.default_rng(8)
     raceway = a.raceways[ring]
     gap = rng.uniform(0.2e-6, 1.5e-6, 28)
@@ -561,7 +562,7 @@ def test_the_error_of_a_table_of_friction_is_that_against_the_chain(ring):
     slow, fast = (table.speed_scale * end / (1.0 - end) for end in table.speed_ends)
     V, u = rng.uniform(-30.0, 30.0, 28), rng.uniform(slow, fast, 28)
     found = compiled.table_friction(m.friction.capsules[ring], load @ a.widths, V, u)
-    expected = plain_friction(motion("cage-set", "conventional", ("rolling-resistance",)), ring, load, V, u)
+    expected = plain_friction(motion("cage-set", "conventional", ("rolling-resistance",), **MANY), ring, load, V, u)
     largest = np.abs(expected[0] / (load @ a.widths)).max()
     assert np.abs(found[0] - expected[0]).max() <= 2.0 * table.error * max(largest, 0.01) * (load @ a.widths).max()
     assert np.abs(found[1] - expected[1]).max() <= 2.0 * table.error * 1.5 * np.abs(expected[1]).max()
@@ -570,7 +571,7 @@ def test_the_error_of_a_table_of_friction_is_that_against_the_chain(ring):
 @pytest.mark.quick
 @pytest.mark.parametrize("change", ["force", "sliding", "rolling"])
 def test_outside_a_table_of_friction_the_chain_is_asked(change):
-    m = motion("cage-set", "conventional", (), tabulated=True)
+    m = motion("cage-set", "conventional", (), tabulated=True, **MANY)
     contact = {"force": 100.0, "sliding": 0.5, "rolling": 30.0}
     (table, _), (capsule, _) = m.friction.by_force, m.friction.capsules
     assert compiled.table_friction(capsule, **contact) is not None
@@ -578,7 +579,7 @@ def test_outside_a_table_of_friction_the_chain_is_asked(change):
     beyond = {"force": [root**2 * 1.001], "sliding": [100.0, -100.0], "rolling": [10.0, 50.0, -30.0, 0.0]}
     for value in [*beyond[change], math.nan]:
         assert compiled.table_friction(capsule, **contact | {change: value}) is None
-    sliced = motion("cage-set", "conventional", ())
+    sliced = motion("cage-set", "conventional", (), **MANY)
     y = sliced.initial(0.9, 0.9)  # rolls on the outer ring more slowly than the table knows
     found, expected = (one.split(one.system.rates(0.0, y)) for one in (m, sliced))
     assert found["lost_outer"] == expected["lost_outer"] > 0.0
@@ -586,7 +587,7 @@ def test_outside_a_table_of_friction_the_chain_is_asked(change):
 
 
 def test_without_force_there_is_no_friction_of_a_table():
-    m = motion("cage-set", "conventional", (), tabulated=True)
+    m = motion("cage-set", "conventional", (), tabulated=True, **MANY)
     found = compiled.table_friction(m.friction.capsules[0], 0.0, 0.5, 30.0)
     assert np.all(found == 0.0)
 
@@ -596,7 +597,10 @@ def test_what_has_no_table_of_friction_says_why(monkeypatch):
     friction = raceway_friction(assembly, FrictionSettings(name="conventional"))
     assert friction.by_force == ()
     assert "rollers tilt" in friction.way
-    m = motion("cage-set", "conventional", ())
+    friction = raceway_friction(bearing().with_resistance(), FrictionSettings(name="conventional"))
+    assert friction.by_force == ()
+    assert "5 slices cost no more than a table" in friction.way
+    m = motion("cage-set", "conventional", (), **MANY)
 
     friction = raceway_friction(with_traction(m, NumpyForm(m.assembly.traction)), FrictionSettings(name="conventional"))
     assert friction.by_force == ()
@@ -615,7 +619,9 @@ def test_what_has_no_table_of_friction_says_why(monkeypatch):
 
 
 def test_film_and_stored_friction_stay_those_of_the_chain():
-    tabulated, sliced = (motion("pocket", "conventional", (), film_limit=0.5, tabulated=yes) for yes in (True, False))
+    tabulated, sliced = (
+        motion("pocket", "conventional", (), film_limit=0.5, tabulated=yes, **MANY) for yes in (True, False)
+    )
     y = sliced.initial(0.2, 0.05)
     done, true = tabulated.outputs([0.0], y), sliced.outputs([0.0], y)
     for name in ("traction_force", "film_parameter"):
@@ -624,7 +630,7 @@ def test_film_and_stored_friction_stay_those_of_the_chain():
 
 
 def test_a_table_of_friction_that_cannot_be_is_refused():
-    m = motion("cage-set", "conventional", ())
+    m = motion("cage-set", "conventional", (), **MANY)
     ends = (2.0, 0.9, 10.0, (0.0, 0.5), 10.0, (0.3, 0.8))
     for shape, message in (((2, 4, 4, 7), "has 1 parts"), ((1, 3, 4, 7), "at least"), ((1, 4, 4, 8), "odd number")):
         with pytest.raises(ValueError, match=message):

@@ -7,6 +7,7 @@
   and film parameters. `RacewayFriction.way` says which it is.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -45,6 +46,8 @@ _SLOW: Final = 0.5
 _FIRST_NODES, _MOST_NODES = (5, 17, 24), 300_000
 #: What more nodes have to leave of the error at most, and how often in a row they may fail to before there is no table.
 _GAIN, _VAIN = 0.9, 4
+#: Slices below which the chain costs no more than a table.
+_FEW: Final = 13
 #: Random contacts at which a table is held against the slices.
 _PROBES: Final = 600
 #: Sliding speeds over the rolling speed among which that is chosen over which friction rises, by so many nodes.
@@ -254,6 +257,8 @@ def _by_force(assembly: Assembly, settings: FrictionSettings) -> tuple[tuple[Fri
     """Tables of both raceways, or none, and which way that is in words; made once for a bearing."""
     if tilts(assembly):
         return (), f"{_SLICED}: rollers tilt, so that the loads along one do not follow from its force"
+    if assembly.slices < _FEW:
+        return (), f"{_SLICED}: {assembly.slices} slices cost no more than a table of them"
     if any(raceway.chain.alone for raceway in assembly.raceways):
         return (), f"{_SLICED}: a law runs in Python, and may depend on more than a table knows"
     tolerance, tables = settings.table_tolerance(assembly), list[FrictionTable]()
@@ -283,13 +288,13 @@ def _friction_table(assembly: Assembly, raceway: Raceway, tolerance: float) -> F
     roots = (first / (first + root_scale), last / (last + root_scale))
     slow, fast = _SPEEDS
     speeds, nodes = (slow / (slow + _SLOW), fast / (fast + _SLOW)), [*_FIRST_NODES]
-    least, vain = math.inf, 0
+    values, axis, least, vain = None, 0, math.inf, 0
     try:
         scale = law.scale((usual, last**2), speed)
         while True:
             end, of_speed, of_root, of_sliding = _REACH * speed / (_REACH * speed + scale), *nodes
             at = _Grid(scale, end, root_scale, roots, _SLOW * speed, speeds, (of_speed, of_root, of_sliding))
-            values = law.on(at)
+            values = law.on(at, values, axis)
             if (error := law.error(at, values, usual)) <= tolerance:
                 break
             least, vain = (error, 0) if error < _GAIN * least else (least, vain + 1)
@@ -396,15 +401,23 @@ class _OfRoller:
                 best, chosen = error, scale
         return chosen
 
-    def on(self, at: _Grid) -> Array:
-        """Values on all nodes, (1 or 2, speeds, roots, slidings)."""
+    def on(self, at: _Grid, known: Array | None = None, axis: int = 0) -> Array:
+        """Values on all nodes, (1 or 2, speeds, roots, slidings); every other one along an axis may be known."""
         speeds, roots, half = at.nodes
-        sliding, speed = at.sliding(np.linspace(-1.0, 1.0, 2 * half + 1)), at.speed(np.linspace(0.0, 1.0, speeds))
-        V, u = (grid.ravel() for grid in np.meshgrid(sliding, speed))
+        shares = [np.linspace(0.0, 1.0, speeds), np.linspace(0.0, 1.0, roots), np.linspace(-1.0, 1.0, 2 * half + 1)]
+        if known is not None:
+            shares[axis] = shares[axis][1::2]
+        V, u = (grid.ravel() for grid in np.meshgrid(at.sliding(shares[2]), at.speed(shares[0])))
         rows = []
-        for load in self.loads(at.force(np.linspace(0.0, 1.0, roots))):
-            rows.append(self._each(np.broadcast_to(load, (V.size, load.size)), V, u).reshape(-1, speeds, 2 * half + 1))
-        return np.stack(rows, axis=2)
+        for load in self.loads(at.force(shares[1])):
+            values = self._each(np.broadcast_to(load, (V.size, load.size)), V, u)
+            rows.append(values.reshape(-1, shares[0].size, shares[2].size))
+        values = np.stack(rows, axis=2)
+        if known is None:
+            return values
+        between = np.moveaxis(np.empty((len(values), speeds, roots, 2 * half + 1)), axis + 1, 0)
+        between[::2], between[1::2] = np.moveaxis(known, axis + 1, 0), np.moveaxis(values, axis + 1, 0)
+        return np.moveaxis(between, 0, axis + 1)
 
     def error(self, at: _Grid, values: Array, usual: float, axis: int | None = None) -> float:
         """Largest error at random contacts, or half-way between nodes of one axis and on nodes of the others."""
@@ -445,13 +458,11 @@ def _places(share: Array, half: int) -> tuple[Array, Array]:
 
 def _interpolated(values: Array, places: Sequence[tuple[Array, Array]]) -> Array:
     """Cubic between four nodes along every axis, as friction_table.h has it."""
-    shape = (1,) * len(places)
+    weights = [
+        [np.prod([(t - k) / (node - k) for k in range(4) if k != node], axis=0) for node in range(4)] for _, t in places
+    ]
     found = np.zeros(places[0][0].size)
-    for corner in np.ndindex(*(4 * one for one in shape)):
-        weight, index = np.ones(found.size), []
-        for (first, t), node in zip(places, corner, strict=True):
-            others = [k for k in range(4) if k != node]
-            weight = weight * np.prod([(t - k) / (node - k) for k in others], axis=0)
-            index.append(first + node)
-        found += weight * values[tuple(index)]
+    for corner in itertools.product(range(4), repeat=len(places)):
+        index = tuple(first + node for (first, _), node in zip(places, corner, strict=True))
+        found += math.prod(one[node] for one, node in zip(weights, corner, strict=True)) * values[index]
     return found
