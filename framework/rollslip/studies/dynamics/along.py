@@ -28,6 +28,7 @@ from rollslip.motion.runaway import Runaway
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.dynamics import history_findings
+from rollslip.studies.dynamics.outputs import OUTPUTS
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.estimates import slices_and_instants
 from rollslip.studies.raceways import LoadedRaceways
@@ -313,9 +314,10 @@ def cost(history: History | None, make: Callable[[], MovingBearing], study: Effe
 
 
 def told(dataset: "xr.Dataset") -> "xr.Dataset":
-    """Return a result with what is asked of a history as single values, which campaigns keep; as it is without one."""
+    """Return a result with what is asked of a history as single values, which campaigns keep; none without one."""
     if not history_findings.along(dataset):
-        return dataset
+        none = dict.fromkeys((name for name, output in OUTPUTS.items() if output.status == "history_status"), math.nan)
+        return dataset.assign_attrs(none | {"history_status": "the operation does not change: there is no history"})
     values = {k: v for k, v in history_findings.record(dataset).items() if not isinstance(v, list)}
     return dataset.assign_attrs({key: math.nan if value is None else value for key, value in values.items()})
 

@@ -55,7 +55,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "time", "1", "eccentricity of the cage on the land that guides it, in clearances"
         ),
         **{
-            name: Output("", unit, f"{meaning}, of a run along a history", attribute=True)
+            name: Output("", unit, f"{meaning}, of a run along a history", status="history_status", attribute=True)
             for name, unit, meaning in (
                 ("largest_cage_slip", "1", "largest cage slip"),
                 ("largest_cage_slip_time", "s", "time of the largest cage slip"),
@@ -68,6 +68,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
                 ("frictional_work_outer", "J", "work of sliding at the outer ring"),
             )
         },
+        "history_status": Output("", "1", "what the slips of running away along a history rest on", attribute=True),
         "steady_cage_slip": Output("", "1", "steady cage slip", status="steady_status", default=True, attribute=True),
         "steady_status": Output("", "1", "steady status", attribute=True),
         "runaway_slip": Output(
