@@ -1,6 +1,7 @@
 """Sweeps without faults: which points there are, what is refused before anything runs, and what comes back."""
 
 import contextlib
+import hashlib
 import itertools
 import json
 import pickle
@@ -42,7 +43,7 @@ from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, PluginError, SceneError
 from rollslip.models import TractionModel
 from rollslip.scene.reading import parse_scene
-from rollslip.scene.values import scene_hash
+from rollslip.scene.values import resolved, scene_hash
 from rollslip.studies import study as studies
 
 SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5})
@@ -803,7 +804,8 @@ def test_keys_of_points_tell_scenes_and_outputs_apart():
 def test_the_hash_of_a_point_is_that_of_its_scene(changes):
     work = planned().work
     scene = rollslip.evolve(work.scene, changes)
-    assert point._Task(work).hash(scene) == scene_hash(scene)
+    whole = json.dumps(resolved(scene), sort_keys=True, separators=(",", ":"))
+    assert point._Task(work).hashes.of(scene) == scene_hash(scene) == hashlib.sha256(whole.encode()).hexdigest()
     assert point._Task(work).study(scene) == studies.settings(scene, work.study)[work.study]
 
 

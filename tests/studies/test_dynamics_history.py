@@ -209,6 +209,19 @@ def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeyp
     assert np.array_equal(rest.cage_speed, whole.cage_speed)
 
 
+def test_a_run_does_not_go_on_through_another_file(tmp_path):
+    """Its scene is the same, and what it reads is not."""
+    file = tmp_path / "load.csv"
+    digests = []
+    for end in (900, 900, 800):
+        file.write_text(f"time [s],radial_load [N]\n0,1037\n4,{end}\n")
+        bearing = assemble(scene(file=str(file)))
+        digests.append(Dynamics.of(bearing.scene).digest(bearing))
+    assert digests[0] == digests[1] != digests[2]
+    assert Dynamics.of(SCENE).digest(assemble(SCENE)) == ""
+    assert all(digests)
+
+
 def test_a_run_from_rest_ends_as_one_that_always_turned():
     longer = {"study.dynamics.duration": "4 s"}
     steady, up = ran(longer), ran(longer, inner_speed={"shape": "run-up", "within": "0.05 s"})

@@ -94,7 +94,9 @@ def execute(
         assembly = plan.assemblies[study]
         before = assembly.inner.chain.evaluated
         try:
-            store = None if kept is None else Checkpoints(kept, scene_hash(plan.scene), study)
+            store = (
+                None if kept is None else Checkpoints(kept, scene_hash(plan.scene) + running.digest(assembly), study)
+            )
             dataset = running.run(assembly, Keep(store=store, progress=progress))
         except BoundBrokenError as broken:
             taken_back.append(str(broken))

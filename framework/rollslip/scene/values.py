@@ -11,6 +11,7 @@ Decisions:
 
 import hashlib
 import json
+import operator
 from collections.abc import Mapping
 from functools import cache
 from typing import Any, Final
@@ -30,6 +31,7 @@ __all__ = [
     "Operation",
     "Plugins",
     "Scene",
+    "SceneHashes",
     "resolved",
     "scene_hash",
 ]
@@ -235,7 +237,29 @@ def _plain(value: object) -> object:
     return resolved(value) if attrs.has(type(value)) else value
 
 
+class SceneHashes:
+    """Hashes of scenes that share tables with one of them, of which the text is made once."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene, self._known = scene, dict[str, str]()
+
+    def of(self, scene: Scene) -> str:
+        """Return the SHA-256 of a resolved scene; equal scenes have equal hashes however they are written."""
+        texts = []
+        for name, key, _ in sorted(_keys(Scene), key=operator.itemgetter(1)):
+            if (value := getattr(scene, name)) is not None:
+                own = value is getattr(self._scene, name)
+                text = (self._known.get(name) if own else None) or _canonical(_plain(value))
+                if own:
+                    self._known[name] = text
+                texts.append(f"{_canonical(key)}:{text}")
+        return hashlib.sha256(f"{{{','.join(texts)}}}".encode()).hexdigest()
+
+
+def _canonical(plain: object) -> str:
+    return json.dumps(plain, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+
+
 def scene_hash(scene: Scene) -> str:
-    """Return the SHA-256 of the resolved scene; equal scenes have equal hashes however they are written."""
-    canonical = json.dumps(resolved(scene), sort_keys=True, separators=(",", ":"), ensure_ascii=True)
-    return hashlib.sha256(canonical.encode()).hexdigest()
+    """Return the hash of one scene; see `SceneHashes`."""
+    return SceneHashes(scene).of(scene)

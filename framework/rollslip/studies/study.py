@@ -140,6 +140,10 @@ class Study(abc.ABC):
         """Return about how many slices the study will evaluate; 0 where nobody knows."""
         return 0
 
+    def digest(self, assembly: Assembly) -> str:
+        """Return a digest of the files that it reads beside the scene; empty if there are none."""
+        return ""
+
     def numbers(self, assembly: Assembly) -> Mapping[str, float]:
         """Return how many numbers it holds at least, by the setting that they go with; empty where that is little."""
         return {}

@@ -33,8 +33,7 @@ from rollslip.campaigns.sweep.journal import Row
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError, in_words
 from rollslip.fields import FieldError
 from rollslip.scene.changes import evolve
-from rollslip.scene.values import Scene, resolved
-from rollslip.structure import attributes, key_of
+from rollslip.scene.values import Scene, SceneHashes
 from rollslip.studies.answers import Variables
 from rollslip.studies.outputs import evaluate, evaluate_together
 from rollslip.studies.study import Study, settings
@@ -94,7 +93,7 @@ class _Task:
     """What points that are computed one after the other have of the scene that they change."""
 
     def __init__(self, work: SweepWork) -> None:
-        self.work = work
+        self.work, self.hashes = work, SceneHashes(work.scene)
 
     def study(self, scene: Scene) -> Study:
         """Return the study with the settings of a point."""
@@ -106,29 +105,6 @@ class _Task:
 
     def _settings(self, scene: Scene) -> Study:
         return settings(scene, self.work.study)[self.work.study]
-
-    def hash(self, scene: Scene) -> str:
-        """Return `rollslip.scene.values.scene_hash` of a point."""
-        texts = []
-        for name, key, unchanged in self._tables:
-            if (table := getattr(scene, name)) is not None:
-                text = unchanged if table is getattr(self.work.scene, name) else _canonical(table)
-                texts.append(f"{json.dumps(key)}:{text}")
-        return hashlib.sha256(f"{{{','.join(texts)}}}".encode()).hexdigest()
-
-    @cached_property
-    def _tables(self) -> list[tuple[str, str, str]]:
-        """Name and key of each table of the scene, in the order of the keys, and its text."""
-        scene = self.work.scene
-        keys = sorted((key, a.name) for a in attributes(type(scene)) if (key := key_of(a)) is not None)
-        return [(name, key, _canonical(getattr(scene, name))) for key, name in keys]
-
-
-def _canonical(table: object) -> str:
-    def plain(value: Any) -> object:
-        return dict(value) if isinstance(value, Mapping) else resolved(value)
-
-    return json.dumps(table, sort_keys=True, separators=(",", ":"), ensure_ascii=True, default=plain)
 
 
 class _TimeLimit(BaseException):
@@ -284,7 +260,7 @@ def _outcome(said: Mapping[str, Any]) -> tuple[str, str]:
 
 def _key(task: _Task, scene: Scene, resolution: Resolution | None) -> str:
     finely, work = None if resolution is None else attrs.asdict(resolution), task.work
-    told = json.dumps([task.hash(scene), work.study, work.outputs, finely, here(work.packages)])
+    told = json.dumps([task.hashes.of(scene), work.study, work.outputs, finely, here(work.packages)])
     return hashlib.sha256(told.encode()).hexdigest()
 
 

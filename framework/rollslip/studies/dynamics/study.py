@@ -115,9 +115,7 @@ class Dynamics(Study):
         doc="effective friction over the sliding speed at each raceway, or over cage slip and roller slip",
         validator=one_of("sliding-speed", "slips"),
     )
-    friction_coefficient: float = parameter(
-        default=0.05, unit="1", doc="coefficient of constant friction", validator=non_negative
-    )
+    friction_coefficient: float = parameter(default=0.05, unit="1", doc="of constant friction", validator=non_negative)
     friction_speed: float = parameter(
         default=0.05,
         unit="m/s",
@@ -359,7 +357,7 @@ class Dynamics(Study):
                 kept.progress(f"{trajectory.last_t:.4g} of {self.duration:.4g} s")
 
         found = integrate(
-            self._problem(moving, self.relative_tolerance, before, watch=watch if moving.system.watched else None),
+            self._ivp(moving, self.relative_tolerance, before, watch=watch if moving.system.watched else None),
             integrator,
             times[done:],
             rtol=self.relative_tolerance,
@@ -369,8 +367,7 @@ class Dynamics(Study):
             keep=keep,
         )
         found = explained(found, moving)
-        if before is not None:
-            found = before.then(found)
+        found = found if before is None else before.then(found)
         # by now models may fail as in the run, or anew
         outputs, found = outputs_of(moving, found)
         slip = 1.0 - (moving.split(found.y)["cage_speed"] / moving.unslipped(found.t)[0])[[0, -1]]
@@ -394,7 +391,7 @@ class Dynamics(Study):
     ) -> Trajectory:
         """Return the motion from its start or from before, at some times [s], nothing watched or kept."""
         found = integrate(
-            self._problem(moving, tolerance, before),
+            self._ivp(moving, tolerance, before),
             self.method(moving.assembly),
             times,
             rtol=tolerance,
@@ -405,20 +402,22 @@ class Dynamics(Study):
             raise KeyboardInterrupt
         return found
 
-    def _problem(
-        self, moving: MovingBearing, tolerance: float, before: Trajectory | None, **watched: Any
-    ) -> InitialValueProblem:
+    def _ivp(self, moving: MovingBearing, error: float, before: Trajectory | None, **own: Any) -> InitialValueProblem:
         absolute, relative = moving.tolerances
         return InitialValueProblem(
             rates=moving.system,
             y=moving.initial(self.cage_slip, self.roller_slip) if before is None else before.last_y,
             t=0.0 if before is None else before.last_t,
-            atol=tolerance * absolute,
+            atol=error * absolute,
             relative=relative,
             jacobian=moving.system.jacobian,
             breaks=moving.breaks,
-            **watched,
+            **own,
         )
+
+    def digest(self, assembly: Assembly) -> str:
+        """Return the digest of the file of a history."""
+        return "" if (history := self.course(assembly)) is None else history.sha256
 
     def course(self, assembly: Assembly) -> History | None:
         """Return how the operation goes over time; None where it does not change."""
