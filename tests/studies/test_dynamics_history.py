@@ -265,13 +265,26 @@ def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
     assert record["frictional_work_inner"] == -float(dropped.work_done.sel(work="lost_inner")[-1]) > 0.0
     sliding = np.abs(dropped.sliding_speed.sel(ring="inner")).mean("roller")
     assert record["sliding_distance_inner"] == pytest.approx(float(np.trapezoid(sliding, dropped.time)))
-    assert topics["history"][0] == "radial load goes from 1.037 kN to 900 N in 0.5 s"
+    assert topics["history"][0] == "radial load goes from 1.037 kN to 900 N between t = 0 and 0.5 s"
     assert "stays below that of running away, nearest at" in topics["running away"][1]
     assert account.headline(dropped) == topics["running away"][1]
     assert account.operation(dropped) == topics["largest slip"][0]
     names = [name for name, *_ in account.figures(dropped)]
     assert "dynamics-conventional-history" in names
     json.dumps(record)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ([0, 0, 5, 9, 9, 9], "between t = 0.2 and 0.6 s"),
+        ([0, 1, 2, 3, 4, 5], "between t = 0 and 1 s"),
+        ([7, 7, 7, 2, 2, 2], "at t = 0.6 s"),
+    ],
+)
+def test_words_say_when_an_operation_changes(values, said):
+    assert history_findings._when(np.linspace(0.0, 1.0, 6), np.array(values, dtype=float)) == said
 
 
 def test_a_run_along_a_history_has_the_outputs_that_are_declared(dropped):

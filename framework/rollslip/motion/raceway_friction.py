@@ -73,6 +73,9 @@ class FrictionSettings:
         Error of loads and tables, by default that of the resolution.
     critical_slip, film_limit : float
         Cage slip and film parameter that are watched; NaN for none. Only conventional friction knows the film.
+    like : Assembly, optional
+        The bearing under its largest load: tables of conventional friction are made for its forces and kept with it, so
+        that bearings that differ by their load alone share them. By default the bearing itself.
     """
 
     name: str
@@ -83,6 +86,7 @@ class FrictionSettings:
     tolerance: float | None = None
     critical_slip: float = math.nan
     film_limit: float = math.nan
+    like: Assembly | None = None
 
     @property
     def watched_film(self) -> float:
@@ -188,6 +192,13 @@ def usual_force(assembly: Assembly, factor: float = 1.0) -> float:
     return share + assembly.centrifugal_force + 0.1
 
 
+def _forces(assembly: Assembly) -> tuple[float, float]:
+    """Return the usual force of a roller, and the largest that tables of its friction serve [N]."""
+    usual, at_rest = usual_force(assembly), assembly.load_distribution(1)
+    heaviest = max(float((load @ assembly.widths).max()) for load in (at_rest.inner_load, at_rest.outer_load))
+    return usual, max(_HEAVY * heaviest, usual)
+
+
 def tilts(assembly: Assembly) -> bool:
     """Return whether rollers or rings tilt: by the scene, or by a profile that differs to its two ends."""
     drop = assembly.drop
@@ -262,12 +273,14 @@ def _by_force(assembly: Assembly, settings: FrictionSettings) -> tuple[tuple[Fri
     if any(raceway.chain.alone for raceway in assembly.raceways):
         return (), f"{_SLICED}: a law runs in Python, and may depend on more than a table knows"
     tolerance, tables = settings.table_tolerance(assembly), list[FrictionTable]()
+    like = assembly if settings.like is None else settings.like
+    forces = _forces(like)
     for raceway in assembly.raceways:
         key = (
             ("friction by force", raceway.conditions, raceway.chain.models, raceway.chain.bounds, tolerance),
-            (assembly.drop.tobytes(), assembly.widths.tobytes(), usual_force(assembly)),
+            (assembly.drop.tobytes(), assembly.widths.tobytes(), *forces),
         )
-        table = made_once(assembly, key, partial(_friction_table, assembly, raceway, tolerance))
+        table = made_once(like, key, partial(_friction_table, assembly, raceway, tolerance, forces))
         if isinstance(table, str):
             return (), f"{_SLICED}: {table}"
         tables.append(table)
@@ -275,16 +288,16 @@ def _by_force(assembly: Assembly, settings: FrictionSettings) -> tuple[tuple[Fri
     return tuple(tables), f"from a table over force and both speeds, within {most:.1e} of it, at every step outside it"
 
 
-def _friction_table(assembly: Assembly, raceway: Raceway, tolerance: float) -> FrictionTable | str:
+def _friction_table(
+    assembly: Assembly, raceway: Raceway, tolerance: float, forces: tuple[float, float]
+) -> FrictionTable | str:
     """The table of a raceway, or why there is none."""
     law = _OfRoller(assembly, raceway)
-    usual, speed = usual_force(assembly), abs(float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling))
+    (usual, most), speed = forces, abs(float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling))
     if not speed > 0.0:
         return "nothing rolls at the epicyclic speed"
     root_scale, first = math.sqrt(usual), math.sqrt(_LEAST * usual)
-    at_rest = assembly.load_distribution(1)
-    heaviest = _HEAVY * max(float((load @ assembly.widths).max()) for load in (at_rest.inner_load, at_rest.outer_load))
-    last = math.sqrt(max(heaviest, usual))
+    last = math.sqrt(most)
     roots = (first / (first + root_scale), last / (last + root_scale))
     slow, fast = _SPEEDS
     speeds, nodes = (slow / (slow + _SLOW), fast / (fast + _SLOW)), [*_FIRST_NODES]

@@ -146,6 +146,8 @@ def varying_motion(
     plain = attrs.evolve(friction, critical_slip=float("nan"))
     if axes:  # tables differ by their errors, of which interpolation can make nothing better
         plain = attrs.evolve(plain, tolerance=min(friction.table_tolerance(assembly), _TABLES * asked))
+    if "radial_load" in history.varies and friction.name == "conventional":
+        plain = attrs.evolve(plain, like=_held(assembly, {"radial_load": spans["radial_load"][1]}))
     stations = Stations(
         assembly=steady,
         speeds=speeds,

@@ -89,17 +89,20 @@ def left_open(history: History | None, named: Sequence[str]) -> tuple[dict[str, 
     if {"inner_speed", "outer_speed"} & {*history.varies}:
         settings["friction"] = "conventional"
     settings = {name: value for name, value in settings.items() if name not in named}
-    return settings, [*named, *settings]
+    return settings, [*named, *settings, "integrator"]
 
 
-def reasons(settings: Mapping[str, Any]) -> dict[str, str]:
+def reasons(history: History | None, settings: Mapping[str, Any]) -> dict[str, str]:
     """Say why a history leaves no choice."""
+    if history is None:
+        return {}
     known = {
+        "integrator": "the default: how fast a motion decays changes along a history, and is fastest where rings rest",
         "level": "a history is taken at this level",
         "friction": "the speeds of the rings change: effective friction is tabulated at one speed, and many tables "
         "would take longer than they save",
     }
-    return {name: known[name] for name in settings}
+    return {name: known[name] for name in ("integrator", *settings)}
 
 
 @attrs.frozen(eq=False)

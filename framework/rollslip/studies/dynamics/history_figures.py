@@ -42,11 +42,12 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
     if math.isfinite(limit):
         top = max(top, min(_ROOM * limit, _FAR * top))
     handles += axes.plot(t, slip, color=MODEL_COLOURS[0], label="cage slip")
-    if np.isfinite(away).any():
+    # what lies above the panel is in no legend
+    if (away < top).any():
         tint: dict[str, Any] = {"color": MODEL_COLOURS[1], "alpha": 0.25, "linewidth": 0.0}
         handles.append(axes.fill_between(t, away, max(top, 105.0), label="runs away", **tint))
         handles += axes.plot(t, away, color=MODEL_COLOURS[1], linestyle=DASHES[1], label="slip of running away")
-    if np.isfinite(critical).any():
+    if (critical < top).any():
         handles += axes.plot(
             t, critical, color="0.35", linestyle="dotted", label="critical slip of the inner ring's curve"
         )

@@ -119,16 +119,24 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
         )
         if name not in varies:
             said.append(f"{what} stays at {first}")
-        elif {first, last} == {low, high}:
-            said.append(f"{what} goes from {first} to {last} in {t[-1]:.3g} s")
         else:
-            said.append(f"{what} goes from {first} to {last} in {t[-1]:.3g} s, between {low} and {high}")
+            more = "" if {first, last} == {low, high} else f", with {low} at least and {high} at most"
+            said.append(f"{what} goes from {first} to {last} {_when(t, values)}{more}")
     distances, works = sliding_distance(dataset), frictional_work(dataset)
     for ring, distance in distances.items():
         far, most = (format_quantity(float(value), "m", 3) for value in (distance.mean(), distance.max()))
         work = format_quantity(works[ring], "J", 3) if ring in works else "work that is not known"
         said.append(f"a roller slid {far} on the {ring} ring on average, {most} at most; friction took {work} there")
     return said
+
+
+def _when(t: Array, values: Array) -> str:
+    """Say when what is stored changes."""
+    steps = np.flatnonzero(np.abs(np.diff(values)) > 1e-9 * np.ptp(values))
+    if not steps.size:
+        return f"at t = {t[-1]:.3g} s"
+    begin, end = float(t[steps[0]]), float(t[steps[-1] + 1])
+    return f"at t = {end:.3g} s" if steps.size == 1 else f"between t = {begin:.3g} and {end:.3g} s"
 
 
 def largest_in_words(dataset: "xr.Dataset") -> str:

@@ -201,7 +201,7 @@ class Dynamics(Study):
             estimated,
             resolution=attrs.evolve(estimated.resolution, **settings, **choice.settings),
             errors={**estimated.errors, **choice.errors},
-            reasons={**choice.reasons, **along.reasons(settings)},
+            reasons={**choice.reasons, **along.reasons(self.course(assembly), settings)},
         )
 
     def _with_steps(self, estimated: Estimated, few: Assembly) -> Estimated:
