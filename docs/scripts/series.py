@@ -2,8 +2,9 @@
 
 Instructions are counted and gate (tests/kernels/test_instructions.py); this is beside them, gates nothing, and shows
 what no count of a stage sees. Commands of the shipped scenes are run in fresh processes, bytecode compiled before.
-Machines differ and are used by others, so a fixed work of NumPy and Python is timed before each command, and a row says
-how many times as long the command took by the processor: that ratio is what to compare between rows of other days.
+Machines differ and are used by others, so a fixed work of NumPy and Python is timed beside each command, and a row says
+how many times as long as the least of these the command took by the processor: that ratio is what to compare between
+rows of other days.
 
 ``python docs/scripts/series.py [ROUNDS [FOLDER ...]]``, 5 rounds by default: medians of this version and of those in
 folders of clones, built in place, which take turns. A version is its commit; its rows are replaced.
@@ -48,14 +49,14 @@ def fixed_work():
 
 
 def once(root, command, folder):
-    """Clock and processor [s] of a command, and its processor time over that of the fixed work."""
-    unit = min(fixed_work() for _ in range(3))
+    """Clock and processor [s] of a command, and the processor time of the fixed work beside it."""
+    unit = fixed_work()
     before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     call = [sys.executable, "-c", "from rollslip.cli import main; main()", *command.split(), "--out", folder]
     subprocess.run(call, **surroundings(root))
     clock, after = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
     processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return clock, processor, processor / unit
+    return clock, processor, unit
 
 
 def git(root, *arguments):
@@ -76,9 +77,10 @@ def main(rounds=5, *folders):
     rows = list(csv.reader(path.open(encoding="utf-8")))[1:] if path.exists() else []
     versions = {root: git(root, "log", "-1", "--format=%cs %h").split() for root in roots}
     rows = [row for row in rows if row[1] not in {commit for _, commit in versions.values()}]
+    unit = min(unit for times in measured.values() for *_, unit in times)
     for (root, command), times in measured.items():
-        clock, processor, ratio = (statistics.median(of) for of in zip(*times, strict=True))
-        rows.append([*versions[root], command, f"{clock:.2f}", f"{processor:.2f}", f"{ratio:.1f}"])
+        clock, processor, _ = (statistics.median(of) for of in zip(*times, strict=True))
+        rows.append([*versions[root], command, f"{clock:.2f}", f"{processor:.2f}", f"{processor / unit:.1f}"])
         print(*rows[-1], sep=" | ", flush=True)
     rows.sort(key=lambda row: (COMMANDS.index(row[2]), row[0]))
     write_table("series", HEADER, rows)
