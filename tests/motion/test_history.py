@@ -158,6 +158,7 @@ def test_a_fault_of_a_file_is_told_with_its_line(tmp_path, text, said, long):
     assert said in str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_million_points_are_read_as_the_slow_way_reads_them(tmp_path):
     t = np.linspace(0.0, 1.0, 1_000_001)
     rows = [f"{a:.7f}, {b:.2f}" for a, b in zip(t, 5900.0 + 300.0 * np.sin(9.0 * t), strict=True)]
@@ -191,9 +192,12 @@ def test_the_compiled_courses_are_those_of_the_settings():
     ("raw", "key", "unit"),
     [
         ({"radial_load": {"shape": "ramp", "to": "600 N", "within": "1 s"}}, "radial_load", "N"),
-        ({"temperature": {"shape": "ramp", "to": "30 degC", "within": "1 s"}}, "temperature", "K"),
+        pytest.param(
+            {"temperature": {"shape": "ramp", "to": "30 degC", "within": "1 s"}}, "temperature", "K",
+            marks=pytest.mark.slow,
+        ),
     ],
-)
+)  # fmt: skip
 def test_between_nodes_rates_are_those_of_a_bearing_put_together_there(name, raw, key, unit):
     way, bearing = history(raw), assemble(SCENE)
     moving = varying_motion(bearing, friction(name), way, level="cage-set")
