@@ -227,7 +227,10 @@ class Assembly:
     def _alike(self) -> tuple[Hashable, ...]:
         """What bearings that share `known_loads` have the same if they are loaded alike."""
         sides = [
-            (raceway.deflection, *(getattr(raceway.conditions, name) for name in sorted(_read(raceway.deflection))))
+            (
+                raceway.deflection,
+                *(getattr(raceway.conditions, name) for name in sorted(conditions_read(raceway.deflection))),
+            )
             for raceway in self.raceways
         ]
         return self.slices, self.resolution.quadrature, *sides
@@ -246,7 +249,7 @@ class Assembly:
         return load.reshape(approach.shape), stiffness.reshape(approach.shape)
 
 
-def _read(chain: Chain) -> frozenset[str]:
+def conditions_read(chain: Chain) -> frozenset[str]:
     """Conditions that the models of a chain read."""
     return _members(tuple(frozenset(model.reads) for model in chain.models))
 

@@ -151,67 +151,66 @@ cdef int _look(varying_t *v, double t) noexcept nogil:
     return 0
 
 
+cdef inline void _blend(double weight, const double *part, double *into, size_t n, bint first) noexcept nogil:
+    cdef size_t i
+    for i in range(n):
+        into[i] = weight * part[i] + (0.0 if first else into[i])
+
+
 cdef int _roller_rates(
     double t, const double *head, const double *rollers, double *rates, double *added, void *state
 ) noexcept nogil:
     cdef varying_t *v = <varying_t *>state
     cdef const rs_system *s
-    cdef size_t k, i, own = v.rollers * v.block, more = v.rollers * v.rates
-    cdef double weight
+    cdef size_t k
     cdef int status = _look(v, t)
     if status != 0:
         return status
     for k in range(v.used):
-        s, weight, v.refused = v.stations[v.which[k]].system, v.weight[k], v.which[k]
+        s, v.refused = v.stations[v.which[k]].system, v.which[k]
         if v.used == 1:
             return s.roller_rates(t, head, rollers, rates, added, s.state)
         status = s.roller_rates(t, head, rollers, v.roller_rates, v.added, s.state)
         if status != 0:
             return status
-        for i in range(own):
-            rates[i] = weight * v.roller_rates[i] + (rates[i] if k else 0.0)
-        for i in range(more):
-            added[i] = weight * v.added[i] + (added[i] if k else 0.0)
+        _blend(v.weight[k], v.roller_rates, rates, v.rollers * v.block, k == 0)
+        _blend(v.weight[k], v.added, added, v.rollers * v.rates, k == 0)
     return 0
 
 
 cdef int _head_rates(double t, const double *head, double *rates, void *state) noexcept nogil:
     cdef varying_t *v = <varying_t *>state
     cdef const rs_system *s
-    cdef size_t k, i
-    cdef double weight
+    cdef size_t k
     cdef int status = _look(v, t)
     if status != 0:
         return status
     for k in range(v.used):
-        s, weight, v.refused = v.stations[v.which[k]].system, v.weight[k], v.which[k]
+        s, v.refused = v.stations[v.which[k]].system, v.which[k]
         if v.used == 1:
             return s.head_rates(t, head, rates, s.state)
         status = s.head_rates(t, head, v.head_rates, s.state)
         if status != 0:
             return status
-        for i in range(v.rates):
-            rates[i] = weight * v.head_rates[i] + (rates[i] if k else 0.0)
+        _blend(v.weight[k], v.head_rates, rates, v.rates, k == 0)
     return 0
 
 
 cdef int _rates(double t, const double *y, double *rates, void *state) noexcept nogil:
     cdef varying_t *v = <varying_t *>state
     cdef const rs_system *s
-    cdef size_t k, i, n = v.rates + v.rollers * v.block
-    cdef double weight
+    cdef size_t k
     cdef int status = _look(v, t)
     if status != 0:
         return status
     for k in range(v.used):
-        s, weight, v.refused = v.stations[v.which[k]].system, v.weight[k], v.which[k]
+        s, v.refused = v.stations[v.which[k]].system, v.which[k]
         if v.used == 1:
             return s.rates(t, y, rates, s.state)
         status = s.rates(t, y, v.all_rates, s.state)
         if status != 0:
             return status
-        for i in range(n):
-            rates[i] = weight * v.all_rates[i] + (rates[i] if k else 0.0)
+        _blend(v.weight[k], v.all_rates, rates, v.rates + v.rollers * v.block, k == 0)
     return 0
 
 

@@ -18,8 +18,7 @@ from typing import Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.chain import Chain
+from rollslip.bearing.assembly import Assembly, assemble, conditions_read
 from rollslip.bearing.load_map import LoadMap, build_load_map
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
@@ -27,7 +26,6 @@ from rollslip.motion.carried import CarriedMotion, carried_motion
 from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip.scene.changes import evolve
 from rollslip.units import format_quantity
-from rollslip_kernels.slices import CONDITIONS
 
 #: Cage slips at which rates are compared, with this share of the roller slip that rolls on the outer ring, so that both
 #: contacts slide; and shares of the largest speed.
@@ -229,7 +227,7 @@ class Stations:
     def _put_together(self, place: Place) -> CarriedMotion:
         bearing = self.bearing(place)
         loads: LoadMap | None = None
-        read = {name for r in bearing.raceways for name in _read(r.deflection)}
+        read = {name for r in bearing.raceways for name in conditions_read(r.deflection)}
         key = (
             *(value for axis, value in zip(self.axes, place, strict=True) if axis.name != "temperature"),
             *(getattr(raceway.conditions, name) for raceway in bearing.raceways for name in sorted(read)),
@@ -254,11 +252,6 @@ def _nodes(low: float, high: float) -> Place:
 def _weights(sixths: int) -> list[float]:
     """Weights of the nodes of an interval at a place in it (Lagrange)."""
     return [math.prod((sixths - other) / (own - other) for other in _SIXTHS if other != own) for own in _SIXTHS]
-
-
-def _read(chain: Chain) -> set[str]:
-    """Conditions that the models of a chain read."""
-    return {name for model in chain.models for name in model.reads if name in CONDITIONS}
 
 
 def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:

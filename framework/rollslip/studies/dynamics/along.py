@@ -231,8 +231,10 @@ def at_the_ends(
 ) -> tuple[Estimated, Assembly]:
     """Slices and instants as the operation needs them, and the least and the largest load and temperature."""
     estimated = slices_and_instants(study, assembly, share)
-    for end in (0, 1) if history is not None else ():
-        spans = {name: history.spans[name][end] for name in ("radial_load", "temperature")}  # type: ignore[union-attr]
+    if history is None:
+        return estimated
+    for end in (0, 1):
+        spans = {name: history.spans[name][end] for name in ("radial_load", "temperature")}
         try:
             other = slices_and_instants(study, operated(assembly, spans), share)
         except RollslipError:  # the motion tells what cannot be put together
