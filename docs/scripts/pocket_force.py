@@ -5,8 +5,9 @@ is compared is the root of the mean square over all rollers, all instants after 
 its standard error from start to start, and the same of bands of its spectrum. Effective friction, 1032930-50C; level
 pocket over 0.3 s, planar over 0.1 s with 5 kg of inner ring.
 
-``python docs/scripts/pocket_force.py [POCKET [PLANAR]]``, numbers of starts, 240 and 24 by default: a quarter of an
-hour of the processor; 0 leaves a level out, and its lines of the table as they are.
+``python docs/scripts/pocket_force.py [POCKET [PLANAR]] [INTEGRATOR]``, numbers of starts, 240 and 24 by default: a
+quarter of an hour of the processor; 0 leaves a level out, and its lines of the table as they are. With the name of an
+integrator so are the lines of all others.
 """
 
 import csv
@@ -81,8 +82,8 @@ def off(found, reference):
     return f"{mean / reference[0] - 1.0:+.1%} +- {np.hypot(error / mean, reference[1] / reference[0]):.1%}"
 
 
-def lines(level, starts):
-    """Measure a level."""
+def lines(level, starts, only, before):
+    """Measure a level; lines from before where another integrator is measured."""
     settings = {"level": "pocket", "friction": "effective", "integrator": "rodas5p", "duration": SPANS[level]}
     scene = evolve(load_scene("1032930-50C"), {f"study.dynamics.{name}": value for name, value in settings.items()})
     made = plan(scene, "dynamics")
@@ -91,7 +92,10 @@ def lines(level, starts):
     moving, times = study.moving(assembly), np.arange(0.0, SPANS[level], INSTANT)
     slips = 1e-3 * np.random.default_rng(1).uniform(size=starts)
     reference = None
-    for name, tolerance, part in WAYS[level]:
+    for number, (name, tolerance, part) in enumerate(WAYS[level]):
+        if only and reference is not None and name != only:
+            yield [row for row in before if row[0] == level][number]
+            continue
         squares, ends, spent = [], [], 0.0
         for slip in slips[: max(starts // part, 2)].tolist():
             begin = time.process_time()
@@ -123,15 +127,17 @@ def lines(level, starts):
         yield row
 
 
-def main(starts):
-    """Measure, and keep the lines of levels that are left out."""
+def main(starts, only):
+    """Measure, and keep the lines of what is left out."""
     table = DOCS / "tables" / "pocket_force.csv"
     before = list(csv.reader(table.open()))[1:] if table.exists() else []
     rows = []
     for level, count in starts.items():
-        rows += lines(level, count) if count else [row for row in before if row[0] == level]
+        rows += lines(level, count, only, before) if count else [row for row in before if row[0] == level]
     write_table("pocket_force", NAMED, rows)
 
 
 if __name__ == "__main__":
-    main(dict(zip(SPANS, [*map(int, sys.argv[1:]), *(240, 24)[len(sys.argv) - 1 :]], strict=True)))
+    names = [word for word in sys.argv[1:] if not word.isdigit()]
+    counts = [int(word) for word in sys.argv[1:] if word.isdigit()]
+    main(dict(zip(SPANS, [*counts, *(240, 24)[len(counts) :]], strict=True)), *(names or [""]))

@@ -110,6 +110,15 @@ class Slices:
         n: int = self._table.shape[1]
         return n
 
+    def taken(self, order: Any = slice(None)) -> "Slices":
+        """Return the slices of an order, as NumPy takes it, in a table of their own; by default all."""
+        rows = self._table[:, order]
+        other = type(self).__new__(type(self))
+        _set(other, "conditions", self.conditions)
+        _set(other, "_table", _rows(rows.shape[1]))
+        other._table[:] = rows
+        return other
+
     @classmethod
     def of_columns(cls, conditions: Conditions, columns: dict[str, Any]) -> "Slices":
         """Return a view on arrays that exist already, of any shape that broadcasts; it has no table of its own."""

@@ -12,7 +12,11 @@ import numpy as np
 import pytest
 
 from fuzz import stages
-from rollslip import Chain
+from rollslip import Chain, evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.motion.planar import PlanarSettings, planar_motion
+from rollslip.motion.raceway_friction import FrictionSettings
+from rollslip_kernels.motion import planar
 from rollslip_kernels.stages import simd
 
 SUPPORT = Path(__file__).parents[1] / "support"
@@ -137,3 +141,72 @@ def test_the_command_line_says_which_runs_and_refuses_what_is_not_there():
     refused = info("v9")
     assert refused.returncode == 2
     assert refused.stderr.startswith("ROLLSLIP_SIMD = 'v9' names no instruction set of this machine")
+
+
+#: Rates of motions at all levels: loops over rollers are compiled for sets too, and tables come from stages.
+RATES = """
+import sys
+import numpy as np
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.motion.carried import carried_motion
+from rollslip.motion.planar import PlanarSettings, planar_motion
+from rollslip.motion.raceway_friction import FrictionSettings
+from rollslip_kernels.stages import simd
+
+scene = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15, "accuracy.tolerance": 2e-2})
+assembly, rng, found = assemble(scene), np.random.default_rng(3), {}
+for name in ("effective", "conventional"):
+    friction = FrictionSettings(name=name)
+    for level in ("cage-set", "pocket", "planar"):
+        if level == "planar":
+            moving = planar_motion(assembly, PlanarSettings(inner_ring_mass=5.0), friction)
+        else:
+            moving = carried_motion(assembly, friction, level=level)
+        for k in range(3):
+            y = moving.initial(0.02, 0.03) * (1.0 + 1e-3 * rng.normal(size=moving.system.n))
+            at = moving.split(y).get("pocket_position")
+            if at is not None:
+                at[:4] = 0.5 * assembly.cage.pocket_clearance + 1e-7 * np.arange(4)
+            found[f"{name} {level} {k}"] = moving.system.rates(0.0, y)
+            if level != "cage-set":
+                found[f"{name} {level} {k} held"] = moving.system.held(0.0, y, 1e-5, y, 2e-6, np.zeros(y.size))
+np.savez(sys.argv[1], **found)
+print(simd.active())
+"""
+
+
+@pytest.mark.parametrize("friction", ["effective", "conventional"])
+def test_loops_over_rollers_give_the_same_bits_on_every_set(friction, monkeypatch):
+    """From the same tables, which stages make: the baseline too, since these loops fuse nothing."""
+    scene = evolve(load_scene("1032930-50C"), {"accuracy.slices": 15, "accuracy.tolerance": 2e-2})
+    assembly, rates = assemble(scene), []
+    for name in ("baseline", "v3"):
+        monkeypatch.setattr(planar, "active", lambda name=name: name)
+        moving = planar_motion(assembly, PlanarSettings(inner_ring_mass=5.0), FrictionSettings(name=friction))
+        y = moving.initial(0.02, 0.03)
+        at = moving.split(y)
+        at["pocket_position"][:4] = 0.5 * assembly.cage.pocket_clearance + 1e-7 * np.arange(4)
+        at["cage_x"][...] = 3e-5
+        rates += [(moving.system.rates(0.0, y), moving.system.held(0.0, y, 1e-5, y, 2e-6, np.zeros(y.size)))]
+    assert rates[0][0].tobytes() == rates[1][0].tobytes()
+    assert rates[0][1].tobytes() == rates[1][1].tobytes()
+
+
+@pytest.mark.slow
+def test_rates_of_motions_are_the_same_bits_on_sets_that_fuse_and_differ_by_rounding_on_others(tmp_path):
+    found = {}
+    for name in simd.available():
+        done = run(RATES, name, str(tmp_path / f"{name}.npz"))
+        assert done.returncode == 0, done.stderr[-2000:]
+        assert done.stdout.split() == [name]
+        found[name] = dict(np.load(tmp_path / f"{name}.npz"))
+    widest = found[simd.available()[-1]]
+    assert len(widest) == 30
+    for name, rates in found.items():
+        for key, value in rates.items():
+            if name == "baseline":  # whose tables of effective friction choose their nodes by other roundings
+                off = (1e-3 if "effective" in key else 1e-13) * np.abs(widest[key]).max()
+                np.testing.assert_allclose(value, widest[key], rtol=0, atol=off, err_msg=key)
+            else:
+                assert value.tobytes() == widest[key].tobytes(), (name, key)

@@ -13,10 +13,15 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.load_map import build_load_map
+from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion import raceway_friction as friction_module
 from rollslip.motion.carried import carried_motion
+from rollslip.motion.history.settings import HistorySettings
+from rollslip.motion.history.varying import varying_motion
 from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
+from rollslip.motion.time_integration import InitialValueProblem, integrate
+from rollslip.structure import Location, structure
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.motion.carried import LEDGER
 from rollslip_kernels.motion.system import RefusedError
@@ -142,16 +147,16 @@ def plain_pocket(m, x, rate):
     return force, normal, lost, stored
 
 
-def plain_rates(m, y, torque=0.03):
-    """The rates, and the power stored in the pockets."""
+def plain_rates(m, y, torque=0.03, operation=None):
+    """The rates, and the power stored in the pockets; at other ring speeds and another direction of the load."""
     a, k, u = m.assembly, m.assembly.kinematics, m.split(y)
     Ri, Ro, r, Rm = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
-    wi, wo = k.direction * k.inner_speed, k.direction * k.outer_speed
+    wi, wo, turned = operation or (k.direction * k.inner_speed, k.direction * k.outer_speed, 0.0)
     mass, inertia, w_c, s = a.roller_mass, a.cage.inertia, u["cage_speed"], u["roller_spin"]
     w = u.get("orbital_speed", np.full(28, w_c))
     x = u.get("pocket_position", np.zeros(28))
     psi = u["cage_angle"] + 2 * np.pi * np.arange(28) / 28 + x / Rm
-    loads = np.stack([m.loads.at(psi[[j]], mass * Rm * w[j] ** 2)[:, 0] for j in range(28)], axis=1)
+    loads = np.stack([m.loads.at(psi[[j]] - turned, mass * Rm * w[j] ** 2)[:, 0] for j in range(28)], axis=1)
     V = Ri * (wi - w) - r * (s + w), r * (s + w) - Ro * (w - wo)
     roll = (Ri * (wi - w) + r * (s + w)) / 2, (Ro * (w - wo) + r * (s + w)) / 2
     F, R = zip(*(plain_friction(m, ring, loads[ring], V[ring], roll[ring]) for ring in (0, 1)), strict=True)
@@ -202,6 +207,64 @@ def test_rates_are_those_of_the_equations(level, kind, changes):
         for name, rate in found.items():
             size = np.abs(expected[name]).max()
             np.testing.assert_allclose(rate, expected[name], rtol=1e-12, atol=1e-12 * size, err_msg=name)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_rates_read_the_speeds_of_the_rings_and_the_direction_of_the_load(level):
+    m, rng = motion(level, "constant"), np.random.default_rng(4)
+    before, now = m.carried.operation.copy(), (520.0, -40.0, 2.3)
+    y = random_state(m, rng)
+    m.carried.operation[:] = now
+    found, (expected, _) = m.split(m.system.rates(0.0, y)), plain_rates(m, y, operation=now)
+    m.carried.operation[:] = before
+    for name, rate in found.items():
+        size = np.abs(expected[name]).max()
+        np.testing.assert_allclose(rate, expected[name], rtol=1e-12, atol=1e-12 * size, err_msg=name)
+
+
+@pytest.mark.slow
+def test_within_pockets_a_bearing_goes_through_a_history_as_another_integration_says():
+    """DOP853 of the equations in NumPy to 1e-9, ours to 1e-10, until rollers have touched and left their bars."""
+    end, of = 1.5e-3, bearing(**{"cage.drag": ["constant-torque"], "cage.pocket_clearance": "20 um"})
+    raw = {
+        "inner_speed": {"shape": "ramp", "to": "4000 rpm", "within": end},
+        "load_direction": {"shape": "rotation", "speed": "9000 rpm"},
+    }
+    settings = structure(HistorySettings, raw, Location({}), [])
+    history = settings.history(of.scene, end, Location({}))
+    friction = FrictionSettings(name="constant", coefficient=0.01, transition=0.5)
+    moving = varying_motion(of, friction, history, level="pocket")
+    model = of.cage.drags.torques[0]
+
+    def rates(t, y):
+        now, m = history.at(t), moving.base
+        speeds = float(now["inner_speed"]), 0.0, float(now["load_direction"])
+        found, _ = plain_rates(m, y, 0.0, speeds)
+        torque = float(model.torque(y[1], speeds[0], 0.0))
+        found["cage_speed"] += torque / of.cage.inertia
+        found["work_drag"] += torque * y[1]
+        found["impulse_drag"] += torque
+        parts = [np.broadcast_to(found[name], 28) for name in m.names[1]]
+        return np.concatenate(
+            (
+                [found[name] for name in m.names[0]],
+                np.stack(parts, axis=1).ravel(),
+                [found[name] for name in m.names[2]],
+            )
+        )
+
+    times = np.linspace(0.0, end, 7)
+    y, atol = moving.initial(), 1e-10 * moving.system.scale
+    theirs = solve_ivp(rates, (0.0, end), y, "DOP853", t_eval=times, first_step=1e-6, rtol=1e-9, atol=atol)
+    problem = InitialValueProblem(rates=moving.system, y=y, atol=atol, breaks=moving.breaks)
+    ours = integrate(problem, get_model("integrator", "rk45"), times, rtol=1e-10)
+    assert ours.outcome == "finished"
+    place = moving.split(ours.y)["pocket_position"]
+    assert np.abs(place).max() > 0.5 * of.cage.pocket_clearance
+    off = moving.split(np.abs(ours.y - theirs.y.T) / moving.system.scale)
+    assert off.pop("pocket_position").max() < 1e-9 / of.cage.pocket_clearance  # 1 nm, where bars are pressed in by 200
+    assert max(one.max() for one in off.values()) < 1e-7
+    assert np.abs(moving.energy_residual(ours.y)).max() < 1e-7 * np.abs(moving.works(ours.y)["work_rings"]).max()
 
 
 @pytest.mark.parametrize("drags", [DRAGS, ()])

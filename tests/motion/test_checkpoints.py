@@ -340,7 +340,7 @@ def same(one, other, tolerance=1e-5):
 @pytest.mark.faults
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
 def test_a_killed_run_goes_on_from_its_last_part(scene, tmp_path, uninterrupted, how):
-    process = start(*RUN, cwd=tmp_path, PAUSE="1e-3", EVERY="0.1")
+    process = start(*RUN, cwd=tmp_path, PAUSE="5e-3", EVERY="0.1")
     wait_for_parts(process, tmp_path, 3)
     process.send_signal(how)
     process.communicate(timeout=120)
@@ -349,7 +349,7 @@ def test_a_killed_run_goes_on_from_its_last_part(scene, tmp_path, uninterrupted,
     held = len(parts(tmp_path))
     (tmp_path / "o.unfinished" / ".dynamics-00077.npz.partial").write_bytes(b"torn")
 
-    process = start(*RUN, "--resume", cwd=tmp_path, PAUSE="1e-3", EVERY="0.1")  # and once more
+    process = start(*RUN, "--resume", cwd=tmp_path, PAUSE="5e-3", EVERY="0.1")  # and once more
     wait_for_parts(process, tmp_path, held + 1)
     process.kill()
     process.communicate(timeout=120)
@@ -426,7 +426,8 @@ main()
 def test_an_interrupt_after_the_run_says_how_to_go_on(scene, tmp_path):
     """While plots are made: what was kept is still there."""
     at_plots = (
-        "\nfrom rollslip.results import figures\ndef stop(*_): raise KeyboardInterrupt\nfigures.plot = stop\nmain()\n"
+        "\nfrom rollslip.results import figures\ndef stop(*_, **__): raise KeyboardInterrupt\n"
+        "figures.save_plots = stop\nmain()\n"
     )
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM.replace("main()\n", "", 1) + at_plots, *(a for a in RUN if a != "--no-plots")],

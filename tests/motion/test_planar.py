@@ -15,11 +15,16 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
 from rollslip.bearing.raceway import RINGS
+from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.motion import planar as planar_module
+from rollslip.motion.history.settings import HistorySettings
+from rollslip.motion.history.varying import varying_motion
 from rollslip.motion.planar import HEAD, LEDGER, ROLLER, PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FrictionSettings, raceway_friction
+from rollslip.motion.time_integration import InitialValueProblem, integrate
+from rollslip.structure import Location, structure
 from rollslip_kernels.motion import planar as kernels
 from rollslip_kernels.motion import raceway as friction_kernels
 from rollslip_kernels.motion.rosenbrock import Rosenbrock
@@ -69,6 +74,10 @@ class Lagrange:
             self.table = raceway_friction(a, FrictionSettings(name=kind, tolerance=1e-2)).capsules
         self.e = self.cage.unbalance / self.cage.mass
         self.pitch = 2 * np.pi * np.arange(self.Z) / self.Z
+
+    def load(self, t):
+        """Load on the inner ring (2,)."""
+        return np.array([self.assembly.scene.operation.radial_load * self.planar.planar.load_factor(t), 0.0])
 
     def coordinates(self, y):
         head, rollers, _ = self.planar.parts(y)
@@ -236,7 +245,7 @@ class Lagrange:
         height[4] += np.sum(self.m * radius * (self.g[1] * np.cos(psi) - self.g[0] * np.sin(psi)))
         height[5 : 5 + Z] = self.m * radius * (self.g[1] * np.cos(psi) - self.g[0] * np.sin(psi))
         height[5 + 2 * Z :] = self.m * (self.g[0] * np.cos(psi) + self.g[1] * np.sin(psi))
-        load = self.assembly.scene.operation.radial_load * self.planar.planar.load_factor(t)
+        load = self.load(t)
         sign = self.k.direction
         torques = [
             m for m in self.cage.drags.torques if self.cage.guidance == "roller" or not isinstance(m, PetroffLand)
@@ -244,7 +253,7 @@ class Lagrange:
         drag = sum(sign * m.torque(sign * dq[4], sign * self.wi, sign * self.wo) for m in torques)
         on_ring, on_cage, ring_torque, cage_torque, land_stored, land_lost = self.land(q, dq)
         Q += height
-        Q[0] += load
+        Q[0:2] += load
         Q[0:2] += on_ring
         Q[2:4] += on_cage
         Q[4] += drag + cage_torque
@@ -259,7 +268,7 @@ class Lagrange:
         inner_ring_torque = ring_torque if self.cage.guidance == "inner" else 0.0
         L = {
             "work_rings": np.sum(slip_forces * drives) - inner_ring_torque * self.wi - outer_ring_torque * self.wo,
-            "work_load": load * dq[0],
+            "work_load": load @ dq[0:2],
             "work_gravity": height @ dq,
             "work_drag": drag * dq[4],
             "work_raceway_elastic": -np.sum(inner[0] * rate[0] + outer[0] * rate[1]),
@@ -272,7 +281,7 @@ class Lagrange:
             "lost_land": land_lost,
             "impulse_rings": np.sum(self.k.inner_radius * (inner[2] + inner[3]))
             + np.sum(self.k.outer_radius * (outer[2] - outer[3])) - ring_torque,
-            "impulse_load": -load * ring[1],
+            "impulse_load": load[1] * ring[0] - load[0] * ring[1],
             "impulse_gravity": height[4]
             + self.set.inner_ring_mass * (ring[0] * self.g[1] - ring[1] * self.g[0])
             + self.cage.mass * (cage[0] * self.g[1] - cage[1] * self.g[0]),
@@ -537,6 +546,105 @@ def test_a_ring_that_was_pushed_away_settles_in_the_equilibrium():
     assert abs(found.y[2, -1]) < 3e-7 < 1e-4 * np.abs(found.y[2]).max()
 
 
+# Along a history -----------------------------------------------------------------------------------------------------
+
+
+def along_history(scene, end, raw, name="constant", **given):
+    problems = []
+    settings = structure(HistorySettings, raw, Location({}), problems)
+    assert not problems
+    friction = FrictionSettings(name=name, coefficient=0.05, transition=0.1, tabulated=False)
+    planar = PlanarSettings(**{"inner_ring_mass": 3.0} | given)
+    history = settings.history(scene, end, Location({}))
+    return varying_motion(assemble(scene), friction, history, level="planar", planar=planar)
+
+
+class Driven(Lagrange):
+    """Lagrange's equations under the speed of the inner ring, the load and its direction of a history."""
+
+    def __init__(self, moving):
+        super().__init__(moving.base, "constant")
+        self.history = moving.history
+
+    def load(self, t):
+        now = self.history.at(t)
+        return float(now["radial_load"]) * np.array([np.cos(now["load_direction"]), np.sin(now["load_direction"])])
+
+    def rates(self, t, y):
+        self.wi = float(self.history.at(t)["inner_speed"])
+        return super().rates(t, y)
+
+
+def driven(end):
+    scene = scene_of(3, more=(("accuracy.slices", 3),))
+    raw = {
+        "inner_speed": {"shape": "ramp", "to": 0.8 * scene.operation.inner_speed, "within": end},
+        "radial_load": {"shape": "ramp", "to": "300 N", "within": end},
+        "load_direction": {"shape": "ramp", "to": "40 deg", "within": end},
+    }
+    return along_history(scene, end, raw)
+
+
+@pytest.mark.parametrize("t", [0.0, 0.2, 0.7, 1.5])
+def test_at_every_moment_of_a_history_rates_are_those_of_lagranges_equations(t):
+    moving = driven(1.0)
+    y = random_state(moving.base, 5)
+    expected, _ = Driven(moving).rates(t, y)
+    assert np.all(np.abs(moving.system.rates(t, y) - expected) <= 1e-12 * yardstick(moving.base, y, expected))
+
+
+@pytest.mark.slow
+def test_speed_load_and_its_direction_over_time_move_it_as_lagranges_equations_do():
+    """DOP853 of Lagrange's equations to 1e-9, ours to 1e-10; half a millisecond is ten swings of a roller."""
+    end = 5e-4
+    moving, times = driven(end), np.linspace(0.0, end, 6)
+    lagrange, y, atol = Driven(moving), moving.initial(), 1e-10 * moving.system.scale
+    theirs = solve_ivp(
+        lambda t, y: lagrange.rates(t, y)[0], (0.0, end), y, "DOP853", t_eval=times, rtol=1e-9, atol=atol
+    )
+    problem = InitialValueProblem(rates=moving.system, y=y, atol=atol, breaks=moving.breaks)
+    ours = integrate(problem, get_model("integrator", "rk45"), times, rtol=1e-10)
+    assert ours.outcome == "finished"
+    assert np.all(np.abs(ours.y - theirs.y.T) <= 1e-7 * moving.system.scale)
+    steady = solve_ivp(moving.base.system.rates, (0.0, end), y, "DOP853", rtol=1e-6, atol=1e3 * atol).y[:, -1]
+    assert np.abs(ours.y[-1] - steady)[:4].max() > 1e-2 * moving.system.scale[:4].max()  # a history it is
+
+
+def test_the_ledger_has_the_work_of_a_load_that_moves():
+    moving, times = driven(5e-4), np.linspace(0.0, 5e-4, 51)
+    problem = InitialValueProblem(rates=moving.system, y=moving.initial(), atol=1e-9 * moving.system.scale)
+    run = integrate(problem, get_model("integrator", "rk45"), times, rtol=1e-9)
+    works, split = moving.works(run.y), moving.split(run.y)
+    assert np.abs(moving.energy_residual(run.y)).max() < 1e-7 * max(np.abs(work).max() for work in works.values())
+    assert np.abs(moving.momentum_residual(run.y)).max() < 1e-9 * np.abs(moving.angular_momentum(run.y)).max()
+    now = moving.history.at(times)
+    along, across = np.cos(now["load_direction"]), np.sin(now["load_direction"])
+    power = now["radial_load"] * (split["inner_ring_vx"] * along + split["inner_ring_vy"] * across)
+    assert works["work_load"][-1] == pytest.approx(np.trapezoid(power, times), rel=2e-3)
+
+
+@pytest.mark.parametrize("angle", [2 * np.pi / 5, -4 * np.pi / 5])  # so that rollers start alike
+def test_a_load_in_another_direction_moves_the_bearing_turned_by_it(angle):
+    scene = scene_of(5, "inner", cage=(("unbalance", 2e-4),))
+    step = {"shape": "step", "from": f"{angle} rad", "to": f"{angle} rad", "at": 1.0}
+    turned = along_history(scene, 1.0, {"load_direction": step}, gravity=0.0)
+    plain = motion(scene, gravity=0.0)
+    y = random_state(plain, 3)
+    c, s = np.cos(angle), np.sin(angle)
+
+    def rotated(y, turn):
+        y = y.copy()
+        for k in (0, 2, 4, 6):  # places and speeds of ring and cage, or their rates
+            y[k : k + 2] = c * y[k] - s * y[k + 1], s * y[k] + c * y[k + 1]
+        y[9] += turn
+        return y
+
+    expected = rotated(plain.system.rates(0.0, y), 0.0)
+    found = turned.system.rates(0.0, rotated(y, angle))
+    assert np.all(np.abs(found - expected) <= 1e-9 * yardstick(plain, y, expected))
+    assert turned.initial()[:2] == pytest.approx(rotated(plain.initial(), 0.0)[:2], rel=1e-9, abs=1e-15)
+
+
 # Closed solutions ----------------------------------------------------------------------------------------------------
 
 
@@ -776,7 +884,7 @@ def test_rolling_resistance_is_read_off_every_cell_and_beyond_along_the_last(mon
     for ring in range(2):
         root = np.sqrt(case("constant")[0].planar.outputs(np.zeros(8), states)["normal_force"][:, ring])
         step = 0.7 * root.max() / (nodes.size - 1)  # so that a part of the forces is beyond the table
-        monkeypatch.setattr(planar_module, "_resistances", lambda a, step=step: [(step, nodes)] * 2)
+        monkeypatch.setattr(planar_module, "_resistances", lambda a, most, step=step: [(step, nodes)] * 2)
         found = motion(scene_of(5)).planar.outputs(np.zeros(8), states)
         assert np.sqrt(found["normal_force"][:, ring]) == pytest.approx(root, rel=1e-15)
         place = root / step

@@ -61,9 +61,12 @@ class CarriedMotion(MovingBearing):
             If there is a cage slip and the epicyclic cage speed, to which it refers, is zero.
         """
         speeds = self.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
-        cage, rollers = float(speeds.cage_speed), self.assembly.scene.bearing.rollers
-        block = [float(speeds.roller_speed) - cage, cage, 0.0][: len(_BLOCKS[self.level])]
-        return np.array([0.0, cage, *block * rollers, *[0.0] * len(LEDGER)])
+        return self.state_at(float(speeds.cage_speed), float(speeds.roller_speed))
+
+    def state_at(self, cage_speed: float, roller_speed: float, load: float = 0.0, direction: float = 0.0) -> Array:
+        """Return the state with these speeds [rad/s], rollers in the middle of their pockets whatever the load."""
+        block = [roller_speed - cage_speed, cage_speed, 0.0][: len(_BLOCKS[self.level])]
+        return np.array([0.0, cage_speed, *block * self.assembly.scene.bearing.rollers, *[0.0] * len(LEDGER)])
 
     def energy(self, y: Array) -> Array:
         """Return the kinetic energy of cage and rollers, and the elastic energy of the pockets [J], (...)."""

@@ -51,6 +51,17 @@ class MovingBearing(abc.ABC):
         """Return the state with these slips; 0 epicyclic, 1 at rest, 2 backwards."""
 
     @abc.abstractmethod
+    def state_at(self, cage_speed: float, roller_speed: float, load: float, direction: float) -> Array:
+        """Return the state with these speeds of the cage and of rollers relative to it [rad/s], all else at rest.
+
+        ``load`` [N] and its ``direction`` [rad] count where the motion knows them.
+        """
+
+    def looks(self) -> tuple[Array, Array]:
+        """Return times and states that tell how fast it moves before it has moved, (m,) and (m, n)."""
+        return np.zeros(1), self.initial()[None]
+
+    @abc.abstractmethod
     def energy(self, y: Array) -> Array:
         """Return the energy of states (..., n) [J], (...)."""
 

@@ -2,6 +2,7 @@
 
 - The loads follow from the motion, by the deflection law of the contact model. So the clearance, the mass of the inner
   ring and the history of the load matter, and a map of loads does not exist.
+- Along a history the systems read load and direction of the moment; tables reach as far as its largest load asks.
 - Rollers do not tilt, so that the force of one follows from its gap alone: it is tabulated over the root of the gap,
   over which it is smooth but for a bend where each slice first touches. The error is that against all slices half-way
   between nodes. Deeper than the table goes, and where friction looks at slices, forces come from the slices.
@@ -248,14 +249,23 @@ class PlanarMotion(MovingBearing):
         DomainError
             If there is a cage slip and the epicyclic cage speed, to which it refers, is zero.
         """
-        k, b = self.assembly.kinematics, self.assembly.scene.bearing
-        speeds = k.surface_speeds(cage_slip, roller_slip)
-        cage_speed = float(speeds.cage_speed)
-        # the load and the weight of the ring together pull along one line
+        speeds = self.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
         load = self.planar.load_factor(0.0) * self.assembly.scene.operation.radial_load
+        return self.state_at(float(speeds.cage_speed), float(speeds.roller_speed), load)
+
+    def state_at(self, cage_speed: float, roller_speed: float, load: float, direction: float = 0.0) -> Array:
+        """Return the state with these speeds [rad/s] in equilibrium under a load, as `initial` does.
+
+        Raises
+        ------
+        ConvergenceError
+            If there is no equilibrium.
+        """
+        k, b = self.assembly.kinematics, self.assembly.scene.bearing
+        # the load and the weight of the ring together pull along one line
         weight = self.settings.inner_ring_mass * self.settings.gravity
-        x = load + weight * math.cos(self.settings.gravity_direction)
-        y = weight * math.sin(self.settings.gravity_direction) * k.direction
+        x = load * math.cos(direction) + weight * math.cos(self.settings.gravity_direction)
+        y = load * math.sin(direction) + weight * math.sin(self.settings.gravity_direction) * k.direction
         line = math.atan2(y, x)
         psi = angular_positions(b.rollers, 1)
         held = solve_equilibrium(
@@ -275,7 +285,7 @@ class PlanarMotion(MovingBearing):
         head[:2] = along * math.cos(line) - across * math.sin(line), along * math.sin(line) + across * math.cos(line)
         head[8] = cage_speed
         rollers[:, 1] = cage_speed
-        rollers[:, 2] = float(speeds.roller_speed) - cage_speed
+        rollers[:, 2] = roller_speed - cage_speed
         rollers[:, 3] = held.roller_shift[0]
         return state
 
@@ -360,7 +370,8 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
     guidance = ("roller", "inner", "outer").index(cage.guidance)
     torques = zip(cage.drags.torques, cage.drags.capsules(), strict=True)
     times, factors = settings.history
-    most = DEEP * usual_force(a, max(factors, default=1.0))
+    heaviest = a if friction.like is None else friction.like
+    most = DEEP * usual_force(heaviest, max(factors, default=1.0))
     forces = _force_tables(a, most) if friction.tabulated and not of_raceways.by_slices else ()
     planar = Planar(
         of_raceways.capsules,
@@ -371,11 +382,11 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         [capsule for model, capsule in torques if not (guidance and _of_land(model))],
         b.rollers,
         guidance,
-        _scale(a, cage),
+        _scale(heaviest, cage),
         times=times,
         factors=factors,
         forces=[(table.deepest, table.coefficients) for table in forces],
-        resistances=None if friction.name == "conventional" else _resistances(a),
+        resistances=None if friction.name == "conventional" else _resistances(a, most),
         critical_slip=friction.critical_slip,
         film_limit=friction.watched_film,
         inner_radius=k.inner_radius,
@@ -409,7 +420,7 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         friction=of_raceways,
         contacts=contacts,
         planar=planar,
-        system=System(planar.system(_swing_frequency(a, settings))),
+        system=System(planar.system(_swing_frequency(heaviest, settings))),
         forces=forces,
     )
 
@@ -485,13 +496,12 @@ def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | Non
     return ForceTable(deepest=deepest, coefficients=powers, error=error, light=light)
 
 
-def _resistances(a: Assembly) -> list[tuple[float, Array]] | None:
+def _resistances(a: Assembly, most: float) -> list[tuple[float, Array]] | None:
     """Rolling resistance of a contact at epicyclic speed, at equal steps of sqrt(Q), by which it is nearly linear."""
-    return [_resistance(a, raceway) for raceway in a.raceways] if a.inner.chain.resists else None
+    return [_resistance(a, raceway, most) for raceway in a.raceways] if a.inner.chain.resists else None
 
 
-def _resistance(a: Assembly, raceway: Raceway) -> tuple[float, Array]:
-    most = DEEP * usual_force(a)
+def _resistance(a: Assembly, raceway: Raceway, most: float) -> tuple[float, Array]:
     approach = np.geomspace(1e-9, 1e-3, 601)
     load, _ = a.deflect(approach[:, None] - (a.drop - a.drop.min()), raceway.ring)
     force = load @ a.widths

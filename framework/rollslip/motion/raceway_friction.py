@@ -75,7 +75,8 @@ class FrictionSettings:
         Cage slip and film parameter that are watched; NaN for none. Only conventional friction knows the film.
     like : Assembly, optional
         The bearing under its largest load: tables of conventional friction are made for its forces and kept with it, so
-        that bearings that differ by their load alone share them. By default the bearing itself.
+        that bearings that differ by their load alone share them, and so are those of plane motion. By default the
+        bearing itself.
     """
 
     name: str

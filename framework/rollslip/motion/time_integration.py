@@ -10,7 +10,7 @@
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any, Final, Literal
 
@@ -27,8 +27,10 @@ Outcome = Literal["finished", "stopped", "interrupted", "failed"]
 
 #: Steps without progress after which a solver is taken to stand still (SciPy's LSODA does before a singularity).
 _STILL: Final = 100
-#: Steps of a compiled solver between two looks at the clock.
+#: Steps of a compiled solver between two looks at the clock: at first, and at most twice as many as before while they
+#: take less than this time [s].
 _MANY: Final = 1000
+_QUICK: Final = 2e-2
 #: Evaluations in a row without a number after which there will be none (SciPy's explicit methods then go on for ever).
 _NO_NUMBERS: Final = 200
 #: What is left out before a break, relative: more than rounding moves the last time that a step asks for.
@@ -77,6 +79,8 @@ class Trajectory:
         All that the next steps of a compiled solver depend on at ``last_t``; empty if it is not known.
     processor_time : float
         Time of the processor that the integration alone took [s].
+    told : mapping
+        What the solver tells of itself.
     """
 
     t: Floats
@@ -95,6 +99,7 @@ class Trajectory:
     wall_time: float
     last_state: Floats = attrs.field(factory=lambda: np.zeros(0))
     processor_time: float = 0.0
+    told: Mapping[str, float] = attrs.field(factory=dict)
 
     def then(self, later: "Trajectory") -> "Trajectory":
         """Return this trajectory with a later one that went on from it."""
@@ -208,6 +213,7 @@ class _Run:
         self.keep, self.every = keep, every
         self.t, self.y, self.h = problem.t, np.array(problem.y, dtype=float), first_step
         self.state: Floats = np.zeros(0)  # of a compiled solver at t
+        self.told: Mapping[str, float] = {}
         self.stored = np.full((times.size, self.y.size), np.nan)
         self.count = 0  # instants stored
         self.events: list[Event] = []
@@ -267,6 +273,7 @@ class _Run:
             wall_time=time.perf_counter() - (self.begin if count == 0 else self.clock),
             last_state=self.state,
             processor_time=time.process_time() - (self.worked if count == 0 else self.looked),
+            told=self.told,
         )
 
     def _stretch(self, end: float, bound: float) -> str:
@@ -303,18 +310,19 @@ class _Run:
     # Many steps at once -----------------------------------------------------------------------------------------------
 
     def _advanced(self, solver: Any, end: float) -> str:
-        before = self.work
+        before, many = self.work, _MANY
         while True:
+            begin = time.perf_counter()
             upto, reason = int(np.searchsorted(self.times, end, side="right")), "raised"
             try:
                 reason, _ = solver.advance(
-                    end, self.times[self.count : upto], self.stored[self.count : upto], max_steps=_MANY
+                    end, self.times[self.count : upto], self.stored[self.count : upto], max_steps=many
                 )
             finally:  # a model may have raised, or an interrupt have come before its results were taken
                 self._store_until(solver.t, solver.y, solver.interpolate)
                 self.t, self.y, self.h = float(solver.t), solver.y, float(solver.h)
                 self.work = before + np.array([solver.steps, solver.rejected, solver.evaluations, solver.jacobians])
-                self.state = solver.state
+                self.state, self.told = solver.state, getattr(solver, "told", {})
                 passed = self._changed_sides(self.state[4 : 4 + self.sides.size])
                 self.events += [Event(self.t, k, rising) for k, rising in passed]
                 stopped = any(rising and k in self.stop for k, rising in passed)
@@ -327,6 +335,7 @@ class _Run:
             if reason in ("stop", "finished"):
                 return ""
             self._pause()
+            many = 2 * many if time.perf_counter() - begin < _QUICK else max(many // 2, _MANY)
 
     # Step by step -----------------------------------------------------------------------------------------------------
 

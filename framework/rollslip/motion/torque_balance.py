@@ -285,6 +285,15 @@ class TorqueBalance:
         contacts[1](speeds.outer_rolling, speeds.outer_sliding)
         return contacts[0].contacts, contacts[1].contacts
 
+    def forces(self, orbit: Orbit) -> tuple[Array, Array, Array]:
+        """Return tractions and resistances of both contacts [N], (2, K), and torques on the cage [N m], (K,).
+
+        They have the signs of the kinematics, whatever the sense of the orbit.
+        """
+        spin = Spin(self, orbit.cage_slip, self._frictions(self.contacts(orbit.cage_slip)))
+        tractions, resistances = spin.forces(orbit.roller_slip)
+        return tractions, resistances, spin.from_forces(orbit.roller_slip, tractions, resistances)
+
     def _frictions(self, contacts: tuple[Conventional, Conventional]) -> tuple[Friction, Friction]:
         """Friction of both rings: that of the contacts, or the effective one of their forces."""
         if self._effective is None:
@@ -452,7 +461,11 @@ class Spin:
             self._spins.ended(ended)
             return on_cage, self._spins.kernel.tractions
         tractions, resistances = self.forces(roller_slip)
-        return self._spins.kernel.on_cage(roller_slip, tractions, resistances), tractions
+        return self.from_forces(roller_slip, tractions, resistances), tractions
+
+    def from_forces(self, roller_slip: Array, tractions: Array, resistances: Array) -> Array:
+        """Torque of one roller on the cage at all positions [N m], (K,), from forces of both contacts [N], (2, K)."""
+        return self._spins.kernel.on_cage(roller_slip, tractions, resistances)
 
     def _torque(self, roller_slip: Array) -> Array:
         spin, _, ended = self._spins.kernel.torques(roller_slip)

@@ -38,14 +38,16 @@ import numpy as np
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport INFINITY, NAN, fabs, fmin, isfinite, sqrt
-from libc.string cimport memset
+from libc.string cimport memcpy, memset
 
 from rollslip_abi cimport ROLLSLIP_DRAG, rs_drag
 from rollslip_arrow cimport RS_RAISED
 from rollslip_errors cimport rs_raise_pending
 from rollslip_pocket cimport RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_pocket, rs_pocket_bars
 from rollslip_raceway cimport (
-    RS_CONVENTIONAL, RS_RACEWAY, rs_box_reaches, rs_contact_outputs, rs_raceway, rs_raceway_friction, rs_thinnest,
+    RS_CONVENTIONAL, RS_RACEWAY, rs_box_holds, rs_box_reaches, rs_contact_outputs, rs_film_speed, rs_held,
+    rs_held_damping, rs_held_friction, rs_held_off, rs_place_held, rs_raceway, rs_raceway_friction, rs_raceway_held,
+    rs_thinnest,
 )
 from rollslip_system cimport rs_new_system, rs_system, rs_tells_nothing, rs_until
 
@@ -89,7 +91,7 @@ cdef extern from "motion/carried_columns.h" nogil:
         size_t rollers, block
         int pocket
         double inner_radius, outer_radius, radius, orbit
-        double inner_speed, outer_speed
+        double inner_speed, outer_speed, load_direction
         double mass, spin_inertia
         size_t positions, channels
         double *spin
@@ -107,11 +109,21 @@ cdef extern from "motion/carried_columns.h" nogil:
         double *push
         double *moment
         double *lost
+        double *force_then
+        double *force_rate
         double **added
 
     double rs_total(const double *x, size_t n)
-    void rs_carried_places(rs_carried *c, const double *head, const double *rollers)
+    void rs_carried_speeds(rs_carried *c, const double *head, const double *rollers)
+    void rs_carried_places(rs_carried *c, const double *head)
     void rs_carried_forces(rs_carried *c, size_t j, const double *powers, double share)
+    void rs_carried_force_rates(rs_carried *c, size_t j, const double *powers, double share)
+    void rs_carried_held_forces(rs_carried *c, double since)
+    void rs_carried_implicit(
+        rs_carried *c, const rs_held *inner, const rs_held *outer, double half, const double *before)
+    double rs_carried_free(
+        rs_carried *c, const double *head, const double *rollers, const double *rates, const double *head_rates,
+        double reach, double most)
     void rs_carried_rates(rs_carried *c, const double *head, double mu, double fading)
     void rs_carried_blocks(const rs_carried *c, double *rates)
 
@@ -155,6 +167,11 @@ cdef struct carried_t:
     int refused
     size_t refused_roller
     double *load   # [channels x Z x slices], where friction asks for slices
+    # friction as it is held, since when; room [2 Z]
+    rs_held held[RINGS]
+    double held_at
+    int still
+    double *room
 
 
 cdef inline double _risen(double d, double soft) noexcept nogil:
@@ -215,10 +232,11 @@ cdef inline void _slices(carried_t *p, size_t j, const cell_t *cell, double f) n
         g += p.slices
 
 
-cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint film) noexcept nogil:
+cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint film, bint hold) noexcept nogil:
     """Fill force, speeds and friction of all contacts, and load where friction needs it.
 
-    A centrifugal force beyond the top is refused. With ``film`` conventional friction is that of the slices.
+    A centrifugal force beyond the top is refused. With ``film`` conventional friction is that of the slices; with
+    ``hold`` friction and forces are held, and tractions are to be had from that.
     """
     cdef size_t j, Z = p.c.rollers
     cdef double pull
@@ -227,7 +245,8 @@ cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint
     cdef cell_t *cell
     cdef int status, ring
     cdef bint sliced = False
-    rs_carried_places(&p.c, head, rollers)
+    rs_carried_speeds(&p.c, head, rollers)
+    rs_carried_places(&p.c, head)
     for j in range(Z):
         pull = p.c.pull[j]
         if not (pull <= p.top and isfinite(p.c.turns[j])):
@@ -239,11 +258,18 @@ cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint
                 return RS_RAISED
             cell = &p.cells[p.last[j]]
         rs_carried_forces(&p.c, j, cell.powers, (pull - cell.low) / (cell.high - cell.low))
+        if hold:
+            rs_carried_force_rates(&p.c, j, cell.powers, (pull - cell.low) / (cell.high - cell.low))
     for ring in range(RINGS):
         force, resistance = p.c.force + ring * Z, p.c.force + (RINGS + ring) * Z
+        if hold and rs_box_holds(
+                &p.raceway[ring], &p.held[ring], force, p.c.sliding + ring * Z, p.c.rolling + ring * Z,
+                p.c.traction + ring * Z, resistance):
+            continue
         if p.raceway[ring].friction == RS_CONVENTIONAL:
-            if not film and rs_box_reaches(&p.raceway[ring], force, p.c.sliding + ring * Z, p.c.rolling + ring * Z,
-                                           p.c.traction + ring * Z, resistance):
+            if not (film or hold) and rs_box_reaches(
+                    &p.raceway[ring], force, p.c.sliding + ring * Z, p.c.rolling + ring * Z, p.c.traction + ring * Z,
+                    resistance):
                 continue
             if not sliced:
                 for j in range(Z):
@@ -252,18 +278,83 @@ cdef int _contacts(carried_t *p, const double *head, const double *rollers, bint
                 sliced = True
         elif p.c.channels == RINGS:
             resistance = NULL   # zero for good
-        status = rs_raceway_friction(
-            &p.raceway[ring], p.load + ring * Z * p.slices, force, p.c.sliding + ring * Z, p.c.rolling + ring * Z,
-            p.c.traction + ring * Z, resistance)
+        if hold:
+            status = rs_raceway_held(
+                &p.raceway[ring], &p.held[ring], p.load + ring * Z * p.slices, force, p.c.sliding + ring * Z,
+                p.c.rolling + ring * Z, resistance, p.room)
+        else:
+            status = rs_raceway_friction(
+                &p.raceway[ring], p.load + ring * Z * p.slices, force, p.c.sliding + ring * Z, p.c.rolling + ring * Z,
+                p.c.traction + ring * Z, resistance)
         if status != 0:
             p.refused = RACEWAY_INNER + ring
             return status
     return 0
 
 
+cdef inline void _held_friction(carried_t *p, double t) noexcept nogil:
+    """Forces and tractions at a time and the speeds of the columns, by what is held."""
+    cdef size_t Z = p.c.rollers, ring
+    rs_carried_held_forces(&p.c, t - p.held_at)
+    for ring in range(<size_t>RINGS):
+        rs_held_friction(&p.held[ring], Z, p.c.force + ring * Z, p.c.sliding + ring * Z, p.c.traction + ring * Z,
+                         p.c.force + (RINGS + ring) * Z)
+
+
+cdef int _renew(double t, const double *y, int compared, double *told, void *state) noexcept nogil:
+    cdef carried_t *p = <carried_t *>state
+    cdef size_t Z = p.c.rollers, ring, j
+    cdef double gone = 0.0, all = 1e-300, sense
+    cdef double *before = p.room + Z
+    cdef int status
+    if compared:
+        rs_carried_speeds(&p.c, y, y + HEAD)
+        _held_friction(p, t)
+        memcpy(before, p.c.traction, RINGS * Z * sizeof(double))
+    status = _contacts(p, y, y + HEAD, False, True)
+    if status != 0:
+        return status
+    p.held_at = t
+    told[0] = rs_held_damping(&p.held[INNER], &p.held[OUTER], Z, p.c.force, p.c.force + Z, p.c.mass)
+    if p.c.channels > RINGS:   # resistances that come with the loads, with the sense of rolling
+        for j in range(RINGS * Z):
+            sense = p.c.rolling[j] / rs_film_speed(p.c.rolling[j])
+            p.c.force_then[RINGS * Z + j] *= sense
+            p.c.force_rate[RINGS * Z + j] *= sense
+    if compared:
+        _held_friction(p, t)
+        for ring in range(<size_t>RINGS):
+            rs_held_off(Z, before + ring * Z, p.c.traction + ring * Z, p.c.force + ring * Z, &gone, &all)
+        told[1] = gone / all
+    return 0
+
+
+cdef int _held(
+    double t, const double *y, double half, const double *before, double *rates, void *state
+) noexcept nogil:
+    """All rates with forces and friction as they are held."""
+    cdef carried_t *p = <carried_t *>state
+    rs_carried_speeds(&p.c, y, y + HEAD)
+    _held_friction(p, t)
+    _bars(p, y)
+    if half > 0.0:
+        rs_carried_implicit(&p.c, &p.held[INNER], &p.held[OUTER], half, before + HEAD)
+    return _summed(p, t, y, rates)
+
+
+cdef double _flight(double t, const double *y, const double *rates, double most, void *state) noexcept nogil:
+    cdef carried_t *p = <carried_t *>state
+    return rs_carried_free(&p.c, y, y + HEAD, rates + HEAD, rates, _reach(p), most)
+
+
+cdef inline double _reach(const carried_t *p) noexcept nogil:
+    """From the middle of the pocket to where a bar may touch; a film reaches across its gap."""
+    return p.cage.half_clearance - RS_POCKET_TOUCH / p.cage.stiffness if p.cage.film == 0.0 else -1.0
+
+
 cdef inline void _bars(carried_t *p, const double *head) noexcept nogil:
-    """What the rollers do to the bars of their pockets; a film reaches across its gap."""
-    cdef double reach = p.cage.half_clearance - RS_POCKET_TOUCH / p.cage.stiffness if p.cage.film == 0.0 else -1.0
+    """What the rollers do to the bars of their pockets."""
+    cdef double reach = _reach(p)
     cdef double rate, slides
     cdef rs_bars bars
     cdef size_t j
@@ -302,12 +393,22 @@ cdef inline void _receive(const carried_t *p, const double *sums, double *row) n
 
 cdef int _columns(carried_t *p, const double *head, const double *rollers) noexcept nogil:
     """Rates of the rollers' unknowns, and what they add, in columns."""
-    cdef int status = _contacts(p, head, rollers, False)
-    if status == 0:
-        if p.c.pocket:
-            _bars(p, head)
-        rs_carried_rates(&p.c, head, p.cage.friction, RS_POCKET_SLIDING)
-    return status
+    cdef int status
+    cdef size_t ring
+    if p.still:
+        rs_carried_speeds(&p.c, head, rollers)
+        memcpy(p.c.force, p.c.force_then, p.c.channels * p.c.rollers * sizeof(double))
+        for ring in range(<size_t>RINGS):
+            rs_held_friction(&p.held[ring], p.c.rollers, p.c.force + ring * p.c.rollers, p.held[ring].sliding,
+                             p.c.traction + ring * p.c.rollers, p.c.force + (RINGS + ring) * p.c.rollers)
+    else:
+        status = _contacts(p, head, rollers, False, False)
+        if status != 0:
+            return status
+    if p.c.pocket:
+        _bars(p, head)
+    rs_carried_rates(&p.c, head, p.cage.friction, RS_POCKET_SLIDING)
+    return 0
 
 
 cdef int _roller_rates(
@@ -331,14 +432,23 @@ cdef int _roller_rates(
 cdef int _rates(double t, const double *y, double *rates, void *state) noexcept nogil:
     """All rates, the sums over the rollers without what each adds."""
     cdef carried_t *p = <carried_t *>state
+    cdef int status = _contacts(p, y, y + HEAD, False, False)
+    if status != 0:
+        return status
+    if p.c.pocket:
+        _bars(p, y)
+    return _summed(p, t, y, rates)
+
+
+cdef int _summed(carried_t *p, double t, const double *y, double *rates) noexcept nogil:
+    """All rates by the forces of the columns."""
     cdef double row[ALL]
     cdef double sums[ADDED]
     cdef size_t k, behind = HEAD + p.c.rollers * p.c.block
-    cdef int status = _head_rates(t, y, row, state)
-    if status == 0:
-        status = _columns(p, y, y + HEAD)
+    cdef int status = _head_rates(t, y, row, p)
     if status != 0:
         return status
+    rs_carried_rates(&p.c, y, p.cage.friction, RS_POCKET_SLIDING)
     for k in range(<size_t>ADDED):
         sums[k] = rs_total(p.c.added[k], p.c.rollers)
     _receive(p, sums, row)
@@ -377,7 +487,7 @@ cdef int _watch(double t, const double *y, double *values, void *state) noexcept
     cdef int status, ring
     values[0] = 1.0 - y[1] / p.epicyclic_speed - p.critical_slip if p.critical_slip == p.critical_slip else -1.0
     if p.film_limit == p.film_limit:
-        status = _contacts(p, y, y + HEAD, True)
+        status = _contacts(p, y, y + HEAD, True, False)
         if status != 0:
             return status
         values[1] = 1e308
@@ -490,7 +600,7 @@ cdef class Carried:
         if p.c.pocket:
             self.kicked[HEAD + 2:HEAD + 3 * Z:3] = 0.0
         cdef double[::1] load = np.zeros(p.c.channels * Z * p.slices)
-        cdef double[::1] columns = np.zeros((11 + 10 + ADDED) * Z)
+        cdef double[::1] columns = np.zeros((11 + 10 + ADDED + 8 + 14 + 5) * Z)
         cdef double *room = &columns[0]
         cdef size_t i
         p.load = &load[0]
@@ -500,6 +610,11 @@ cdef class Carried:
         p.c.force, p.c.sliding, p.c.rolling, p.c.traction = room + 11 * Z, room + 15 * Z, room + 17 * Z, room + 19 * Z
         for i in range(<size_t>ADDED):
             p.c.added[i] = room + (21 + i) * Z
+        room += (21 + ADDED) * Z
+        p.c.force_then, p.c.force_rate, p.room = room, room + 4 * Z, room + 8 * Z
+        room += 13 * Z
+        for ring in range(RINGS):
+            room = rs_place_held(&p.held[ring], Z, room)
         self.kept = (inner, outer, tuple(drags), load, columns, last, cells)
 
     cdef _more(self, double pull):
@@ -544,12 +659,16 @@ cdef class Carried:
             s.contact_frequency = sqrt(self.p.cage.stiffness * (
                 1.0 / self.p.c.mass + self.p.c.orbit * self.p.c.orbit / self.p.cage_inertia))
             s.until_contact = _until_contact
+            s.renew, s.held, s.still, s.flight = _renew, _held, &self.p.still, _flight
         return rs_new_system(&s, self)
 
     @property
-    def ring_speeds(self):
-        """Speeds of inner and outer ring that the rates read [rad/s], (2,), to be changed by who varies them."""
-        return np.asarray(<double[:2]>&self.p.c.inner_speed)  # which outer_speed follows
+    def operation(self):
+        """Speeds of inner and outer ring [rad/s] and direction of the load [rad], (3,), that the rates read.
+
+        To be changed by who varies them.
+        """
+        return np.asarray(<double[:3]>&self.p.c.inner_speed)  # which the others follow
 
     @property
     def contacts_evaluated(self):
@@ -592,7 +711,7 @@ cdef class Carried:
         cdef carried_t *p = &self.p
         for i in range(<size_t>states.shape[0]):
             row = &states[i, 0]
-            status = _contacts(p, row, row + HEAD, True)
+            status = _contacts(p, row, row + HEAD, True, False)
             if status == -1:
                 rs_raise_pending()
             if status != 0:

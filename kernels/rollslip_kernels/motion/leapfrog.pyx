@@ -13,10 +13,18 @@ Step
     be stable only (h omega_s < 2). Below, as the square root of the tolerance, of which the largest of all unknowns
     counts. Where a system tells no frequency or no places all unknowns are kicked, and the step is held to tolerance
     by a tenth of the difference from Euler's method: the error of the step is smaller by another power of it.
+    Where the system tells for how long nothing will touch, and nothing swings, a step goes nine tenths of that time.
+Friction
+    Where the system can hold its friction, linear in the sliding speeds and in time or force, it is evaluated in the
+    middle of a step where a time is over, and held for another. That is chosen: where friction is renewed, what was
+    held is off by some share, which goes with the square of the time, and is led to 1e-3 at usual tolerances and in
+    proportion below; on average over the time it is a third of that. At most it is 32 steps.
 Damping
     Extrapolated speeds damp as Adams and Bashforth's method of order 2 does, stable for D h < 1. The rate D of the
-    strongest damping, the largest eigenvalue of what speeds do to speeds, is measured at the start and every 512 steps;
-    beyond D h = 0.3 the integration ends as "failed".
+    strongest damping, the largest eigenvalue of what speeds do to speeds, is measured at the start and all 2048 steps.
+    Beyond D h = 0.3 friction that is held is taken at the speeds in the middle of the step that it brings about, two
+    unknowns of each roller, up to D h = 4: D of what is left counts, and where either is beyond the integration ends as
+    "failed".
 Output
     Cubic in the places, by Hermite; quadratic in the rest, by the speeds at both ends and the rates in the middle of
     this step and the one before. Neither takes an evaluation.
@@ -35,15 +43,32 @@ from libc.string cimport memcpy, memset
 from rollslip_arrow cimport RS_NOT_FINITE, rs_differences, rs_finite, rs_raw
 from rollslip_kernels.motion.rosenbrock cimport DAMPED, STAGES, Stepper
 
+cdef extern from *:
+    """
+    #include "motion/columns.h"
+    /* to = y + factor kicked f; to may be y */
+    static void rs_kick(size_t n, const double *y, double factor, const double *kicked, const double *f, double *to) {
+        RS_EACH(i, n) to[i] = y[i] + factor * kicked[i] * f[i];
+    }
+    """
+    void rs_kick(
+        size_t n, const double *y, double factor, const double *kicked, const double *f, double *to) noexcept nogil
+
 cdef enum:
-    LOOK = 512        # steps between two looks at the damping
+    LOOK = 2048       # steps between two looks at the damping
     ITERATIONS = 16   # of the power method
+    LONGEST = 32      # steps that friction is held at most
+    FIRST = 2         # at the start
+    FLIGHT = 3        # steps that are worth a longer one
 
 cdef double CONTACT = 0.2     # a step times the frequencies
 cdef double SWING = 0.8
 cdef double MOST_DAMPED = 0.3   # a step times the rate of the strongest damping
 cdef double OF_EULER = 0.1
 cdef double USUAL = 1e-5      # tolerance at which the step is that of the frequencies
+cdef double GONE = 1e-3       # by which friction may be off where it is renewed, at that tolerance
+cdef double STEEPEST = 4.0    # a step times the rate at which friction damps a roller, if it is solved for
+cdef double BEFORE = 0.9      # of a flight, which later steps end
 
 
 cdef class Leapfrog(Stepper):
@@ -58,18 +83,29 @@ cdef class Leapfrog(Stepper):
     ----------
     damping : float
         The rate of the strongest damping [1/s] when it was looked at last; 0 where it is not.
+    renewals : int
+        Evaluations of the friction that is held, but for that at the start.
+    told : dict
+        For how long it was held, and what that leaves.
     """
 
-    cdef bint fixed
-    cdef double rule, lag, apart
+    cdef bint fixed, holds, implicit, clear
+    cdef double rule, lag, apart, allowed
+    cdef double known[2]
+    cdef double held_at, interval, held_for, gone, most_gone
     cdef size_t count
+    cdef readonly size_t renewals
     cdef readonly double damping
+    cdef double *y_held
+    cdef object held_memory
     cdef const double *kicked
     cdef object ones
 
     def __init__(self, capsule, double t0, y0, double t_bound, rtol=1e-3, atol=1e-6, double max_step=np.inf,
                  first_step=None):
         super().__init__(capsule, t0, y0, t_bound, rtol, atol, max_step, first_step)
+        self.held_memory = np.zeros(self.n)
+        self.y_held = <double *><size_t>self.held_memory.ctypes.data
         cdef double contact = self.c.contact_frequency, swing = self.c.swing_frequency, tolerance = 0.0
         cdef size_t i
         self.ones = np.ones(self.n)
@@ -83,42 +119,66 @@ cdef class Leapfrog(Stepper):
                 tolerance = fmax(tolerance, self.rtol[i])
             self.rule = fmin(CONTACT / contact if contact > 0.0 else np.inf, SWING / swing if swing > 0.0 else np.inf)
             self.rule = fmin(self.rule * fmin(1.0, sqrt(tolerance / USUAL)), self.max_step)
-            self.h = self.rule
+            self.holds = self.c.renew != NULL and self.direction > 0.0
+            self.allowed = GONE * fmin(1.0, tolerance / USUAL)
+            self.h, self.interval = self.rule, FIRST * self.rule
 
     # State -----------------------------------------------------------------------------------------------------------
 
     def restart(self, double t, y, double h=0.0):
         """Go on from another state, as if it were the start."""
         Stepper.restart(self, t, y, h)
-        self.lag, self.apart, self.count, self.damping = 0.0, 0.0, 0, 0.0
+        self.lag, self.apart, self.count, self.damping, self.implicit = 0.0, 0.0, 0, 0.0, False
+        self.clear = False
+        self.known[0] = self.known[1] = 0.0
+        self.held_at, self.interval = t, FIRST * self.rule
         if self.fixed:
             self.h = self.rule
 
     @property
     def state(self):
-        """All that the next steps depend on, as for the other methods, and the rates of the step before."""
+        """All that the next steps depend on, as for the other methods, the rates of the step before, and where friction
+        was evaluated that is held."""
         known = [1.0 if self.evaluated else 0.0, self.lag, <double>self.count]
         signs = [self.signs[i] for i in range(self.c.watched)]
         memory = [self.t, self.h, self.previous_step, self.previous_error, *signs, *self.y, *known]
-        return np.array([*memory, *(self._array(self.f) if self.evaluated else np.zeros(self.n))])
+        rates = self._array(self.f) if self.evaluated else np.zeros(self.n)
+        flags = 1.0 if self.implicit else 0.0, 1.0 if self.clear else 0.0
+        held = [self.held_at, self.interval, self.damping, *flags, *self._array(self.y_held)]
+        return np.array([*memory, *rates, *(held if self.holds else ())])
 
     @state.setter
     def state(self, values):
-        cdef double[::1] f
+        cdef double[::1] f, held
         values = np.array(values, dtype=float)
         before = 4 + self.c.watched + self.n
-        if values.shape != (before + 3 + self.n,) or not np.all(np.isfinite(values)):
-            raise ValueError(f"a state of this system is {before + 3 + self.n} finite numbers, got {values.shape}")
+        size = before + 3 + self.n + (5 + self.n if self.holds else 0)
+        if values.shape != (size,) or not np.all(np.isfinite(values)):
+            raise ValueError(f"a state of this system is {size} finite numbers, got {values.shape}")
         Stepper.state.__set__(self, values[:before])
         self.evaluated, self.lag, self.count = values[before] != 0.0, values[before + 1], <size_t>values[before + 2]
-        f = values[before + 3:].copy()
+        f = values[before + 3:before + 3 + self.n].copy()
         memcpy(self.f, &f[0], self.n * sizeof(double))
+        if self.holds:
+            held = values[before + 3 + self.n:].copy()
+            self.held_at, self.interval, self.damping = held[0], held[1], held[2]
+            self.implicit, self.clear = held[3] != 0.0, held[4] != 0.0
+            memcpy(self.y_held, &held[5], self.n * sizeof(double))
+
+    @property
+    def told(self):
+        """How long friction was held on average [s], and by what share of it it was off then, on average and at most.
+        """
+        if not self.renewals:
+            return {}
+        return {"friction_held": self.held_for / self.renewals, "friction_off": self.gone / self.renewals,
+                "friction_most_off": self.most_gone}
 
     cdef _why(self):
         if self.trouble == DAMPED:
+            borne = (STEEPEST if self.known[0] * self.rule > STEEPEST else MOST_DAMPED) / self.rule
             return (f"leapfrog takes steps of {self.rule:.2g} s, and the motion is damped at {self.damping:.2g}/s at "
-                    f"t = {self.t:.9g}, more than the {MOST_DAMPED / self.rule:.2g}/s that they bear; rodas5p is made "
-                    "for it")
+                    f"t = {self.t:.9g}, more than the {borne:.2g}/s that they bear; rodas5p is made for it")
         return Stepper._why(self)
 
     # A step ----------------------------------------------------------------------------------------------------------
@@ -133,7 +193,7 @@ cdef class Leapfrog(Stepper):
             status = Stepper._step(self, stop)
         else:
             if not self.evaluated:
-                status = self._rates(self.t, self.y_now, self.f)
+                status = self._begin()
                 if status != 0:
                     return status
                 self.evaluated = True
@@ -141,15 +201,16 @@ cdef class Leapfrog(Stepper):
                 status = self._look()
                 if status != 0:
                     return status
-            cut = self.rule * (1.0 + 1e-6) >= fabs(stop - self.t)
-            h = fabs(stop - self.t) if cut else self.rule
+            h = self._size()
+            cut = h * (1.0 + 1e-6) >= fabs(stop - self.t)
+            h = fabs(stop - self.t) if cut else h
             t_new = stop if cut else self.t + self.direction * h
             status = self._stages(self.direction * h, t_new)
             if status != 0:
                 return status
             self.count += 1
             self.f, self.f_new = self.f_new, self.f
-            memcpy(self.y_old, self.y_now, self.n * sizeof(double))
+            self.y_old, self.y_now = self.y_now, self.y_old
             memcpy(self.y_now, self.y_new, self.n * sizeof(double))
             self.t_old, self.taken, self.t = self.t, self.direction * h, t_new
             self.dense = False
@@ -158,6 +219,72 @@ cdef class Leapfrog(Stepper):
             self.apart = 0.5 * fabs(self.taken) + self.lag
             self.lag = 0.5 * fabs(self.taken)
         return status
+
+    cdef int _enter(self) noexcept nogil:
+        """Have the system hold what it held, whoever has used it since."""
+        if self.holds and self.evaluated:
+            return self.c.renew(self.held_at, self.y_held, False, self.known, self.c.state)
+        return 0
+
+    cdef int _begin(self) noexcept nogil:
+        """The rates at a start, and friction held there."""
+        cdef int status
+        if not self.holds:
+            return self._rates(self.t, self.y_now, self.f)
+        status = self.c.renew(self.t, self.y_now, False, self.known, self.c.state)
+        self.held_at, self.interval, self.implicit = self.t, FIRST * self.rule, self._steep()
+        memcpy(self.y_held, self.y_now, self.n * sizeof(double))
+        self.evaluations += 1
+        return status if status != 0 else self.c.held(self.t, self.y_now, 0.0, NULL, self.f, self.c.state)
+
+    cdef double _size(self) noexcept nogil:
+        """The fixed step; while nothing touches or swings, up to where something does or friction is to be renewed.
+
+        Nothing touched a step ago either, since the speeds are extrapolated by the rates of that.
+        """
+        cdef double longest
+        cdef bint clear = self.clear
+        if self.c.flight == NULL or not self.holds or self.c.swing_frequency > 0.0:
+            return self.rule
+        longest = fmin(self.interval, self.max_step)
+        if fmax(self.damping, self.known[0]) > 0.0:
+            longest = fmin(longest, MOST_DAMPED / fmax(self.damping, self.known[0]))
+        if longest < FLIGHT * self.rule:
+            return self.rule
+        longest = BEFORE * self.c.flight(self.t, self.y_now, self.f, longest / BEFORE, self.c.state)
+        self.clear = longest > 0.0
+        return longest if clear and longest >= FLIGHT * self.rule else self.rule
+
+    cdef bint _steep(self) noexcept nogil:
+        """Whether friction damps speeds so fast that it has to be solved for."""
+        return self.known[0] * self.rule > MOST_DAMPED
+
+    cdef int _held_rates(self, double t, const double *y, double half, double *rates) noexcept nogil:
+        """Rates at a time and a state in the middle of a step, friction renewed where it is due."""
+        cdef const double *at = y
+        cdef double off, factor
+        cdef int status
+        self.evaluations += 1
+        if t >= self.held_at + self.interval:
+            if self.implicit:   # at the speeds before the step: extrapolated ones may lie on the other side of a bend
+                at = self.y_new
+            status = self.c.renew(t, at, True, self.known, self.c.state)
+            if status != 0:
+                return status
+            if self.known[0] * self.rule > STEEPEST:
+                self.damping = self.known[0]
+                return DAMPED
+            self.implicit, off = self._steep(), self.known[1]
+            factor = 0.9 * sqrt(self.allowed / fmax(off, 1e-300))
+            self.interval = fmin(self.interval * fmin(fmax(factor, 0.03), 2.0), LONGEST * self.rule)
+            self.interval = fmax(self.interval, self.rule)
+            self.renewals += 1
+            self.held_for += t - self.held_at
+            self.gone += off
+            self.most_gone = fmax(self.most_gone, off)
+            self.held_at = t
+            memcpy(self.y_held, at, self.n * sizeof(double))
+        return self.c.held(t, y, half if self.implicit else 0.0, self.f, rates, self.c.state)
 
     cdef int _drift(self, double h, double *y) noexcept nogil:
         return self.c.drift(h, y, self.c.state) if self.c.drift != NULL else 0
@@ -172,15 +299,16 @@ cdef class Leapfrog(Stepper):
         status = self._drift(half, self.y_new)
         if status != 0:
             return status
-        for i in range(self.n):
-            self.u[i] = self.y_new[i] + half * self.kicked[i] * self.f[i]
-        if not rs_finite(self.u, self.n):
+        rs_kick(self.n, self.y_new, half, self.kicked, self.f, self.u)
+        if not self.fixed and not rs_finite(self.u, self.n):
             return RS_NOT_FINITE
-        status = self._rates(self.t + half, self.u, self.f_new)
+        if self.holds:
+            status = self._held_rates(self.t + half, self.u, half, self.f_new)
+        else:
+            status = self._rates(self.t + half, self.u, self.f_new)
         if status != 0:
             return status
-        for i in range(self.n):
-            self.y_new[i] += h * self.kicked[i] * self.f_new[i]
+        rs_kick(self.n, self.y_new, h, self.kicked, self.f_new, self.y_new)
         status = self._drift(half, self.y_new)
         if status == 0 and not rs_finite(self.y_new, self.n):
             status = RS_NOT_FINITE
@@ -197,7 +325,23 @@ cdef class Leapfrog(Stepper):
     # Damping ---------------------------------------------------------------------------------------------------------
 
     cdef int _look(self) noexcept nogil:
-        """Measure the strongest damping; DAMPED where it is too strong."""
+        """Measure the strongest damping; where it is too strong, friction is solved for, and DAMPED if that is not all.
+        """
+        cdef double all
+        cdef int status = self._measure()
+        if status != 0 or self.damping * self.rule <= MOST_DAMPED or not self.holds:
+            return status if status != 0 or self.damping * self.rule <= MOST_DAMPED else DAMPED
+        all = self.damping
+        self.c.still[0] = 1
+        status = self._measure()
+        self.c.still[0] = 0
+        if status != 0 or self.damping * self.rule > MOST_DAMPED:
+            return status if status != 0 else DAMPED
+        self.damping = all
+        return 0
+
+    cdef int _measure(self) noexcept nogil:
+        """Measure the strongest damping."""
         cdef double *x = self.k
         cdef double *y = self.k + self.n
         cdef size_t i
@@ -220,7 +364,7 @@ cdef class Leapfrog(Stepper):
             self._by_speeds(x, y)
             self.damping = self._scale(y)
             x, y = y, x
-        return DAMPED if self.damping * self.rule > MOST_DAMPED else 0
+        return 0
 
     cdef double _scale(self, double *x) noexcept nogil:
         """Divide head and rollers by their largest magnitude, which is returned."""

@@ -1,6 +1,7 @@
 """Motion of bearing, rollers and cage in the plane: a system of arrow shape.
 
-Outer ring fixed, line of load psi = 0, gravity in any direction.  e = (cos psi, sin psi), t = (-sin psi, cos psi)::
+Outer ring fixed, line of load psi = 0 until it turns, gravity in any direction.  e = (cos psi, sin psi),
+t = (-sin psi, cos psi)::
 
     head     inner ring x_i, v_i (2 each) · cage x_c, v_c (2 each), speed w_c, angle phi_c
     roller   x from the centred cage's pocket, orbital speed w, absolute spin s, radial position rho (0 where a straight
@@ -44,7 +45,7 @@ import numpy as np
 from cpython.exc cimport PyErr_Occurred
 from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport INFINITY, M_PI, NAN, cos, fmax, fmin, sin, sqrt
-from libc.string cimport memset
+from libc.string cimport memcpy, memset
 
 from rollslip_abi cimport ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
 from rollslip_errors cimport rs_raise_pending
@@ -53,13 +54,15 @@ from rollslip_pocket cimport (
     RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_damping, rs_pocket, rs_pocket_bars,
 )
 from rollslip_raceway cimport (
-    RS_CONVENTIONAL, RS_RACEWAY, rs_box_reaches, rs_by_slices, rs_contact_outputs, rs_raceway, rs_raceway_friction,
+    RS_CONVENTIONAL, RS_RACEWAY, rs_box_holds, rs_box_reaches, rs_by_slices, rs_contact_outputs, rs_film_speed, rs_held,
+    rs_held_damping, rs_held_off, rs_place_held, rs_raceway, rs_raceway_friction, rs_raceway_held,
     rs_thinnest,
 )
 from rollslip_system cimport rs_new_system, rs_system, rs_tells_nothing, rs_until
 
 from rollslip_kernels.chain import bound
 from rollslip_kernels.motion.raceway import OUTPUTS, refusal as raceway_refusal
+from rollslip_kernels.stages.simd import active
 
 cdef enum:
     INNER
@@ -114,12 +117,13 @@ cdef extern from "motion/planar_columns.h" nogil:
     ctypedef struct rs_plane:   # numbers of the bearing, and columns of the evaluation under way
         size_t rollers
         double inner_radius, outer_radius, roller_radius, orbit_radius, half_clearance
-        double inner_speed, outer_speed
+        double inner_speed, outer_speed, load_direction, load
         double roller_mass, roller_inertia
         double gravity_x, gravity_y
         double damping
         double lowest_drop
         rs_gap_table *table
+        double pitch
         double *pitch_cos
         double *pitch_sin
         double **unknown
@@ -145,14 +149,23 @@ cdef extern from "motion/planar_columns.h" nogil:
         double *stored
         double *lost
         double **added
+        double cage_cos, cage_sin
         int touched
+        size_t deepest
 
-    void rs_plane_places(rs_plane *p, const double *head, const double *rollers)
-    int rs_plane_forces(rs_plane *p, int ring)
-    void rs_plane_damped(rs_plane *p, int ring)
-    void rs_plane_pockets(rs_plane *p, const double *head, double reach, double radial_reach, int *touch)
-    void rs_plane_rates(rs_plane *p, const double *head)
-    void rs_plane_totals(const rs_plane *p, double *sums)
+    ctypedef struct rs_plane_loops:
+        void (*places)(rs_plane *p, const double *head, const double *rollers) noexcept nogil
+        int (*forces)(rs_plane *p, int ring) noexcept nogil
+        void (*damped)(rs_plane *p, int ring) noexcept nogil
+        void (*pockets)(rs_plane *p, const double *head, double reach, double radial_reach, int *touch) noexcept nogil
+        void (*tractions)(rs_plane *p, int ring, const rs_held *held, const double *sliding) noexcept nogil
+        void (*implicit)(
+            rs_plane *p, const double *head, const rs_held *inner, const rs_held *outer, double half,
+            const double *before) noexcept nogil
+        void (*rates)(rs_plane *p, const double *head) noexcept nogil
+        void (*totals)(const rs_plane *p, double *sums) noexcept nogil
+
+    const rs_plane_loops *rs_plane_loops_of(int wider)
     void rs_plane_one(const rs_plane *p, size_t j, double *sums)
     void rs_plane_blocks(const rs_plane *p, double *rates)
     double rs_plane_deepest(rs_plane *p, const double *head, const double *rollers)
@@ -179,6 +192,11 @@ cdef enum:   # ledger, behind the head in what is added
 
 cdef enum:
     MOST_DRAGS = 16
+
+cdef enum:   # what is done about friction
+    EVALUATED
+    RENEWED    # and held
+    KEPT       # as it is held
 
 cdef enum:   # who refused an evaluation
     NOBODY
@@ -210,10 +228,10 @@ NUMBERS = (
 
 ctypedef struct planar_t:
     rs_plane c
+    const rs_plane_loops *loops
     size_t slices
     double ring_mass, cage_mass, cage_inertia, unbalance
-    # load: factors at times, linear between them
-    double load
+    # factors of the load at times, linear between them
     size_t points
     const double *times
     const double *factors
@@ -239,6 +257,9 @@ ctypedef struct planar_t:
     double *load_of[2]     # per length, by roller and slice
     size_t *first[2]       # where the slices of a roller begin among those in contact
     int *touch             # whether a bar may touch the roller
+    rs_held held[2]        # friction
+    int still              # the tractions do not follow the speeds
+    double *room           # [3 Z]
 
 cdef double FAR = 0.1     # displacement over the roller's radius, beyond which it is not small
 
@@ -318,49 +339,104 @@ cdef int forces_by_slices(planar_t *p, int ring) noexcept nogil:
             else:
                 p.load_of[ring][j * p.slices + k] = 0.0
         p.c.elastic[ring][j] = total
-    rs_plane_damped(&p.c, ring)
+    p.loops.damped(&p.c, ring)
     return 0
 
 
-cdef int contacts(const double *head, const double *rollers, planar_t *p, bint film) noexcept nogil:
+cdef int contacts(const double *head, const double *rollers, planar_t *p, bint film, int friction) noexcept nogil:
     """Loads, speeds and friction of both contacts of every roller; 0, -1 or k > 0 as a stage of a chain.
 
     With ``film`` conventional friction is that of the slices.
     """
-    cdef size_t j
+    cdef size_t j, Z = p.c.rollers
     cdef double *resistance
     cdef bint conventional, sliced
     cdef int status, ring
-    rs_plane_places(&p.c, head, rollers)
+    p.loops.places(&p.c, head, rollers)
     for ring in range(2):
         resistance, conventional = p.c.resistance[ring], p.raceway[ring].friction == RS_CONVENTIONAL
-        sliced = rs_by_slices(&p.raceway[ring]) or (conventional and film)
-        if not sliced and p.c.table[ring].cells and not rs_plane_forces(&p.c, ring):
-            rs_plane_damped(&p.c, ring)
+        sliced = friction != KEPT and (rs_by_slices(&p.raceway[ring]) or (conventional and film))
+        if not sliced and p.c.table[ring].cells and not p.loops.forces(&p.c, ring):
+            p.loops.damped(&p.c, ring)
         else:
             sliced = True
             status = forces_by_slices(p, ring)
             if status != 0:
                 return status
+        if not conventional and p.resistance_cells[ring]:
+            for j in range(Z):
+                resistance[j] = tabulated_resistance(p, ring, p.c.force[ring][j])
+        if friction == KEPT:
+            p.loops.tractions(
+                &p.c, ring, &p.held[ring], p.held[ring].sliding if p.still else p.c.sliding[ring])
+        if friction != EVALUATED and not conventional and p.resistance_cells[ring]:
+            for j in range(Z):
+                resistance[j] *= p.c.rolling[ring][j] / rs_film_speed(p.c.rolling[ring][j])
+        if friction == KEPT or (friction == RENEWED and rs_box_holds(
+                &p.raceway[ring], &p.held[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring],
+                p.c.traction[ring], resistance)):
+            continue
         if conventional:
-            if not film and rs_box_reaches(&p.raceway[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring],
-                                           p.c.traction[ring], resistance):
+            if friction == EVALUATED and not film and rs_box_reaches(
+                    &p.raceway[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring], p.c.traction[ring],
+                    resistance):
                 continue
             status = 0 if sliced else forces_by_slices(p, ring)
             if status != 0:
                 return status
-        elif p.resistance_cells[ring]:
-            for j in range(p.c.rollers):
-                resistance[j] = tabulated_resistance(p, ring, p.c.force[ring][j])
-        else:
+        elif not p.resistance_cells[ring]:
             resistance = NULL   # zero for good
-        status = rs_raceway_friction(
-            &p.raceway[ring], p.load_of[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring],
-            p.c.traction[ring], resistance)
+        if friction == RENEWED:
+            status = rs_raceway_held(
+                &p.raceway[ring], &p.held[ring], p.load_of[ring], p.c.force[ring], p.c.sliding[ring],
+                p.c.rolling[ring], resistance, p.room)
+        else:
+            status = rs_raceway_friction(
+                &p.raceway[ring], p.load_of[ring], p.c.force[ring], p.c.sliding[ring], p.c.rolling[ring],
+                p.c.traction[ring], resistance)
         if status != 0:
             p.refused = FRICTION_REFUSED + ring
             return status
     return 0
+
+
+cdef int renew(double t, const double *y, int compared, double *told, void *state) noexcept nogil:
+    cdef planar_t *p = <planar_t *>state
+    cdef size_t Z = p.c.rollers, ring
+    cdef double gone = 0.0, all = 1e-300
+    cdef double *before = p.room + Z
+    cdef int status
+    if compared:
+        status = contacts(y, y + HEAD, p, False, KEPT)
+        if status != 0:
+            return status
+        for ring in range(2):
+            memcpy(before + ring * Z, p.c.traction[ring], Z * sizeof(double))
+    status = contacts(y, y + HEAD, p, False, RENEWED)
+    if status != 0:
+        return status
+    told[0] = rs_held_damping(&p.held[INNER], &p.held[OUTER], Z, p.c.force[INNER], p.c.force[OUTER], p.c.roller_mass)
+    if not compared:
+        return 0
+    for ring in range(2):
+        p.loops.tractions(&p.c, ring, &p.held[ring], p.c.sliding[ring])
+        rs_held_off(Z, before + ring * Z, p.c.traction[ring], p.c.force[ring], &gone, &all)
+    told[1] = gone / all
+    return 0
+
+
+cdef int held(
+    double t, const double *y, double half, const double *before, double *rates, void *state
+) noexcept nogil:
+    """All rates with friction as it is held."""
+    cdef planar_t *p = <planar_t *>state
+    cdef int status = contacts(y, y + HEAD, p, False, KEPT)
+    if status != 0:
+        return status
+    bars(y, p)
+    if half > 0.0:
+        p.loops.implicit(&p.c, y, &p.held[INNER], &p.held[OUTER], half, before + HEAD)
+    return summed(t, y, rates, p)
 
 
 cdef inline double rubbing(const planar_t *p, double force, double speed) noexcept nogil:
@@ -370,8 +446,8 @@ cdef inline double rubbing(const planar_t *p, double force, double speed) noexce
 cdef inline void places_in_pockets(const double *head, planar_t *p) noexcept nogil:
     """Places in the pockets, and whether a bar may touch: a film reaches across its gap."""
     cdef double soft = RS_POCKET_TOUCH / p.pocket.stiffness
-    rs_plane_pockets(&p.c, head, p.pocket.half_clearance - soft if p.pocket.film == 0.0 else -1.0,
-                     p.guide.half_clearance - soft, p.touch)
+    p.loops.pockets(&p.c, head, p.pocket.half_clearance - soft if p.pocket.film == 0.0 else -1.0,
+                    p.guide.half_clearance - soft, p.touch)
 
 
 cdef void bars(const double *head, planar_t *p) noexcept nogil:
@@ -425,10 +501,10 @@ cdef inline void receive(const planar_t *p, double c, double s, const double *su
 
 cdef int roller_columns(const double *head, const double *rollers, planar_t *p) noexcept nogil:
     """Rates of the rollers' unknowns, and what they add, in columns."""
-    cdef int status = contacts(head, rollers, p, False)
+    cdef int status = contacts(head, rollers, p, False, KEPT if p.still else EVALUATED)
     if status == 0:
         bars(head, p)
-        rs_plane_rates(&p.c, head)
+        p.loops.rates(&p.c, head)
     return status
 
 
@@ -453,16 +529,24 @@ cdef int roller_rates(
 cdef int all_rates(double t, const double *y, double *rates, void *state) noexcept nogil:
     """All rates, the sums over the rollers without what each adds."""
     cdef planar_t *p = <planar_t *>state
+    cdef int status = contacts(y, y + HEAD, p, False, EVALUATED)
+    if status != 0:
+        return status
+    bars(y, p)
+    return summed(t, y, rates, p)
+
+
+cdef int summed(double t, const double *y, double *rates, planar_t *p) noexcept nogil:
+    """All rates by the forces of the columns."""
     cdef double row[ROW]
     cdef double sums[ADDED]
     cdef size_t k, behind = HEAD + p.c.rollers * BLOCK
-    cdef int status = head_rates(t, y, row, state)
-    if status == 0:
-        status = roller_columns(y, y + HEAD, p)
+    cdef int status = own_rates(t, y, p.c.cage_cos, p.c.cage_sin, row, p)
     if status != 0:
         return status
-    rs_plane_totals(&p.c, sums)
-    receive(p, cos(y[CAGE_ANGLE]), sin(y[CAGE_ANGLE]), sums, row)
+    p.loops.rates(&p.c, y)
+    p.loops.totals(&p.c, sums)
+    receive(p, p.c.cage_cos, p.c.cage_sin, sums, row)
     for k in range(HEAD):
         rates[k] = row[k]
     rs_plane_blocks(&p.c, rates + HEAD)
@@ -472,21 +556,27 @@ cdef int all_rates(double t, const double *y, double *rates, void *state) noexce
 
 
 cdef int head_rates(double t, const double *head, double *rates, void *state) noexcept nogil:
-    cdef planar_t *p = <planar_t *>state
+    return own_rates(t, head, cos(head[CAGE_ANGLE]), sin(head[CAGE_ANGLE]), rates, <planar_t *>state)
+
+
+cdef int own_rates(double t, const double *head, double c, double s, double *rates, planar_t *p) noexcept nogil:
+    """Rates of head and ledger without rollers; (c, s) of the cage's angle."""
     cdef size_t k
-    cdef double c = cos(head[CAGE_ANGLE]), s = sin(head[CAGE_ANGLE]), w = head[CAGE_SPEED]
-    cdef double load = p.load * load_factor(p, t), drag = 0.0
+    cdef double w = head[CAGE_SPEED]
+    cdef double load = p.c.load * load_factor(p, t), drag = 0.0, load_x = load, load_y = 0.0
     # the cage's weight acts at its centre of mass
     cdef double fx = p.cage_mass * p.c.gravity_x, fy = p.cage_mass * p.c.gravity_y
     cdef double weight = p.unbalance * (p.c.gravity_y * c - p.c.gravity_x * s), torque = weight
     cdef rs_land_forces f
+    if p.c.load_direction != 0.0:
+        load_x, load_y = load * cos(p.c.load_direction), load * sin(p.c.load_direction)
     for k in range(ROW):
         rates[k] = 0.0
     rates[RING_X], rates[RING_Y] = head[RING_VX], head[RING_VY]
     rates[CAGE_X], rates[CAGE_Y], rates[CAGE_ANGLE] = head[CAGE_VX], head[CAGE_VY], w
-    rates[RING_VX], rates[RING_VY] = load / p.ring_mass + p.c.gravity_x, p.c.gravity_y
-    rates[WORK_LOAD] = load * head[RING_VX]
-    rates[IMPULSE_LOAD] = -load * head[RING_Y]
+    rates[RING_VX], rates[RING_VY] = load_x / p.ring_mass + p.c.gravity_x, load_y / p.ring_mass + p.c.gravity_y
+    rates[WORK_LOAD] = load_x * head[RING_VX] + load_y * head[RING_VY]
+    rates[IMPULSE_LOAD] = load_y * head[RING_X] - load_x * head[RING_Y]
     rates[WORK_GRAVITY] = (p.ring_mass * (p.c.gravity_x * head[RING_VX] + p.c.gravity_y * head[RING_VY])
                            + fx * head[CAGE_VX] + fy * head[CAGE_VY] + weight * w)
     rates[IMPULSE_GRAVITY] = (p.ring_mass * (p.c.gravity_y * head[RING_X] - p.c.gravity_x * head[RING_Y])
@@ -532,7 +622,7 @@ cdef int head_rates(double t, const double *head, double *rates, void *state) no
 
 cdef int watch(double t, const double *y, double *values, void *state) noexcept nogil:
     """Cage slip less the critical one, -1 where there is none; smallest film parameter less its limit, NaN where it is
-    not watched; largest approach at the inner ring."""
+    not watched; an approach at the inner ring, below zero the largest."""
     cdef planar_t *p = <planar_t *>state
     cdef size_t ring
     cdef int status = displacement(y, p)
@@ -542,7 +632,7 @@ cdef int watch(double t, const double *y, double *values, void *state) noexcept 
     if p.critical_slip == p.critical_slip:
         values[0] = 1.0 - y[CAGE_SPEED] / p.epicyclic_speed - p.critical_slip
     if p.film_limit == p.film_limit:
-        status = contacts(y, y + HEAD, p, True)
+        status = contacts(y, y + HEAD, p, True, EVALUATED)
         if status != 0:
             return status
         values[1] = 1e308
@@ -558,7 +648,7 @@ cdef double until_contact(double t, const double *y, void *state) noexcept nogil
     cdef double soft = RS_POCKET_TOUCH / p.pocket.stiffness, soonest = INFINITY, place, rate
     cdef double dx = y[CAGE_X], dy = y[CAGE_Y], vx = y[CAGE_VX], vy = y[CAGE_VY]
     cdef size_t j
-    rs_plane_places(&p.c, y, y + HEAD)
+    p.loops.places(&p.c, y, y + HEAD)
     places_in_pockets(y, p)
     for j in range(p.c.rollers):
         place, rate = p.c.place[j], p.c.closing[j]
@@ -646,10 +736,11 @@ cdef class Planar:
         if len(times) != len(factors):
             raise ValueError(f"{len(times)} times and {len(factors)} factors of the load")
         p.c.rollers, p.slices, p.land.guidance = Z, n, guidance
+        p.loops = rs_plane_loops_of(active() != "baseline")
         p.critical_slip, p.film_limit = critical_slip, film_limit
         (p.c.inner_radius, p.c.outer_radius, p.c.roller_radius, p.c.orbit_radius, p.c.half_clearance,
          p.c.inner_speed, p.c.outer_speed, p.c.roller_mass, p.c.roller_inertia, p.ring_mass, p.cage_mass,
-         p.cage_inertia, p.unbalance, p.c.gravity_x, p.c.gravity_y, p.c.damping, p.load, p.direction,
+         p.cage_inertia, p.unbalance, p.c.gravity_x, p.c.gravity_y, p.c.damping, p.c.load, p.direction,
          p.epicyclic_speed,
          p.pocket.half_clearance, p.guide.half_clearance, p.pocket.stiffness, p.pocket.damping, p.pocket.friction,
          p.pocket.film, p.pocket.roughness, p.land.radius, p.land.clearance, p.land.film,
@@ -686,7 +777,7 @@ cdef class Planar:
         stages = [chain.as_stage() for chain in self.deflections]
         tables = [bound(slices) for slices in contacts]
         self.kept = tuple(raceways), tuple(stages), tuple(tables), tuple(drags)
-        self.memory = np.zeros((10 + 2 * BLOCK + 2 * (8 + n) + 4 + ADDED) * Z)
+        self.memory = np.zeros((10 + 2 * BLOCK + 2 * (8 + n) + 4 + ADDED + 14 + 3) * Z)
         self.begins = np.zeros(2 * (Z + 1), dtype=np.uintp)
         self.touches = np.zeros(Z, dtype=np.intc)
         p.touch, room = &self.touches[0], &self.memory[0]
@@ -698,6 +789,7 @@ cdef class Planar:
         room += 5 * Z
         p.c.place, p.c.closing, p.c.height, p.c.rising = room, room + Z, room + 2 * Z, room + 3 * Z
         room += 4 * Z
+        p.c.pitch, p.c.deepest = 2.0 * M_PI / Z, 0
         for k in range(Z):
             p.c.pitch_cos[k], p.c.pitch_sin[k] = cos(2.0 * M_PI * k / Z), sin(2.0 * M_PI * k / Z)
         for k in range(BLOCK):
@@ -717,7 +809,8 @@ cdef class Planar:
              p.c.traction[ring], p.c.resistance[ring]) = (room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z,
                                                           room + 5 * Z, room + 6 * Z, room + 7 * Z)
             p.load_of[ring] = room + 8 * Z
-            room += (8 + n) * Z
+            room = rs_place_held(&p.held[ring], Z, room + (8 + n) * Z)
+        p.room = room
         self.n = HEAD + Z * BLOCK + LEDGER
         self.scale = np.array(scale, dtype=float)
         if self.scale.shape[0] != <Py_ssize_t>self.n:
@@ -740,6 +833,7 @@ cdef class Planar:
         rs_tells_nothing(&s)
         s.rates, s.kicked, s.drift = all_rates, &self.kicked[0], drift
         s.until_contact, s.swing_frequency = until_contact, swing_frequency
+        s.renew, s.held, s.still = renew, held, &self.p.still
         # one roller against the cage, which moves and turns; the cage against a ring
         s.contact_frequency = sqrt(p.pocket.stiffness * (
             1.0 / p.c.roller_mass + cage + p.c.orbit_radius * p.c.orbit_radius / p.cage_inertia))
@@ -748,6 +842,14 @@ cdef class Planar:
                 cage += 1.0 / p.ring_mass
             s.contact_frequency = fmax(s.contact_frequency, sqrt(p.land.stiffness * cage))
         return rs_new_system(&s, self)
+
+    @property
+    def operation(self):
+        """Speeds of inner and outer ring [rad/s], direction of the load [rad] and the load [N], (4,), as rates read it.
+
+        To be changed by who varies them.
+        """
+        return np.asarray(<double[:4]>&self.p.c.inner_speed)  # which the others follow
 
     def load_factor(self, double t):
         """Return the factor of the radial load at a time."""
@@ -793,7 +895,7 @@ cdef class Planar:
         cdef double[:, :, ::1] push = pockets
         cdef rs_bars f
         for m in range(<size_t>states.shape[0]):
-            status = contacts(&states[m, 0], &states[m, HEAD], p, True)
+            status = contacts(&states[m, 0], &states[m, HEAD], p, True, EVALUATED)
             if status == -1:
                 rs_raise_pending()
             if status != 0:

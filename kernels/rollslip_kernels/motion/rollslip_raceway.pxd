@@ -14,6 +14,7 @@
 #   which vectorise, and then the cubic of its cell, four coefficients side by side.
 # - What is written here belongs to one thread: a raceway is part of one system.
 from libc.math cimport NAN, fabs, sqrt
+from libc.string cimport memcpy, memset
 
 from rollslip_abi cimport rs_model, rs_slices
 
@@ -44,6 +45,26 @@ ctypedef struct rs_friction_table:
     double per_row, before_row
 
 
+cdef extern from "motion/held.h" nogil:
+    ctypedef struct rs_held:
+        double *by_force
+        double *by_root
+        double *force_slope
+        double *root_slope
+        double *sliding
+        double *resistance
+        double *resistance_slope
+        int rooted, resists
+
+    void rs_held_friction(
+        const rs_held *h, size_t n, const double *force, const double *V, double *traction, double *resistance)
+    double rs_held_damping(
+        const rs_held *inner, const rs_held *outer, size_t n, const double *inner_force, const double *outer_force,
+        double m)
+    void rs_held_off(
+        size_t n, const double *held, const double *evaluated, const double *force, double *off, double *all)
+
+
 cdef extern from "motion/friction_table.h" nogil:
     ctypedef struct rs_friction_box:
         const double **values
@@ -55,6 +76,9 @@ cdef extern from "motion/friction_table.h" nogil:
     int rs_box_friction(
         const rs_friction_box *t, size_t n, const double *force, const double *sliding, const double *rolling,
         double *traction, double *resistance)
+    int rs_box_held(
+        const rs_friction_box *t, size_t n, const double *force, const double *sliding, const double *rolling,
+        double *traction, double *resistance, const rs_held *held)
 
 
 ctypedef struct rs_raceway:
@@ -213,6 +237,73 @@ cdef inline int rs_raceway_friction(
         for j in range(w.rollers):
             resistance[j] *= rolling[j] / rs_film_speed(rolling[j])
     return 0
+
+
+cdef inline bint rs_box_holds(
+    rs_raceway *w, rs_held *held, const double *force, const double *sliding, const double *rolling, double *traction,
+    double *resistance
+) noexcept nogil:
+    """As `rs_box_reaches`, with what is to be held."""
+    cdef double sense
+    cdef size_t j
+    if w.friction != RS_CONVENTIONAL or w.box.half == 0 or rs_box_held(
+            &w.box, w.rollers, force, sliding, rolling, traction, resistance, held):
+        return False
+    w.evaluated += w.rollers
+    memcpy(held.sliding, sliding, w.rollers * sizeof(double))
+    held.rooted, held.resists = True, w.resists
+    for j in range(w.rollers if w.resists else 0):
+        sense = rolling[j] / rs_film_speed(rolling[j])
+        held.resistance[j] *= sense
+        held.resistance_slope[j] *= sense
+    return True
+
+
+cdef inline int rs_raceway_held(
+    rs_raceway *w, rs_held *held, const double *load, const double *force, const double *sliding,
+    const double *rolling, double *resistance, double *room
+) noexcept nogil:
+    """Hold friction that no table gives, its slopes by differences; ``room`` [Z]. Returns as `rs_raceway_friction`.
+
+    Where friction is a coefficient it is evaluated of unit forces, so that it is known of rollers without load too.
+    """
+    cdef size_t j, n = w.rollers
+    cdef double *beside = room
+    cdef double *unit = held.by_root
+    cdef const double *by = force
+    cdef double unloaded
+    cdef int status
+    for j in range(n):
+        unit[j] = 1.0
+        beside[j] = sliding[j] + 1e-6 * (1.0 + fabs(sliding[j]))
+    held.resists = w.friction == RS_CONVENTIONAL and w.resists
+    if w.friction != RS_CONVENTIONAL:
+        by, resistance = unit, NULL
+    # the slopes first, so that what the chain leaves in its table is of these speeds
+    status = rs_raceway_friction(w, load, by, beside, rolling, held.force_slope, resistance)
+    if status == 0:
+        status = rs_raceway_friction(w, load, by, sliding, rolling, held.by_force, resistance)
+    if status != 0:
+        return status
+    for j in range(n):
+        unloaded = 1.0 / by[j] if by[j] > 0.0 else 0.0
+        held.force_slope[j] = (held.force_slope[j] - held.by_force[j]) / (beside[j] - sliding[j]) * unloaded
+        held.by_force[j] *= unloaded
+        if held.resists:
+            held.resistance[j], held.resistance_slope[j] = resistance[j], 0.0
+    memset(held.by_root, 0, n * sizeof(double))
+    memset(held.root_slope, 0, n * sizeof(double))
+    memcpy(held.sliding, sliding, n * sizeof(double))
+    held.rooted = held.resists
+    return 0
+
+
+cdef inline double *rs_place_held(rs_held *held, size_t n, double *room) noexcept nogil:
+    """Give what is held its columns, [7 n]; the room behind them."""
+    held.by_force, held.by_root, held.force_slope, held.root_slope = room, room + n, room + 2 * n, room + 3 * n
+    held.sliding, held.resistance, held.resistance_slope = room + 4 * n, room + 5 * n, room + 6 * n
+    held.rooted = held.resists = False
+    return room + 7 * n
 
 
 cdef inline void rs_film_parameter(const rs_raceway *w, double *smallest) noexcept nogil:

@@ -56,6 +56,18 @@ cdef extern from *:
         int (*drift)(double h, double *y, void *state);
         /* all rates at once [n], the same to rounding; NULL: the parts above are summed */
         int (*rates)(double t, const double *y, double *rates, void *state);
+        /* What changes slowly, friction above all, may be held between evaluations, linear in time and speeds
+           about the state where it was evaluated last; NULL: nothing is.
+           renew evaluates it at (t, y) and holds it; `told` gets the fastest rate [1/s] at which it damps the speeds of
+           a roller, and, where compared is not 0, how far what was held until then had gone from it, as a share.
+           held gives all rates by it; with half > 0, of a step of 2 half whose rates of kicked unknowns were `before`,
+           with friction as it is at the speeds in the middle of the step that it brings about. */
+        int (*renew)(double t, const double *y, int compared, double *told, void *state);
+        int (*held)(double t, const double *y, double half, const double *before, double *rates, void *state);
+        /* while not 0, rates and their parts leave friction as it was held: what is damped without it */
+        int *still;
+        /* time for which nothing touches if the rates stay what they are, at most `most`; NULL: not told */
+        double (*flight)(double t, const double *y, const double *rates, double most, void *state);
     } rs_system;
     #endif
     """
@@ -74,6 +86,9 @@ cdef extern from *:
     ctypedef double (*rs_until_contact)(double, const double *, void *) noexcept nogil
     ctypedef int (*rs_drift)(double, double *, void *) noexcept nogil
     ctypedef int (*rs_all_rates)(double, const double *, double *, void *) noexcept nogil
+    ctypedef int (*rs_renew)(double, const double *, int, double *, void *) noexcept nogil
+    ctypedef int (*rs_held_rates)(double, const double *, double, const double *, double *, void *) noexcept nogil
+    ctypedef double (*rs_flight)(double, const double *, const double *, double, void *) noexcept nogil
 
     ctypedef struct rs_system:
         size_t head
@@ -94,12 +109,17 @@ cdef extern from *:
         const double *kicked
         rs_drift drift
         rs_all_rates rates
+        rs_renew renew
+        rs_held_rates held
+        int *still
+        rs_flight flight
 
 
 cdef inline void rs_tells_nothing(rs_system *s) noexcept nogil:
-    """Leave untold what moves fast, what is a place, and all rates at once."""
+    """Leave untold what moves fast, what is a place, all rates at once, and what may be held."""
     s.contact_frequency = s.swing_frequency = 0.0
     s.until_contact, s.kicked, s.drift, s.rates = NULL, NULL, NULL, NULL
+    s.renew, s.held, s.still, s.flight = NULL, NULL, NULL, NULL
 
 
 cdef inline double rs_until(double gap, double closing) noexcept nogil:

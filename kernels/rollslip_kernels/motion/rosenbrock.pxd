@@ -48,6 +48,7 @@ cdef class Stepper:
     cdef _why(self)
     cdef int _advance(self, double stop, const double[::1] times, double[:, ::1] out, size_t *written,
                       size_t max_steps) noexcept nogil
+    cdef int _enter(self) noexcept nogil
     cdef void _write(self, double t, double *into) noexcept nogil
     cdef int _rates(self, double t, const double *y, double *rates) noexcept nogil
     cdef double _norm(self, const double *x, const double *y, const double *z) noexcept nogil

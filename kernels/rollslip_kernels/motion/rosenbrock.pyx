@@ -371,8 +371,8 @@ cdef class Stepper:
     cdef int _advance(self, double stop, const double[::1] times, double[:, ::1] out, size_t *written,
                       size_t max_steps) noexcept nogil:
         cdef size_t done = 0
-        cdef int status = 0, hit = -1
-        if self.c.watched:
+        cdef int status = self._enter(), hit = -1
+        if status == 0 and self.c.watched:
             status = self._watch_here(&hit)
         while True:
             if status != 0:
@@ -394,6 +394,10 @@ cdef class Stepper:
             done += 1
             if status == 0 and self.c.watched:
                 status = self._find_event(&hit)
+
+    cdef int _enter(self) noexcept nogil:
+        """What is to be done before steps are taken; 0, or why there are none."""
+        return 0
 
     cdef void _write(self, double t, double *into) noexcept nogil:
         if t == self.t:

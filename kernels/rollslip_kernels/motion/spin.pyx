@@ -508,28 +508,30 @@ cdef class Spin:
         cdef double *slope = &self.work[11, 0]
         cdef double *step = &self.work[12, 0]
         cdef double *cage = &self.work[13, 0]
-        cdef double size, sum, steepest, moved, largest, worse
+        cdef double size, sum = 0.0, steepest = 0.0, moved, largest = 0.0, worse
         cdef int ended
-        cdef bint within, settled
+        cdef bint within, settled, elsewhere = True
         ended = self._torques(slip, torque, cage, K)
         if ended != FOUND:
             return ended
         size = self.largest
         left[0] = _unbalanced(K, slip, torque, inertia, residual)
         for _ in range(STEPS if damping > 0.0 else OUTRIGHT):
-            for k in range(K):
-                there[k] = slip[k] + NUDGE
-            ended = self._torques(there, torque_there, cage, K)
-            if ended != FOUND:
-                return ended
-            sum = steepest = largest = 0.0
-            for k in range(K):
-                slope[k] = (torque_there[k] - torque[k]) / NUDGE
-                sum += slope[k]
-                steepest, largest = max(steepest, fabs(slope[k])), max(largest, fabs(slip[k]))
-            multiplier[0] = exp(min(max(-sum / inertia, -EXPONENT), EXPONENT))
-            if left[0] <= ROUNDING * (self.radius * size + inertia * largest):
-                return FOUND
+            if elsewhere:  # after a step that was not taken slopes are known
+                for k in range(K):
+                    there[k] = slip[k] + NUDGE
+                ended = self._torques(there, torque_there, cage, K)
+                if ended != FOUND:
+                    return ended
+                sum = steepest = largest = 0.0
+                for k in range(K):
+                    slope[k] = (torque_there[k] - torque[k]) / NUDGE
+                    sum += slope[k]
+                    steepest, largest = max(steepest, fabs(slope[k])), max(largest, fabs(slip[k]))
+                multiplier[0] = exp(min(max(-sum / inertia, -EXPONENT), EXPONENT))
+                if left[0] <= ROUNDING * (self.radius * size + inertia * largest):
+                    return FOUND
+                elsewhere = False
             # no step of pseudo-time goes towards a motion that is not held
             for k in range(K):
                 there[k] = fabs(slope[k]) + damping if damping > 0.0 else slope[k]
@@ -555,7 +557,7 @@ cdef class Spin:
             if settled or worse <= WORSE or damping >= 4.0 * steepest:
                 for k in range(K):
                     slip[k], torque[k], residual[k] = there[k], torque_there[k], residual_there[k]
-                size, left[0] = self.largest, worse * left[0]
+                size, left[0], elsewhere = self.largest, worse * left[0], True
                 if damping > LEAST * steepest:
                     damping /= 4.0 if worse <= 1.0 else 1.5
                 elif worse <= 1.0:  # while it gets worse a torque is past its maximum: undamped steps would go back

@@ -73,6 +73,25 @@ cdef class System:
         cdef double[::1] given = self._unknowns(y)
         return self.c.until_contact(t, &given[0], self.c.state) if self.c.until_contact != NULL else np.inf
 
+    def flight(self, double t, y, rates, double most):
+        """Return for how long nothing touches [s] if the rates stay what they are, at most ``most``; 0 if not told."""
+        cdef double[::1] given = self._unknowns(y), going = self._unknowns(rates)
+        return self.c.flight(t, &given[0], &going[0], most, self.c.state) if self.c.flight != NULL else 0.0
+
+    def held(self, since, at, double t, y, double half=0.0, before=None):
+        """Return all rates at (t, y) with what is held as it is at (since, at); None where nothing is held.
+
+        With ``half``, of a step of 2 half whose rates were ``before``, friction is solved for.
+        """
+        cdef double[::1] then = self._unknowns(at), given = self._unknowns(y), rates = np.empty(1 + self.n)
+        cdef double[::1] old = np.zeros(self.n) if before is None else self._unknowns(before)
+        cdef double told[2]
+        if self.c.renew == NULL:
+            return None
+        self._check(self.c.renew(since, &then[0], False, told, self.c.state), since)
+        self._check(self.c.held(t, &given[0], half, &old[0], &rates[0], self.c.state), t)
+        return np.asarray(rates)[:self.n]
+
     @property
     def places(self):
         """Which unknowns are places, whose rates are sums of speeds; none where it is not told."""

@@ -1,13 +1,16 @@
 """A motion whose operation varies in time: rates of systems at fixed operations, blended along the way.
 
-- Ring speeds, load and temperature are courses: piecewise cubic over time, and held before the first piece and in the
-  last, which is a constant. They may jump from one piece to the next, and are those of the later one there.
-- What the contacts depend on beyond the speeds (axes: radial load, temperature, and for effective friction how fast the
-  rings turn against each other) is fixed at stations, each a `Carried` system of its own. Between stations the rates
-  are cubics through four of them along each axis, of piece to piece continuous. Who owns the stations is asked for
+- Ring speeds, load, its direction and temperature are courses: piecewise cubic over time, and held before the first
+  piece and in the last, which is a constant. They may jump from one piece to the next, and are those of the later one
+  there.
+- The rates of a system read the speeds of the rings and the direction of the load, at level planar the load too
+  (``operation`` of `Carried` and `Planar`). What its tables depend on beyond them (axes: temperature, for effective
+  friction how fast the rings turn against each other, and the load) is fixed at stations. Between these the rates are
+  cubics through four of them along each axis, of piece to piece continuous. Who owns the stations is asked for
   those around an operation when the motion first comes there.
 - Rates are linear in the tractions, the rolling resistances and the drags, so what is interpolated are these; what the
-  rings' speeds do to the rates is exact, as each station is given those of the moment.
+  operation that they read does to them is exact, as each station is given that of the moment. Sums of speeds are
+  exact too: places, and how soon contacts close, are those of any station.
 - At a station the rates are those of its system, to the bit.
 """
 
@@ -18,7 +21,7 @@ from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport NAN, fabs, isnan, sqrt
 
 from rollslip_arrow cimport RS_RAISED
-from rollslip_system cimport ROLLSLIP_SYSTEM, rs_new_system, rs_system, rs_tells_nothing
+from rollslip_system cimport ROLLSLIP_SYSTEM, rs_new_system, rs_system
 
 cdef enum:
     MAX_AXES = 3
@@ -26,10 +29,14 @@ cdef enum:
     MAX_AROUND = 64     # stations of a box
     MAX_STATIONS = 4096
     MAX_BOXES = 4096
+    READ = 4            # of the operation: courses before those that rates do not read
+    MAX_WATCHED = 3
 
 cdef enum:   # courses
     INNER_SPEED
     OUTER_SPEED
+    DIRECTION           # of the load
+    LOAD
     LIMIT               # cage slip that is watched
     AXES                # the first axis
 
@@ -40,7 +47,8 @@ cdef struct course_t:
 
 cdef struct station_t:
     const rs_system *system
-    double *speeds        # of the rings, that its rates read
+    double *operation     # that its rates read
+    size_t reads          # how many of the first courses
 
 cdef struct box_t:
     double node[MAX_AXES][NODES]   # ascending
@@ -59,7 +67,8 @@ cdef struct varying_t:
     box_t *boxes
     size_t n_boxes, last
     double inner_share, still   # R_i/(R_i + R_o); epicyclic speed below which there is no slip
-    int watches_film
+    size_t cage_speed     # its place in the head
+    size_t watched
     # of the time last looked at
     double t
     size_t used
@@ -105,11 +114,14 @@ cdef int _look(varying_t *v, double t) noexcept nogil:
     cdef double x[MAX_AXES]
     cdef double along[MAX_AXES][NODES]
     cdef double inner, outer, weight
+    cdef double read[READ]
     cdef size_t a, i, j, k, m, around = 1
     cdef box_t *box
     if t == v.t:
         return 0
-    inner, outer = _value(&v.course[INNER_SPEED], t), _value(&v.course[OUTER_SPEED], t)
+    for a in range(<size_t>READ):
+        read[a] = _value(&v.course[a], t)
+    inner, outer = read[INNER_SPEED], read[OUTER_SPEED]
     for a in range(v.axes):
         x[a] = fabs(inner - outer) if <int>a == v.speed_axis else _value(&v.course[AXES + a], t)
         if <int>a == v.root_axis:
@@ -145,8 +157,8 @@ cdef int _look(varying_t *v, double t) noexcept nogil:
             v.which[v.used], v.weight[v.used] = box.station[k], weight
             v.used += 1
     for k in range(v.used):
-        v.stations[v.which[k]].speeds[0] = inner
-        v.stations[v.which[k]].speeds[1] = outer
+        for a in range(v.stations[v.which[k]].reads):
+            v.stations[v.which[k]].operation[a] = read[a]
     v.t = t
     return 0
 
@@ -215,12 +227,13 @@ cdef int _rates(double t, const double *y, double *rates, void *state) noexcept 
 
 
 cdef int _watch(double t, const double *y, double *values, void *state) noexcept nogil:
-    """How far the cage lags behind beyond what the watched slip allows [rad/s], 0 where that is not known; film."""
+    """How far the cage lags behind beyond what the watched slip allows [rad/s], 0 where that is not known; and what
+    else the stations watch."""
     cdef varying_t *v = <varying_t *>state
     cdef const rs_system *s
-    cdef double limit, speed, film = 0.0
-    cdef double own[2]
-    cdef size_t k
+    cdef double limit, speed, cage = y[v.cage_speed]
+    cdef double own[MAX_WATCHED]
+    cdef size_t i, k
     cdef int status = _look(v, t)
     if status != 0:
         return status
@@ -230,16 +243,43 @@ cdef int _watch(double t, const double *y, double *values, void *state) noexcept
     if isnan(limit) or not fabs(speed) > v.still:
         values[0] = 0.0
     else:
-        values[0] = (speed - y[1] if speed > 0.0 else y[1] - speed) - limit * fabs(speed)
-    if v.watches_film:
+        values[0] = (speed - cage if speed > 0.0 else cage - speed) - limit * fabs(speed)
+    if v.watched > 1:
         for k in range(v.used):
             s, v.refused = v.stations[v.which[k]].system, v.which[k]
             status = s.watch(t, y, own, s.state)
             if status != 0:
                 return status
-            film += v.weight[k] * own[1]
-        values[1] = film
+            for i in range(1, v.watched):
+                values[i] = v.weight[k] * own[i] + (0.0 if k == 0 else values[i])
     return 0
+
+
+cdef double _until_contact(double t, const double *y, void *state) noexcept nogil:
+    cdef const rs_system *s = (<varying_t *>state).stations[0].system
+    return s.until_contact(t, y, s.state)
+
+
+cdef int _drift(double h, double *y, void *state) noexcept nogil:
+    cdef const rs_system *s = (<varying_t *>state).stations[0].system
+    return s.drift(h, y, s.state)
+
+
+cdef double _flight(double t, const double *y, const double *rates, double most, void *state) noexcept nogil:
+    cdef const rs_system *s = (<varying_t *>state).stations[0].system
+    return s.flight(t, y, rates, most, s.state)
+
+
+cdef int _renew(double t, const double *y, int compared, double *told, void *state) noexcept nogil:
+    cdef const rs_system *s = (<varying_t *>state).stations[0].system
+    cdef int status = _look(<varying_t *>state, t)
+    return status if status != 0 else s.renew(t, y, compared, told, s.state)
+
+
+cdef int _held(double t, const double *y, double half, const double *before, double *rates, void *state) noexcept nogil:
+    cdef const rs_system *s = (<varying_t *>state).stations[0].system
+    cdef int status = _look(<varying_t *>state, t)
+    return status if status != 0 else s.held(t, y, half, before, rates, s.state)
 
 
 cdef class Varying:
@@ -248,9 +288,10 @@ cdef class Varying:
     Parameters
     ----------
     courses : sequence of pairs of arrays
-        Of inner speed, outer speed [rad/s, in the sense in which rolling is positive], watched cage slip (NaN where
-        there is none) and each axis: where the pieces begin [s], ascending, (n,), and their coefficients of the powers
-        of the time since then, (n, 4). The course of an axis that the speeds make is not looked at.
+        Of inner speed, outer speed [rad/s], direction of the load [rad], all in the sense in which rolling is
+        positive, radial load [N], watched cage slip (NaN where there is none) and each axis: where the pieces begin
+        [s], ascending, (n,), and their coefficients of the powers of the time since then, (n, 4). The course of an
+        axis that the speeds make is not looked at.
     ranges : sequence of pairs of float
         Least and largest value of each axis; what is beyond them is held.
     around : callable
@@ -261,6 +302,8 @@ cdef class Varying:
         The axis that is |w_i - w_o|, -1 for none.
     root_axis : int
         The axis on which the root of its course counts, -1 for none.
+    cage_speed : int
+        Place of the cage's speed among the unknowns.
     inner_share, still : float
         R_i/(R_i + R_o), and the epicyclic cage speed below which no slip is watched [rad/s].
     autonomous : bool
@@ -277,7 +320,8 @@ cdef class Varying:
     cdef double[::1] scale
     cdef bint autonomous
 
-    def __init__(self, courses, ranges, around, *, int speed_axis=-1, int root_axis=-1, double inner_share,
+    def __init__(self, courses, ranges, around, *, int speed_axis=-1, int root_axis=-1,
+                 size_t cage_speed, double inner_share,
                  double still=0.0, bint autonomous=False, scale):
         cdef varying_t *v = &self.v
         cdef const rs_system *s
@@ -285,10 +329,10 @@ cdef class Varying:
         cdef double[:, ::1] powers
         cdef double[::1] room
         v.axes, v.speed_axis, v.root_axis = len(ranges), speed_axis, root_axis
-        v.inner_share, v.still, v.t = inner_share, still, NAN
+        v.inner_share, v.still, v.t, v.cage_speed = inner_share, still, NAN, cage_speed
         if v.axes > MAX_AXES or len(courses) != <Py_ssize_t>(AXES + v.axes):
-            raise ValueError(f"{len(courses)} courses on {len(ranges)} axes: three more than axes are expected, and at "
-                             f"most {MAX_AXES} of these")
+            raise ValueError(f"{len(courses)} courses on {len(ranges)} axes: {AXES} more than axes are expected, "
+                             f"and at most {MAX_AXES} of these")
         self.around, self.autonomous = around, autonomous
         self.kept, self.numbers, self.owners = [], {}, []
         for k, course in enumerate(courses):
@@ -311,7 +355,10 @@ cdef class Varying:
         self._more([low for low, _ in ranges])
         s = v.stations[0].system
         v.rollers, v.block, v.rates = s.rollers, s.block, s.head + s.ledger
-        v.watches_film = s.watched > 1
+        v.watched = s.watched
+        if not 1 <= v.watched <= MAX_WATCHED or v.cage_speed >= s.head:
+            raise ValueError(f"{v.watched} watched values, cage speed at {v.cage_speed}: at most {MAX_WATCHED}, and it "
+                             f"is in the head of {s.head}")
         if <size_t>self.scale.shape[0] != v.rollers * v.block + v.rates:
             raise ValueError(f"{v.rollers * v.block + v.rates} unknowns need as many scales, got {self.scale.shape[0]}")
         room = np.zeros(v.rollers * (2 * v.block + v.rates) + 2 * v.rates)
@@ -346,28 +393,37 @@ cdef class Varying:
     cdef size_t _station(self, owner) except? 0:
         cdef varying_t *v = &self.v
         cdef size_t number
-        cdef double[::1] speeds
+        cdef double[::1] operation
         if id(owner) in self.numbers:
             return self.numbers[id(owner)]
         number = len(self.owners)
         if number == MAX_STATIONS:
             raise RuntimeError(f"an operation varies between more than {MAX_STATIONS} stations")
-        capsule, speeds = owner.system(), owner.ring_speeds
+        capsule, operation = owner.system(), owner.operation
         v.stations[number].system = <const rs_system *>PyCapsule_GetPointer(capsule, ROLLSLIP_SYSTEM)
-        v.stations[number].speeds = &speeds[0]
+        v.stations[number].operation = &operation[0]
+        v.stations[number].reads = min(<size_t>operation.shape[0], <size_t>READ)
         self.owners.append(owner)
-        self.kept.append((capsule, speeds))
+        self.kept.append((capsule, operation))
         self.numbers[id(owner)] = number
         return number
 
-    def system(self):
-        """Return the capsule "rollslip.system.v1"."""
+    def system(self, double swing_frequency=0.0):
+        """Return the capsule "rollslip.system.v1"; with how fast rollers swing between the rings [rad/s], if known."""
         cdef rs_system s = self.v.stations[0].system[0]
         s.roller_rates, s.head_rates, s.watch, s.jacobian = _roller_rates, _head_rates, _watch, NULL
-        s.watched = 2 if self.v.watches_film else 1
-        s.scale, s.autonomous, s.state = &self.scale[0], self.autonomous, &self.v
-        rs_tells_nothing(&s)
-        s.rates = _rates
+        s.scale, s.autonomous, s.state, s.rates = &self.scale[0], self.autonomous, &self.v, _rates
+        s.swing_frequency = swing_frequency   # the rest of what moves fast is that of any station
+        if s.until_contact != NULL:
+            s.until_contact = _until_contact
+        if s.drift != NULL:
+            s.drift = _drift
+        if s.flight != NULL:
+            s.flight = _flight
+        if self.v.axes or s.renew == NULL:   # what is held is of one system
+            s.renew, s.held, s.still = NULL, NULL, NULL
+        else:
+            s.renew, s.held = _renew, _held
         return rs_new_system(&s, self)
 
     def values(self, t):

@@ -1,0 +1,62 @@
+/* Friction of the rollers on a raceway as it is held between evaluations: linear in the sliding speed about the one at
+ * which it was evaluated, and following the force of the roller,
+ *
+ *     F = Q (b + d (V - V_0)) + sqrt(Q) (a + c (V - V_0))        F_R = R + S sqrt(Q)
+ *
+ * - b, d alone where friction is a coefficient times the force; a, c too where it comes from a table of F/sqrt(Q). */
+#ifndef ROLLSLIP_HELD_H
+#define ROLLSLIP_HELD_H
+#include "motion/columns.h"
+
+typedef struct {
+    /* columns [Z] */
+    double *by_force, *by_root;              /* b, a [1, N^0.5] */
+    double *force_slope, *root_slope;        /* d, c [s/m, N^0.5 s/m] */
+    double *sliding;                         /* V_0 [m/s] */
+    double *resistance, *resistance_slope;   /* R, S [N, N^0.5] */
+    int rooted, resists;                     /* whether a and c, R and S are there */
+} rs_held;
+
+/* Tractions of n rollers by what is held, and resistances that come with the friction. */
+RS_INLINED void rs_held_friction(
+    const rs_held *h, size_t n, rs_given force, rs_given V, rs_column traction, rs_column resistance
+) {
+    rs_given b = h->by_force, a = h->by_root, d = h->force_slope, c = h->root_slope, V0 = h->sliding;
+    rs_given R = h->resistance, S = h->resistance_slope;
+    if (!h->rooted) {
+        RS_EACH(j, n) traction[j] = force[j] * (b[j] + d[j] * (V[j] - V0[j]));
+        return;
+    }
+    RS_EACH(j, n) {
+        double r = sqrt(force[j]), v = V[j] - V0[j];
+        traction[j] = r * (r * (b[j] + d[j] * v) + (a[j] + c[j] * v));
+    }
+    if (h->resists) RS_EACH(j, n) resistance[j] = R[j] + S[j] * sqrt(force[j]);
+}
+
+/* dF/dV of a roller at a force, N s/m */
+RS_INLINED double rs_held_slope(const rs_held *h, double force, size_t j) {
+    return force * h->force_slope[j] + (h->rooted ? sqrt(force) * h->root_slope[j] : 0.0);
+}
+
+/* Largest rate at which tractions damp a roller's speed of mass m and its spin: no less than the larger of the two */
+static inline double rs_held_damping(
+    const rs_held *inner, const rs_held *outer, size_t n, rs_given inner_force, rs_given outer_force, double m
+) {
+    double most = 0.0;
+    for (size_t j = 0; j < n; j++) {   /* at a rim J/r^2 is m/2, and on the orbit arms are R: 4 and 2 over m */
+        double rate = 3.0 * (rs_held_slope(inner, inner_force[j], j) + rs_held_slope(outer, outer_force[j], j)) / m;
+        most = rate > most ? rate : most;
+    }
+    return most;
+}
+
+/* Sum over the rollers of how far what was held had gone, and of the tractions themselves. */
+static inline void rs_held_off(size_t n, rs_given held, rs_given evaluated, rs_given force, double *off, double *all) {
+    for (size_t j = 0; j < n; j++) {
+        *off += fabs(held[j] - evaluated[j]);
+        *all += fabs(evaluated[j]) + 1e-3 * force[j];
+    }
+}
+
+#endif
