@@ -1,4 +1,4 @@
-"""Write the table and the figure of docs/start/history.rst: four histories of bearing 1032930, a minute or two.
+"""Write the table and the figure of docs/howto/history.rst: four histories of bearing 1032930, a minute or two.
 
 - histories.csv: of each the largest slip and when, time beyond the slip of running away, sliding, frictional work;
 - history_run_up.svg: the slip of the run-up in 0.3 s within its band.

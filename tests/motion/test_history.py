@@ -181,13 +181,15 @@ def test_the_compiled_courses_are_those_of_the_settings():
     of_speed = history({"inner_speed": {"shape": "coast-down", "time_constant": "0.1 s", "at": "0.3 s"}})
     moving = varying_motion(assemble(SCENE), friction(), of_speed, level="cage-set")
     t = np.random.default_rng(1).uniform(-0.1, 2.0, 300)  # not in order
-    inner, outer, limit = moving.system.owner.values(t)
+    inner, outer, direction, load, limit = moving.system.owner.values(t)
     assert np.array_equal(inner, of_speed.courses["inner_speed"].at(t))
     assert not outer.any()
+    assert not direction.any()
+    assert np.all(load == SCENE.operation.radial_load)
     assert np.isnan(limit).all()
 
 
-@pytest.mark.parametrize("name", ["conventional", "effective"])
+@pytest.mark.parametrize("name", ["conventional", pytest.param("effective", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("raw", "key", "unit"),
     [
@@ -244,8 +246,8 @@ def test_a_cubic_that_is_too_coarse_is_seen():
     low, high, middle = (stations.motion((value,)) for value in (303.15, 323.15, 313.15))
     straight = 0.5 * (rates_of(low, middle) + rates_of(high, middle))
     true = rates_of(middle, middle)
-    assert off(straight, true, sizes_of(true)) > 0.02  # a viscosity that halves is no straight line
-    assert off(true, true, sizes_of(true)) == 0.0
+    assert off(straight, true, sizes_of(true, 28), 28) > 0.02  # a viscosity that halves is no straight line
+    assert off(true, true, sizes_of(true, 28), 28) == 0.0
 
 
 @pytest.mark.quick

@@ -106,7 +106,8 @@ def test_where_rollers_hit_their_pockets_and_little_is_damped_an_explicit_one_se
     assert found.settings == {"integrator": "leapfrog"}
     assert damped(study, bearing(), 0.02) < 0.05
     counts = re.search(
-        r"rates in the first 0.03 s decide among them: leapfrog (\d+), rk45 (\d+)$", found.reasons["integrator"]
+        r"in the first 0.03 s decide among them: leapfrog (\d+), rk45 (\d+); friction is evaluated every \S+ s there",
+        found.reasons["integrator"],
     )
     assert int(counts[1]) < int(counts[2])
     assert "the motion swings, at up to" in found.reasons["integrator"]
@@ -131,6 +132,23 @@ def test_what_is_stiff_keeps_the_integrator_of_the_study(level, friction, change
     assert found.reasons["integrator"].startswith("the motion is stiff: its strongest damping, ")
     if friction == "constant":
         assert damped(study, bearing(**changes), 1e-3) > 0.3
+
+
+def test_from_rest_one_that_follows_its_error_serves_where_it_needs_far_fewer_rates():
+    """Rollers at rest are damped by their films at 1e7/s, which an explicit method passes in short steps."""
+    rest = {"cage_slip": 1.0, "roller_slip": 1.0, "friction": "conventional", "level": "pocket"}
+    study = Dynamics(duration=2e-3, points=3, **rest)
+    found = choose_motion(study, bearing(), others("integrator"))
+    assert found.settings == {"integrator": "rk45"}
+    told = re.search(
+        r"rodas5p takes (\d+) evaluations .* in (\S+) s, rk45 (\d+) in 0.002 s", found.reasons["integrator"]
+    )
+    assert int(told[1]) > 2 * int(told[3])
+    few = estimates.with_few_slices(bearing())
+    run = attrs.evolve(study, integrator="rk45").run(few)
+    assert run.attrs["rate_evaluations"] == pytest.approx(int(told[3]), rel=0.01)
+    slow = attrs.evolve(study, integrator="rodas5p", duration=float(told[2])).run(few)
+    assert slow.attrs["rate_evaluations"] > 2 * run.attrs["rate_evaluations"]
 
 
 def test_a_tight_tolerance_is_for_a_method_of_high_order():

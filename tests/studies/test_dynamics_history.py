@@ -3,6 +3,7 @@
 import json
 import math
 
+import attrs
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -10,8 +11,10 @@ from scipy.integrate import solve_ivp
 import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.load_map import build_load_map
+from rollslip.campaigns.sweep.point import compute
+from rollslip.campaigns.sweep.sweep import plan_sweep
 from rollslip.catalogue.registry import get_model
-from rollslip.errors import SceneError
+from rollslip.errors import DomainError, SceneError
 from rollslip.motion import time_integration
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.motion.history.settings import HistorySettings
@@ -47,9 +50,22 @@ def ran(changes=None, **raw):
     return Dynamics.of(bearing.scene).run(bearing)
 
 
+#: Short runs at the levels that resolve contacts.
+WITHIN = {
+    level: {
+        "study.dynamics.level": level,
+        "study.dynamics.integrator": "leapfrog",
+        "study.dynamics.duration": "0.02 s",
+        "study.dynamics.planar": {"inner_ring_mass": "5 kg"},
+    }
+    for level in ("pocket", "planar")
+}
+
+
 @pytest.mark.parametrize("friction", ["conventional", "effective"])
-def test_a_history_in_which_nothing_changes_leaves_the_bits(friction):
-    changes = {"study.dynamics.friction": friction}
+@pytest.mark.parametrize("level", ["cage-set", *WITHIN])
+def test_a_history_in_which_nothing_changes_leaves_the_bits(level, friction):
+    changes = WITHIN.get(level, {}) | {"study.dynamics.friction": friction}
     without, still = ran(changes), ran(changes, radial_load={"shape": "step", "to": "1037 N", "at": "0.2 s"})
     for name in without.data_vars:
         if name not in ("event_what",):
@@ -222,6 +238,32 @@ def test_a_run_does_not_go_on_through_another_file(tmp_path):
     assert all(digests)
 
 
+def test_a_sweep_is_another_one_where_a_history_comes_from_another_file(tmp_path):
+    file, sweeps, keys = tmp_path / "load.csv", [], []
+    for end in (900, 900, 800):
+        file.write_text(f"time [s],radial_load [N]\n0,1037\n4,{end}\n")
+        over = {"study.dynamics.cage_slip": ["0.01", "0.02"]}
+        sweeps.append(plan_sweep(scene(file=str(file)), over, study="dynamics", output=["largest_cage_slip"]))
+        keys.append(compute(sweeps[-1].work, [(0, {"study.dynamics.duration": "1 ms"})]).rows[0].key)
+    assert sweeps[0].hash == sweeps[1].hash != sweeps[2].hash
+    assert keys[0] == keys[1] != keys[2]
+
+
+def test_what_is_uncertain_of_a_history_is_sampled_by_a_sweep_and_no_matter_of_a_steady_margin():
+    within = f"{HISTORY}.inner_speed.within"
+    uncertain = {within: {"distribution": "uniform", "low": "0.2 s", "high": "0.4 s"}}
+    table = {"study": {"dynamics": {"history": {"inner_speed": {"within": uncertain[within]}}}}}
+    of = attrs.evolve(
+        scene({"study.dynamics.duration": "0.1 s"}, inner_speed={"shape": "run-up", "from": "3000 rpm", "within": 0.3}),
+        uncertainty=table,
+    )
+    with pytest.raises(SceneError, match="rollslip sweep run SCENE --study dynamics, where values are uncertain with"):
+        rollslip.uncertainty(of, samples=2, steady=0)
+    found = rollslip.sweep(of, study="dynamics", samples=2, output=["largest_cage_slip", "least_margin_to_runaway"])
+    assert np.isfinite(found["largest_cage_slip"]).all()
+    assert len({*found["largest_cage_slip"].values.tolist()}) == 2
+
+
 def test_a_run_from_rest_ends_as_one_that_always_turned():
     longer = {"study.dynamics.duration": "4 s"}
     steady, up = ran(longer), ran(longer, inner_speed={"shape": "run-up", "within": "0.05 s"})
@@ -231,11 +273,94 @@ def test_a_run_from_rest_ends_as_one_that_always_turned():
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("level", ["pocket", "planar"])
-def test_a_level_without_histories_says_so(level):
-    changes = {"study.dynamics.level": level, "study.dynamics.planar": {"inner_ring_mass": "5 kg"}}
-    with pytest.raises(SceneError, match=f"level '{level}' does not take a history yet, level 'cage-set' does"):
-        ran(changes, radial_load={"shape": "step", "to": "700 N", "at": "0.2 s"})
+def test_a_load_is_given_over_time_in_one_way_only():
+    planar = {"inner_ring_mass": "5 kg", "load_times": [0.0, 1.0], "load_factors": [1.0, 2.0]}
+    with pytest.raises(
+        SceneError, match=r"planar.load_times: there is a history too: give the load over time as study."
+    ):
+        ran(
+            WITHIN["planar"] | {"study.dynamics.planar": planar},
+            temperature={"shape": "step", "to": 320, "at": "0.2 s"},
+        )
+
+
+@pytest.mark.quick
+def test_a_load_that_turns_about_rings_that_tilt_is_refused():
+    turning = {"shape": "rotation", "speed": "100 rpm"}
+    with pytest.raises(
+        DomainError, match="is about the line of a load that does not; make it 0, or leave load_direction"
+    ):
+        ran({"operation.misalignment": "1 mrad"}, load_direction=turning)
+
+
+@pytest.mark.parametrize(
+    ("level", "integrator", "rtol"),
+    [("pocket", "rk45", 1e-10), ("planar", "rk45", 1e-10), ("planar", "leapfrog", 1e-5)],
+)
+def test_after_a_jump_rollers_in_their_pockets_go_on_as_under_the_new_operation_alone(level, integrator, rtol):
+    """Two runs of constant operations, the second from where the first ends; leapfrog's steps are as long in both."""
+    at, to, name = 4e-3, "400 N", "radial_load"
+    bearing = assemble(scene(WITHIN[level], **{name: {"shape": "step", "to": to, "at": at}}))
+    moving = Dynamics.of(bearing.scene).moving(bearing)
+    held = Dynamics.of(scene(WITHIN[level], **{name: {"shape": "step", "from": to, "to": to, "at": 1.0}}))
+    before = Dynamics.of(scene(WITHIN[level])).moving(bearing)
+    after = held.moving(assemble(scene(WITHIN[level] | {"operation.radial_load": to})))
+    run = get_model("integrator", integrator)
+
+    def gone(motion, y, start, end, breaks=()):
+        absolute, relative = moving.tolerances
+        problem = InitialValueProblem(
+            rates=motion.system, y=y, t=start, atol=rtol * absolute, relative=relative, breaks=breaks
+        )
+        return integrate(problem, run, np.array([end]), rtol=rtol)
+
+    whole = gone(moving, moving.initial(), 0.0, 2 * at, moving.breaks)
+    first = gone(before, before.initial(), 0.0, at)
+    second = gone(after, first.y[-1], at, 2 * at)
+    assert whole.outcome == first.outcome == second.outcome == "finished"
+    cage = [moving.split(one.y[-1])["cage_speed"] for one in (whole, second, first)]
+    assert cage[0] == pytest.approx(cage[1], rel=1e-9)
+    assert abs(cage[1] - cage[2]) > 1e-6 * cage[1]
+
+
+BACK = {"shape": "ramp", "to": "-6371 rpm", "within": "0.03 s"}
+BOTH = {
+    name: {"shape": "ramp", "to": to, "within": "0.03 s"} for name, to in (("inner_speed", 300), ("outer_speed", 200))
+}
+#: Down to no load, turned round there, and up again.
+THROUGH = {
+    "radial_load": {"time": [0, 0.01, 0.02, 0.04], "value": ["1037 N", "0 N", "1037 N", "1037 N"]},
+    "load_direction": {"time": [0, 0.01, 0.01, 0.04], "value": [0, 0, "180 deg", "180 deg"]},
+}
+
+
+@pytest.mark.parametrize(
+    ("level", "raw"),
+    [
+        ("pocket", {"inner_speed": BACK}),
+        ("pocket", BOTH),
+        ("planar", {"inner_speed": BACK}),
+        ("planar", BOTH),
+        ("planar", THROUGH),
+    ],
+    ids=["pocket, back", "pocket, both", "planar, back", "planar, both", "planar, through zero"],
+)
+def test_within_pockets_and_in_the_plane_hard_histories_are_followed_and_the_ledger_closes(level, raw):
+    short = {"study.dynamics.integrator": "rk45", "study.dynamics.duration": "0.04 s", "study.dynamics.points": 41}
+    run = ran(WITHIN[level] | short, **raw)
+    assert run.attrs["outcome"] == "finished"
+    assert np.abs(run.energy_residual).max() < 1e-6 * np.abs(run.work_done).max()
+    assert np.isfinite(run.cage_speed).all()
+    if raw is THROUGH:  # the ring hangs on the other side
+        along_load = run.ring_displacement.sel(direction="along").to_numpy()
+        assert along_load[0] > 0.0 > along_load[-1]
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("level", WITHIN)
+def test_at_every_level_a_history_that_ends_too_soon_is_refused(level):
+    with pytest.raises(SceneError, match=r"the history ends at 0\.01 s, before the run does at 0\.02 s; add"):
+        ran(WITHIN[level], radial_load={"time": [0, 0.01], "value": ["1037 N", "900 N"]})
 
 
 # What is told -------------------------------------------------------------------------------------------------------
@@ -270,7 +395,12 @@ def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
     assert account.headline(dropped) == topics["running away"][1]
     assert account.operation(dropped) == topics["largest slip"][0]
     names = [name for name, *_ in account.figures(dropped)]
-    assert "dynamics-conventional-history" in names
+    assert {"dynamics-conventional-history", "dynamics-conventional-phase"} <= {*names}
+    each = dropped.roller_frictional_work.sel(ring="inner")
+    assert each.sizes == {"roller": 28}
+    assert float(each.sum()) == pytest.approx(
+        record["frictional_work_inner"], rel=1e-2
+    )  # the ledger's, not of instants
     json.dumps(record)
 
 
@@ -288,7 +418,7 @@ def test_words_say_when_an_operation_changes(values, said):
 
 
 def test_a_run_along_a_history_has_the_outputs_that_are_declared(dropped):
-    given = {"inner_speed", "outer_speed", "temperature"}  # by other histories
+    given = {"inner_speed", "outer_speed", "load_direction", "temperature"}  # by other histories
     elsewhere = {"ring_displacement", "cage_displacement", "land_eccentricity", "pocket_force", "pocket_displacement"}
     curves = {f"{ring}_{what}" for ring in ("inner", "outer") for what in ("sliding", "friction")}
     single = {name for name, output in Dynamics.outputs.items() if output.attribute}

@@ -1,4 +1,4 @@
-"""How ring speeds, load and temperature go over time: named shapes, tables, and files of measured values.
+"""How ring speeds, load, its direction and temperature go over time: named shapes, tables, files of measured values.
 
 - A course is a piecewise cubic, held before its first piece and constant in its last, so that it has no end. Straight
   lines and smooth steps are that exactly; sines and decays are cubics through values and slopes, right to 3e-9 of what
@@ -8,7 +8,8 @@
 """
 
 from collections.abc import Mapping
-from typing import Any, Final
+from types import MappingProxyType
+from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -27,9 +28,11 @@ SHAPES: Final[Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
     "run-up": (("within",), ("from", "to", "at")),
     "coast-down": (("time_constant",), ("from", "to", "at")),
     "emergency-stop": (("within",), ("from", "to", "at")),
+    "rotation": (("speed",), ("from", "at")),
 }
-#: Those that only a speed has.
+#: Those that only a speed has, and only the direction of the load.
 OF_SPEEDS: Final = ("run-up", "coast-down", "emergency-stop")
+OF_DIRECTION: Final = ("rotation",)
 #: Pieces of a period of a sine and of a time constant, and time constants after which nothing is left of a decay.
 _PER_PERIOD, _PER_CONSTANT, _CONSTANTS = 200, 32, 37
 #: Times at which an integrator starts anew, at most, but for jumps.
@@ -120,9 +123,12 @@ def _cubics(time: Array, value: Array, slope: Array) -> tuple[Array, Array]:
 class CourseSettings:
     """How one value of the operation goes over time: a shape and its parameters."""
 
+    #: Shapes that are not for this value -> whose they are.
+    others: ClassVar[Mapping[str, str]] = MappingProxyType({})
+
     shape: str = field(
         default="table",
-        doc="table, ramp, step, sine, or of a speed run-up, coast-down, emergency-stop",
+        doc="table, ramp, step, sine; of a speed also run-up, coast-down, emergency-stop; of a direction rotation",
         validator=one_of(*SHAPES),
     )
     at: float | None = field(
@@ -159,6 +165,9 @@ class CourseSettings:
     )
 
     def __attrs_post_init__(self) -> None:
+        if self.shape in self.others:
+            known = ", ".join(shape for shape in SHAPES if shape not in self.others)
+            raise FieldError("shape", f"{self.shape!r} is one of {self.others[self.shape]}; there are {known}")
         given = {key for key, value in self.parameters.items() if value not in (None, ())}
         needs, takes = SHAPES[self.shape]
         for key in needs:
@@ -198,6 +207,10 @@ class CourseSettings:
         if self.shape == "sine":
             mean = now if p["mean"] is None else p["mean"]
             return _sine(mean, p["amplitude"], p["period"], p["phase"] or 0.0, end)
+        if self.shape == "rotation":
+            begin, left = p["from"] or 0.0, max(end - at, 0.0)
+            turned = table(np.array([0.0, left]), begin + np.array([0.0, p["speed"] * left]))
+            return _after(at, begin, turned.begin, turned.powers, breaks=(at,))
         before, after = (now, 0.0) if self.shape in ("coast-down", "emergency-stop") else (0.0, now)
         if self.shape in ("ramp", "step"):
             before = now

@@ -10,7 +10,8 @@ import math
 from collections.abc import Mapping
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, Final
+from types import MappingProxyType
+from typing import Any, ClassVar, Final
 
 import attrs
 import numpy as np
@@ -18,18 +19,29 @@ import numpy as np
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, field, non_negative, positive
 from rollslip.files import content_of, decoded, read_columns
-from rollslip.motion.history.courses import OF_SPEEDS, SHAPES, Array, Course, CourseSettings, constant, table, unordered
+from rollslip.motion.history.courses import (
+    OF_DIRECTION,
+    OF_SPEEDS,
+    Array,
+    Course,
+    CourseSettings,
+    constant,
+    table,
+    unordered,
+)
 from rollslip.scene.values import Operation, Scene
 from rollslip.structure import Location
 from rollslip.units import format_quantity, quantity
 
 #: Values of the operation that may have a course.
-VARYING: Final = ("inner_speed", "outer_speed", "radial_load", "temperature")
+VARYING: Final = ("inner_speed", "outer_speed", "radial_load", "load_direction", "temperature")
 _MOST_FAULTS: Final = 20
 
 
 def _like(name: str) -> dict[str, Any]:
-    """Unit and ranges of a value of the operation."""
+    """Unit and ranges of a value of the operation; a direction has any number of turns."""
+    if name == "load_direction":
+        return {"unit": "rad", "possible": (-1e12, 1e12)}
     known = attrs.fields_dict(Operation)[name].metadata
     return {key: known[key] for key in ("unit", "possible")}
 
@@ -45,13 +57,18 @@ def _values(of: str, validator: Any = None) -> Any:
 
 
 _AMPLITUDE: Final = "amplitude of a sine"
+#: What to do where a value would fall below 0.
+_BACK: Final = {"radial_load": "; a load that turns back has a load_direction of 180 deg from there on"}
 _FROM, _TO = "value before the change", "value after the change"
+_OF_SPEEDS, _OF_DIRECTION = dict.fromkeys(OF_SPEEDS, "speeds"), dict.fromkeys(OF_DIRECTION, "the direction of the load")
 _MEAN: Final = "mean of a sine, by default that of [operation]"
 
 
 @attrs.frozen(kw_only=True)
 class SpeedCourse(CourseSettings):
     """How the speed of a ring goes over time."""
+
+    others: ClassVar[Mapping[str, str]] = MappingProxyType(_OF_DIRECTION)
 
     from_: float | None = _value("inner_speed", f"{_FROM}, by default that of [operation]; of a run-up 0", "from")
     to: float | None = _value("inner_speed", f"{_TO}; by default 0, of a run-up that of [operation]")
@@ -64,6 +81,8 @@ class SpeedCourse(CourseSettings):
 class LoadCourse(CourseSettings):
     """How the radial load goes over time."""
 
+    others: ClassVar[Mapping[str, str]] = MappingProxyType(_OF_SPEEDS | _OF_DIRECTION)
+
     from_: float | None = _value("radial_load", f"{_FROM}, by default that of [operation]", "from", non_negative)
     to: float | None = _value("radial_load", _TO, None, non_negative)
     mean: float | None = _value("radial_load", _MEAN, None, non_negative)
@@ -72,8 +91,24 @@ class LoadCourse(CourseSettings):
 
 
 @attrs.frozen(kw_only=True)
+class DirectionCourse(CourseSettings):
+    """How the direction of the radial load goes over time, in the sense of positive speeds."""
+
+    others: ClassVar[Mapping[str, str]] = MappingProxyType(_OF_SPEEDS)
+
+    from_: float | None = _value("load_direction", f"{_FROM}, by default 0", "from")
+    to: float | None = _value("load_direction", _TO)
+    mean: float | None = _value("load_direction", "mean of a sine, by default 0")
+    amplitude: float | None = _value("load_direction", _AMPLITUDE)
+    speed: float | None = _value("inner_speed", "speed of a rotation")
+    value: tuple[float, ...] = _values("load_direction")
+
+
+@attrs.frozen(kw_only=True)
 class TemperatureCourse(CourseSettings):
     """How the temperature goes over time."""
+
+    others: ClassVar[Mapping[str, str]] = MappingProxyType(_OF_SPEEDS | _OF_DIRECTION)
 
     from_: float | None = _value("temperature", f"{_FROM}, by default that of [operation]", "from", positive)
     to: float | None = _value("temperature", _TO, None, positive)
@@ -92,6 +127,7 @@ class _Row:
     inner_speed: float = field(default=None, doc="speed of the inner ring", **_like("inner_speed"))
     outer_speed: float = field(default=None, doc="speed of the outer ring", **_like("outer_speed"))
     radial_load: float = field(default=None, doc="radial load", validator=non_negative, **_like("radial_load"))
+    load_direction: float = field(default=None, doc="direction of the load", **_like("load_direction"))
     temperature: float = field(default=None, doc="temperature", validator=positive, **_like("temperature"))
 
 
@@ -102,23 +138,21 @@ class HistorySettings:
     inner_speed: SpeedCourse | None = field(default=None, doc="speed of the inner ring over time")
     outer_speed: SpeedCourse | None = field(default=None, doc="speed of the outer ring over time")
     radial_load: LoadCourse | None = field(default=None, doc="radial load over time")
+    load_direction: DirectionCourse | None = field(
+        default=None, doc="direction of the radial load over time, in the sense of positive speeds"
+    )
     temperature: TemperatureCourse | None = field(
         default=None, doc="temperature over time, of all parts that have none of their own"
     )
     file: str = field(
         default="",
-        doc="CSV with columns time [s] and any of inner_speed [rpm], outer_speed [rpm], radial_load [N], temperature "
-        "[degC], in any units; its place is relative to that of the scene",
+        doc="CSV with columns time [s] and any of inner_speed [rpm], outer_speed [rpm], radial_load [N], "
+        "load_direction [deg], temperature [degC], in any units; its place is relative to that of the scene",
     )
 
     def __attrs_post_init__(self) -> None:
         if not self.file and not any(getattr(self, name) for name in VARYING):
             raise FieldError("file", f"nothing changes: give a table for one of {', '.join(VARYING)}, or a file")
-        for name in ("radial_load", "temperature"):
-            one = getattr(self, name)
-            if one is not None and one.shape in OF_SPEEDS:
-                others = ", ".join(shape for shape in SHAPES if shape not in OF_SPEEDS)
-                raise FieldError(name, f"shape = {one.shape!r} is one of speeds; there are {others}")
 
     def history(self, scene: Scene, duration: float, where: Location) -> "History":
         """Return the courses of a run of so many seconds.
@@ -155,7 +189,7 @@ class HistorySettings:
             if one is None or name in courses:
                 continue
             try:
-                courses[name] = one.course(getattr(scene.operation, name), duration)
+                courses[name] = one.course(_stated(scene, name), duration)
             except FieldError as error:
                 faults.append(where.at(name).at(error.field).says(error.reason))
                 continue
@@ -164,16 +198,21 @@ class HistorySettings:
         for name in ("radial_load", "temperature"):
             if name in courses and (least := courses[name].span(duration)[0]) < 0.0:
                 goes = format_quantity(least, _like(name)["unit"])
-                faults.append(where.at(name).says(f"goes down to {goes}: it may not fall below 0"))
+                faults.append(where.at(name).says(f"goes down to {goes}: it may not fall below 0{_BACK.get(name, '')}"))
         if faults:
             raise SceneError(faults)
-        whole = {name: courses.get(name) or constant(getattr(scene.operation, name)) for name in VARYING}
+        whole = {name: courses.get(name) or constant(_stated(scene, name)) for name in VARYING}
         given = tuple(name for name in VARYING if name in courses)
         return History(courses=whole, given=given, end=duration, sha256=digest)
 
     def _path(self, scene: Scene) -> Path:
         beside = Path(scene.source)
         return beside.parent / self.file if scene.source.endswith(".toml") and beside.exists() else Path(self.file)
+
+
+def _stated(scene: Scene, name: str) -> float:
+    """What a value is where nothing else is said; positions count from the line of the load."""
+    return float(getattr(scene.operation, name, 0.0))
 
 
 def _uncovered(time: Array, duration: float, first: str, last: str) -> list[str]:
@@ -247,7 +286,7 @@ class History:
     Attributes
     ----------
     courses : mapping
-        Of each of `VARYING` [rad/s, N, K], constant where nothing was given.
+        Of each of `VARYING` [rad/s, N, rad, K], constant where nothing was given.
     given : tuple of str
         Those that were.
     end : float

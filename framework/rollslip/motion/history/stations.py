@@ -1,7 +1,8 @@
 """Stations: bearings in motion at fixed operations, between which the rates of a varying one are interpolated.
 
 - Axes are what varies of radial load and temperature and, where friction is effective, how fast the rings turn against
-  each other: effective friction is tabulated at one speed, conventional friction knows all of them.
+  each other: effective friction is tabulated at one speed, conventional friction knows all of them. At level planar the
+  rates know the load, and it is an axis of effective friction alone.
 - Along an axis rates are cubics through the ends of an interval and its thirds. Intervals come from halving: one is
   right where the rates at a sixth, half and five sixths of it are those of a bearing put together there, to the
   tolerance, at some slips of the cage and with the other axes at each of their ends. Which intervals there are does not
@@ -22,7 +23,9 @@ from rollslip.bearing.assembly import Assembly, assemble, conditions_read
 from rollslip.bearing.load_map import LoadMap, build_load_map
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
-from rollslip.motion.carried import CarriedMotion, carried_motion
+from rollslip.motion.carried import carried_motion
+from rollslip.motion.moving_bearing import MovingBearing
+from rollslip.motion.planar import PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip.scene.changes import evolve
 from rollslip.units import format_quantity
@@ -49,7 +52,7 @@ _HARDLY: Final = 1e-9
 #: parts between them the rates have a kink, at which a cubic errs two to three times as much.
 _SHARE: Final = 0.4
 #: Entries of the ledger that rates are compared by, beside the spins of the rollers.
-_COMPARED: Final = ("impulse_inner", "impulse_outer", "impulse_drag", "lost_rolling")
+_COMPARED: Final = ("impulse_inner", "impulse_outer", "impulse_rings", "impulse_drag", "lost_rolling", "lost_land")
 
 Place = tuple[float, ...]
 
@@ -99,6 +102,8 @@ class Stations:
         Friction of the raceways.
     level : str
         Level of the motion.
+    planar : PlanarSettings, optional
+        What level planar needs.
     tolerance : float
         Largest error of the rates between nodes, over all axes, relative to their largest.
     """
@@ -109,14 +114,15 @@ class Stations:
     axes: tuple[Axis, ...]
     friction: FrictionSettings
     level: str
+    planar: PlanarSettings | None
     tolerance: float
-    _made: dict[Place, CarriedMotion] = attrs.field(factory=dict, init=False, repr=False)
+    _made: dict[Place, MovingBearing] = attrs.field(factory=dict, init=False, repr=False)
     _kept: dict[str, Array] = attrs.field(factory=dict, init=False, repr=False)
     #: Errors of the intervals that were looked at: shared by all motions of the bearing through this operation.
     _errors: dict[tuple[int, float, float], float] = attrs.field(factory=dict, init=False, repr=False)
 
     def __attrs_post_init__(self) -> None:
-        of = self.speeds, self.top_speed, self.axes, self.level, self.tolerance
+        of = self.speeds, self.top_speed, self.axes, self.level, self.planar, self.tolerance
         key = "stations", self.assembly.resolution, *of, self._friction_key
         object.__setattr__(self, "_errors", self.assembly.known_maps.setdefault(key, self._errors))
 
@@ -136,7 +142,7 @@ class Stations:
         return _SHARE * self.tolerance / max(len(self.axes), 1)
 
     @property
-    def motions(self) -> Mapping[Place, CarriedMotion]:
+    def motions(self) -> Mapping[Place, MovingBearing]:
         """The stations so far."""
         return self._made
 
@@ -150,7 +156,7 @@ class Stations:
         """
         nodes = [_nodes(*self.interval(axis, value)) for axis, value in enumerate(place)]
         corners = itertools.product(*reversed(nodes))  # the first axis changes fastest
-        return nodes, [self.motion(tuple(reversed(corner))).carried for corner in corners]
+        return nodes, [self.motion(tuple(reversed(corner))).system.owner for corner in corners]
 
     def interval(self, axis: int, value: float) -> tuple[float, float]:
         """Return the interval of an axis in which a value lies, small enough for a cubic."""
@@ -177,7 +183,7 @@ class Stations:
         return self._errors[axis, low, high]
 
     def _off_at(self, axis: int, low: float, high: float, rest: Place) -> float:
-        def there(value: float) -> CarriedMotion:
+        def there(value: float) -> MovingBearing:
             return self.motion((*rest[:axis], value, *rest[axis:]))
 
         found = 0.0
@@ -185,7 +191,7 @@ class Stations:
             true = there(_between(low, high, share))
             at_nodes = [rates_of(there(node), true) for node in _nodes(low, high)]
             cubic = sum(weight * rates for weight, rates in zip(_weights(share), at_nodes, strict=True))
-            found = max(found, off(np.asarray(cubic), rates_of(true, true), _LEAST * self._largest))
+            found = max(found, off(np.asarray(cubic), rates_of(true, true), _LEAST * self._largest, self._rollers))
         return found
 
     @property
@@ -193,10 +199,14 @@ class Stations:
         """Largest rates at the highest end of all axes, as `off` takes them."""
         if "largest" not in self._kept:
             top = self.motion(tuple(axis.high for axis in self.axes))
-            self._kept["largest"] = sizes_of(rates_of(top, top))
+            self._kept["largest"] = sizes_of(rates_of(top, top), self._rollers)
         return self._kept["largest"]
 
-    def motion(self, place: Place) -> CarriedMotion:
+    @property
+    def _rollers(self) -> int:
+        return self.assembly.scene.bearing.rollers
+
+    def motion(self, place: Place) -> MovingBearing:
         """Return the bearing in motion at a place on the axes."""
         if place not in self._made:
             self._made[place] = self._put_together(place)
@@ -224,8 +234,10 @@ class Stations:
             known[place] = operated(self.assembly, values)
         return known[place]
 
-    def _put_together(self, place: Place) -> CarriedMotion:
+    def _put_together(self, place: Place) -> MovingBearing:
         bearing = self.bearing(place)
+        if self.planar is not None:
+            return planar_motion(bearing, self.planar, self.friction)
         loads: LoadMap | None = None
         read = {name for r in bearing.raceways for name in conditions_read(r.deflection)}
         key = (
@@ -271,20 +283,20 @@ def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
     return assemble(evolve(assembly.scene, written), assembly.resolution, like=assembly)
 
 
-def rates_of(motion: CarriedMotion, like: CarriedMotion) -> Array:
+def rates_of(motion: MovingBearing, like: MovingBearing) -> Array:
     """Rates of a bearing at the speeds of another and some slips of its cage, (slips, spins and ledger)."""
     k = like.assembly.kinematics
-    speeds, rows = motion.carried.ring_speeds, list[Array]()
-    before = speeds.copy()
+    speeds, rows = motion.system.owner.operation[:2], list[Array]()
+    before, compared = speeds.copy(), _compared(like)
     shares = _SPEEDS if motion.friction.settings.name == "conventional" else _SPEEDS[:1]
     for share, slip in itertools.product(shares, _slips(like.assembly)):
         speeds[:] = share * k.direction * np.array([k.inner_speed, k.outer_speed])
         y = like.initial(slip, _SPIN * float(k.roller_slip_outer_rolling(slip)) if slip else 0.1)
-        head, roller, _ = like.parts(y)
-        head[1] *= share
-        roller[:, :2] *= share
+        for name, values in like.split(y).items():  # which are views
+            if like.units[name] == "rad/s":
+                values *= share
         of = motion.split(motion.system(0.0, y))
-        rows.append(np.concatenate((of["roller_spin"], [of[name] for name in _COMPARED])))
+        rows.append(np.concatenate((of["roller_spin"], [of[name] for name in compared])))
     speeds[:] = before
     return np.array(rows)
 
@@ -294,15 +306,19 @@ def _slips(assembly: Assembly) -> Iterable[float]:
     return _SLIPS if abs(k.epicyclic_cage_speed) > 1e-9 * abs(k.inner_speed - k.outer_speed) else (0.0,)
 
 
-def sizes_of(rates: Array) -> Array:
+def _compared(motion: MovingBearing) -> list[str]:
+    return [name for name in _COMPARED if name in motion.names[2]]
+
+
+def sizes_of(rates: Array, rollers: int) -> Array:
     """Largest rates over the slips: of the spins together, and of each entry of the ledger, (1 + entries,)."""
-    size, more = np.abs(rates), len(_COMPARED)
+    size, more = np.abs(rates), rates.shape[1] - rollers
     return np.concatenate(([size[:, :-more].sum(axis=1).max()], size[:, -more:].max(axis=0)))
 
 
-def off(rates: Array, true: Array, least: Array) -> float:
+def off(rates: Array, true: Array, least: Array, rollers: int) -> float:
     """Largest error of rates, relative to the largest of their sort, or to the least that counts if that is more."""
-    error, size = sizes_of(rates - true), np.maximum(sizes_of(true), least)
+    error, size = sizes_of(rates - true, rollers), np.maximum(sizes_of(true, rollers), least)
     return float(np.divide(error, size, out=np.zeros(size.size), where=size > 0.0).max())
 
 

@@ -9,17 +9,19 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
 from rollslip.errors import DomainError, RollslipError
-from rollslip.motion.carried import CarriedMotion
 from rollslip.motion.history.courses import Course, constant
 from rollslip.motion.history.settings import History
 from rollslip.motion.history.stations import Axis, Stations, operated
 from rollslip.motion.moving_bearing import MovingBearing
+from rollslip.motion.planar import PlanarSettings
 from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.motion.varying import Varying
 
 #: Share of the largest epicyclic speed of the cage below which no slip is told: it would refer to next to nothing.
 STILL: Final = 0.05
+#: Evenly spread instants of a history at which it is looked how fast a motion moves, and at most as many breaks.
+_LOOKS: Final = 9
 #: Share of the tolerance that loads and tables of a station may take.
 _TABLES: Final = 0.2
 
@@ -34,13 +36,13 @@ class VaryingMotion(MovingBearing):
         How the operation goes over time.
     stations : Stations
         Bearings between which its rates are interpolated.
-    base : CarriedMotion
+    base : MovingBearing
         One of them.
     """
 
     history: History
     stations: Stations
-    base: CarriedMotion
+    base: MovingBearing
 
     @property
     def names(self) -> tuple[Mapping[str, str], Mapping[str, str], Mapping[str, str]]:
@@ -52,6 +54,21 @@ class VaryingMotion(MovingBearing):
         """Times of jumps and kinks of the history [s]."""
         return self.history.breaks
 
+    @property
+    def tables(self) -> dict[str, str]:
+        """Attributes of a result that say how right the tables of one of the bearings are."""
+        return self.base.tables
+
+    @property
+    def way(self) -> str:
+        """How friction is evaluated, and what else there is a table of, in words."""
+        return self.base.way
+
+    @property
+    def tolerances(self) -> tuple[Array, Array]:
+        """Absolute and relative tolerances of the unknowns, those under the largest load."""
+        return self.base.tolerances
+
     def unslipped(self, t: Array) -> tuple[Array, Array]:
         """Return the epicyclic speeds of cage and rollers at times [rad/s]; of the cage NaN where it is too slow."""
         cage, roller = epicyclic(self.assembly, self.history, t)
@@ -60,18 +77,27 @@ class VaryingMotion(MovingBearing):
 
     def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
         """Return the state with these slips at the operation that the history begins with."""
-        now = self.history.at(0.0)
-        if (float(now["inner_speed"]), float(now["outer_speed"])) == self.stations.speeds:
-            return self.base.initial(cage_slip, roller_slip)
-        cage, roller = (float(one[0]) for one in epicyclic(self.assembly, self.history, np.zeros(1)))
-        speed = (1.0 - cage_slip) * cage
-        y = self.base.initial()
-        head, rollers, _ = self.parts(y)
-        head[1] = speed
-        rollers[:, 0] = (1.0 - roller_slip) * roller - speed
-        if "orbital_speed" in self.names[1]:
-            rollers[:, 1] = speed
-        return y
+        return self._state(0.0, cage_slip, roller_slip)
+
+    def looks(self) -> tuple[Array, Array]:
+        """Return instants of the history and states without slip there: where it breaks, and evenly over it."""
+        breaks = np.array(self.breaks)
+        even = np.linspace(0.0, self.history.end, _LOOKS)
+        times = np.union1d(even, breaks[:: 1 + breaks.size // _LOOKS])
+        return times, np.array([self._state(float(t)) for t in times])
+
+    def _state(self, t: float, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
+        now = {name: float(value) for name, value in self.history.at(t).items()}
+        cage, roller = (float(one[0]) for one in epicyclic(self.assembly, self.history, np.full(1, t)))
+        speed, spin = (1.0 - cage_slip) * cage, (1.0 - roller_slip) * roller
+        if (now["inner_speed"], now["outer_speed"]) == self.stations.speeds:
+            speeds = self.base.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
+            speed, spin = float(speeds.cage_speed), float(speeds.roller_speed)
+        return self.base.state_at(speed, spin, now["radial_load"], self.direction * now["load_direction"])
+
+    def state_at(self, cage_speed: float, roller_speed: float, load: float, direction: float) -> Array:
+        """Return the state with these speeds [rad/s] under a load [N] in a direction [rad]."""
+        return self.base.state_at(cage_speed, roller_speed, load, direction)
 
     def energy(self, y: Array) -> Array:
         """Return the kinetic energy of cage and rollers, and the elastic energy of the pockets [J], (...)."""
@@ -84,7 +110,7 @@ class VaryingMotion(MovingBearing):
     def error(self, refusal: Any) -> RollslipError:
         """Return the error that says in words what was refused: the ``reason`` of a ``RefusedError``."""
         by = self.system.owner.refused_by
-        return next(motion for motion in self.stations.motions.values() if motion.carried is by).error(refusal)
+        return next(motion for motion in self.stations.motions.values() if motion.system.owner is by).error(refusal)
 
 
 def epicyclic(assembly: Assembly, history: History, t: Array) -> tuple[Array, Array]:
@@ -104,7 +130,13 @@ def _fastest(assembly: Assembly, history: History) -> float:
 
 
 def varying_motion(
-    assembly: Assembly, friction: FrictionSettings, history: History, *, level: str, limit: Course | None = None
+    assembly: Assembly,
+    friction: FrictionSettings,
+    history: History,
+    *,
+    level: str,
+    planar: PlanarSettings | None = None,
+    limit: Course | None = None,
 ) -> VaryingMotion:
     """Build the motion of a bearing along a history.
 
@@ -117,20 +149,30 @@ def varying_motion(
     history : History
         How the operation goes over time.
     level : str
-        "cage-set".
+        "cage-set", "pocket" or "planar".
+    planar : PlanarSettings, optional
+        What level planar needs, and no other takes; without a load of their own over time.
     limit : Course, optional
         Cage slip that is watched, over time.
 
     Raises
     ------
     DomainError
-        If nothing ever rolls, or effective friction is to follow speeds whose ratio changes.
+        If nothing ever rolls, effective friction is to follow speeds whose ratio changes, or a load is to turn about
+        rings that tilt.
     SceneError, ConvergenceError
         If the bearing cannot be put together somewhere on the way.
     """
     k, spans = assembly.kinematics, history.spans
     speeds = _fastest_speeds(assembly, history)
-    axes = [Axis.of(name, *spans[name]) for name in ("radial_load", "temperature") if name in history.varies]
+    if "load_direction" in history.given and (tilt := assembly.scene.operation.misalignment) != 0.0:
+        raise DomainError(
+            f"the load turns, and operation.misalignment, {tilt:g} rad, is about the line of a load that does not; "
+            "make it 0, or leave load_direction out"
+        )
+    read = planar is not None and friction.name != "effective"  # which is an average over the loads
+    mapped = ("temperature",) if read else ("radial_load", "temperature")
+    axes = [Axis.of(name, *spans[name]) for name in mapped if name in history.varies]
     if friction.name == "effective" and {"inner_speed", "outer_speed"} & {*history.varies}:
         if not history.speeds_in_proportion():
             raise DomainError(
@@ -139,14 +181,15 @@ def varying_motion(
             )
         axes.append(Axis("speed", 0.0, abs(speeds[0] - speeds[1])))
     top = max(abs(end) for name in ("inner_speed", "outer_speed") for end in spans[name])
-    steady = _held(
-        assembly, {name: spans[name][0] for name in ("radial_load", "temperature") if name not in history.varies}
-    )
+    held = {name: spans[name][0] for name in ("radial_load", "temperature") if name not in history.varies}
+    if read:
+        held["radial_load"] = spans["radial_load"][1]
+    steady = _held(assembly, held)
     asked = assembly.scene.accuracy.of("cage_speed")
     plain = attrs.evolve(friction, critical_slip=float("nan"))
     if axes:  # tables differ by their errors, of which interpolation can make nothing better
         plain = attrs.evolve(plain, tolerance=min(friction.table_tolerance(assembly), _TABLES * asked))
-    if "radial_load" in history.varies and friction.name == "conventional":
+    if "radial_load" in history.varies and (planar is not None or friction.name == "conventional"):
         plain = attrs.evolve(plain, like=_held(assembly, {"radial_load": spans["radial_load"][1]}))
     stations = Stations(
         assembly=steady,
@@ -155,11 +198,13 @@ def varying_motion(
         axes=tuple(axes),
         friction=plain,
         level=level,
+        planar=planar,
         tolerance=asked,
     )
     base = stations.motion(tuple(axis.high for axis in axes))
     stations.motion(tuple(axis.roots[0] for axis in axes))  # what cannot be put together is told before a run
-    courses = [history.courses[name].scaled(k.direction) for name in ("inner_speed", "outer_speed")]
+    courses = [history.courses[name].scaled(k.direction) for name in ("inner_speed", "outer_speed", "load_direction")]
+    courses.append(history.courses["radial_load"])
     courses.append(constant(float("nan")) if limit is None else limit)
     courses += [constant(0.0) if axis.name == "speed" else history.courses[axis.name] for axis in axes]
     names = [axis.name for axis in axes]
@@ -169,6 +214,7 @@ def varying_motion(
         stations.around,
         speed_axis=names.index("speed") if "speed" in names else -1,
         root_axis=names.index("radial_load") if "radial_load" in names else -1,
+        cage_speed=list(base.names[0]).index("cage_speed"),
         inner_share=k.inner_radius / (k.inner_radius + k.outer_radius),
         still=STILL * _fastest(assembly, history),
         autonomous=not history.varies,
@@ -177,7 +223,7 @@ def varying_motion(
     return VaryingMotion(
         assembly=assembly,
         friction=base.friction,
-        system=System(varying.system()),
+        system=System(varying.system(base.system.frequencies[1])),
         history=history,
         stations=stations,
         base=base,

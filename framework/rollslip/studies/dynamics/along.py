@@ -18,7 +18,7 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.raceway import Array
-from rollslip.errors import RollslipError, SceneError
+from rollslip.errors import RollslipError
 from rollslip.motion.history.courses import Course, table
 from rollslip.motion.history.settings import History, HistorySettings
 from rollslip.motion.history.stations import operated, shown
@@ -65,23 +65,7 @@ def history_of(settings: HistorySettings | None, assembly: Assembly, duration: f
     return known
 
 
-def refused(level: str, assembly: Assembly, table_of: str) -> None:
-    """Refuse a history at a level that takes none.
-
-    Raises
-    ------
-    SceneError
-        If it does not.
-    """
-    if level != "cage-set":
-        where = Location(assembly.scene.origins, (*table_of.split("."), "history"))
-        ways = f"leave it out, or --set {table_of}.level=cage-set"
-        if level == "planar":
-            ways += "; a radial load alone may change there by planar.load_times and planar.load_factors"
-        raise SceneError([where.says(f"level {level!r} does not take a history yet, level 'cage-set' does; {ways}")])
-
-
-def left_open(history: History | None, named: Sequence[str]) -> tuple[dict[str, Any], list[str]]:
+def left_open(history: History | None, named: Sequence[str], level: str) -> tuple[dict[str, Any], list[str]]:
     """Return what a history leaves no choice of, and the settings that are not to be chosen: those and the named."""
     if history is None:
         return {}, [*named]
@@ -89,10 +73,11 @@ def left_open(history: History | None, named: Sequence[str]) -> tuple[dict[str, 
     if {"inner_speed", "outer_speed"} & {*history.varies}:
         settings["friction"] = "conventional"
     settings = {name: value for name, value in settings.items() if name not in named}
-    return settings, [*named, *settings, "integrator"]
+    within = level != "cage-set" and "level" in named  # contacts, which set the step all the way
+    return settings, [*named, *settings, *([] if within else ["integrator"])]
 
 
-def reasons(history: History | None, settings: Mapping[str, Any]) -> dict[str, str]:
+def reasons(history: History | None, settings: Mapping[str, Any], level: str) -> dict[str, str]:
     """Say why a history leaves no choice."""
     if history is None:
         return {}
@@ -102,7 +87,8 @@ def reasons(history: History | None, settings: Mapping[str, Any]) -> dict[str, s
         "friction": "the speeds of the rings change: effective friction is tabulated at one speed, and many tables "
         "would take longer than they save",
     }
-    return {name: known[name] for name in ("integrator", *settings)}
+    fixed = settings.get("level", level) == "cage-set"
+    return {name: known[name] for name in (*(["integrator"] if fixed else []), *settings)}
 
 
 @attrs.frozen(eq=False)
@@ -244,8 +230,13 @@ def at_the_ends(
     return estimated
 
 
-def with_history(study: EffectiveFriction, moving: Any, times: Array) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Return what is stored of a history at instants: variables, and attributes; nothing of a motion without one."""
+def with_history(
+    study: EffectiveFriction, moving: Any, times: Array, sliding: Array, traction: Array
+) -> tuple[dict[str, Array], dict[str, Any]]:
+    """Return what is stored of a history at instants: variables, and attributes; nothing of a motion without one.
+
+    ``sliding`` [m/s] and ``traction`` [N] are those of the contacts then, (rings, instants, rollers).
+    """
     if not isinstance(moving, VaryingMotion):
         return {}, {}
     history = moving.history
@@ -257,6 +248,8 @@ def with_history(study: EffectiveFriction, moving: Any, times: Array) -> tuple[d
         "runaway_slip_along": way.runaway_slip,
         "runaway_drag_along": way.runaway_drag,
         "critical_slip_along": way.critical_slip,
+        "roller_sliding_distance": np.asarray(np.trapezoid(np.abs(sliding), times, axis=1)),
+        "roller_frictional_work": np.asarray(np.trapezoid(traction * sliding, times, axis=1)),
     }
     return variables, {
         "history": json.dumps(history.given),
@@ -346,6 +339,7 @@ def at_the_end(assembly: Assembly, history: History | None, t: float) -> Assembl
     if history is None:
         return assembly
     now = {name: float(value) for name, value in history.at(t).items()}
+    now.pop("load_direction", None)  # turns what it loads, and changes no contact at rest
     if now["inner_speed"] == now["outer_speed"]:
         return None
     return operated(assembly, now)

@@ -13,6 +13,10 @@
   speeds were until then: there it is not chosen.
 - Where rollers hit their pockets only explicit methods that resolve contacts are tried: another that is right about
   the cage's speed may miss a third of the impacts' force (docs/trust/dynamics.rst).
+- What is stiff for a while only, as a start from rest, may still be cheaper with steps that follow their error: both go
+  through it until the implicit method has taken clearly more.
+- Along a history it is looked at several instants. Where rings rest contacts are damped most: there, if not all the
+  way, the motion is stiff, and an explicit method whose steps follow its error takes short ones for a short time.
 - What cannot be estimated is taken as finely as there is.
 """
 
@@ -244,12 +248,16 @@ class _Trials:
         """An explicit one where the motion is not stiff, else the one that the study takes by default."""
         moving, method = self.moving(study), study.method(self.assembly)
         name, order = method.name, method.order or 0
-        contact, start = moving.system.frequencies[0], moving.initial()[None]
-        found = _spectrum(moving, np.zeros(1), start)
+        contact, looks = moving.system.frequencies[0], list(zip(*moving.looks(), strict=True))
+        each = [_spectrum(moving, np.array([t]), y[None]) for t, y in looks]
+        found = max(frequency for frequency, _ in each), max(damping for _, damping in each)
+        at_times = False  # stiff, of a history
         span = min(_SHORT, study.duration, _STEPS * _RESOLVED / contact if contact else math.inf)
         if contact:
-            if stiff := _stiff(contact, found[1]):
+            mildest = min(damping for _, damping in each)
+            if stiff := _stiff(contact, mildest):
                 return name, stiff, None
+            at_times = bool(_stiff(contact, found[1]))
             own, least = math.inf, 0.0
         else:
             default = self._gone(study, moving, span)
@@ -263,7 +271,8 @@ class _Trials:
         for other in available("integrator"):
             model = get_model("integrator", other)
             # of smooth motions, so that the same tolerance is about the same error, none of a lower order
-            serves = model.resolves_contacts if contact else (model.order or 0) >= order
+            higher = (model.order or 0) >= order
+            serves = model.resolves_contacts and (higher or not at_times) if contact else higher
             if model.explicit and serves and model.compiled() is not None:
                 try:
                     tried[other] = self._gone(study.evolved(integrator=other), moving, span)
@@ -277,16 +286,43 @@ class _Trials:
             if _CHEAPER * tried[best].evaluations >= own:
                 return name, f"{decays}, and {costs}, explicit integrators more than half of it: {told}", None
             return best, f"{decays}, which does not bind an explicit integrator: {costs}, against {told}", None
+        if at_times:
+            return (
+                best,
+                f"the motion is damped by {mildest:.2g} to {found[1]:.2g}/s along the way: explicit steps that resolve "
+                f"contacts serve, and are held to tolerance where it is stiff; evaluations of the rates in the first "
+                f"{span:.2g} s: {told}",
+                None,
+            )
         fastest, damping = _spectrum(moving, tried[best].t, tried[best].y)
         if stiff := _stiff(contact, damping):
-            return name, stiff, None
+            if (get_model("integrator", best).order or 0) < order:
+                return name, stiff, None
+            few = tried[best].evaluations
+            own, at = self._until(study.evolved(integrator=name), moving, span, _CHEAPER * few)
+            if own <= _CHEAPER * few:
+                return name, stiff, None
+            return (
+                best,
+                f"{stiff}; but {name} takes {own} evaluations of the rates in {at:.2g} s, {best} {few} in {span:.2g} s",
+                None,
+            )
         return (
             best,
             f"the motion swings, at up to {max(fastest, *moving.system.frequencies):.2g} rad/s, and is hardly damped, "
             f"by {damping:.2g}/s at most: explicit steps that resolve contacts serve, and evaluations of the "
-            f"rates in the first {span:.2g} s decide among them: {told}",
+            f"rates in the first {span:.2g} s decide among them: {told}{_held(tried[best])}",
             None,
         )
+
+    def _until(self, study: Movable, moving: MovingBearing, span: float, most: float) -> tuple[int, float]:
+        """Evaluations of the rates until there are more than the most, or the span [s] ends; and when that was [s]."""
+        count, at, found = 0, 0.0, None
+        while at < span and count <= most:
+            at = min(max(2.0 * at, span / _SPECTRA), span)
+            found = _finished(study, study.tried(moving, np.array([at]), study.relative_tolerance, found))
+            count += found.evaluations
+        return count, at
 
     def _gone(self, study: Movable, moving: MovingBearing, span: float) -> Trajectory:
         times = np.linspace(0.0, span, _SPECTRA + 1)
@@ -319,6 +355,14 @@ def _stiff(contact: float, damping: float) -> str:
         f"the motion is stiff: its strongest damping, {damping:.2g}/s, takes {damping * step:.2g} in a step of "
         f"{step:.2g} s that resolves its contacts, more than the {_STIFF:g} up to which explicit ones are tried"
     )
+
+
+def _held(found: Trajectory) -> str:
+    """How long friction was held where it was not evaluated every time."""
+    if not (told := found.told):
+        return ""
+    held, off = told["friction_held"], told["friction_off"]
+    return f"; friction is evaluated every {held:.1g} s there, and off by {off:.0e} of it when it is again"
 
 
 def _finished(study: Movable, found: Trajectory) -> Trajectory:

@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 import attrs
@@ -80,6 +80,51 @@ def outputs_of(moving: MovingBearing, found: Trajectory) -> tuple[dict[str, Arra
             for name, values in outputs.items():
                 values[k] = row[name][0]
     return outputs, found
+
+
+def stored(moving: MovingBearing, found: Trajectory, outputs: Mapping[str, Array]) -> dict[str, Array]:
+    """Return what is known of the stored instants by name: motion, contacts with these outputs, ledger and events."""
+    a, of = moving.assembly, moving.split(found.y)
+    k, sign = a.kinematics, a.kinematics.direction
+    cage, spin = of["cage_speed"], of["roller_spin"]
+    places = of["cage_angle"][:, None] + 2.0 * np.pi / spin.shape[1] * np.arange(spin.shape[1])
+    orbit, place = of.get("orbital_speed", cage[:, None]), of.get("pocket_position")
+    if place is not None:
+        places = places + place / k.orbit_radius
+    relative = spin + orbit
+    cage_without, roller_without = moving.unslipped(found.t)
+    words = [WATCHED[e.watched][not e.rising] for e in found.events]
+    known = {
+        "cage_speed": sign * cage,
+        "cage_slip": 1.0 - cage / cage_without,
+        "roller_speed": sign * relative,
+        "roller_slip": 1.0 - relative / roller_without[:, None],
+        "orbit_angle": np.mod(places, 2.0 * np.pi),
+        "energy": moving.energy(found.y),
+        "work_done": np.array(list(moving.works(found.y).values())),
+        "energy_residual": moving.energy_residual(found.y),
+        "angular_momentum": moving.angular_momentum(found.y),
+        "momentum_residual": moving.momentum_residual(found.y),
+        "event_time": np.array([e.time for e in found.events]),
+        "event_what": np.array(words, dtype=np.dtypes.StringDType()).astype(object),
+        "event_rising": np.array([int(e.rising) for e in found.events], dtype=int),
+    }
+    for name in ("normal_force", "traction_force", "sliding_speed", "film_parameter"):
+        known[name] = np.moveaxis(outputs[name], 1, 0)
+    if place is not None:
+        known |= {"pocket_force": outputs["pocket_force"], "pocket_displacement": place}
+    for ring, table in zip(RINGS, moving.friction.tables, strict=False):
+        if (curve := table.curve) is not None:
+            known |= {f"{ring}_sliding": curve[0], f"{ring}_friction": curve[1]}
+    for what in ("inner_ring", "cage"):
+        if f"{what}_x" in of:
+            known[f"{what.removeprefix('inner_')}_displacement"] = np.array([of[f"{what}_x"], of[f"{what}_y"]])
+    if "cage_x" in of and (clearance := a.cage.land_clearance) is not None:
+        x, y = of["cage_x"], of["cage_y"]
+        if a.cage.guidance == "inner":
+            x, y = x - of["inner_ring_x"], y - of["inner_ring_y"]
+        known["land_eccentricity"] = np.hypot(x, y) / clearance
+    return known
 
 
 def regimes_of(raceways: LoadedRaceways, slip: Array, found: Trajectory) -> tuple[dict[str, Any], Trajectory]:

@@ -37,7 +37,7 @@ from rollslip.studies.dynamics.findings import (
     unslipped_cage_speed,
     unslipped_roller_speed,
 )
-from rollslip.studies.dynamics.history_figures import slip_along
+from rollslip.studies.dynamics.history_figures import phase, slip_along
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,6 +83,11 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
             "held at the operation of each moment; a curve is missing where it is not known."
         )
         yield f"{name}-history", caption, slip_along(dataset)
+        caption = (
+            f"Cage slip against the slip of running away at that moment, {which}: beyond the diagonal the cage runs "
+            "away. Numbers are times in seconds; a moment at which either is not known is left out."
+        )
+        yield f"{name}-phase", caption, phase(dataset)
     yield f"{name}-energy", f"Energy ledger since the start, {which}.", _energy(dataset)
     if "ring_displacement" in dataset:
         caption = f"Tracks of the centres of inner ring and cage, {which}; a circle is the end."
@@ -210,12 +215,13 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
 
     inner = dataset.sel(ring="inner")
     sliding, force, film = (inner[name].to_numpy() for name in ("sliding_speed", "normal_force", "film_parameter"))
-    loaded = force > 0.0
+    loaded, power = force > 0.0, inner["traction_force"].to_numpy() * sliding
     status = f"film parameter: {dataset['film_parameter'].attrs['film_status']}"
     nothing = "no roller is loaded"
     rows = [
         ("Sliding speed [m/s]", _Cells.of(dataset, np.where(loaded, sliding, np.nan), np.mean), nothing),
         ("Normal force [N]", _Cells.of(dataset, np.where(loaded, force, np.nan), np.mean), nothing),
+        ("Sliding power [W]", _Cells.of(dataset, np.where(loaded, np.abs(power), np.nan), np.mean), nothing),
         (r"Smallest $\Lambda$ [–]", _Cells.of(dataset, film, np.min), status if loaded.any() else nothing),
     ]
     if "pocket_force" in dataset:

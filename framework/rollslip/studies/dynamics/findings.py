@@ -391,5 +391,16 @@ def _cost(dataset: "xr.Dataset") -> str:
     )
     return (
         f"{a['steps']:,} steps ({rejected}), {a['rate_evaluations']:,} evaluations of the rates, {a['jacobians']:,} "
-        f"Jacobians, {a['contacts_evaluated']:,} contacts evaluated; {speed}"
+        f"Jacobians, {a['contacts_evaluated']:,} contacts evaluated; {speed}{_held(a)}"
+    )
+
+
+def _held(attributes: Mapping[str, Any]) -> str:
+    """For how long friction was held, and by how much it was off then; empty where it was evaluated every time."""
+    if "friction_held" not in attributes:
+        return ""
+    held, off, most = (attributes[f"friction_{what}"] for what in ("held", "off", "most_off"))
+    return (
+        f"; friction was evaluated every {held:.2g} s, linear in speed and time in between, and off by {off:.1e} of it "
+        f"when it was again, by {most:.1e} at most"
     )

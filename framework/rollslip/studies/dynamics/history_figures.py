@@ -1,4 +1,4 @@
-"""Figure of a motion along a history: slip within the band of safety, and what the operation did."""
+"""Figures of a motion along a history: slip in its band of safety, what the operation did, and the phase picture."""
 
 import json
 import math
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ROW, TWO_COLUMNS
+from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ONE_COLUMN, ROW, TWO_COLUMNS
 from rollslip.studies.dynamics.history_findings import nearest
 
 if TYPE_CHECKING:
@@ -19,10 +19,13 @@ _SHOWN: Final[dict[str, tuple[str, float, float]]] = {
     "inner_speed": ("Inner ring\n[rpm]", 30.0 / math.pi, 0.0),
     "outer_speed": ("Outer ring\n[rpm]", 30.0 / math.pi, 0.0),
     "radial_load": ("Radial\nload [N]", 1.0, 0.0),
+    "load_direction": ("Direction\nof load [°]", 180.0 / math.pi, 0.0),
     "temperature": ("Temperature\n[°C]", 1.0, -273.15),
 }
 #: Room on the axis above the largest slip, and how far it goes at most for a slip of running away beyond.
 _ROOM, _FAR = 1.3, 4.0
+#: Times that are written along the way through the phase picture, evenly over its length.
+_MARKS: Final = 12
 
 
 def slip_along(dataset: "xr.Dataset") -> "Figure":
@@ -64,3 +67,43 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
     figure.legend(handles=handles, loc="outside upper left", ncols=2)
     figure.set_figheight(figure.get_figheight() + ROW * -(-len(handles) // 2))
     return figure
+
+
+def phase(dataset: "xr.Dataset") -> "Figure":
+    """Draw the way of slip through the plane of slip and slip of running away."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(ONE_COLUMN[0], ONE_COLUMN[0]), layout="constrained")
+    axes = figure.subplots()
+    t = dataset["time"].to_numpy()
+    slip, away = (100.0 * dataset[name].to_numpy() for name in ("cage_slip", "runaway_slip_along"))
+    known = np.isfinite(slip) & np.isfinite(away)
+    axes.set_xlabel("Slip of running away [%]")
+    axes.set_ylabel("Cage slip [%]")
+    if not known.any():
+        said = "at no moment both slips are known"
+        axes.text(0.5, 0.5, said, transform=axes.transAxes, ha="center", va="center", color="0.25")
+        return figure
+    (left, right), (low, high) = (_with_room(values[known]) for values in (away, slip))
+    low, high = min(low, 0.0), max(high, 1.2 * left)
+    ends = np.array([left, right])
+    tint: dict[str, Any] = {"color": MODEL_COLOURS[1], "alpha": 0.25, "linewidth": 0.0}
+    axes.fill_between(ends, ends, max(high, right), **tint)
+    axes.plot(ends, ends, color=MODEL_COLOURS[1], linestyle=DASHES[1])
+    axes.plot(np.where(known, away, np.nan), np.where(known, slip, np.nan), color=MODEL_COLOURS[0])
+    axes.set_xlim(left, right)
+    axes.set_ylim(low, high)
+    axes.text(0.02, 0.98, "runs away", transform=axes.transAxes, ha="left", va="top", color="0.25")
+    places = np.stack(((away - left) / (right - left), (slip - low) / (high - low)))[:, known]
+    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places)))))
+    marks = np.searchsorted(way, np.linspace(0.0, way[-1], _MARKS))
+    for k in np.flatnonzero(known)[np.unique(np.minimum(marks, way.size - 1))]:
+        axes.plot(away[k], slip[k], color=MODEL_COLOURS[0], **MARKER)
+        axes.annotate(f"{t[k]:.2g}", (away[k], slip[k]), (4, 2), textcoords="offset points", fontsize=6)
+    return figure
+
+
+def _with_room(values: Any) -> tuple[float, float]:
+    least, most = float(values.min()), float(values.max())
+    room = max(0.08 * (most - least), 0.02 * abs(most), 0.1)
+    return least - room, most + room

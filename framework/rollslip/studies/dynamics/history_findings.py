@@ -2,7 +2,7 @@
 
 - Slips are known while the rings turn; where they all but stand an instant has none, and takes no part here.
 - Distances and spans of time are sums over the stored instants (trapezoids, passages on straight lines between them);
-  work is that of the ledger, which the motion integrates.
+  work is that of the ledger, which the motion integrates, but roller by roller, where it is a sum over these instants.
 """
 
 import json
@@ -20,7 +20,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 #: Units in which what varies is told.
-_UNITS: Final = {"inner_speed": "rad/s", "outer_speed": "rad/s", "radial_load": "N", "temperature": "K"}
+_UNITS: Final = {
+    "inner_speed": "rad/s",
+    "outer_speed": "rad/s",
+    "radial_load": "N",
+    "load_direction": "rad",
+    "temperature": "K",
+}
+_TOLD_IN: Final = {"load_direction": "deg"}
 _WORK: Final = {"inner": "lost_inner", "outer": "lost_outer"}
 
 
@@ -61,11 +68,8 @@ def time_beyond(dataset: "xr.Dataset") -> float:
 
 def sliding_distance(dataset: "xr.Dataset") -> dict[str, Array]:
     """Distance [m] that each roller slid on each ring: the time integral of |V| over the stored instants."""
-    t = dataset["time"].to_numpy()
-    return {
-        str(ring): np.trapezoid(np.abs(dataset["sliding_speed"].sel(ring=ring).to_numpy()), t, axis=0)
-        for ring in dataset["ring"].to_numpy()
-    }
+    distances = dataset["roller_sliding_distance"]
+    return {str(ring): distances.sel(ring=ring).to_numpy() for ring in dataset["ring"].to_numpy()}
 
 
 def frictional_work(dataset: "xr.Dataset") -> dict[str, float]:
@@ -114,7 +118,7 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
     for name in json.loads(dataset.attrs["history"]):
         values, what = dataset[name].to_numpy(), name.replace("_", " ")
         low, high, first, last = (
-            format_quantity(float(value), _UNITS[name], 4)
+            format_quantity(float(value), _UNITS[name], 4, _TOLD_IN.get(name))
             for value in (values.min(), values.max(), values[0], values[-1])
         )
         if name not in varies:

@@ -24,7 +24,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "cage_slip": Output("time", "1", "cage slip"),
         "roller_speed": Output(_ROLLER, "rad/s", "spin of a roller relative to its orbit"),
         "roller_slip": Output(_ROLLER, "1", "roller slip"),
-        "orbit_angle": Output(_ROLLER, "rad", "position from the line of load, in the sense of the orbit"),
+        "orbit_angle": Output(
+            _ROLLER, "rad", "position from the line of load, or its direction 0, in the sense of the orbit"
+        ),
         "normal_force": Output(_CONTACT, "N", "normal force"),
         "traction_force": Output(_CONTACT, "N", "traction, along the orbit"),
         "sliding_speed": Output(_CONTACT, "m/s", "sliding speed"),
@@ -37,11 +39,20 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "inner_speed": Output("time", "rad/s", "speed of the inner ring, where a history gives it"),
         "outer_speed": Output("time", "rad/s", "speed of the outer ring, where a history gives it"),
         "radial_load": Output("time", "N", "radial load, where a history gives it"),
+        "load_direction": Output(
+            "time", "rad", "direction of the radial load in the sense of positive speeds, where a history gives it"
+        ),
         "temperature": Output("time", "K", "temperature, where a history gives it"),
         "epicyclic_cage_speed": Output("time", "rad/s", "speed of the cage without slip, along a history"),
         "runaway_slip_along": Output("time", "1", "cage slip of running away at the operation of the moment"),
         "runaway_drag_along": Output("time", "N m", "largest drag torque that the rollers carry at that operation"),
         "critical_slip_along": Output("time", "1", "critical cage slip of the inner ring's curve at that operation"),
+        "roller_sliding_distance": Output(
+            "ring roller", "m", "distance that a roller slides on a ring along a history, over the stored instants"
+        ),
+        "roller_frictional_work": Output(
+            "ring roller", "J", "work of a roller's sliding on a ring along a history, over the stored instants"
+        ),
         "event_time": Output("event", "s", "time of the event"),
         "event_what": Output("event", "1", "what happened"),
         "event_rising": Output("event", "1", "1 where the watched value rose through its limit, 0 where it fell"),

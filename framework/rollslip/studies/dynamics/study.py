@@ -32,7 +32,7 @@ from rollslip.motion.history.courses import Course
 from rollslip.motion.history.settings import History, HistorySettings
 from rollslip.motion.history.varying import varying_motion
 from rollslip.motion.moving_bearing import MovingBearing
-from rollslip.motion.planar import PlanarMotion, PlanarSettings, planar_motion
+from rollslip.motion.planar import PlanarSettings, planar_motion
 from rollslip.motion.raceway_friction import FRICTION, FrictionSettings
 from rollslip.motion.time_integration import InitialValueProblem, Trajectory, integrate
 from rollslip.results.dataset import about
@@ -44,13 +44,13 @@ from rollslip.studies.dynamics import along
 from rollslip.studies.dynamics.choice import choose_motion, with_few_slices
 from rollslip.studies.dynamics.cost import costs_of
 from rollslip.studies.dynamics.ending import (
-    WATCHED,
     explained,
     failed_by,
     last_slices,
     outputs_of,
     regimes_of,
     steady_slip_of,
+    stored,
 )
 from rollslip.studies.dynamics.outputs import OUTPUTS
 from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
@@ -195,13 +195,14 @@ class Dynamics(Study):
 
     def _with_choice(self, estimated: Estimated, assembly: Assembly) -> Estimated:
         """Friction, level and integrator, where the scene does not name them."""
-        settings, named = along.left_open(self.course(assembly), [*assembly.scene.study.get(self.name, {})])
+        named = [*assembly.scene.study.get(self.name, {})]
+        settings, named = along.left_open(self.course(assembly), named, self.level)
         choice = choose_motion(self.evolved(**settings), assembly.at(estimated.resolution), named)
         return attrs.evolve(
             estimated,
             resolution=attrs.evolve(estimated.resolution, **settings, **choice.settings),
             errors={**estimated.errors, **choice.errors},
-            reasons={**choice.reasons, **along.reasons(self.course(assembly), settings)},
+            reasons={**choice.reasons, **along.reasons(self.course(assembly), settings, self.level)},
         )
 
     def _with_steps(self, estimated: Estimated, few: Assembly) -> Estimated:
@@ -354,7 +355,8 @@ class Dynamics(Study):
             if store is not None:
                 store.write(parts + number, trajectory)
             if kept.progress is not None:
-                kept.progress(f"{trajectory.last_t:.4g} of {self.duration:.4g} s")
+                t = trajectory.last_t
+                kept.progress(f"{t:.4g} of {self.duration:.4g} s", t / self.duration)
 
         found = integrate(
             self._ivp(moving, self.relative_tolerance, before, watch=watch if moving.system.watched else None),
@@ -429,8 +431,8 @@ class Dynamics(Study):
         """Return the bearing in motion; ``limit`` is the slip that is watched along a history."""
         friction = self._frictions(critical_slip)
         if (history := self.course(assembly)) is not None:
-            along.refused(self.level, assembly, self.table)
-            return varying_motion(assembly, friction, history, level=self.level, limit=limit)
+            planar = self._of_planar(assembly) if self.level == "planar" else None
+            return varying_motion(assembly, friction, history, level=self.level, planar=planar, limit=limit)
         if self.level == "planar":
             return planar_motion(assembly, self._of_planar(assembly), friction)
         return carried_motion(assembly, friction, level=self.level)
@@ -454,6 +456,16 @@ class Dynamics(Study):
                     where.at("planar").says(
                         "missing, but required for level = 'planar'; give [study.dynamics.planar] with the mass that "
                         "moves with the inner ring, such as inner_ring_mass = '5 kg'"
+                    )
+                ]
+            )
+        if self.history is not None and self.planar.load_times:
+            where = Location(assembly.scene.origins, (*self.table.split("."), "planar"))
+            raise SceneError(
+                [
+                    where.at("load_times").says(
+                        f"there is a history too: give the load over time as {self.table}.history.radial_load, and "
+                        "leave load_times, load_factors and load_between out"
                     )
                 ]
             )
@@ -489,58 +501,13 @@ class Dynamics(Study):
     ) -> "xr.Dataset":
         import xarray as xr
 
-        k, sign = assembly.kinematics, assembly.kinematics.direction
-        t, y = found.t, found.y
-        of = moving.split(y)
-        cage, spin = of["cage_speed"], of["roller_spin"]
-        rollers_at = of["cage_angle"][:, None] + 2.0 * np.pi / spin.shape[1] * np.arange(spin.shape[1])
-        orbit, place = of.get("orbital_speed", cage[:, None]), of.get("pocket_position")
-        if place is not None:
-            rollers_at = rollers_at + place / k.orbit_radius
-        relative = spin + orbit
-        cage_without, roller_without = moving.unslipped(t)
-        cage_slip = 1.0 - cage / cage_without
-        works = moving.works(y)
-
-        def by_ring(name: str) -> Array:
-            return np.moveaxis(outputs[name], 1, 0)
-
-        words = [WATCHED[e.watched][not e.rising] for e in found.events]
-        variables = self.variables(
-            cage_speed=sign * cage,
-            cage_slip=cage_slip,
-            roller_speed=sign * relative,
-            roller_slip=1.0 - relative / roller_without[:, None],
-            orbit_angle=np.mod(rollers_at, 2.0 * np.pi),
-            normal_force=by_ring("normal_force"),
-            traction_force=by_ring("traction_force"),
-            sliding_speed=by_ring("sliding_speed"),
-            film_parameter=by_ring("film_parameter"),
-            energy=moving.energy(y),
-            work_done=np.array(list(works.values())),
-            energy_residual=moving.energy_residual(y),
-            angular_momentum=moving.angular_momentum(y),
-            momentum_residual=moving.momentum_residual(y),
-            event_time=np.array([e.time for e in found.events]),
-            event_what=np.array(words, dtype=np.dtypes.StringDType()).astype(object),
-            event_rising=np.array([int(e.rising) for e in found.events], dtype=int),
-        )
+        t, cage = found.t, moving.split(found.y)["cage_speed"]
+        variables = self.variables(**stored(moving, found, outputs))
         variables["film_parameter"][2]["film_status"] = self._film_status()
-        if place is not None:
-            variables |= self.variables(pocket_force=outputs["pocket_force"], pocket_displacement=place)
-        for ring, table in zip(RINGS, moving.friction.tables, strict=False):
-            if (curve := table.curve) is not None:
-                variables |= self.variables(**{f"{ring}_sliding": curve[0], f"{ring}_friction": curve[1]})
-        for what in ("inner_ring", "cage"):
-            if f"{what}_x" in of:
-                place_of = np.array([of[f"{what}_x"], of[f"{what}_y"]])
-                variables |= self.variables(**{f"{what.removeprefix('inner_')}_displacement": place_of})
-        if isinstance(moving, PlanarMotion) and (clearance := assembly.cage.land_clearance) is not None:
-            x, y = of["cage_x"], of["cage_y"]
-            if assembly.cage.guidance == "inner":
-                x, y = x - of["inner_ring_x"], y - of["inner_ring_y"]
-            variables |= self.variables(land_eccentricity=np.hypot(x, y) / clearance)
-        at_instants, of_history = along.with_history(self.curved(assembly), moving, t)
+        cage_slip, works = variables["cage_slip"][1], moving.works(found.y)
+        at_instants, of_history = along.with_history(
+            self.curved(assembly), moving, t, variables["sliding_speed"][1], variables["traction_force"][1]
+        )
         variables |= self.variables(**at_instants)
         ended = found.outcome == "finished"  # else a longer run would end there too
         steady, steady_status = steady_slip_of(
@@ -556,7 +523,7 @@ class Dynamics(Study):
             variables,
             {
                 "time": ("time", t, about("s", "time")),
-                "roller": ("roller", np.arange(spin.shape[1]), about("1", "roller")),
+                "roller": ("roller", np.arange(assembly.scene.bearing.rollers), about("1", "roller")),
                 "ring": ("ring", np.array(RINGS), about("1", "ring")),
                 "work": ("work", np.array(list(works)), about("1", "what the work was done by")),
                 "direction": ("direction", np.array(["along", "across"]), about("1", "direction to the line of load")),
@@ -584,6 +551,7 @@ class Dynamics(Study):
                 "drag": json.dumps([{"name": drag.name, "equation": drag.equation} for drag in assembly.cage.drags]),
                 "cage": json.dumps(resolved(assembly.cage), default=str),
                 **moving.tables,
+                **found.told,
             },
         )
 
