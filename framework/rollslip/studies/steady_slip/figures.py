@@ -5,12 +5,13 @@ dashed.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.style import (
+    DASHES,
     MARKER,
     MODEL_COLOURS,
     ONE_COLUMN,
@@ -18,8 +19,11 @@ from rollslip.results.style import (
     ROW,
     TWO_COLUMNS,
     axis_label,
+    light_to_dark,
+    unit_label,
 )
 from rollslip.studies.steady_slip.findings import has_steady, varied
+from rollslip.units import converted, shown_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +34,7 @@ __all__ = ["steady_figures"]
 
 Array = NDArray[np.float64]
 
+_SYMBOLS: Final = {"inner_speed": r"$n_\mathrm{i}$", "temperature": r"$\vartheta$", "radial_load": r"$F_\mathrm{r}$"}
 _OPEN: dict[str, Any] = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 0.9}
 
 
@@ -44,6 +49,8 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
     if has_steady(dataset):
         caption = f"Normal force and roller slip over the orbit at the steady cage slips, {which}."
         yield "steady-slip-orbit", caption, _orbit(dataset)
+        if "loss" in dataset and float(np.abs(dataset["loss"]).max()) > 0.0:
+            yield "steady-slip-losses", "Power lost to friction at the steady cage slips, by source.", _losses(dataset)
     for name in varied(dataset):
         if name in dataset:
             caption = (
@@ -63,7 +70,8 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
     drag = dataset["drag_torque"].to_numpy()
     curve = PchipInterpolator(slip, driving)(fine)
     handles: list[Artist] = [*axes.plot(100 * fine, curve, color=MODEL_COLOURS[0], label="the rollers drive")]
-    handles += axes.plot(100 * slip, drag, color=MODEL_COLOURS[1], linewidth=1.0, label="the drags resist")
+    resists: dict[str, Any] = {"color": MODEL_COLOURS[1], "linewidth": 1.0, "linestyle": DASHES[3]}
+    handles += axes.plot(100 * slip, drag, label="the drags resist", **resists)
     largest = float(dataset["largest_drag"])
     if not np.isnan(largest):
         place = 100 * float(dataset["largest_drag_slip"]), largest
@@ -80,6 +88,34 @@ def _torques(dataset: "xr.Dataset") -> "Figure":
     axes.set_xlabel(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
     axes.set_ylabel("Torque on the cage [N m]")
     return _with_legend(figure, handles)
+
+
+def _losses(dataset: "xr.Dataset") -> "Figure":
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
+    axes = figure.subplots()
+    power, sources = dataset["loss"].to_numpy(), [str(source) for source in dataset["source"].to_numpy()]
+    place, begin = np.arange(power.shape[1]), np.zeros(power.shape[1])
+    tints = light_to_dark()(np.linspace(1.0, 0.0, len(sources)))
+    handles: list[Artist] = []
+    for source, tint, lost in zip(sources, tints, power, strict=True):
+        bars = axes.barh(
+            place, lost, left=begin, height=0.6, color=tint, edgecolor="white", linewidth=0.4,
+            label=f"{source}, {', '.join(f'{value:.3g}' for value in lost)} W",
+        )  # fmt: skip
+        handles.append(bars[0])
+        bars[0].set_label(bars.get_label())
+        begin = begin + lost
+    slips, held = dataset["steady_slip"].to_numpy(), dataset["stable"].to_numpy()
+    words = [f"{100 * slip:.3g} %, {'held' if kept else 'not held'}" for slip, kept in zip(slips, held, strict=True)]
+    axes.set_yticks(place, words)
+    axes.invert_yaxis()
+    axes.set_ylabel(axis_label(dataset["steady_slip"], r"$S_\mathrm{c}$", "%"))
+    axes.set_xlabel(axis_label(dataset["loss"], "$P$", "W"))
+    figure.legend(handles=handles, loc="outside upper left", ncols=2)
+    figure.set_figheight(0.5 * TWO_COLUMNS[1] + ROW * (2 * power.shape[1] + -(-len(handles) // 2)))
+    return figure
 
 
 def _orbit(dataset: "xr.Dataset") -> "Figure":
@@ -127,9 +163,11 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
     for number in np.unique(branch):
         for kind, style in ((stable | fold, "solid"), (~stable, "dashed")):  # a fold belongs to both
             axes.plot(value, np.where(kind & (branch == number), slip, np.nan), color=MODEL_COLOURS[0], linestyle=style)
+    kinds: Any = (("steady slip", "solid", stable), ("steady slip that is not held", "dashed", ~stable))
     handles: list[Artist] = [
-        Line2D([], [], color=MODEL_COLOURS[0], label="steady slip"),
-        Line2D([], [], color=MODEL_COLOURS[0], linestyle="dashed", label="steady slip that is not held"),
+        Line2D([], [], color=MODEL_COLOURS[0], linestyle=style, label=words)
+        for words, style, of_kind in kinds
+        if of_kind.any()
     ]
     if fold.any():
         words = ", ".join(f"{at:.4g} {unit}" for at in value[fold])
@@ -144,12 +182,9 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
 
 def _for_people(dataset: "xr.Dataset", name: str) -> tuple[Array, str, str]:
     """Values of what was varied in the unit that people use, the unit, and the symbol."""
-    values = dataset[name].to_numpy()
-    if name == "inner_speed":
-        return values * 30.0 / np.pi, "rpm", r"$n_\mathrm{i}$"
-    if name == "temperature":
-        return values - 273.15, "°C", r"$\vartheta$"
-    return values, "N", r"$F_\mathrm{r}$"
+    values, unit = dataset[name].to_numpy(), str(dataset[name].attrs["units"])
+    shown = shown_unit(float(np.nanmax(np.abs(values))), unit)
+    return converted(values, unit, shown), unit_label(shown), _SYMBOLS[name]
 
 
 def _with_legend(figure: "Figure", handles: "list[Artist]") -> "Figure":

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _RPM = 30.0 / math.pi
+#: Sources of loss that a sentence names.
+_MOST_SOURCES = 4
 
 
 def varied(dataset: "xr.Dataset") -> list[str]:
@@ -43,6 +45,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
             "torque": float(dataset["torque"][k]),
             "stable": bool(dataset["stable"][k]),
             "stability": str(dataset["stability"][k].item()),
+            **_lost(dataset.isel(steady=k)),
         }
         for k in range(dataset.sizes["steady"] if has_steady(dataset) else 0)
     ]
@@ -54,6 +57,14 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         | {name: None if math.isnan(value) else value for name, value in values.items()}
         | {name: str(dataset[name].item()) for name in texts}
     )
+
+
+def _lost(one: "xr.Dataset") -> dict[str, Any]:
+    """Losses by source and friction torque of one steady slip; nothing in a result that is older than they are."""
+    if "loss" not in one:
+        return {}
+    powers = zip(map(str, one["source"].to_numpy()), one["loss"].to_numpy().tolist(), strict=True)
+    return {"friction_torque": float(one["friction_torque"]), "losses": dict(powers)}
 
 
 def headline(dataset: "xr.Dataset") -> str:
@@ -70,6 +81,7 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     return {
         "steady slip": _steady(dataset),
         "largest drag": [_largest(dataset)],
+        **({"losses": _losses(dataset)} if "loss" in dataset and has_steady(dataset) else {}),
         **({"least load": [_least_load(dataset)]} if "least_load" in dataset else {}),
         **{f"limit of the {_what(dataset, name)}": [_limit(dataset, name)] for name in varied(dataset)},
         "inertia of the rollers": [_inertia(dataset)],
@@ -110,6 +122,25 @@ def _steady(dataset: "xr.Dataset") -> list[str]:
         f"{_RPM * float(one['cage_speed']):.5g} rpm against a drag of {format_quantity(float(one['torque']), 'N m', 3)}"
         for one in (dataset.isel(steady=k) for k in range(dataset.sizes["steady"]))
     ]
+
+
+def _losses(dataset: "xr.Dataset") -> list[str]:
+    """Say what is lost at each steady slip that the cage holds, the largest sources first."""
+    said = []
+    for k in np.flatnonzero(dataset["stable"].to_numpy() == 1):
+        one = dataset.isel(steady=int(k))
+        power = one["loss"].to_numpy()
+        total = float(power.sum())
+        if not total > 0.0:
+            continue
+        order = np.argsort(-power, kind="stable")[:_MOST_SOURCES]
+        shares = ", ".join(f"{_percent(power[n] / total)} {one['source'].to_numpy()[n]}" for n in order if power[n] > 0)
+        said.append(
+            f"at a cage slip of {_percent(float(one['steady_slip']))} the bearing turns "
+            f"{format_quantity(total, 'W', 3)} into heat, a friction torque of "
+            f"{format_quantity(float(one['friction_torque']), 'N m', 3)}: {shares}"
+        )
+    return said
 
 
 def _largest(dataset: "xr.Dataset") -> str:

@@ -16,6 +16,7 @@ import attrs
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.torque_balance import TorqueBalance
+from rollslip.scene.plausibility import skf_least_load
 from rollslip.units import format_quantity
 
 __all__ = ["RULES", "Rule", "least_load", "static_rating"]
@@ -97,15 +98,6 @@ class Rule:
         return (math.nan, f"takes {' and '.join(missing)}") if missing else (self.load(bearing, speed), "found")
 
 
-def _skf(bearing: Bearing, speed: float) -> float:
-    """SKF's rule F = k_r (6 + 4 n/n_r) (d_m/100)^2 kN, d_m in mm, which is taken on the pitch circle here."""
-    catalogue: Any = bearing.catalogue
-    pitch = 0.5 * (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter)
-    return float(
-        1e3 * catalogue.minimum_load_factor * (6.0 + 4.0 * speed / catalogue.reference_speed) * (10.0 * pitch) ** 2
-    )
-
-
 def _nke(bearing: Bearing, speed: float) -> float:
     catalogue: Any = bearing.catalogue
     return float(0.02 * catalogue.dynamic_rating)
@@ -120,7 +112,7 @@ RULES: Final[Mapping[str, Rule]] = {
     ),
     "Schaeffler": Rule(lambda bearing, speed: static_rating(bearing) / 60.0, "C0r/60, recalled, not read", "C"),
     "SKF": Rule(
-        _skf,
+        skf_least_load,
         "k_r (6 + 4 n/n_r) (d_m/100)^2 kN for one row with a cage, catalogue 17000, page 509",
         "A",
         ("minimum_load_factor", "reference_speed"),

@@ -4,9 +4,10 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from rollslip.studies.answers import Output
+from rollslip.studies.answers import Measurable, Output
 from rollslip.studies.raceways import REGIMES
-from rollslip.studies.steady_slip.statuses import VARIED
+from rollslip.studies.steady_slip.losses import LOSSES
+from rollslip.studies.steady_slip.statuses import FASTER, VARIED
 
 
 def followed_outputs(name: str) -> dict[str, Output]:
@@ -65,6 +66,18 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "driving_torque": Output("cage_slip", "N m", "torque with which the rollers drive the cage"),
         "drag_torque": Output("cage_slip", "N m", "torque with which the drags resist the cage"),
         **{name: output for varied in VARIED for name, output in followed_outputs(varied).items()},
+        **LOSSES,
         **REGIMES,
+    }
+)
+#: What of it can be measured.
+MEASURED: Final[Mapping[str, Measurable]] = MappingProxyType(
+    {
+        "cage-slip": Measurable(variable="steady_slip", beyond=True, below=FASTER, lasting=0),
+        "largest-cage-slip": Measurable(variable="steady_slip", beyond=True, below=FASTER, lasting=-1),
+        "cage-speed": Measurable(variable="cage_speed", lasting=0),
+        "friction-torque": Measurable(variable="friction_torque", lasting=0),
+        "least-load": Measurable(variable="least_load"),
+        "largest-drag-slip": Measurable(variable="largest_drag_slip", beyond=True),
     }
 )

@@ -11,6 +11,8 @@ from rollslip.units import format_quantity
 
 #: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.
 RUNS_AWAY, LEAVES = "slip runs away", "slip leaves the range"
+#: What it says of one that is driven.
+FASTER = "it runs faster than its epicyclic speed"
 #: What a branch may miss of a range that it goes through, relative.
 _THROUGH = 1e-3
 #: What the slips can be followed against -> (unit, what a fold is in words).
@@ -28,10 +30,7 @@ def status_of(balance: TorqueBalance, curve: TorqueCurve, largest: Critical, sli
     if slips:
         return "found"
     if balance.excess(float(curve.slip[-1])) > 0.0:
-        return (
-            f"no steady slip up to {curve.slip[-1]:g}: what acts on the cage drives it, and it runs faster than its "
-            "epicyclic speed"
-        )
+        return f"no steady slip up to {curve.slip[-1]:g}: what acts on the cage drives it, and {FASTER}"
     best = int(np.argmax(curve.torque))
     slip, torque = (
         (float(curve.slip[best]), float(curve.torque[best]))

@@ -36,11 +36,12 @@ from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies import estimates
-from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Part, Some
+from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
 from rollslip.studies.raceways import regime_variables, unloaded
 from rollslip.studies.steady_slip.crossings import MOST_INSTANTS, crossings
+from rollslip.studies.steady_slip.losses import losses
 from rollslip.studies.steady_slip.minimum_load import RULES, least_load
-from rollslip.studies.steady_slip.outputs import OUTPUTS, followed_outputs
+from rollslip.studies.steady_slip.outputs import MEASURED, OUTPUTS, followed_outputs
 from rollslip.studies.steady_slip.statuses import VARIED, no_fold, status_of
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
@@ -90,6 +91,7 @@ class SteadySlip(Study):
     )
     with_cage: ClassVar[bool] = True
     in_threads: ClassVar[bool] = True
+    measured: ClassVar[Mapping[str, Measurable]] = MEASURED
 
     max_cage_slip: float = parameter(
         default=0.9, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
@@ -260,11 +262,11 @@ class SteadySlip(Study):
         -------
         xarray.Dataset
             Dimensions (cage_slip,): driving_torque, drag_torque; (steady,): steady_slip, cage_speed, torque, stable,
-            stability, multiplier; (ring, steady): effective_friction, film_parameter; (steady, angle): roller_slip;
-            (ring, steady, angle): normal_force, all of these one NaN where there is no steady slip; scalars: status,
-            largest_drag, largest_drag_slip, largest_drag_status, first_maximum_torque, first_maximum_slip. For each
-            varied quantity X, if a branch was found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars
-            X_limit, X_limit_slip, X_limit_status.
+            stability, multiplier, stored_power, friction_torque; (ring, steady): effective_friction, film_parameter,
+            ring_power; (source, steady): loss; (steady, angle): roller_slip; (ring, steady, angle): normal_force, all
+            of these one NaN where there is no steady slip; scalars: status, largest_drag, largest_drag_slip,
+            largest_drag_status, first_maximum_torque, first_maximum_slip. For each varied quantity X, if a branch was
+            found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit, X_limit_slip, X_limit_status.
 
         Raises
         ------
@@ -288,6 +290,8 @@ class SteadySlip(Study):
         angle = 2.0 * np.pi * np.arange(positions) / positions
         coords["angle"] = "angle", angle, about("rad", "position from the line of load, in the sense of the orbit")
         variables |= _films(balance, states, steady=bool(slips))
+        lost, source = losses(balance, states, steady=bool(slips))
+        variables, coords = variables | lost, coords | source
         variables |= self.variables(status=status_of(balance, curve, largest, slips, self.table))
         for name in VARIED:
             if limits := getattr(self, name):
@@ -339,6 +343,10 @@ class SteadySlip(Study):
         return self.variables(status=status, steady_slip=known), {
             "steady": ("steady", np.arange(known.size), about("1", "steady cage slip"))
         }
+
+    def balance(self, assembly: Assembly) -> TorqueBalance:
+        """Return the balance of torques of a bearing at its instants, with resistance to rolling if it has some."""
+        return self._balance(assembly, assembly.resolution.instants or _first_instants(assembly))
 
     def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
         return TorqueBalance(

@@ -1,0 +1,45 @@
+"""What a bearing loses to friction at its steady slips, as variables of the result."""
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+
+from rollslip.bearing.raceway import RINGS
+from rollslip.motion.losses import power_balance
+from rollslip.motion.torque_balance import Orbit, TorqueBalance
+from rollslip.results.dataset import about
+from rollslip.studies.answers import Output
+
+#: What `losses` gives.
+LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "loss": Output("source steady", "W", "power lost to friction", status="status"),
+        "ring_power": Output("ring steady", "W", "power that a ring puts in", status="status"),
+        "stored_power": Output(
+            "steady", "W", "power of the rings that no loss takes: of the root and of the positions", status="status"
+        ),
+        "friction_torque": Output(
+            "steady", "N m", "friction torque of the bearing, all losses over the relative speed", status="status"
+        ),
+    }
+)
+
+
+def losses(balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the losses at some states as variables, and the coordinate of their sources; NaN where none is steady."""
+    balances = [power_balance(balance, state) for state in (states if steady else states[:1])]
+    power = np.array([[loss.power for loss in one.losses] for one in balances]).T
+    turns = abs(balance.assembly.scene.operation.inner_speed - balance.assembly.scene.operation.outer_speed)
+    found = {
+        "loss": power,
+        "ring_power": np.array([one.rings for one in balances]).T.reshape(len(RINGS), -1),
+        "stored_power": np.array([one.stored for one in balances]),
+        "friction_torque": power.sum(axis=0) / turns,
+    }
+    sources = [loss.source for loss in balances[0].losses]
+    return {
+        name: LOSSES[name].variable(values if steady else np.full_like(values, np.nan))
+        for name, values in found.items()
+    }, {"source": ("source", sources, about("1", "what loses power"))}

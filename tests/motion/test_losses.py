@@ -1,0 +1,129 @@
+"""Losses of a bearing: what the rings put in is what is lost, for any drags, speeds, loads and slips."""
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from rollslip import evolve, load_scene, run
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.resolution import as_stated
+from rollslip.models import DragModel
+from rollslip.motion.losses import power_balance
+from rollslip.motion.torque_balance import TorqueBalance, effective_curves
+from rollslip.results.account import account_of
+
+SHIPPED = evolve(load_scene("1032930-50C"), {"lubricant.density": "930 kg/m3"})
+DRAGS = ["petroff-land", "churning", "rolling-resistance", "hysteresis", "pocket-friction", "constant-torque"]
+
+
+def bearing(changes, slices=4):
+    scene = evolve(SHIPPED, changes)
+    return assemble(scene, attrs.evolve(as_stated(scene), slices=slices, instants=2)).with_resistance()
+
+
+def balanced(assembly, **options):
+    return TorqueBalance(assembly, assembly.cage.drags, instants=2, **options)
+
+
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    slip=st.floats(0.0, 0.6),
+    inner=st.floats(50.0, 900.0),
+    outer=st.sampled_from([0.0, -300.0, 200.0, 1500.0]),
+    load=st.floats(300.0, 2e4),
+    temperature=st.floats(300.0, 400.0),
+    drags=st.sets(st.sampled_from(DRAGS)),
+    guidance=st.sampled_from(["inner", "outer"]),
+    inertia=st.booleans(),
+)
+def test_what_the_rings_put_in_is_lost_or_stored(slip, inner, outer, load, temperature, drags, guidance, inertia):
+    assembly = bearing(
+        {
+            "operation.inner_speed": inner,
+            "operation.outer_speed": outer,
+            "operation.radial_load": load,
+            "operation.temperature": temperature,
+            "cage.drag": sorted(drags),
+            "cage.guidance": guidance,
+        }
+    )
+    balance = balanced(assembly, inertia=inertia)
+    orbit = balance.orbit(slip)
+    found = power_balance(balance, orbit)
+    sizes = sum(abs(loss.power) for loss in found.losses) + sum(map(abs, found.rings)) + abs(found.stored)
+    assert abs(sum(found.rings) - found.total - found.stored) <= 1e-9 * sizes
+    contacts = {f"{kind}, {ring} raceway" for kind in ("sliding", *drags & {"rolling-resistance", "hysteresis"})
+                for ring in ("inner", "outer")}  # fmt: skip
+    assert {loss.source for loss in found.losses} == contacts | drags - {"rolling-resistance", "hysteresis"}
+    assert all(loss.power >= 0.0 for loss in found.losses)
+    if not inertia:  # a roller without inertia stores nothing: what is left accelerates the cage
+        assert found.stored == pytest.approx(balance.excess(slip) * abs(balance.cage_speed(slip)), abs=1e-9 * sizes)
+
+
+def test_effective_friction_keeps_the_balance_too():
+    assembly = bearing({"cage.drag": DRAGS, "accuracy.tolerance": 0.01})
+    balance = balanced(assembly, effective=effective_curves(assembly, 2))
+    found = power_balance(balance, balance.orbit(0.2))
+    assert sum(found.rings) == pytest.approx(found.total + found.stored, rel=1e-9)
+
+
+def test_a_roller_without_drag_and_inertia_loses_what_friction_times_sliding_speed_sums_to():
+    balance = balanced(bearing({"cage.drag": []}), inertia=False)
+    orbit = balance.orbit(0.3)
+    power = 0.0
+    for contacts in balance.evaluated(orbit):
+        s = contacts.slices
+        power += float((np.abs(s.friction * s.sliding_speed) * contacts.force).sum()) / balance.instants
+    assert power_balance(balance, orbit).total == pytest.approx(power, rel=1e-12)
+
+
+@attrs.frozen
+class Brush(DragModel):
+    """A brush on the inner ring that drags the cage."""
+
+    name, equation, references = "brush", "T = k (w_i - w_c)", ()
+    against = "inner"
+
+    def torque(self, cage_speed, inner_speed, outer_speed):
+        return 1e-4 * (inner_speed - cage_speed)
+
+
+def test_the_ring_that_bears_the_reaction_of_a_drag_pays_for_it():
+    assembly = bearing({"cage.drag": []})
+    alone = power_balance(balanced(assembly), balanced(assembly).orbit(0.1))
+    drags = attrs.evolve(assembly.cage.drags, torques=(Brush(),))
+    balance = TorqueBalance(assembly, drags, instants=2)
+    found = power_balance(balance, balance.orbit(0.1))
+    inner, cage = assembly.kinematics.inner_speed, balance.cage_speed(0.1)
+    assert found.losses[-1].place == "inner land"
+    assert found.losses[-1].power == pytest.approx(1e-4 * (inner - cage) ** 2)
+    assert found.rings[0] - alone.rings[0] == pytest.approx(1e-4 * (inner - cage) * inner)
+
+
+def test_one_drag_named_twice_is_two_sources():
+    balance = balanced(bearing({"cage.drag": ["constant-torque", "constant-torque"]}))
+    found = power_balance(balance, balance.orbit(0.1))
+    assert [loss.source for loss in found.losses[-2:]] == ["constant-torque", "constant-torque 2"]
+
+
+def test_the_study_tells_losses_by_source_and_what_the_rings_put_in():
+    result = run(evolve(SHIPPED, {"accuracy.tolerance": 0.01, "study.steady-slip.points": 10}), "steady-slip")
+    total, rings = result.loss.sum("source"), result.ring_power.sum("ring")
+    assert np.abs(rings - total - result.stored_power).max() < 1e-9 * total.max()
+    # what the positions of the orbit leave
+    assert np.abs(result.stored_power).max() < 1e-3 * total.max()
+    assert result.friction_torque.values == pytest.approx(total.values / SHIPPED.operation.inner_speed)
+    (said,) = account_of(result).topics(result)["losses"]
+    assert said.startswith(
+        "at a cage slip of 7.16 % the bearing turns 118 W into heat, a friction torque of 178 mN m: "
+    )
+    assert account_of(result).record(result)["steady"][0]["losses"].keys() == set(result.source.values)
+
+
+def test_where_the_cage_runs_away_no_loss_is_told():
+    beyond = {"cage.drag": [{"model": "constant-torque", "size": "1 N m"}], "accuracy.tolerance": 0.01}
+    result = run(evolve(SHIPPED, beyond), "steady-slip")
+    assert np.isnan(result.loss).all()
+    assert "losses" not in account_of(result).topics(result)
