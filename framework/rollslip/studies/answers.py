@@ -128,6 +128,28 @@ class Compared:
     tolerance: str = ""
 
 
+@attrs.frozen(kw_only=True)
+class Measurable:
+    """A quantity that can be measured, as a variable of a study.
+
+    Attributes
+    ----------
+    variable : str
+        The variable; its `Output` names the status.
+    beyond : bool
+        Whether no value means one beyond the range of the study, larger than all in it.
+    below : str
+        What the status says where no value means one below the range, smaller than all in it.
+    lasting : int or None
+        Of steady slips, which of those that last: 0 the smallest, -1 the largest; None where there is one value.
+    """
+
+    variable: str
+    beyond: bool = False
+    below: str = ""
+    lasting: int | None = None
+
+
 @attrs.frozen(eq=False)
 class Evaluated:
     """Loaded slices that a study evaluates for one of its curves: what they are evaluated at, and the force on each."""
@@ -145,4 +167,4 @@ class Keep:
     """Where a long study leaves what it has computed so far, and whom it tells how far it has come."""
 
     store: Checkpoints | None = None
-    progress: Callable[[str], None] | None = None
+    progress: Callable[[str, float], None] | None = None

@@ -27,7 +27,7 @@ from rollslip.results.curves import Curves
 from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import Location, structure
 from rollslip.studies import estimates, parts
-from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Part, Some
+from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
 from rollslip.studies.timing import timed
 from rollslip.units import format_quantity
 
@@ -62,12 +62,16 @@ class Study(abc.ABC):
     bearing_loads: ClassVar[bool] = True
     #: Whether cage and drags of the scene take part.
     with_cage: ClassVar[bool] = False
+    #: Whether it finds bulk temperatures from losses; all others take those of the operation.
+    with_heat: ClassVar[bool] = False
     #: Whether it goes through time, so that a run takes long and can go on where it was interrupted.
     in_time: ClassVar[bool] = False
     #: Whether most of a point of a sweep is compiled code that holds up no other thread.
     in_threads: ClassVar[bool] = False
     #: Whether one resolution, chosen for a few points of a sweep, serves all of them.
     shares_resolution: ClassVar[bool] = False
+    #: Quantities of data sets that it gives: name -> how.
+    measured: ClassVar[Mapping[str, Measurable]] = MappingProxyType({})
     references: ClassVar[tuple[Citation, ...]] = ()
     #: Rule of the conformance kit that the study breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})

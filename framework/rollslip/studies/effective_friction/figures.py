@@ -16,9 +16,10 @@ from rollslip.results.curve_figures import (
 )
 from rollslip.results.curves import curves, percent
 from rollslip.results.style import (
+    DASHES,
     RING_COLOURS,
-    SEQUENTIAL,
     TWO_COLUMNS,
+    against_zero,
     axis_label,
     light_to_dark,
 )
@@ -89,7 +90,6 @@ def _rollers(dataset: "xr.Dataset") -> "Figure":
 def _map(dataset: "xr.Dataset") -> "Figure":
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
-    from matplotlib.patheffects import withStroke
     from matplotlib.ticker import MaxNLocator
 
     figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
@@ -97,14 +97,16 @@ def _map(dataset: "xr.Dataset") -> "Figure":
     cage, roller = 100 * dataset["map_cage_slip"].to_numpy(), 100 * dataset["map_roller_slip"].to_numpy()
     levels = MaxNLocator(20).tick_values(surface.min(), surface.max())
     rolling = np.isclose(levels, 0.0, atol=1e-6 * np.ptp(levels))
-    outlined: dict[str, Any] = {"color": "white", "path_effects": [withStroke(linewidth=2.8, foreground="black")]}
+    falls = np.where(levels < -1e-6 * np.ptp(levels), "dashed", "solid").tolist()
+    colours = against_zero(float(levels[0]), float(levels[-1]))
+    style: dict[str, Any] = {"color": "black", "linewidth": 1.6, "linestyle": DASHES[3]}
     panels = figure.subplots(1, dataset.sizes["ring"], sharey=True, squeeze=False)[0]
     for axes, curve, ring, values in zip(panels, curves(dataset), dataset["ring"].values, surface, strict=True):
-        filled = axes.contourf(cage, roller, values.T, levels, cmap=SEQUENTIAL)
+        filled = axes.contourf(cage, roller, values.T, levels, **colours)
         filled.set_edgecolor("face")  # some viewers show seams between the areas without it
-        axes.contour(cage, roller, values.T, levels, colors="black", linewidths=0.25 + rolling, linestyles="solid")
+        axes.contour(cage, roller, values.T, levels, colors="black", linewidths=0.25 + rolling, linestyles=falls)
         line = 100 * dataset["roller_slip"].sel(ring=ring).to_numpy()
-        axes.plot(100 * curve.slip, line, **outlined)
+        axes.plot(100 * curve.slip, line, **style)
         if curve.has_critical:
             place = 100 * curve.critical_slip, float(np.interp(curve.critical_slip, curve.slip, line))
             axes.plot(*place, marker="o", markersize=5, color="white", markeredgecolor="black")
@@ -117,9 +119,11 @@ def _map(dataset: "xr.Dataset") -> "Figure":
     bar = figure.colorbar(filled, ax=list(panels), aspect=30, pad=0.02)
     bar.set_label(axis_label(dataset["friction_map"], r"$\mu_\mathrm{e}$", "–"))
     handles = [
-        Line2D([], [], label=f"closure {dataset.attrs['closure']}", **outlined),
+        Line2D([], [], label=f"closure {dataset.attrs['closure']}", **style),
         Line2D([], [], color="black", linewidth=1.25, label="pure rolling, no friction"),
     ]
+    if float(surface.min()) < 0.0:
+        handles.append(Line2D([], [], color="black", linewidth=0.5, linestyle="dashed", label="negative"))
     if any(curve.has_critical for curve in curves(dataset)):
         label = f"critical cage slip {dataset.attrs.get('curves_with', '')}".rstrip()
         handles.append(Line2D([], [], color="white", markeredgecolor="black", marker="o", markersize=5, label=label))

@@ -31,7 +31,7 @@ from rollslip.hookspecs import hookimpl
 from rollslip.motion.runaway import Runaway, rollers, runaway, running
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
-from rollslip.studies.answers import Evaluated, Keep, Output, Some
+from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
 from rollslip.studies.raceways import (
     REGIMES,
     LoadedRaceways,
@@ -136,6 +136,13 @@ class EffectiveFriction(Study):
         }
     )
     shares_resolution: ClassVar[bool] = True
+    measured: ClassVar[Mapping[str, Measurable]] = MappingProxyType(
+        {
+            "critical-slip": Measurable(variable="critical_cage_slip", beyond=True),
+            "runaway-slip": Measurable(variable="runaway_slip", beyond=True),
+            "runaway-drag": Measurable(variable="runaway_drag"),
+        }
+    )
     in_threads: ClassVar[bool] = True
 
     closure: str = parameter(

@@ -1,0 +1,426 @@
+"""Bulk temperatures of a bearing: as they are given, or from a network of a few nodes."""
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
+
+import attrs
+import numpy as np
+
+from rollslip.errors import SceneError
+from rollslip.fields import in_range, non_negative, parameter, positive
+from rollslip.hookspecs import hookimpl
+from rollslip.references import Reference
+from rollslip.scene.values import Scene
+from rollslip.structure import Location
+from rollslip.studies.thermal_balance.model import Array, ThermalModel
+from rollslip_plugins.bibliography import HARRIS_2007, ISO_15312, PALMGREN_1959
+
+if TYPE_CHECKING:
+    from rollslip.bearing.assembly import Assembly
+
+#: Heat that leaves the seats at the reference conditions of ISO 15312 [W/m2], and its excess of temperature [K].
+_REFERENCE_FLUX, _REFERENCE_EXCESS = 1.6e4, 50.0
+#: Area of the seats up to which that flux holds, and the exponent beyond.
+_REFERENCE_AREA, _LESS = 0.05, -0.34
+#: Temperature of the surroundings there [K].
+_AMBIENT: Final = 293.15
+#: Conductance of a seat with an interference or transition fit [W/(m2 K)] (D).
+_SEAT: Final = 2000.0
+#: Width of a bearing over the length of its rollers (D): 1.87 of the 1032930.
+_WIDTH: Final = 1.8
+#: Masses of housing and shaft over that of the rings (D), and of the oil in the bearing over its free volume (D).
+_HOUSING, _SHAFT, _FILLED = 5.0, 3.0, 0.1
+#: Specific heat [J/(kg K)] and density [kg/m3] of an oil where nothing is given (B).
+_OIL_HEAT, _OIL_DENSITY = 2000.0, 900.0
+
+_NODES: Final = ("oil", "inner ring", "rollers", "outer ring", "housing", "shaft")
+_OIL, _INNER, _ROLLERS, _OUTER, _HOUSE, _AXLE = range(len(_NODES))
+#: Conductance -> the two nodes that it connects; one alone is connected to the surroundings.
+_LINKS: Final[Mapping[str, tuple[int, ...]]] = {
+    "oil_inner_ring": (_OIL, _INNER),
+    "oil_rollers": (_OIL, _ROLLERS),
+    "oil_outer_ring": (_OIL, _OUTER),
+    "inner_ring_rollers": (_INNER, _ROLLERS),
+    "outer_ring_rollers": (_OUTER, _ROLLERS),
+    "inner_ring_shaft": (_INNER, _AXLE),
+    "outer_ring_housing": (_OUTER, _HOUSE),
+    "shaft_ambient": (_AXLE,),
+    "housing_ambient": (_HOUSE,),
+}
+
+
+@attrs.frozen(kw_only=True)
+class Given(ThermalModel):
+    """Temperatures as ``operation`` gives them, whatever the losses: something outside holds them.
+
+    T = T_given.
+
+    Symbols:
+
+    - T: temperatures of oil, rings and rollers [K]
+
+    Range: any; the study then tells what heat would have to be carried away.
+
+    Examples
+    --------
+    >>> Given().nodes
+    ()
+    """
+
+    name: ClassVar[str] = "given"
+    equation: ClassVar[str] = "T = T_given"
+    references: ClassVar[tuple[Reference, ...]] = (
+        Reference(kind="remark", title="No law: the temperatures of the scene."),
+    )
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """None."""
+        return ()
+
+    def start(self, scene: Scene) -> Array:
+        """Return nothing."""
+        return np.zeros(0)
+
+    def capacities(self) -> Array:
+        """Return nothing."""
+        return np.zeros(0)
+
+    def inflows(self, temperatures: Array, losses: Mapping[str, float]) -> Array:
+        """Return nothing."""
+        return np.zeros(0)
+
+    def carried_away(self, temperatures: Array) -> dict[str, float]:
+        """Return nothing."""
+        return {}
+
+    def changes(self, temperatures: Array, scene: Scene) -> dict[str, float]:
+        """Return nothing."""
+        return {}
+
+
+def _conductance(doc: str) -> Any:
+    return parameter(
+        default=None,
+        unit="W/K",
+        doc=f"thermal conductance {doc}",
+        validator=attrs.validators.optional(non_negative),
+        usual=(0, 1e4),
+        possible=(0, 1e9),
+    )
+
+
+def _capacity(doc: str) -> Any:
+    return parameter(
+        default=None,
+        unit="J/K",
+        doc=f"heat capacity of {doc}",
+        validator=attrs.validators.optional(positive),
+        usual=(0.1, 1e8),
+        possible=(1e-9, 1e12),
+    )
+
+
+def _temperature(doc: str, default: float | None) -> Any:
+    return parameter(
+        default=default,
+        unit="K",
+        doc=doc,
+        validator=attrs.validators.optional(positive),
+        usual=(213.15, 523.15),
+        possible=(123.15, 1273.15),
+    )
+
+
+@attrs.frozen(kw_only=True)
+class Network(ThermalModel):
+    """Six nodes that exchange heat in proportion to differences of temperature, after Palmgren and Harris.
+
+    C_k dT_k/dt = H_k + sum_j K_kj (T_j - T_k) + m c (T_in - T_k), the last term of the oil alone.
+
+    The oil in the bearing is well mixed: it leaves as warm as it is, T_in is that of its inlet. Heat of friction of
+    two bodies goes half into each: of a contact into ring and rollers, of a pocket into rollers and oil, of a land
+    into ring and oil; what the oil itself resists goes into the oil. The cage is no node: it is as warm as the oil.
+
+    Symbols:
+
+    - T_k: temperature of node k: oil, inner ring, rollers, outer ring, housing, shaft [K]
+    - C_k: its heat capacity (``oil_capacity`` ...) [J/K]
+    - H_k: heat that the losses make in it [W]
+    - K_kj: conductance between two nodes, or to the surroundings at T_a (``ambient_temperature``) [W/K]
+    - m, c: flow of the oil (``oil_flow``) and its specific heat (``oil_specific_heat``) [kg/s], [J/(kg K)]
+    - T_in: temperature of the oil at its inlet (``oil_inlet_temperature``; ``operation.temperature`` if not given) [K]
+
+    What is not given is estimated from the bearing, and every estimate is graded (D), good to a factor of two or three:
+
+    - Rings to surroundings, through seats, shaft and housing in series: the heat that ISO 15312 takes at its reference
+      conditions, 16 kW/m2 of seat at 50 K above 20 degC, up to 0.05 m2, then less with the power -0.34 of the area
+      (exponent recalled, C). Shaft and housing take what the areas of their seats are; a seat conducts 2 kW/(m2 K) (D).
+    - Oil to rings and rollers: a laminar plate, Nu = 0.332 Re^0.5 Pr^(1/3), at the pitch diameter and a third of the
+      cage's surface speed, as Harris and Kotzalas take it, over the wetted surfaces.
+    - Rings to rollers: the film over the Hertz width of a mean contact in series with the flash of two half-spaces,
+      K = Z l 2 b/(h/K_f + sqrt(pi 2 b/u)/e).
+    - Masses: rings and rollers by size; housing 5 and shaft 3 times the rings (D). They set the pace, not the balance.
+
+    ``expansion`` a is the thermal expansion of steel; 0 leaves the clearance as the scene gives it. With it that holds
+    at the temperatures of the scene, and changes with those of the parts by a (E_o dT_o - E_i dT_i - 2 D dT_r). Fits
+    and the growth of a ring by its own centrifugal force are not in it.
+
+    Range: one temperature for each part, which is what lumped nodes can say; no radiation by itself, no boiling oil.
+
+    Raises
+    ------
+    SceneError
+        If heat is made in a part that no conductance connects to the surroundings or to flowing oil.
+
+    Examples
+    --------
+    10 W in the oil that flows with 1 g/s of 2000 J/(kg K) and touches nothing but the inlet: 5 K above it.
+
+    >>> one = Network(oil_flow=1e-3, oil_inlet_temperature=300.0, **dict.fromkeys(_LINKS, 0.0))
+    >>> one.nodes
+    ('oil',)
+    >>> one.inflows(np.array([305.0]), {"oil": 10.0})
+    array([0.])
+    """
+
+    name: ClassVar[str] = "network"
+    equation: ClassVar[str] = "C_k dT_k/dt = H_k + sum_j K_kj (T_j - T_k) + m c (T_in - T_k)"
+    references: ClassVar[tuple[Reference, ...]] = (PALMGREN_1959, HARRIS_2007, ISO_15312)
+
+    oil_flow: float = parameter(
+        default=0.0,
+        unit="kg/s",
+        doc="flow of oil through the bearing; 0 for a bath, whose heat leaves through the rings",
+        validator=non_negative,
+        usual=(0, 10),
+        possible=(0, 1e6),
+    )
+    oil_specific_heat: float = parameter(
+        default=_OIL_HEAT,
+        unit="J/(kg K)",
+        doc="specific heat c of the oil (B)",
+        validator=positive,
+        usual=(1000, 4500),
+        possible=(100, 2e4),
+    )
+    oil_inlet_temperature: float | None = _temperature(
+        "temperature of the oil at its inlet; by default operation.temperature", None
+    )
+    ambient_temperature: float = _temperature("temperature of the surroundings, 20 degC in ISO 15312", _AMBIENT)
+    contact_share: float = parameter(
+        default=0.5,
+        unit="1",
+        doc="share of a contact's heat that goes into the rollers, the rest into the ring",
+        validator=in_range(0.0, 1.0),
+        usual=(0, 1),
+        possible=(0, 1),
+    )
+    expansion: float = parameter(
+        default=0.0,
+        unit="1/K",
+        doc="thermal expansion of rings and rollers; 0 for a clearance that stays",
+        validator=non_negative,
+        usual=(0, 3e-5),
+        possible=(0, 1e-3),
+    )
+    oil_inner_ring: float | None = _conductance("between oil and inner ring")
+    oil_rollers: float | None = _conductance("between oil and rollers")
+    oil_outer_ring: float | None = _conductance("between oil and outer ring")
+    inner_ring_rollers: float | None = _conductance("between inner ring and rollers")
+    outer_ring_rollers: float | None = _conductance("between outer ring and rollers")
+    inner_ring_shaft: float | None = _conductance("between inner ring and shaft")
+    outer_ring_housing: float | None = _conductance("between outer ring and housing")
+    shaft_ambient: float | None = _conductance("between shaft and surroundings")
+    housing_ambient: float | None = _conductance("between housing and surroundings")
+    oil_capacity: float | None = _capacity("the oil in the bearing")
+    inner_ring_capacity: float | None = _capacity("the inner ring")
+    rollers_capacity: float | None = _capacity("all rollers")
+    outer_ring_capacity: float | None = _capacity("the outer ring")
+    housing_capacity: float | None = _capacity("the housing")
+    shaft_capacity: float | None = _capacity("the shaft")
+
+    # Which nodes there are ------------------------------------------------------------------------------------------
+
+    @property
+    def _places(self) -> list[int]:
+        """Numbers of the nodes that anything connects; the oil is always there."""
+        linked = {node for name, ends in _LINKS.items() if getattr(self, name) != 0.0 for node in ends}
+        return sorted(linked | {_OIL})
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """The oil, and every part that a conductance connects to another."""
+        return tuple(_NODES[k] for k in self._places)
+
+    def of(self, assembly: "Assembly") -> Self:
+        """Return the network with what is not given estimated from the bearing.
+
+        Raises
+        ------
+        SceneError
+            If heat has no way out.
+        """
+        estimates = _estimates(self, assembly)
+        model = attrs.evolve(self, **{k: v for k, v in estimates.items() if getattr(self, k) is None})
+        reached = {node for name, ends in _LINKS.items() if len(ends) == 1 and getattr(model, name) for node in ends}
+        reached |= {_OIL} if model.oil_flow > 0.0 else set()
+        for _ in _NODES:
+            for name, ends in _LINKS.items():
+                if len(ends) == 2 and getattr(model, name) and reached & set(ends):
+                    reached |= set(ends)
+        if cut := [_NODES[k] for k in (_OIL, _INNER, _ROLLERS, _OUTER) if k not in reached]:
+            where = Location(assembly.scene.origins, ("models", "thermal"))
+            raise SceneError(
+                [
+                    where.says(
+                        f"no heat leaves {', '.join(cut)}, where losses make some: temperatures rise without end; give "
+                        "a flow of oil, or conductances above 0 that lead to the surroundings"
+                    )
+                ]
+            )
+        return model
+
+    # Flows of heat --------------------------------------------------------------------------------------------------
+
+    def start(self, scene: Scene) -> Array:
+        """Return the temperatures of the scene, and those of the surroundings for housing and shaft."""
+        o = scene.operation
+        every = [
+            o.temperature, o.inner_ring_temperature, o.roller_temperature, o.outer_ring_temperature,
+            self.ambient_temperature, self.ambient_temperature,
+        ]  # fmt: skip
+        return np.array(every)[self._places]
+
+    def capacities(self) -> Array:
+        """Return the heat capacities."""
+        every = [getattr(self, f"{name.replace(' ', '_')}_capacity") for name in _NODES]
+        return np.array(every, dtype=float)[self._places]
+
+    def _all(self, temperatures: Array) -> Array:
+        every = np.full(len(_NODES), self.ambient_temperature)
+        every[self._places] = temperatures
+        return every
+
+    def inflows(self, temperatures: Array, losses: Mapping[str, float]) -> Array:
+        """Return the heat that flows into each node."""
+        T, flow = self._all(temperatures), np.zeros(len(_NODES))
+        share = self.contact_share
+        for place, parts in {
+            "inner contact": ((_INNER, 1.0 - share), (_ROLLERS, share)),
+            "outer contact": ((_OUTER, 1.0 - share), (_ROLLERS, share)),
+            "pocket": ((_ROLLERS, 0.5), (_OIL, 0.5)),
+            "inner land": ((_INNER, 0.5), (_OIL, 0.5)),
+            "outer land": ((_OUTER, 0.5), (_OIL, 0.5)),
+            "oil": ((_OIL, 1.0),),
+        }.items():
+            for node, part in parts:
+                flow[node] += part * losses.get(place, 0.0)
+        for name, ends in _LINKS.items():
+            conductance = getattr(self, name)
+            if len(ends) == 1:
+                flow[ends[0]] -= conductance * (T[ends[0]] - self.ambient_temperature)
+            else:
+                heat = conductance * (T[ends[1]] - T[ends[0]])
+                flow[ends[0]] += heat
+                flow[ends[1]] -= heat
+        if self.inlet is not None:
+            flow[_OIL] -= self.inlet[1] * (T[_OIL] - self.inlet[0])
+        return flow[self._places]
+
+    def carried_away(self, temperatures: Array) -> dict[str, float]:
+        """Return the heat that oil, housing and shaft carry away."""
+        T = self._all(temperatures)
+        flow = 0.0 if self.inlet is None else self.inlet[1] * (T[_OIL] - self.inlet[0])
+        return {
+            "oil": float(flow),
+            "housing": float(self.housing_ambient * (T[_HOUSE] - self.ambient_temperature)),
+            "shaft": float(self.shaft_ambient * (T[_AXLE] - self.ambient_temperature)),
+        }
+
+    def changes(self, temperatures: Array, scene: Scene) -> dict[str, float]:
+        """Return the temperatures of oil, rings and rollers, and the clearance where parts expand."""
+        known = dict(zip(self.nodes, map(float, temperatures), strict=True))
+        o, b = scene.operation, scene.bearing
+        oil = known["oil"]
+        inner, rollers, outer = (known.get(part, oil) for part in ("inner ring", "rollers", "outer ring"))
+        found = {
+            "operation.temperature": oil,
+            "operation.inner_ring_temperature": inner,
+            "operation.roller_temperature": rollers,
+            "operation.outer_ring_temperature": outer,
+        }
+        if self.expansion > 0.0:
+            grown = (
+                b.outer_raceway_diameter * (outer - o.outer_ring_temperature)
+                - b.inner_raceway_diameter * (inner - o.inner_ring_temperature)
+                - 2.0 * b.roller_diameter * (rollers - o.roller_temperature)
+            )
+            found["bearing.radial_clearance"] = b.radial_clearance + self.expansion * grown
+        return found
+
+    @property
+    def inlet(self) -> tuple[float, float] | None:
+        """Temperature of the oil at its inlet, and heat for each kelvin."""
+        if self.oil_flow == 0.0 or self.oil_inlet_temperature is None:
+            return None
+        return self.oil_inlet_temperature, self.oil_flow * self.oil_specific_heat
+
+
+def _estimates(model: Network, assembly: "Assembly") -> dict[str, float]:
+    """What a bearing's size and speed say of conductances and capacities; see `Network`."""
+    b, k, scene = assembly.scene.bearing, assembly.kinematics, assembly.scene
+    oil, steel = assembly.lubricant.at(scene.operation.temperature), b.material
+    width = _WIDTH * b.roller_length
+    bore = max(b.inner_raceway_diameter - b.roller_diameter, 0.5 * b.inner_raceway_diameter)
+    outside = b.outer_raceway_diameter + b.roller_diameter
+    seats = {"shaft": math.pi * bore * width, "housing": math.pi * outside * width}
+    area = sum(seats.values())
+    flux = _REFERENCE_FLUX * max(area / _REFERENCE_AREA, 1.0) ** _LESS
+    found: dict[str, float] = {}
+    for ring, part in (("inner_ring", "shaft"), ("outer_ring", "housing")):
+        whole, seat = flux * seats[part] / _REFERENCE_EXCESS, _SEAT * seats[part]
+        found[f"{ring}_{part}"] = seat
+        found[f"{part}_ambient"] = 1.0 / (1.0 / whole - 1.0 / seat)
+    density = _OIL_DENSITY if assembly.lubricant.density is None else assembly.lubricant.density(
+        scene.operation.temperature
+    )  # fmt: skip
+    nu, diffusivity = oil.viscosity / density, oil.conductivity / (density * model.oil_specific_heat)
+    pitch = 2.0 * k.orbit_radius
+    speed = max(abs(k.epicyclic_cage_speed), 0.1 * k.epicyclic_roller_speed) * k.orbit_radius / 3.0
+    plate = 0.332 * math.sqrt(speed * pitch / nu) * (nu / diffusivity) ** (1.0 / 3.0) * oil.conductivity / pitch
+    wetted = {
+        "inner_ring": math.pi * b.inner_raceway_diameter * width,
+        "rollers": b.rollers * math.pi * b.roller_diameter * b.roller_length,
+        "outer_ring": math.pi * b.outer_raceway_diameter * width,
+    }
+    found |= {f"oil_{part}": plate * surface for part, surface in wetted.items()}
+    rolling = k.roller_radius * k.epicyclic_roller_speed
+    mean = (2.0 * scene.operation.radial_load / b.rollers + 1.0) / b.roller_length
+    for raceway in assembly.raceways:
+        slices = raceway.evaluate(np.array([mean]), rolling, 0.0)
+        across, film = 2.0 * float(slices.half_width[0]), float(slices.film_thickness[0])
+        flash = math.sqrt(math.pi * across / rolling) / raceway.conditions.effusivity
+        found[f"{raceway.ring}_ring_rollers"] = b.rollers * b.roller_length * across / (
+            film / oil.conductivity + flash
+        )  # fmt: skip
+    heat = steel.density * steel.specific_heat
+    rings = {
+        "inner_ring": 0.25 * math.pi * (b.inner_raceway_diameter**2 - bore**2) * width,
+        "outer_ring": 0.25 * math.pi * (outside**2 - b.outer_raceway_diameter**2) * width,
+    }
+    rollers = b.rollers * 0.25 * math.pi * b.roller_diameter**2 * b.roller_length
+    free = 0.25 * math.pi * (b.outer_raceway_diameter**2 - b.inner_raceway_diameter**2) * width - rollers
+    both = sum(rings.values())
+    volumes = rings | {"rollers": rollers, "housing": _HOUSING * both, "shaft": _SHAFT * both}
+    found |= {f"{part}_capacity": heat * volume for part, volume in volumes.items()}
+    found["oil_capacity"] = density * model.oil_specific_heat * _FILLED * max(free, 0.1 * rollers)
+    found["oil_inlet_temperature"] = scene.operation.temperature
+    return found
+
+
+@hookimpl
+def thermal_models() -> list[type[ThermalModel]]:
+    """Offer the models of this module."""
+    return [Given, Network]

@@ -1,0 +1,262 @@
+"""Thermal balance: against solutions by hand and mpmath, conservation, limits, and cases without a balance."""
+
+import attrs
+import mpmath
+import numpy as np
+import pytest
+
+from rollslip import evolve, get_model, load_scene, plan, run
+from rollslip.bearing.assembly import assemble
+from rollslip.errors import SceneError
+from rollslip.motion.losses import Loss, PowerBalance
+from rollslip.results.account import account_of
+from rollslip.results.dataset import open_result, save
+from rollslip.results.style import save_figures
+from rollslip.studies.thermal_balance.balance import Curve, Heated, State
+from rollslip.studies.thermal_balance.figures import thermal_figures
+
+SCENE = evolve(
+    load_scene("1032930-70C"),
+    {
+        "accuracy.tolerance": 0.02,
+        "accuracy.slices": 4,
+        "study.thermal-balance.points": 9,
+        "study.thermal-balance.highest_temperature": "150 degC",
+    },
+)
+LINKS = ("oil_inner_ring", "oil_rollers", "oil_outer_ring", "inner_ring_rollers", "outer_ring_rollers",
+         "inner_ring_shaft", "outer_ring_housing", "shaft_ambient", "housing_ambient")  # fmt: skip
+CUT = dict.fromkeys(LINKS, 0.0)
+
+
+def network(**parameters):
+    return {"model": "network", **parameters}
+
+
+def balanced(changes=(), **parameters):
+    return run(evolve(SCENE, {"models.thermal": network(**parameters), **dict(changes)}), "thermal-balance")
+
+
+class Made(Heated):
+    """Losses by a formula in place of a bearing: all in the oil."""
+
+    def __init__(self, model, losses, ends=np.inf):
+        self.model, self.scene, self.sharp, self.jumps, self.evaluations = model, SCENE, False, [], 0
+        self._losses, self._ends = losses, ends
+
+    def at(self, temperatures):
+        if temperatures[0] > self._ends:
+            return State(np.nan, refusal="the cage runs away", by_film=True)
+        power = {place: of(temperatures) for place, of in self._losses.items()}
+        losses = tuple(Loss(place, place, value) for place, value in power.items())
+        return State(0.1, PowerBalance(losses=losses, rings=(sum(power.values()), 0.0), stored=0.0))
+
+
+OIL = get_model("thermal", "network", oil_flow=0.01, oil_inlet_temperature=300.0, oil_capacity=50.0, **CUT)
+
+
+def test_a_balance_colder_than_the_start_is_found():
+    heated = Made(OIL, {"oil": lambda T: 30.0 + 1e4 / (T[0] - 200.0)})
+    curve, places = heated.curve(400.0, 450.0, 12)
+    (zero,) = heated.zeros(curve, places)
+    exact = mpmath.findroot(lambda T: 30 + mpmath.mpf(10) ** 4 / (T - 200) - 20 * (T - 300), 306)
+    assert float(heated.balance(places[zero]).temperatures[0]) == pytest.approx(float(exact), abs=1e-9)
+
+
+def test_a_cooling_that_no_loss_meets_is_told_as_such():
+    cold = balanced(oil_flow=1.0, oil_inlet_temperature=160.0)
+    said = cold["status"].item()
+    assert "no balance down to" in said
+    assert "more are carried away than are lost" in said
+    assert "runaway" not in said
+
+
+def test_all_balances_are_found_and_which_last():
+    def loss(T):  # rises over some 10 K: two stable balances and one between that is not
+        return 100.0 + 1500.0 / (1.0 + np.exp(-(T[0] - 340.0) / 5.0))
+
+    heated = Made(OIL, {"oil": loss})
+    curve, places = heated.curve(290.0, 450.0, 12)
+    balances = [heated.balance(places[x]) for x in heated.zeros(curve, places)]
+    mpmath.mp.dps = 30
+    exact = [
+        mpmath.findroot(lambda T: 100 + 1500 / (1 + mpmath.exp(-(T - 340) / 5)) - 20 * (T - 300), near)
+        for near in (305, 335, 380)
+    ]
+    assert [float(one.temperatures[0]) for one in balances] == pytest.approx([float(T) for T in exact], abs=1e-9)
+    assert [one.stable for one in balances] == [True, False, True]
+    growth = [float(mpmath.diff(lambda T: 1500 / (1 + mpmath.exp(-(T - 340) / 5)), T) - 20) / 50 for T in exact]
+    assert [one.growth for one in balances] == pytest.approx(growth, rel=1e-5)
+    middle = float(exact[1])
+    cold = Curve(curve.temperature, np.where(curve.temperature > middle, np.nan, curve.excess), curve.refusals)
+    at, value, ends = heated.least(cold, places, float(exact[0]))
+    fold = mpmath.findroot(lambda T: mpmath.diff(lambda x: 1500 / (1 + mpmath.exp(-(x - 340) / 5)), T) - 20, 325)
+    least = 100 + 1500 / (1 + mpmath.exp(-(fold - 340) / 5)) - 20 * (fold - 300)
+    assert (at, value) == (pytest.approx(float(fold), abs=0.1), pytest.approx(float(least), rel=1e-4))
+    assert ends is None
+
+
+def test_a_pair_of_balances_between_two_points_of_the_curve_is_found():
+    def loss(T):  # below what is carried away from 349 to 351 K alone
+        return 20.0 * (T[0] - 300.0) + 0.5 * ((T[0] - 350.0) ** 2 - 1.0)
+
+    heated = Made(OIL, {"oil": loss})
+    found = heated.zeros(*heated.curve(300.0, 403.0, 12))
+    assert found == pytest.approx([349.0, 351.0], abs=0.01)
+
+
+def test_a_network_of_three_nodes_is_that_of_its_linear_equations():
+    links = CUT | {"oil_inner_ring": 8.0, "inner_ring_shaft": 30.0, "shaft_ambient": 5.0}
+    model = get_model(
+        "thermal", "network", oil_flow=0.01, oil_inlet_temperature=320.0, ambient_temperature=290.0,
+        oil_capacity=50.0, inner_ring_capacity=400.0, shaft_capacity=900.0, **links,
+    )  # fmt: skip
+    heated = Made(model, {"oil": lambda T: 150.0, "inner land": lambda T: 80.0})
+    curve, places = heated.curve(300.0, 400.0, 9)
+    [found] = [heated.balance(places[x]) for x in heated.zeros(curve, places)]
+    mpmath.mp.dps = 30
+    matrix = mpmath.matrix([[20 + 8, -8, 0], [-8, 8 + 30, -30], [0, -30, 35]])
+    exact = mpmath.lu_solve(matrix, mpmath.matrix([150 + 40 + 20 * 320, 40, 5 * 290]))
+    assert found.temperatures == pytest.approx([float(T) for T in exact], rel=1e-12)
+    scaled = mpmath.diag([-1 / mpmath.mpf(c) for c in (50, 400, 900)]) * matrix
+    assert found.growth == pytest.approx(max(float(mpmath.re(one)) for one in mpmath.eig(scaled)[0]), rel=1e-6)
+    assert found.error < 1e-12
+
+
+def test_a_jump_of_the_losses_past_zero_is_no_balance():
+    heated = Made(OIL, {"oil": lambda T: 500.0 if T[0] < 330.0 else 700.0})  # 600 W at 330 K
+    curve, places = heated.curve(290.0, 450.0, 50)
+    found = [heated.balance(places[x]) for x in heated.zeros(curve, places)]
+    assert [one and float(one.temperatures[0]) for one in found] == [pytest.approx(325.0), None, pytest.approx(335.0)]
+    falls = Made(OIL, {"oil": lambda T: 700.0 if T[0] < 330.0 else 500.0})  # warm enough for less, cold for more
+    curve, places = falls.curve(290.0, 450.0, 12)
+    assert [falls.balance(places[x]) for x in falls.zeros(curve, places)] == [None]
+    assert falls.jumps[0] == pytest.approx((330.0, 330.0), abs=0.01)
+
+
+def test_temperatures_over_time_are_those_of_the_exponential():
+    heated = Made(attrs.evolve(OIL), {"oil": lambda T: 100.0})
+    start = SCENE.operation.temperature
+    times, rows, slips, ended = heated.course(10.0, 11, get_model("integrator", "bdf").solver())
+    exact = 305.0 + (start - 305.0) * np.exp(-times * 20.0 / 50.0)
+    assert rows[:, 0] == pytest.approx(exact, abs=0.02)
+    assert (slips == 0.1).all()
+    assert ended == ""
+    hot = Made(OIL, {"oil": lambda T: 5000.0}, ends=400.0)
+    *_, ended = hot.course(100.0, 11, get_model("integrator", "bdf").solver())
+    assert ended == "the cage runs away"
+
+
+def test_the_end_of_the_curve_is_where_the_cage_runs_away():
+    heated = Made(OIL, {"oil": lambda T: 100.0}, ends=351.234)
+    curve, places = heated.curve(290.0, 450.0, 12)
+    at, value, ends = heated.least(curve, places, 305.0)
+    assert at == pytest.approx(351.234, abs=0.01)
+    assert value == pytest.approx(100.0 - 20.0 * (at - 300.0))
+    assert ends is not None
+    assert ends.by_film
+
+
+@pytest.mark.parametrize(
+    ("changes", "parameters"),
+    [
+        ({}, {}),
+        ({"cage.drag": ["petroff-land", "pocket-friction"]}, {"oil_flow": "15 g/s"}),
+        ({"operation.radial_load": "6 kN"}, {"oil_flow": "2 g/s", "contact_share": 0.2, "oil_rollers": 0.0}),
+    ],
+)
+def test_heat_made_is_heat_carried_away(changes, parameters):
+    result = balanced(changes, **parameters)
+    assert result.status.item() == "found"
+    assert (result.balance_error < 1e-9).all()
+    made, away = result.loss.sum("source"), result.carried_away.sum("sink")
+    assert away.values == pytest.approx(made.values, rel=1e-9)
+
+
+def test_a_bearing_that_is_cooled_without_end_stays_as_it_is_given():
+    strong = dict.fromkeys(("oil_inner_ring", "oil_rollers", "oil_outer_ring"), 1e9)
+    result = balanced(oil_flow="1e5 kg/s", **strong)
+    assert result.temperature.sel(node="inner ring").item() == pytest.approx(343.15, abs=1e-5)
+    assert result.steady_slip.item() == pytest.approx(result.given_slip.item(), rel=1e-4)
+
+
+def test_oil_carries_all_of_an_adiabatic_bearing():
+    result = balanced(oil_flow="15 g/s", shaft_ambient=0.0, housing_ambient=0.0)
+    away = result.carried_away.isel(balance=0)
+    assert away.sel(sink="oil").item() == pytest.approx(result.loss.sum().item(), rel=1e-9)
+    assert away.sel(sink="housing").item() == away.sel(sink="shaft").item() == 0.0
+    assert result.temperature.sel(node="oil").item() > 343.15
+
+
+def test_given_temperatures_are_left_as_they_are_and_cost_one_steady_slip():
+    result = run(SCENE, "thermal-balance")
+    slip = run(evolve(SCENE, {"study.steady-slip.points": 8}), "steady-slip")
+    assert result.attrs["evaluated_temperatures"] == 1
+    assert result.given_loss.item() == pytest.approx(slip.loss.isel(steady=0).sum().item(), rel=0.01)
+    assert (result.temperature == 343.15).all()
+    assert account_of(result).sentences(result) == [
+        f"to hold the temperatures of the scene {result.given_loss.item():.3g} W have to be carried away, at a cage "
+        f"slip of {100 * result.given_slip.item():.3g} %; with models.thermal = 'network' they follow from the losses"
+    ]
+
+
+def test_heat_without_a_way_out_is_refused_in_words():
+    for parameters in ({"shaft_ambient": 0.0, "housing_ambient": 0.0}, CUT):
+        with pytest.raises(SceneError, match=r"models.thermal: no heat leaves .*temperatures rise without end; give"):
+            balanced(**parameters)
+
+
+def test_a_wrong_thermal_model_is_refused_by_every_study():
+    for raw, words in (
+        (network(oil_flw=1.0), "oil_flw: unknown key, did you mean 'oil_flow'"),
+        (network(oil_flow="-1 kg/s"), "models.thermal.oil_flow: must be at least 0"),
+        (network(oil_flow="1 m"), "a mass flow is expected, such as '15 g/s'"),
+    ):
+        with pytest.raises(SceneError, match=words):
+            run(evolve(SCENE, {"models.thermal": raw}), "friction-curve")
+
+
+def test_runaways_of_film_and_of_bulk_are_told_apart():
+    film = balanced({"cage.drag": [{"model": "constant-torque", "size": "9 N m"}]})
+    assert film.status.item().startswith("no balance: the drag is larger than the cage can carry")
+    assert account_of(film).headline(film) == film.status.item()
+    weak = {"shaft_ambient": 0.05, "housing_ambient": 0.05}
+    bulk = balanced(**weak)
+    assert "no balance up to 150 degC: losses exceed what is carried away by " in bulk.status.item()
+    assert bulk.status.item().endswith("and the oil heats on: a runaway of the bulk")
+    assert np.isnan(bulk.steady_slip).all()
+    assert bulk.limit_status.item() == "no balance lasts"
+
+
+def test_warm_rings_change_the_clearance_where_they_expand():
+    model = get_model("thermal", "network", expansion=1.2e-5).of(assemble(SCENE))
+    T = model.start(SCENE) + np.array([0.0, 10.0, 20.0, 5.0, 0.0, 0.0])
+    grown = 1.2e-5 * (0.195 * 5.0 - 0.165 * 10.0 - 2.0 * 0.015 * 20.0)
+    assert model.changes(T, SCENE)["bearing.radial_clearance"] == pytest.approx(grown)
+
+
+def test_a_balance_is_told_drawn_and_kept(tmp_path):
+    result = balanced({"study.thermal-balance.duration": "10 min", "study.thermal-balance.instants": 5},
+                      oil_flow="15 g/s")  # fmt: skip
+    assert result.course_temperature[-1].values == pytest.approx(result.temperature[:, 0].values, abs=4.0)
+    topics = account_of(result).topics(result)
+    assert topics.keys() == {"bulk temperatures", "limit", "course", "other studies"}
+    (said,) = topics["bulk temperatures"]
+    assert "come in with oil" in said
+    assert "(stable: a disturbance fades with a time of" in said
+    assert topics["other studies"][0].count("--set 'operation.") == 4
+    record = account_of(result).record(result)
+    assert record["balances"][0]["stable"]
+    names = [path.name for path in save_figures(thermal_figures(result), "", tmp_path)]
+    assert [name for name in names if name.endswith(".svg")] == ["thermal-balance.svg", "thermal-course.svg"]
+    save(result, tmp_path / "kept.nc")
+    assert open_result(tmp_path / "kept.nc").identical(result)
+
+
+def test_a_plan_says_which_studies_a_network_does_not_act_in():
+    scene = evolve(load_scene("1032930-50C"), {"models.thermal": "network"})
+    steady = plan(scene, "steady-slip")
+    assert [(part.part, part.included) for part in steady.parts if part.part == "thermal"] == [("thermal", False)]
+    assert any("models.thermal does not act in steady-slip" in text for text in steady.foreseen)
+    given = plan(evolve(scene, {"models.thermal": "given"}), "steady-slip")
+    assert not any("models.thermal" in text for text in given.foreseen)
