@@ -1,15 +1,18 @@
 """Bearings and surfaces as values, and named sets of them that plugins ship, each with its source and validity."""
 
+import abc
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import attrs
 
 from rollslip.fields import FieldError, at_least, field, in_range, non_negative, one_of, positive
 from rollslip.references import Citation
+from rollslip.toml import FrozenTable
 from rollslip.units import format_quantity
 
-__all__ = ["Bearing", "BearingData", "Catalogue", "Material", "Profile", "Surface", "SurfaceData"]
+__all__ = ["Bearing", "BearingData", "Catalogue", "Family", "Material", "Profile", "Scatter", "Surface", "SurfaceData"]
 
 
 @attrs.frozen(kw_only=True)
@@ -195,6 +198,31 @@ class Surface:
 
 
 @attrs.frozen(kw_only=True)
+class Scatter:
+    """How uncertain a datum of an oil or a bearing is, and who says so.
+
+    Parameters
+    ----------
+    quantity : str
+        Key of the table of a scene, ``[lubricant]`` or ``[bearing]``, that scatters.
+    distribution : str
+        Name of its distribution, as in the table ``[uncertainty]`` of a scene.
+    parameters : mapping
+        Its parameters there, with units; a centre that is left out is the value of the scene.
+    grade : str
+        A letter of `rollslip.lubricant.GRADES` in parentheses.
+    source : str
+        Where it comes from, in a sentence.
+    """
+
+    quantity: str
+    distribution: str
+    parameters: Mapping[str, object] = attrs.field(converter=FrozenTable)
+    grade: str
+    source: str
+
+
+@attrs.frozen(kw_only=True)
 class BearingData:
     """A bearing that a scene can name: ``[bearing] name = "1032930"``; the other keys of the table change its values.
 
@@ -212,6 +240,10 @@ class BearingData:
         One citation each, see `rollslip.references`.
     bearing : Bearing
         The values.
+    grades : mapping
+        A letter of `rollslip.lubricant.GRADES` for each key that is not printed in the source.
+    scatter : tuple of Scatter
+        What is uncertain of it, for `rollslip uncertainty`.
     """
 
     name: str
@@ -220,6 +252,8 @@ class BearingData:
     validity: str
     references: tuple[Citation, ...] = ()
     bearing: Bearing
+    grades: Mapping[str, str] = attrs.field(default=FrozenTable(), converter=FrozenTable)
+    scatter: tuple[Scatter, ...] = ()
 
     @property
     def data(self) -> Bearing:
@@ -250,3 +284,31 @@ class SurfaceData:
     def data(self) -> Surface:
         """The values."""
         return self.surface
+
+
+class Family(abc.ABC):
+    """Many named sets of one kind behind one entry point, ``NAME = "module:OBJECT"``; each is made when asked for.
+
+    Attributes
+    ----------
+    name : str
+        That of the entry point.
+    description : str
+        What it holds, in one line.
+    """
+
+    name: str
+    description: str
+
+    @property
+    @abc.abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """All names, in the order of a list."""
+
+    @abc.abstractmethod
+    def called(self, written: str) -> str | None:
+        """Return the name that somebody means who writes it in another way; None if there is none."""
+
+    @abc.abstractmethod
+    def __getitem__(self, name: str) -> Any:
+        """Return the set of this name, one of `names` or what `called` returns."""

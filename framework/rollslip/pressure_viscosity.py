@@ -2,10 +2,11 @@
 
 import warnings
 
+from rollslip.errors import RollslipDeprecationWarning
 from rollslip.lubricant.pressure import *  # noqa: F403
 
 warnings.warn(
     "rollslip.pressure_viscosity is deprecated: import from rollslip.lubricant.pressure",
-    DeprecationWarning,
+    RollslipDeprecationWarning,
     stacklevel=2,
 )

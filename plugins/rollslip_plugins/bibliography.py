@@ -27,6 +27,7 @@ __all__ = [
     "GEARPIE",
     "GOKSEM_1978",
     "GOST_13076",
+    "GOST_22696",
     "GREENWOOD_1961",
     "GREENWOOD_TRIPP_1970",
     "GUPTA_1984",
@@ -38,7 +39,11 @@ __all__ = [
     "HARRIS_2007",
     "HERREBRUGH_1968",
     "HINDMARSH_2005",
+    "ISO_15",
+    "ISO_76",
     "ISO_3448",
+    "ISO_5753",
+    "ISO_15312",
     "ISO_16281",
     "JOHNSON_1970",
     "JOHNSON_1985",
@@ -52,6 +57,7 @@ __all__ = [
     "MURAKI_1992",
     "MURCH_1975",
     "NAHME_1940",
+    "PALMGREN_1959",
     "PAN_1989",
     "PARKER_1984",
     "PETROFF_1883",
@@ -111,6 +117,16 @@ ASTM_D341: Final = Reference(
     kind="standard",
     title="Standard practice for viscosity-temperature equations and charts for liquid petroleum products",
     number="ASTM D341",
+)
+ISO_15: Final = Reference(
+    kind="standard", title="Rolling bearings: radial bearings, boundary dimensions, general plan", number="ISO 15"
+)
+ISO_76: Final = Reference(kind="standard", title="Rolling bearings: static load ratings", number="ISO 76")
+ISO_5753: Final = Reference(
+    kind="standard", title="Rolling bearings: internal clearance, part 1: radial clearance", number="ISO 5753-1"
+)
+GOST_22696: Final = Reference(
+    kind="standard", title="Rolling bearings: short cylindrical rollers", number="GOST 22696-2013"
 )
 ISO_3448: Final = Reference(
     kind="standard", title="Industrial liquid lubricants: ISO viscosity classification", number="ISO 3448"
@@ -566,4 +582,19 @@ HINDMARSH_2005: Final = Reference(
     pages="363-396",
     year=2005,
     doi="10.1145/1089014.1089020",
+)
+PALMGREN_1959: Final = Reference(
+    kind="book",
+    authors=("Palmgren, A.",),
+    title="Ball and Roller Bearing Engineering",
+    edition="3rd",
+    publisher="SKF Industries",
+    year=1959,
+    note="cited through Harris and Kotzalas (2007)",
+)
+ISO_15312: Final = Reference(
+    kind="standard",
+    title="Rolling bearings: thermal speed rating, calculation",
+    number="ISO 15312:2018",
+    note="its reference conditions are those that SKF prints; its flux of heat is recalled, not read",
 )

@@ -92,9 +92,11 @@ def test_the_proposed_inertia_is_in_the_range_for_the_bearing():
 
 def test_mass_and_inertia_are_required_and_proposed():
     missing = [
-        "cage.mass: missing, but required (mass of the cage); one of bronze for this bearing may have '375 g' (D)",
-        "cage.inertia: missing, but required (moment of inertia of the cage); one of bronze for this bearing may have "
-        "'0.00304 kg m2' (D)",
+        "cage.mass: missing, but required (mass of the cage); one for this bearing may have 375 g of brass, 103 g of "
+        "steel, 57.6 g of polyamide (estimates, (D)): cage.mass = '375 g'",
+        "cage.inertia: missing, but required (moment of inertia of the cage); one for this bearing may have 0.00304 "
+        "kg m2 of brass, 0.000832 kg m2 of steel, 0.000466 kg m2 of polyamide (estimates, (D)): cage.inertia = "
+        "'0.00304 kg m2'",
     ]
     assert faults(guidance="outer") == missing
     with pytest.raises(SceneError) as caught:

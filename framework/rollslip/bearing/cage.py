@@ -8,7 +8,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final, NamedTuple
 
 import attrs
 
@@ -26,7 +26,39 @@ from rollslip.structure import Location, structure
 from rollslip.units import expectation, format_quantity, quantity
 
 _optional = attrs.validators.optional(positive)
-_BRONZE = 8600.0  # kg/m3
+
+
+class Make(NamedTuple):
+    """What cages of one make are like (D).
+
+    Attributes
+    ----------
+    words : str
+        What it is.
+    density : float
+        [kg/m3].
+    thickness, pocket_clearance : float
+        Of its bars, and of a roller in its pocket along the orbit, over the diameter of a roller.
+    pocket_stiffness : float
+        [N/m].
+    guidance : str
+        What guides it.
+    """
+
+    words: str
+    density: float
+    thickness: float
+    pocket_clearance: float
+    pocket_stiffness: float
+    guidance: str
+
+
+#: Makes of cages by what they are of.
+MAKES: Final[Mapping[str, Make]] = {
+    "brass": Make("machined brass or bronze", 8600.0, 0.4, 0.015, 5e7, "outer"),
+    "steel": Make("pressed sheet steel", 7850.0, 0.12, 0.02, 5e7, "roller"),
+    "polyamide": Make("polyamide with a quarter of glass fibre", 1320.0, 0.4, 0.025, 5e6, "roller"),
+}
 
 
 @attrs.frozen(kw_only=True)
@@ -130,23 +162,23 @@ class Cage:
             raise FieldError("pocket_radial_clearance", f"only read for guidance = 'roller', not for {self.guidance!r}")
 
 
-def estimated_inertia(bearing: Bearing) -> tuple[float, float]:
-    """Return mass [kg] and moment of inertia [kg m2] that a cage of bronze may have (D).
+def estimated_inertia(bearing: Bearing, make: str = "brass") -> tuple[float, float]:
+    """Return mass [kg] and moment of inertia [kg m2] that a cage of one of `MAKES` may have (D).
 
-    A ring on the orbit R_m of the rollers, 1.6 roller lengths l wide and 0.4 diameters D thick, less the Z pockets:
-    m = rho 0.4 D (2 pi R_m 1.6 l - Z D l), I = m R_m^2, rho = 8600 kg/m3.
+    A ring on the orbit R_m of the rollers, 1.6 roller lengths l wide and c diameters D thick, less the Z pockets:
+    m = rho c D (2 pi R_m 1.6 l - Z D l), I = m R_m^2, with c = 0.4 for machined and moulded cages, 0.12 for sheet.
     """
     b = bearing
     orbit = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 4
     area = (2 * math.pi * orbit * 1.6 - b.rollers * b.roller_diameter) * b.roller_length
-    mass = _BRONZE * 0.4 * b.roller_diameter * area
+    mass = MAKES[make].density * MAKES[make].thickness * b.roller_diameter * area
     return mass, mass * orbit**2
 
 
 def _estimates(bearing: Bearing, table: Mapping[str, object]) -> dict[str, object]:
     """Return what the bearing's size says of a cage where its table is silent."""
     b = bearing
-    estimates: dict[str, object] = {"pocket_clearance": 0.015 * b.roller_diameter}
+    estimates: dict[str, object] = {"pocket_clearance": MAKES["brass"].pocket_clearance * b.roller_diameter}
     shoulder = 0.2 * b.roller_diameter
     lands = {"inner": b.inner_raceway_diameter / 2 + shoulder, "outer": b.outer_raceway_diameter / 2 - shoulder}
     guidance = table.get("guidance")
@@ -171,17 +203,18 @@ def read_cage(scene: Scene) -> Cage:
     """
     where, problems = Location(scene.origins, ("cage",)), list[str]()
     table: dict[str, object] = dict(scene.cage or {})
-    mass, inertia = estimated_inertia(scene.bearing)
-    for key, proposal in (("mass", format_quantity(mass, "kg", 3)), ("inertia", f"{inertia:.3g} kg m2")):
+    likely = {make: estimated_inertia(scene.bearing, make) for make in MAKES}
+    for k, (key, of, unit) in enumerate((("mass", "mass", "kg"), ("inertia", "moment of inertia", "kg m2"))):
         if key not in table:
-            of = "mass" if key == "mass" else "moment of inertia"
+            shown = {make: format_quantity(float(f"{both[k]:.3g}"), unit) for make, both in likely.items()}
+            each = ", ".join(f"{value} of {make}" for make, value in shown.items())
             problems.append(
                 where.at(key).says(
-                    f"missing, but required ({of} of the cage); one of bronze for this bearing may "
-                    f"have {proposal!r} (D)"
+                    f"missing, but required ({of} of the cage); one for this bearing may have {each} (estimates, (D)): "
+                    f"cage.{key} = '{shown['brass']}'"
                 )
             )
-            table[key] = proposal
+            table[key] = shown["brass"]
     cage = structure(Cage, {**_estimates(scene.bearing, table), **table}, where, problems)
     raw = table.get("drag", ())
     models = [

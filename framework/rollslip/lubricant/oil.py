@@ -12,6 +12,7 @@ from attrs import NOTHING, Attribute, Factory, frozen
 from attrs import field as attrib
 from attrs.validators import optional
 
+from rollslip.datasets import Scatter
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError, Span, field, non_negative, positive
 from rollslip.lubricant.pressure import Barus, PressureViscosity
@@ -97,31 +98,6 @@ def _known_grades(instance: object, attribute: "Attribute[Any]", value: Mapping[
 
 
 @frozen(kw_only=True)
-class Scatter:
-    """How uncertain a datum of an oil is, and who says so.
-
-    Parameters
-    ----------
-    quantity : str
-        Key of the table ``[lubricant]`` of a scene that scatters.
-    distribution : str
-        Name of its distribution, as in the table ``[uncertainty]`` of a scene.
-    parameters : mapping
-        Its parameters there, with units; a centre that is left out is the value of the scene.
-    grade : str
-        A letter of `GRADES` in parentheses.
-    source : str
-        Where it comes from, in a sentence.
-    """
-
-    quantity: str
-    distribution: str
-    parameters: Mapping[str, object] = attrib(converter=FrozenTable)
-    grade: str
-    source: str
-
-
-@frozen(kw_only=True)
 class Lubricant:
     """An oil: its temperature laws, its shear properties, and where each of them comes from.
 
@@ -167,6 +143,8 @@ class Lubricant:
         How uncertain its data are: what ``rollslip uncertainty`` takes where the scene states nothing.
     grades : mapping of str to str
         Property -> letter of `GRADES`.
+    synonyms : tuple of str
+        What else it is called; capitals, spaces and hyphens do not count in names of data.
 
     Raises
     ------
@@ -209,6 +187,7 @@ class Lubricant:
         validator=_known_grades,
         metadata={"doc": "grade of each property"},
     )
+    synonyms: tuple[str, ...] = ()
 
     def __attrs_post_init__(self) -> None:
         low, high = self.minimum_temperature, self.maximum_temperature

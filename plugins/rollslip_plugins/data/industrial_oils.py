@@ -31,6 +31,7 @@ def _correlated(
     *,
     grades: dict[str, str],
     references: tuple[Reference, ...],
+    synonyms: tuple[str, ...] = (),
     alpha: tuple[float, str] = (
         0.25,
         "formulas of Gold and of So and Klaus lie within 25 % of that of Wu, Klaus and Duda",
@@ -58,6 +59,7 @@ def _correlated(
         references=(*references, ASTM_D341, WU_1989),
         scatter=scatter_of(*_GRADE_SCATTER, *alpha),
         grades=grades | _SHARED,
+        synonyms=synonyms,
     )
 
 
@@ -73,6 +75,7 @@ def _iso_vg(grade: int, at_40: float, at_100: float) -> Lubricant:
         "as printed for FVA 3",
         grades={"viscosity": "B", "density": "B", "pressure_viscosity": "B"},
         references=(GEARPIE, ISO_3448),
+        synonyms=(f"VG {grade}",),
     )
 
 

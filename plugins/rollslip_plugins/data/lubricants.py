@@ -94,6 +94,7 @@ def scatter_of(
 
 mil_prf_7808 = Lubricant(
     name="mil-prf-7808",
+    synonyms=("MIL-L-7808",),
     description="Diester turbine oil after MIL-PRF-7808 (formerly MIL-L-7808), 3 mm2/s at 100 degC",
     # Published in natural logarithms: eta = 9.997e-4 [exp(exp(22.216 - 3.7048 ln T)) - 0.87] Pa s.
     viscosity=Walther(intercept=(22.216 - log(log(10.0))) / log(10.0), slope=3.7048, constant=0.87, scale=9.997e-4),
@@ -123,6 +124,7 @@ _VISCOSITY_23699 = Andrade(reference_viscosity=0.0276, reference_temperature=311
 
 mil_prf_23699 = Lubricant(
     name="mil-prf-23699",
+    synonyms=("MIL-L-23699",),
     description="Polyol ester turbine oil after MIL-PRF-23699 (formerly MIL-L-23699), 5 mm2/s at 100 degC",
     viscosity=_VISCOSITY_23699,
     # Published as alpha = exp(1.15607 ln eta - 17.496) / eta.

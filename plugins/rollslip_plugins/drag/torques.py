@@ -134,6 +134,11 @@ class PetroffLand(DragModel):
         **_ranges(Cage, "land_clearance"),
     )
 
+    @property
+    def against(self) -> str:  # type: ignore[override]
+        """The guiding ring."""
+        return self.ring
+
     @cached_property
     def damping(self) -> float:
         """Torque for each rad/s between ring and cage [N m s]."""
