@@ -14,7 +14,15 @@ from typing import Any, ClassVar, Final
 import attrs
 
 from rollslip.errors import PluginError
-from rollslip.testing import checks, integrators, laws, studies, values  # noqa: F401 - they put their rules on the list
+from rollslip.testing import (  # noqa: F401 - they put their rules on the list
+    checks,
+    heat,
+    integrators,
+    laws,
+    measurements,
+    studies,
+    values,
+)
 from rollslip.testing.declared import not_run
 from rollslip.testing.rules import Check, Inapplicable, all_checks, checks_of, subjects
 

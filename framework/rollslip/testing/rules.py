@@ -13,6 +13,7 @@ from hypothesis import assume
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
 from rollslip.lubricant.oil import Lubricant
+from rollslip.measurement import Measurement
 from rollslip.models import (
     ContactModel,
     Drag,
@@ -26,6 +27,7 @@ from rollslip.models import (
 )
 from rollslip.references import Reference
 from rollslip.studies.study import Study
+from rollslip.studies.thermal_balance.model import ThermalModel
 from rollslip.testing.samples import copy_of, drawn_tables, evaluate, for_all, forms_of, shown, with_scene
 from rollslip_kernels.slices import Slices
 
@@ -81,7 +83,8 @@ def rests_on_evaluation(check: Check) -> bool:
 def kinds_of(model: object) -> Iterator[type | str]:
     """Yield the kinds whose rules hold for a model, the general ones first."""
     yield "value"
-    yield from (kind for kind in (*MODELS, Engine, Lubricant, Study, *STAGES) if isinstance(model, kind))
+    beside = (Engine, Lubricant, Measurement, Study, ThermalModel)
+    yield from (kind for kind in (*MODELS, *beside, *STAGES) if isinstance(model, kind))
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
         yield "deflection"
 

@@ -162,16 +162,15 @@ def evaluated(model: SliceModel, conditions: Conditions, **columns: Any) -> Slic
 
 def copy_of(slices: Slices, **conditions: float) -> Slices:
     """Return a copy, with other conditions where they are given."""
-    other = Slices(len(slices), attrs.evolve(slices.conditions, **conditions))
-    for name in COLUMNS:
-        getattr(other, name)[:] = getattr(slices, name)
+    other = slices.taken()
+    if conditions:
+        other.conditions = attrs.evolve(slices.conditions, **conditions)
     return other
 
 
 def picked(slices: Slices, order: Any) -> Slices:
     """Return the slices of an order, as a copy."""
-    columns = {name: getattr(slices, name)[order] for name in COLUMNS}
-    return Slices(len(columns["load"]), slices.conditions, **columns)
+    return slices.taken(order)
 
 
 def with_scene(model: Any) -> Any:

@@ -17,8 +17,9 @@ from rollslip.results.style import (
     TWO_COLUMNS,
     axis_label,
     light_to_dark,
+    unit_label,
 )
-from rollslip.units import format_quantity, quantity
+from rollslip.units import converted, format_quantity, shown_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -116,14 +117,13 @@ def _profiles(dataset: "xr.Dataset") -> "Figure":
     size = ONE_COLUMN if columns == 1 else TWO_COLUMNS
     figure = Figure(figsize=(size[0], 58 * MM * rows + 2 * ROW), layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
-    limits = dataset["rise_limit"].to_numpy()
+    limits, linear = dataset["rise_limit"].to_numpy(), False
     for axes, name in zip(panels, names, strict=False):
         one = dataset.sel(parameter=name)
         # people's unit, taken from how the value is shown to them
         SI, best = one["unit"].item(), float(one["value"])
-        unit = format_quantity(best, SI).partition(" ")[2]
-        held = one["profile_value"].to_numpy() / (quantity(f"1 {unit}", SI) if unit else 1.0)
-        best *= held[held.size // 2] / best if best else 1.0
+        unit = shown_unit(best, SI)
+        held, best = converted(one["profile_value"].to_numpy(), SI, unit), converted(best, SI, unit)
         for limit, level in zip(limits, dataset["level"].values, strict=True):
             axes.axhline(limit, color="0.6", linewidth=0.6, zorder=0)
             axes.text(0.5, limit, f"{level:.0%}", transform=axes.get_yaxis_transform(), va="bottom", ha="center")
@@ -131,18 +131,19 @@ def _profiles(dataset: "xr.Dataset") -> "Figure":
         if math.isfinite(error):
             change = np.log(held / best) if held.min() > 0.0 < best else held - best
             axes.plot(held, (change / error) ** 2, color=RING_COLOURS["outer"], linewidth=1.0)
+            linear = True
         axes.plot(held, one["profile_rise"], color=RING_COLOURS["inner"])
         axes.plot(best, 0.0, color=RING_COLOURS["inner"], clip_on=False, **MARKER)
         if held.min() > 0.0 and held.max() > 5.0 * held.min():
             axes.set_xscale("log")
         axes.set_ylim(0.0, 1.6 * limits[-1])
-        axes.set_xlabel(f"{name} [{unit or '–'}]")
+        axes.set_xlabel(f"{name} [{unit_label(unit)}]")
     for axes in panels[names.size :]:
         axes.set_visible(False)
     panels[0].set_ylabel(r"Rise of $\chi^2$ over the variance [–]")
-    handles = [
-        Line2D([], [], color=RING_COLOURS["inner"], label="profile likelihood, the others fitted anew"),
-        Line2D([], [], color=RING_COLOURS["outer"], linewidth=1.0, label="covariance: the law taken for linear"),
-    ]
+    handles = [Line2D([], [], color=RING_COLOURS["inner"], label="profile likelihood, the others fitted anew")]
+    if linear:
+        words = "covariance: the law taken for linear"
+        handles.append(Line2D([], [], color=RING_COLOURS["outer"], linewidth=1.0, label=words))
     figure.legend(handles=handles, loc="outside upper left", ncols=columns)
     return figure

@@ -15,9 +15,9 @@ import numpy as np
 from rollslip.campaigns.fit.least_squares import estimate
 from rollslip.campaigns.fit.problem import Array, Parameter, Raw, RigProblem, friction_at, parameters_named, rig_problem
 from rollslip.campaigns.fit.result import Fit, dataset_of
-from rollslip.campaigns.fit.rig_data import Rig, RigData, load_rig, read_data
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
+from rollslip.measurement.rig import Rig, RigData, load_rig, read_data
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,7 +41,7 @@ def fit(
     Parameters
     ----------
     data : str, path or RigData
-        Data file, see `rollslip.campaigns.fit.rig_data.read_data`.
+        Data file, see `rollslip.measurement.rig.read_data`.
     parameters : iterable of str
         What to fit, or the names separated by commas: values and factors of the oil ("eyring_stress",
         "pressure_viscosity", "viscosity_factor") and parameters of the traction model ("flash",

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.chain import Chain
-from rollslip.campaigns.fit.rig_data import Rig, RigData
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import DomainError, SceneError, nearest
 from rollslip.fields import FieldError
@@ -24,6 +23,7 @@ from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.lubricant.table import OilTable, lubricant_from_table
 from rollslip.lubricant.temperature import Constant
+from rollslip.measurement.rig import Rig, RigData
 from rollslip.models import FilmModel, SliceModel, TractionModel
 from rollslip.scene.values import ModelChoice
 from rollslip.structure import Location
@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Raw: TypeAlias = str | Mapping[str, object] | SliceModel
 
+#: Rows belong to one operating point if they differ from the next one by less: K, and shares of load and speed.
+SAME: Final = (1.0, 0.03, 0.03)
 #: Factor from their start to both ends of the range in which parameters are searched.
 SEARCH: Final = 100.0
 
@@ -183,6 +185,19 @@ def _check(problem: RigProblem, where: Location) -> None:
         problem.friction(problem.lubricant, problem.chain)
     except DomainError as error:
         raise SceneError([f"{problem.data.source}: with the values to start from, {error}"]) from error
+
+
+def operating_points(problem: RigProblem) -> list[Indices]:
+    """Rows that a rig held at one temperature, load and speed, each set in the order of slip."""
+    c = problem.data.columns
+    sets = [np.arange(len(problem.data))]
+    for values, gap in zip((c["temperature"], np.log(problem.load), np.log(c["rolling_speed"])), SAME, strict=True):
+        parted = []
+        for rows in sets:
+            ordered = rows[np.argsort(values[rows], kind="stable")]
+            parted += np.split(ordered, np.flatnonzero(np.diff(values[ordered]) > gap) + 1)
+        sets = parted
+    return [rows[np.argsort(c["slide_roll_ratio"][rows], kind="stable")] for rows in sets]
 
 
 # Parameters ---------------------------------------------------------------------------------------------------------

@@ -18,7 +18,15 @@ from numpy.typing import NDArray
 
 from rollslip.campaigns.fit.findings import UNKNOWN, parameter_rows
 from rollslip.campaigns.fit.least_squares import LEVELS, PROFILE_POINTS, LeastSquaresEstimate, Stop
-from rollslip.campaigns.fit.problem import Array, Indices, Parameter, RigProblem, friction_at, with_values
+from rollslip.campaigns.fit.problem import (
+    Array,
+    Indices,
+    Parameter,
+    RigProblem,
+    friction_at,
+    operating_points,
+    with_values,
+)
 from rollslip.catalogue.registry import find
 from rollslip.lubricant.oil import Lubricant
 from rollslip.models import SliceModel, TractionModel
@@ -36,8 +44,6 @@ __all__ = ["Fit", "dataset_of"]
 
 #: Points of a drawn curve.
 CURVE_POINTS: Final = 201
-#: Rows belong to one operating point if they differ from the next one by less: K, and shares of load and speed.
-_SAME: Final = (1.0, 0.03, 0.03)
 #: Probability below which chance is not believed.
 _UNLIKELY: Final = 0.01
 
@@ -87,7 +93,7 @@ def dataset_of(problem: RigProblem, fitted: Fit, wanted: Sequence[Parameter], wa
     film = np.empty(len(problem.data))
     for _, rows, slices in problem.tables:
         film[rows] = slices.film_thickness
-    sets = _operating_points(problem)
+    sets = operating_points(problem)
     c = problem.data.columns
     variables = {
         **_of_parameters(fitted, wanted),
@@ -250,19 +256,6 @@ def _no_limit(fitted: Fit, side: str, end: str, stop: Stop) -> str:
         f"the {side} limit {UNKNOWN}: searched to {end}, beyond which {ranges} would have to leave its range; start "
         f"{' or '.join(p.name for p in held)} elsewhere, or fit without it"
     )
-
-
-def _operating_points(problem: RigProblem) -> list[Indices]:
-    """Rows that a rig held at one temperature, load and speed, each set in the order of slip."""
-    c = problem.data.columns
-    sets = [np.arange(len(problem.data))]
-    for values, gap in zip((c["temperature"], np.log(problem.load), np.log(c["rolling_speed"])), _SAME, strict=True):
-        parted = []
-        for rows in sets:
-            ordered = rows[np.argsort(values[rows], kind="stable")]
-            parted += np.split(ordered, np.flatnonzero(np.diff(values[ordered]) > gap) + 1)
-        sets = parted
-    return [rows[np.argsort(c["slide_roll_ratio"][rows], kind="stable")] for rows in sets]
 
 
 def _numbered(sets: Sequence[Indices]) -> Indices:

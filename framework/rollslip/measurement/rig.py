@@ -27,7 +27,7 @@ from rollslip.scene.values import LubricantTable, Models
 from rollslip.structure import Location, structure
 from rollslip.toml import parse
 
-__all__ = ["EXAMPLE", "Measurement", "Rig", "RigContact", "RigData", "load_rig", "read_data"]
+__all__ = ["EXAMPLE", "FilmRow", "Rig", "RigContact", "RigData", "TractionRow", "load_rig", "read_data"]
 
 Array = NDArray[np.float64]
 
@@ -67,31 +67,47 @@ def _coefficient(_: object, column: "attrs.Attribute[float]", value: float) -> N
 
 
 @attrs.frozen(kw_only=True)
-class Measurement:
-    """One row of a data file; its fields are the columns that a file may have, of which it needs one of the loads."""
+class _ContactRow:
+    """What every row says of its contact, of which it needs one of the loads."""
 
-    slide_roll_ratio: float = _column(
-        "1", "slide-roll ratio V/u, sliding speed over mean rolling speed", validator=None
-    )
     rolling_speed: float = _column("m/s", "rolling (entrainment) speed u, the mean of both surface speeds")
     temperature: float = _column("K", "temperature of the oil at the inlet")
-    friction: float = _column(
-        "1", "traction coefficient, with the sign of the slide-roll ratio", validator=_coefficient
-    )
     load: float | None = _column("N", "normal force; needs the length of the contact", required=False)
     load_per_length: float | None = _column("N/m", "normal force per length", required=False)
     mean_pressure: float | None = _column("Pa", "mean Hertz pressure of the line contact", required=False)
     max_pressure: float | None = _column("Pa", "maximum Hertz pressure of the line contact", required=False)
+
+
+@attrs.frozen(kw_only=True)
+class TractionRow(_ContactRow):
+    """One row of a file of traction; its fields are the columns that a file may have."""
+
+    slide_roll_ratio: float = _column(
+        "1", "slide-roll ratio V/u, sliding speed over mean rolling speed", validator=None
+    )
+    friction: float = _column(
+        "1", "traction coefficient, with the sign of the slide-roll ratio", validator=_coefficient
+    )
     friction_uncertainty: float | None = _column("1", "standard uncertainty of the friction", required=False)
     film_thickness: float | None = _column("m", "measured film thickness, in place of a film model", required=False)
+
+
+@attrs.frozen(kw_only=True)
+class FilmRow(_ContactRow):
+    """One row of a file of film thickness; its fields are the columns that a file may have."""
+
+    film_thickness: float = _column("m", "measured film thickness")
+    film_thickness_uncertainty: float | None = _column(
+        "m", "standard uncertainty of the film thickness", required=False
+    )
 
 
 _LOADS: Final = ("load", "load_per_length", "mean_pressure", "max_pressure")
 
 
-@attrs.frozen(eq=False, kw_only=True)
+@attrs.frozen(kw_only=True)
 class RigData:
-    """The rows of a data file in SI units.
+    """The rows of a data file in SI units; those of one content are equal.
 
     Attributes
     ----------
@@ -104,10 +120,10 @@ class RigData:
     """
 
     source: str
-    text: str = attrs.field(repr=False)
+    text: str = attrs.field(repr=False, eq=False)
     sha256: str
-    columns: Mapping[str, Array]
-    lines: tuple[int, ...] = attrs.field(repr=False)
+    columns: Mapping[str, Array] = attrs.field(eq=False)
+    lines: tuple[int, ...] = attrs.field(repr=False, eq=False)
 
     def __len__(self) -> int:
         return len(self.lines)
@@ -136,10 +152,11 @@ class RigData:
         return 32 * contact.radius * mean**2 / (math.pi * contact.modulus)
 
 
-def read_data(path: str | os.PathLike[str]) -> RigData:
+def read_data(path: str | os.PathLike[str], row: type = TractionRow) -> RigData:
     """Read a data file: comma-separated values under a header ``name [unit], name [unit], ...``.
 
-    Lines that start with ``#`` are comments. The columns are the fields of `Measurement`, in any order.
+    Lines that start with ``#`` are comments. The columns are the fields of ``row``, `TractionRow` or
+    `FilmRow`, in any order.
 
     Raises
     ------
@@ -150,21 +167,28 @@ def read_data(path: str | os.PathLike[str]) -> RigData:
     content = _content(Path(path))
     text = decoded(content, source)
     faults: list[str] = []
-    given, lines = read_columns(text, source, Measurement, faults, check=_check_loads)
+    given, lines = read_columns(text, source, row, faults, check=_check_loads)
     if not faults:
         columns = {name: np.array(values) for name, values in given.items()}
-        friction = columns["friction"][columns["slide_roll_ratio"] < 0.0]
-        if not columns["friction"].any():
-            raise SceneError([f"{source}: friction: is 0 in every row, so that there is nothing to fit"])
-        if friction.sum() <= 0.0:
+        if "friction" in columns:
+            faults = _of_friction(columns, source)
+        if not faults:
             sha256 = hashlib.sha256(content).hexdigest()
             return RigData(source=source, text=text, sha256=sha256, columns=columns, lines=lines)
-        faults.append(
-            f"{source}: friction: is positive where slide_roll_ratio is negative; it has the sign of the slide-roll "
-            "ratio, so give both with their signs, or both without"
-        )
     more = len(faults) - _MOST_FAULTS
     raise SceneError(faults if more <= 0 else [*faults[:_MOST_FAULTS], f"{source}: and {more} faults more"])
+
+
+def _of_friction(columns: Mapping[str, Array], source: str) -> list[str]:
+    """Say what is wrong with friction as a whole."""
+    if not columns["friction"].any():
+        return [f"{source}: friction: is 0 in every row, so that there is nothing to fit"]
+    if columns["friction"][columns["slide_roll_ratio"] < 0.0].sum() <= 0.0:
+        return []
+    return [
+        f"{source}: friction: is positive where slide_roll_ratio is negative; it has the sign of the slide-roll "
+        "ratio, so give both with their signs, or both without"
+    ]
 
 
 def _content(path: Path) -> bytes:

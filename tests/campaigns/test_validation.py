@@ -1,0 +1,205 @@
+"""Models are held against data sets: bands, verdicts and chi-square by known numbers, statements, and predictions."""
+
+import math
+
+import attrs
+import numpy as np
+import pytest
+
+from rollslip.campaigns.validation.judging import Value, held, verdict_on
+from rollslip.campaigns.validation.observables import observe
+from rollslip.campaigns.validation.predictions import form, read_predictions
+from rollslip.campaigns.validation.validate import plan_validation, run_validation, validate
+from rollslip.catalogue.registry import get_model
+from rollslip.cli.main import main
+from rollslip.errors import PluginError, SceneError
+from rollslip.measurement.values import Row, Series, Statement, Step
+from rollslip.results.account import account_of
+from rollslip.results.dataset import save
+from rollslip.results.report import write_report
+from rollslip.structure import FrozenTable
+
+
+def series_of(*rows):
+    made = tuple(
+        Row(changes=FrozenTable({"operation.radial_load": f"{k} N"}), measured=m, uncertainty=u, line=k)
+        for k, (m, u) in enumerate(rows, 1)
+    )
+    return Series(name="of nobody", quantity="cage-slip", unit="1", rows=made, about_uncertainty="made up")
+
+
+def values_of(*numbers):
+    return [Value(number, "", 0.01) for number in numbers]
+
+
+OF = ("nobody", "of nobody", "none")
+
+
+def test_chi_square_is_that_of_both_uncertainties_and_of_what_rows_share():
+    """Two rows with errors of their own 0.1 and a shared one of 0.2: by hand, with the inverse of a 2 x 2 matrix."""
+    shared = 0.2 * np.array([-1.0, 1.0] * 50)
+    samples = np.column_stack([1.0 + shared, 2.0 + shared])
+    variance = np.var(shared, ddof=1)
+    _, group = held(OF, series_of((1.1, 0.1), (2.3, 0.1)), values_of(1.0, 2.0), samples, "")
+    a, b = 0.01 + variance, variance
+    by_hand = (a * (0.1**2 + 0.3**2) - 2 * b * 0.1 * 0.3) / (a**2 - b**2)
+    assert group.chi2 == pytest.approx(by_hand, rel=1e-12)
+    assert group.freedom == 2
+    assert group.probability == pytest.approx(math.exp(-by_hand / 2), rel=1e-9)  # of two degrees of freedom
+
+
+@pytest.mark.parametrize(
+    ("measured", "verdict"), [(1.0, "inside"), (1.3, "inside"), (1.6, "outside"), (0.4, "outside")]
+)
+def test_a_value_is_inside_within_two_deviations_of_both_together(measured, verdict):
+    """0.2 and 0.15 make 0.25: 1.96 of it is 0.49."""
+    from scipy.special import ndtri
+
+    samples = 1.0 + 0.2 * ndtri((np.arange(400) + 0.5) / 400)
+    [row], _ = held(OF, series_of((measured, 0.15)), values_of(1.0), samples[:, None], "")
+    assert row.verdict == verdict
+    assert row.ratio == pytest.approx(1.0 / measured)
+
+
+def test_values_beyond_the_range_are_larger_than_all_in_it():
+    samples = np.array([0.5] * 50 + [math.inf] * 50)[:, None]
+    [row], group = held(OF, series_of((0.8, 0.01)), [Value(math.inf, "friction still rises", 0.0)], samples, "")
+    assert row.verdict == "inside"
+    assert row.band == (0.5, math.inf)
+    assert math.isnan(group.chi2)
+    assert "beyond the range" in group.status
+
+
+def test_values_that_are_not_known_leave_the_verdict_open():
+    samples = np.array([0.5] * 90 + [math.nan] * 10)[:, None]
+    [row], _ = held(OF, series_of((0.5, 0.01)), values_of(0.5), samples, "")
+    assert row.verdict == "cannot be told"
+    assert row.status == "10% of the samples have no value"
+
+
+def test_too_few_samples_give_no_chi_square():
+    _, group = held(OF, series_of((1.0, 0.1), (2.0, 0.1)), values_of(1.0, 2.0), np.ones((8, 2)), "")
+    assert math.isnan(group.chi2)
+    assert "too few" in group.status
+
+
+@pytest.mark.parametrize(
+    ("expect", "values", "verdict"),
+    [
+        ("rises", (1.0, 2.0, 3.0), "held"),
+        ("rises", (1.0, 1.01), "not held"),  # less than the 2 % that count
+        ("rises", (1.0, math.inf), "held"),
+        ("rises", (math.inf, math.inf), "cannot be told"),
+        ("falls", (3.0, 2.0), "held"),
+        ("falls", (3.0, math.nan), "cannot be told"),
+        ("below", (0.1, 0.4), "held"),
+        ("below", (0.1, 0.6), "not held"),
+        ("above", (0.6, math.inf), "held"),
+        ("none", (math.inf,), "held"),
+        ("none", (0.3,), "not held"),
+    ],
+)
+def test_a_statement_holds_or_not_as_its_values_go(expect, values, verdict):
+    said = Statement(
+        quantity="cage-slip", unit="1", says="", by_whom="", expect=expect, by=0.02,
+        limit=0.5 if expect in ("below", "above") else None, steps=(Step(says=""),) * len(values),
+    )  # fmt: skip
+    assert verdict_on(said, np.array(values)) == verdict
+
+
+@pytest.fixture(scope="module")
+def found():
+    """The seed paper's data set, its first series and all statements, under its own models and another law."""
+    sound = get_model("measurement", "klebanov-2022")
+    return validate([attrs.evolve(sound, series=sound.series[3:])], samples=24, traction="eyring-thermal")
+
+
+def test_the_calibrated_oil_gives_the_published_pair_and_another_law_does_not(found):
+    verdicts = {
+        model: list(found.row_verdict.to_numpy()[found.row_models.to_numpy() == model])
+        for model in ("as stated", "eyring-thermal")
+    }
+    assert verdicts == {"as stated": ["inside"] * 2, "eyring-thermal": ["outside"] * 2}
+    own = found.isel(row=np.flatnonzero(found.row_models == "as stated"))
+    assert own.calculated.to_numpy() == pytest.approx([0.1117, 0.5002], abs=2e-4)  # README of rollslip-klebanov
+
+
+def test_a_validation_is_told_drawn_and_stored(found, tmp_path):
+    account = account_of(found)
+    assert account.name == "validation"
+    assert any("2 of 2 values inside" in text for text in account.sentences(found))
+    record = account.record(found)
+    assert len(record["rows"]) == 4
+    assert record["data_sets"]["klebanov-2022"]["estimated"]["lubricant.name"]
+    names = [name for name, _, _ in account.figures(found)]
+    assert names == ["validation", "validation-klebanov-2022-1", "validation-statements"]
+    save(found, tmp_path / "validation.nc")
+    write_report({"validation": found}, {"validation": []}, tmp_path / "report.html")
+    assert "calibrated oil" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_predictions_of_another_program_stand_beside_models(tmp_path):
+    sound = get_model("measurement", "klebanov-2022")
+    lines = form(sound).replace("program: NAME", "program: another").splitlines()
+    filled = [f"{line[:-1]}0.105,0.004" if line.endswith(",,") and "epicyclic" in line else line for line in lines]
+    path = tmp_path / "another.csv"
+    path.write_text("\n".join(filled[:6]), encoding="utf-8")  # the head, and the first row of the first series
+    read = read_predictions(path, sound)
+    empty = attrs.evolve(sound, statements=())
+    plan = plan_validation([empty], predictions=[read], samples=0)
+    plan = attrs.evolve(plan, combinations=())
+    made = run_validation(plan)
+    assert list(made.row_models.to_numpy()) == ["another", "another"]
+    assert list(made.row_verdict.to_numpy()) == ["inside", "cannot be told"]  # 11 % and 50 % measured
+
+
+@pytest.mark.parametrize(
+    ("there", "instead", "said"),
+    [
+        ("0.105", "nan", "predicted: a number is expected"),
+        ("critical slip, epicyclic rollers", "critical slip of nobody", "has no row of line"),
+        (",1,0.105", ",mm,0.105", "unit: 'mm'"),
+        ("0.004", "-1", "uncertainty: a number from 0 on"),
+        ("predicted", "guess", "missing columns: predicted"),
+        ("parameters: 0", "parameters: few", "parameters: a whole number"),
+    ],
+)
+def test_broken_predictions_are_refused(there, instead, said, tmp_path):
+    sound = get_model("measurement", "klebanov-2022")
+    lines = form(sound).splitlines()
+    text = "\n".join([*lines[:5], f"{lines[5][:-1]}0.105,0.004"])
+    assert there in text
+    path = tmp_path / "p.csv"
+    path.write_text(text.replace(there, instead), encoding="utf-8")
+    with pytest.raises(SceneError, match=said):
+        read_predictions(path, sound)
+
+
+def test_the_variable_of_any_study_can_be_measured_and_a_wrong_one_is_named():
+    [series, *_] = get_model("measurement", "klebanov-2022").series
+    [value] = observe(series.scene, "effective-friction/runaway_slip", {}, [{}])
+    assert 0.0 < value.value < 1.0
+    with pytest.raises(SceneError, match="has no variable 'runaway_slipp'; did you mean 'runaway_slip'"):
+        observe(series.scene, "effective-friction/runaway_slipp", {}, [{}])
+    with pytest.raises(SceneError, match="has 2 values along ring"):
+        observe(series.scene, "critical-slip", {}, [{}])
+
+
+def test_names_that_nobody_offers_are_refused_before_anything_runs():
+    with pytest.raises(PluginError, match="muraki"):
+        plan_validation("klebanov-2022", traction="murak")
+    with pytest.raises(PluginError, match="klebanov-2022"):
+        plan_validation("klebanov-2023")
+
+
+def test_the_command_writes_a_form_and_a_folder(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as leave:
+        main(["validate", "klebanov-2022", "--form", "form.csv"])
+    assert leave.value.code == 0
+    assert (tmp_path / "form.csv").read_text(encoding="utf-8").count("klebanov-2022,") == 8
+    with pytest.raises(SystemExit) as leave:
+        main(["validate", "klebanov-2022", "--samples", "0", "--no-plots", "--json"])
+    assert leave.value.code == 0
+    assert '"klebanov-2022-validation"' in capsys.readouterr().out
+    assert [path.name for path in (tmp_path / "klebanov-2022-validation").glob("*.nc")] == ["validation.nc"]
