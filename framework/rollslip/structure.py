@@ -8,7 +8,7 @@
 import math
 import re
 import types
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from functools import cache
 from numbers import Integral, Real
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -17,7 +17,7 @@ import attrs
 
 from rollslip.errors import nearest
 from rollslip.fields import FieldError
-from rollslip.toml import DEEPEST, KeyPath, split_key
+from rollslip.toml import DEEPEST, FrozenTable, KeyPath, split_key, thawed
 from rollslip.units import UnitError, as_written, expectation, quantity, unit_given
 
 __all__ = [
@@ -32,45 +32,6 @@ __all__ = [
 ]
 
 T = TypeVar("T")
-
-
-class FrozenTable(Mapping[str, object]):
-    """A read-only, hashable table of values as they stand in the file; inner tables and lists are frozen too."""
-
-    __slots__ = ("_data",)
-
-    def __init__(self, data: Mapping[str, object] | None = None) -> None:
-        self._data = {key: _freeze(value) for key, value in (data or {}).items()}
-
-    def __getitem__(self, key: str) -> object:
-        return self._data[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._data)
-
-    def __len__(self) -> int:
-        return len(self._data)
-
-    def __hash__(self) -> int:
-        return hash(frozenset(self._data.items()))
-
-    def __repr__(self) -> str:
-        return f"FrozenTable({self._data!r})"
-
-
-def _freeze(value: object) -> object:
-    if isinstance(value, FrozenTable | str | float | int):
-        return value
-    if isinstance(value, Mapping):
-        return FrozenTable(value)
-    return tuple(map(_freeze, value)) if isinstance(value, list | tuple) else value
-
-
-def thawed(value: object) -> Any:
-    """Return a copy of tables and lists that can be changed."""
-    if isinstance(value, Mapping):
-        return {str(key): thawed(inner) for key, inner in value.items()}
-    return [thawed(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 @attrs.frozen

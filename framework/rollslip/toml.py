@@ -1,4 +1,4 @@
-"""TOML text read so that faults can name their line: what tomllib gives, and the line of every key.
+"""TOML text read so that faults can name their line, what tomllib gives and the line of every key; and tables kept.
 
 tomllib gives no line of a key, so a scanner notes them; it relies on tomllib having accepted the text.
 """
@@ -6,11 +6,12 @@ tomllib gives no line of a key, so a scanner notes them; it relies on tomllib ha
 import contextlib
 import re
 import tomllib
+from collections.abc import Iterator, Mapping
 from typing import Any, Final, TypeAlias
 
 from rollslip.errors import SceneError
 
-__all__ = ["DEEPEST", "KeyPath", "key_lines", "parse", "split_key"]
+__all__ = ["DEEPEST", "FrozenTable", "KeyPath", "key_lines", "parse", "split_key", "thawed"]
 
 KeyPath: TypeAlias = tuple[str | int, ...]
 
@@ -20,6 +21,45 @@ DEEPEST: Final = 32
 _PART = r"""[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*'"""
 _KEY = re.compile(rf"(?:{_PART})(?:[ \t]*\.[ \t]*(?:{_PART}))*")
 _PARTS = re.compile(_PART)
+
+
+class FrozenTable(Mapping[str, object]):
+    """A read-only, hashable table of values as they stand in the file; inner tables and lists are frozen too."""
+
+    __slots__ = ("_data",)
+
+    def __init__(self, data: Mapping[str, object] | None = None) -> None:
+        self._data = {key: _freeze(value) for key, value in (data or {}).items()}
+
+    def __getitem__(self, key: str) -> object:
+        return self._data[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._data)
+
+    def __len__(self) -> int:
+        return len(self._data)
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._data.items()))
+
+    def __repr__(self) -> str:
+        return f"FrozenTable({self._data!r})"
+
+
+def _freeze(value: object) -> object:
+    if isinstance(value, FrozenTable | str | float | int):
+        return value
+    if isinstance(value, Mapping):
+        return FrozenTable(value)
+    return tuple(map(_freeze, value)) if isinstance(value, list | tuple) else value
+
+
+def thawed(value: object) -> Any:
+    """Return a copy of tables and lists that can be changed."""
+    if isinstance(value, Mapping):
+        return {str(key): thawed(inner) for key, inner in value.items()}
+    return [thawed(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 def parse(text: str, source: str) -> tuple[dict[str, Any], dict[KeyPath, str]]:

@@ -19,7 +19,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import lru_cache
 from numbers import Real
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from rollslip.errors import RollslipError
 
@@ -27,11 +27,13 @@ __all__ = [
     "UnitError",
     "as_written",
     "check_unit",
+    "converted",
     "evenly",
     "expectation",
     "format_quantity",
     "likely",
     "quantity",
+    "shown_unit",
     "unit_given",
 ]
 
@@ -127,6 +129,9 @@ _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "1/(Pa K)": ("a pressure-temperature coefficient", "0.07 1/(GPa K)", ("1/(GPa K)",)),
     "K": ("a temperature", "70 degC", ("degC",)),
     "W": ("a power", "50 W", ("mW", "W", "kW")),
+    "W/K": ("a thermal conductance", "10 W/K", ("W/K",)),
+    "J/K": ("a heat capacity", "400 J/K", ("J/K", "kJ/K")),
+    "kg/s": ("a mass flow", "15 g/s", ("g/s", "kg/s")),
     "J/(kg K)": ("a specific heat", "470 J/(kg K)", ("J/(kg K)",)),
     "W/(m K)": ("a thermal conductivity", "46 W/(m K)", ("W/(m K)",)),
 }
@@ -242,7 +247,7 @@ def check_unit(unit: str) -> str:
 
 def expectation(unit: str) -> str:
     """Say what a field with this SI unit expects: "a length is expected, such as '15 mm'"."""
-    known = _known_as(_unit(check_unit(unit))[1])
+    known = unit if unit in _QUANTITIES else _known_as(_unit(check_unit(unit))[1])
     if known is None:
         return f"a quantity in {unit} is expected, such as '1 {unit}'"
     name, example, _ = _QUANTITIES[known]
@@ -406,6 +411,31 @@ def format_quantity(value: float, unit: str, digits: int = 6, given: str | None 
         if position == 0 or magnitude >= scale:
             shown, factor = candidate, scale
     return f"{value / factor:.{digits}g} {shown}"
+
+
+def shown_unit(value: float, unit: str) -> str:
+    """Return the unit in which `format_quantity` shows an SI value; "" for a plain number.
+
+    Examples
+    --------
+    >>> shown_unit(4e6, "Pa"), shown_unit(343.15, "K")
+    ('MPa', 'degC')
+    """
+    return format_quantity(value, unit).partition(" ")[2]
+
+
+def converted(values: Any, unit: str, given: str) -> Any:
+    """Return SI values, one or an array, in another unit; a temperature counts from the zero of its scale.
+
+    Examples
+    --------
+    >>> converted(343.15, "K", "degC"), round(converted(667.17, "rad/s", "rpm"))
+    (70.0, 6371)
+    """
+    if not given or given == unit:
+        return values
+    size, zero = _scale(given, unit)
+    return (values - float(zero)) / float(size) if zero else values / float(size)
 
 
 def _scale(given: str, unit: str) -> tuple[Fraction, Fraction]:

@@ -51,18 +51,18 @@ def test_a_sweep_over_points_that_no_memory_holds_is_refused():
 
 def test_what_takes_long_is_told_in_words():
     scene = load_scene(SCENE)
-    assert foreseen(scene, 0.5 * LONG, 0) == []
-    (told,) = foreseen(scene, 7200.0, 10**6)
+    assert foreseen(scene, {}, 0.5 * LONG, 0) == []
+    (told,) = foreseen(scene, {}, 7200.0, 10**6)
     assert told.startswith("this will take about 2 h 0 min of the processor, 1.0e+06 slices to evaluate; Ctrl-C")
-    (by_slices,) = foreseen(scene, 0.0, 10**11)  # 20 ns each, whatever was estimated from small parts
+    (by_slices,) = foreseen(scene, {}, 0.0, 10**11)  # 20 ns each, whatever was estimated from small parts
     assert "about 33 min 20 s" in by_slices
 
 
 def test_a_tolerance_that_nothing_reaches_is_told():
     scene = evolve(load_scene(SCENE), {"accuracy.tolerance": 1e-12})
-    (told,) = foreseen(scene, 0.0, 0)
+    (told,) = foreseen(scene, {}, 0.0, 0)
     assert told.startswith("accuracy.tolerance = 1e-12 is less than the finest of everything leaves")
-    assert foreseen(evolve(scene, {"accuracy.tolerance": "exact"}), 0.0, 0) == []
+    assert foreseen(evolve(scene, {"accuracy.tolerance": "exact"}), {}, 0.0, 0) == []
     said = CliRunner().invoke(cli, ["plan", SCENE, "--study", "friction-curve", "--set", "accuracy.tolerance=1e-12"])
     assert f"note: {told}" in said.stderr
 

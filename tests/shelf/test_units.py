@@ -28,7 +28,23 @@ pytestmark = pytest.mark.quick
 
 SI_UNITS = (
     *("1", "m", "m2", "m3", "m/s", "m/s2", "m2/s", "rad", "rad/s", "s", "1/s", "kg", "kg m2", "kg/m3", "N", "N m"),
-    *("N/m", "N s/m", "Pa", "N/m2", "Pa s", "1/Pa", "1/K", "1/(Pa K)", "K", "W", "J/(kg K)", "W/(m K)"),
+    *(
+        "N/m",
+        "N s/m",
+        "Pa",
+        "N/m2",
+        "Pa s",
+        "1/Pa",
+        "1/K",
+        "1/(Pa K)",
+        "K",
+        "W",
+        "W/K",
+        "J/K",
+        "kg/s",
+        "J/(kg K)",
+        "W/(m K)",
+    ),
 )
 
 finite = st.floats(allow_nan=False, allow_infinity=False)

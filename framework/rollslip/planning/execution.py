@@ -64,7 +64,7 @@ def execute(
     study: str,
     *,
     kept: Path | None = None,
-    progress: Callable[[str], None] | None = None,
+    progress: Callable[[str, float], None] | None = None,
     exactly: bool = False,
 ) -> "xr.Dataset":
     """Return the result of one study of a plan.
@@ -82,7 +82,7 @@ def execute(
         Folder where a long study leaves what it has computed, and from which it goes on; to be removed by who has
         stored the result.
     progress : callable, optional
-        Told how far a study in time has come.
+        Told how far a study in time has come, in words and as a share.
     exactly : bool
         Whether it is run at the resolution of the plan alone, whatever is seen.
     """

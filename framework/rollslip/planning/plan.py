@@ -35,7 +35,7 @@ LONG: Final = 60.0
 _SLICE, _NUMBER = 2e-8, 8
 
 
-@attrs.frozen(eq=False, kw_only=True)
+@attrs.frozen(eq=False, kw_only=True, repr=False)
 class Plan:
     """What will be modelled: studies with their settings, the bearing at the resolution of each, reasons line by line.
 
@@ -59,6 +59,9 @@ class Plan:
     evaluations: int
     planning: float
 
+    def __repr__(self) -> str:
+        return f"Plan of {self.scene.source or self.scene.title!r}: {', '.join(self.studies)}; {duration(self.seconds)}"
+
     @property
     def seconds(self) -> float:
         """Estimated cost of all studies."""
@@ -71,7 +74,7 @@ class Plan:
     @property
     def foreseen(self) -> list[str]:
         """What somebody should know before it is run, in words: that it takes long, or asks for what there is not."""
-        return foreseen(self.scene, self.seconds, self.evaluations)
+        return foreseen(self.scene, self.studies, self.seconds, self.evaluations)
 
     @property
     def models(self) -> tuple[tuple[str, Any], ...]:
@@ -197,7 +200,7 @@ def plan(
         except RollslipError:
             costs = {}
         parts += [attrs.evolve(part, study=name) for part in one.parts(assembly, estimated[name], costs)]
-    parts += _cage(stated, studies)
+    parts += _cage(stated, studies) + _heat(scene, studies)
     moving = [one for one in studies.values() if one.in_time] or list(studies.values())
     return Plan(
         scene=scene,
@@ -270,13 +273,15 @@ def require_memory(studies: Mapping[str, Study], assembly: Assembly, memory: flo
         raise SceneError(problems)
 
 
-def foreseen(scene: Scene, seconds: float, evaluations: int) -> list[str]:
+def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluations: int) -> list[str]:
     """Return in words what somebody should know before a plan is run; empty if there is nothing.
 
     Parameters
     ----------
     scene : Scene
         What is planned.
+    studies : mapping of str to Study
+        Its studies.
     seconds : float
         Estimated cost.
     evaluations : int
@@ -290,6 +295,11 @@ def foreseen(scene: Scene, seconds: float, evaluations: int) -> list[str]:
         for name in ("tolerance", "critical_slip", "friction", "cage_speed")
         if (value := getattr(scene.accuracy, name)) is not None and value < EXACT
     ]
+    if held := _held(scene, studies):
+        said.append(
+            f"models.thermal does not act in {', '.join(held)}: rings, rollers and oil "
+            "have the temperatures that operation states"
+        )
     seconds = max(seconds, _SLICE * evaluations)
     if seconds > LONG:
         said.append(
@@ -339,6 +349,26 @@ def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     ]
     reason = "cage.drag names none: nothing holds the cage back, and without drag there is no slip"
     return drags or [Part(part="drag", included=False, choice="none", reason=reason)]
+
+
+def _heat(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
+    """Which studies find temperatures by the thermal model, where the scene names one."""
+    if scene.models.thermal is None:
+        return []
+    held = _held(scene, studies)
+    reason = f"not in {', '.join(held)}, at the temperatures of the operation" if held else "the scene names it"
+    found = any(study.with_heat for study in studies.values())
+    return [Part(part="thermal", included=found, choice=scene.models.thermal.name, reason=reason)]
+
+
+def _held(scene: Scene, studies: Mapping[str, Study]) -> list[str]:
+    """Name the studies in which the thermal model of the scene would find temperatures and does not act."""
+    if scene.models.thermal is None:
+        return []
+    from rollslip.studies.thermal_balance.model import thermal_model  # nobody else needs it
+
+    model = thermal_model(scene)
+    return [name for name, study in studies.items() if not study.with_heat] if model and model.nodes else []
 
 
 def _stage(kind: str, model: SliceModel, named: Any) -> Part:

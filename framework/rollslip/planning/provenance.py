@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.catalogue.discovery import named_data
+from rollslip.catalogue.discovery import load, named_data
 from rollslip.catalogue.registry import Offer, find, get_class
 from rollslip.models import SliceModel
 from rollslip.planning.plan import Plan, part_as_dict
@@ -76,6 +76,7 @@ def run_origin(plan: Plan, study: str, warnings: list[str], evaluations: int, wa
         packages=packages_of(offers),
         models=models_told(plan.models),
         lubricant=lubricant_told(assembly.lubricant),
+        data=[data_told(offer) for offer in named_data(scene.raw or {}) if offer.kind != "lubricant"],
         film_limits=film_limits_told(assembly),
         conditions={raceway.ring: attrs.asdict(raceway.conditions) for raceway in assembly.raceways},
         plan=[part_as_dict(part) for part in plan.parts if part.study in ("", study)],
@@ -144,6 +145,13 @@ def lubricant_told(oil: "Lubricant") -> dict[str, Any]:
         "grades": dict(oil.grades),
         "pressure_viscosity_law": repr(oil.pressure_viscosity_law),
     }
+
+
+def data_told(offer: Offer) -> dict[str, Any]:
+    """Return what is kept of a bearing, or of surfaces, that a scene takes by a name."""
+    named = load(offer)
+    told = {"kind": offer.kind, "name": named.name, "source": named.source, "validity": named.validity}
+    return told | {"grades": dict(getattr(named, "grades", {}))}
 
 
 def citations(plan: Plan) -> list[Citation]:

@@ -15,6 +15,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.changes import Quantity
+from rollslip.scene.values import Scene
 from rollslip.units import UnitError, quantity
 
 __all__ = ["quantities"]
@@ -32,14 +33,21 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     ]
     for attribute in attrs.fields(type(scene.models)):
         kind = attribute.name
-        found.append(_choice(f"models.{kind}", attribute, getattr(scene.models, kind).name, kind))
-        found += _of(assembly.models[kind], f"models.{kind}")
+        if (choice := getattr(scene.models, kind)) is not None:
+            found.append(_choice(f"models.{kind}", attribute, choice.name, kind))
+            found += _of(assembly.models.get(kind) or _thermal(scene), f"models.{kind}")
     if scene.cage is not None:
         with contextlib.suppress(RollslipError):  # the study that needs a cage says so
             found += _of(assembly.cage, "cage")
     for name, study in studies.items():
         found += _of(study, f"study.{name}")
     return {one.key: one for one in found}
+
+
+def _thermal(scene: Scene) -> Any:
+    from rollslip.studies.thermal_balance.model import thermal_model  # nobody else needs it
+
+    return thermal_model(scene)
 
 
 def _of(instance: Any, prefix: str) -> Iterator[Quantity]:

@@ -82,7 +82,13 @@ class Quantity:
 
 
 def unknown(key: str, known: dict[str, Quantity]) -> str:
-    """Say that there is no such key, and which there are like it."""
+    """Say that there is no such key, and which there are like it; of another study, how that is computed."""
+    of, name, *_ = [*key.split("."), "", ""]
+    if of == "study" and name and not any(one.startswith(f"study.{name}.") for one in known):
+        return (
+            f"is of study {name!r}, which is not computed here; sweep that by: rollslip sweep run SCENE --study "
+            f"{name}, where values are uncertain with --samples N"
+        )
     tail = {one.rpartition(".")[2]: one for one in reversed(known)}
     near = nearest(key, known, count=1) or [tail[name] for name in nearest(key.rpartition(".")[2], tail, count=1)]
     hint = f"did you mean {near[0]!r}?" if near else "'rollslip schema' and 'rollslip models NAME' list the keys"

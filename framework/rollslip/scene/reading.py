@@ -155,7 +155,7 @@ def _with_named_data(raw: dict[str, object], where: Location, problems: list[str
         try:
             complete[kind] = _filled(own, get_class(kind, name).data)
         except PluginError as error:
-            raise PluginError(at.says(str(error))) from error
+            raise type(error)(at.says(str(error))) from error
         if complete[kind] == own:  # as when a name is set in a scene that spells all values out
             problems.append(at.says(f"{name!r} gives nothing, every value is written out; leave out what it gives"))
     return complete

@@ -1,7 +1,7 @@
 """The schema: every key that a scene may have, with unit, default, meaning and ranges, for people and the docs."""
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple, get_args, get_origin
 
 import attrs
 
@@ -11,11 +11,11 @@ from rollslip.scene.values import Scene
 from rollslip.structure import FrozenTable, attributes, bare_key, key_of, types_of
 from rollslip.units import format_quantity
 
-__all__ = ["SchemaRow", "schema", "shown_default", "shown_range"]
+__all__ = ["SchemaRow", "rows_of", "schema", "shown_default", "shown_range", "shown_type"]
 
 
 class SchemaRow(NamedTuple):
-    """One key that a scene may have, as texts: unit, default ("required" if there is none), meaning, and ranges."""
+    """One key that a scene may have, as texts; the default of one without is "required"."""
 
     key: str
     unit: str
@@ -23,14 +23,16 @@ class SchemaRow(NamedTuple):
     doc: str
     usual: str = ""
     possible: str = ""
+    type: str = ""
 
 
 def schema() -> list[SchemaRow]:
     """Return all keys of a scene, in the order of the documentation."""
-    return list(_rows(Scene, ""))
+    return list(rows_of(Scene, ""))
 
 
-def _rows(cls: type, prefix: str) -> Iterator[SchemaRow]:
+def rows_of(cls: type, prefix: str) -> Iterator[SchemaRow]:
+    """Yield the keys of one table of a scene, ``prefix`` before each."""
     kinds = types_of(cls)
     for attribute in attributes(cls):
         name = key_of(attribute)
@@ -41,15 +43,38 @@ def _rows(cls: type, prefix: str) -> Iterator[SchemaRow]:
         key = prefix + ("*" if metadata.get("rest") else f"{name}.*" if free else name)
         if attrs.has(kind):
             if bare_key(kind) is not None:
-                yield SchemaRow(key, "", shown_default(attribute), metadata["doc"])
+                yield SchemaRow(key, "", shown_default(attribute), metadata["doc"], type="a name, or a table")
             if key in NAMED:
                 yield SchemaRow(
-                    f"{key}.name", "", "", f"a {key} that a plugin offers, whose values the other keys change"
+                    f"{key}.name",
+                    "",
+                    "",
+                    f"a {key} that a plugin offers, whose values the other keys change",
+                    type="text",
                 )
-            yield from _rows(kind, f"{key}.")
+            yield from rows_of(kind, f"{key}.")
         else:
-            ranges = (shown_range(attribute, which) for which in ("usual", "possible"))
-            yield SchemaRow(key, metadata["unit"] or "", shown_default(attribute), metadata["doc"], *ranges)
+            usual, possible = (shown_range(attribute, which) for which in ("usual", "possible"))
+            unit, shown = metadata["unit"] or "", shown_type(kind, attribute)
+            yield SchemaRow(key, unit, shown_default(attribute), metadata["doc"], usual, possible, shown)
+
+
+def shown_type(kind: Any, attribute: "attrs.Attribute[Any]") -> str:
+    """Return what a field takes, in words, with the choices where there are some."""
+    validator = getattr(attribute.validator, "validator", attribute.validator)  # that of an optional value
+    choices = [str(one) for one in (*getattr(validator, "options", ()), *attribute.metadata.get("words", ()))]
+    kinds = [one for one in get_args(kind) if one is not type(None)] if get_args(kind) else [kind]
+    many = get_origin(kind) is tuple
+    words = {float: "quantity" if attribute.metadata.get("unit") not in (None, "1") else "number", int: "whole number"}
+    words |= {bool: "true or false", str: "text", Any: "a name, or a table"}
+    if choices and str in kinds:
+        return ("list of " if many else "") + " or ".join(choices)
+    plain = next((words[one] for one in kinds if one in words), "table")
+    if many:
+        return (
+            f"list of {plain.replace('quantity', 'quantities').replace('number', 'numbers').replace('text', 'texts')}"
+        )
+    return " or ".join([plain, *choices])
 
 
 def shown_range(attribute: "attrs.Attribute[Any]", which: str) -> str:

@@ -109,6 +109,10 @@ class Models:
     contact: ModelChoice = field(default=ModelChoice(name="palmgren"), doc="load and deflection of a contact")
     film: ModelChoice = field(default=ModelChoice(name="moes"), doc="thickness of the oil film")
     traction: ModelChoice = field(default=ModelChoice(name="lambda-blend"), doc="friction of a contact")
+    thermal: ModelChoice | None = field(
+        default=None,
+        doc="where bulk temperatures come from; by default operation gives them",
+    )
 
 
 #: What a scene without studies asks for.
@@ -169,7 +173,7 @@ class Plugins:
     require: tuple[str, ...] = field(default=(), doc="packages with versions, such as 'name>=1.0'")
 
 
-@attrs.frozen(kw_only=True)
+@attrs.frozen(kw_only=True, repr=False)
 class Scene:
     """One bearing in one state of operation, with the models and studies to run.
 
@@ -200,6 +204,12 @@ class Scene:
     origins: Mapping[tuple[str | int, ...], str] = attrs.field(
         factory=dict, eq=False, repr=False, metadata={"key": None}
     )
+
+    def __repr__(self) -> str:
+        state = ((self.operation.radial_load, "N"), (self.operation.inner_speed, "rad/s"))
+        size = format_quantity(self.bearing.inner_raceway_diameter, "m", 4)
+        told = ", ".join(format_quantity(value, unit, 4) for value, unit in (*state, (self.operation.temperature, "K")))
+        return f"Scene {self.source or self.title!r}: {self.bearing.rollers} rollers on {size}, {told}"
 
 
 def resolved(scene: Any) -> dict[str, object]:

@@ -1,0 +1,139 @@
+"""The text of a new scene: complete, commented, each value with where it is from, and known to run.
+
+What is not named is assumed, and the scene says so beside it. Values of a bearing's estimate stand as comments: so they
+scatter in ``rollslip uncertainty`` until somebody knows better and writes them.
+"""
+
+import importlib.metadata
+import importlib.resources
+import math
+import string
+from typing import Any, Final
+
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.cage import MAKES, estimated_inertia
+from rollslip.catalogue.discovery import find, load
+from rollslip.errors import SceneError
+from rollslip.scene.plausibility import skf_least_load
+from rollslip.scene.reading import parse_scene
+from rollslip.structure import Location
+from rollslip.units import UnitError, format_quantity, quantity
+
+__all__ = ["ASSUMED", "MEANING", "assumed_load", "checked", "new_scene"]
+
+#: Option of ``rollslip new`` -> what it is.
+MEANING: Final = {
+    "bearing": "bearing, such as NU2210 or NJ 312 ECP/C3",
+    "oil": "oil, such as iso-vg-68",
+    "speed": "speed of the inner ring",
+    "load": "radial load",
+    "temperature": "temperature of the bearing",
+    "cage": f"cage: {', '.join(MAKES)}",
+}
+#: What is taken where nothing is said; of the load see `assumed_load`.
+ASSUMED: Final = {
+    "bearing": "NU2210",
+    "oil": "iso-vg-68",
+    "speed": "1500 rpm",
+    "temperature": "70 degC",
+    "cage": "brass",
+}
+_UNITS: Final = {"speed": "rad/s", "load": "N", "temperature": "K"}
+_KINDS: Final = {"bearing": "bearing", "oil": "lubricant"}
+
+
+def checked(option: str, value: str) -> str:
+    """Return what is given for an option as a scene says it.
+
+    Raises
+    ------
+    PluginError
+        If nothing is called so.
+    SceneError
+        If it is no such quantity.
+    """
+    if option in _KINDS:
+        return find(_KINDS[option], value.strip()).name
+    if option in _UNITS:
+        try:
+            quantity(value, _UNITS[option])
+        except UnitError as error:
+            raise SceneError([Location({}, (option,)).says(str(error))]) from None
+    elif value not in MAKES:
+        raise SceneError([f"{option}: there are cages of {', '.join(MAKES)}, not of {value!r}"])
+    return value.strip()
+
+
+def assumed_load(bearing: str) -> str:
+    """Return the load that is assumed for a bearing: twice what SKF's rule asks for at least, or 2 kN."""
+    least = skf_least_load(load(find("bearing", bearing)).bearing, 0.0)
+    return "2 kN" if math.isnan(least) else format_quantity(float(f"{2.0 * least:.2g}"), "N")
+
+
+def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) -> str:
+    """Return the text of a scene.
+
+    Parameters
+    ----------
+    source : str
+        Its file, for messages.
+    assumed : frozenset of str
+        Options that nobody gave.
+    **given : str
+        ``bearing``, ``oil``, ``speed``, ``load``, ``temperature`` and ``cage``, as `checked` returns them.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If it would not run, such as where the oil's data end below the temperature.
+    """
+    text = _aligned(_template().substitute(_values(**given), **_marks(assumed)))
+    assemble(parse_scene(text, source)).load_distribution()
+    return text
+
+
+def _template() -> string.Template:
+    place = importlib.resources.files("rollslip.scenes") / "new.toml.in"
+    return string.Template(place.read_text(encoding="utf-8"))
+
+
+def _marks(assumed: frozenset[str]) -> dict[str, str]:
+    """Return what stands behind the value of each option."""
+    bare = ("speed", "load")  # they have no other comment
+    return {
+        f"assumed_{option}": f"{' #' if option in bare else ';'} ASSUMED, write yours" if option in assumed else ""
+        for option in MEANING
+    }
+
+
+def _values(*, bearing: str, cage: str, **given: str) -> dict[str, object]:
+    """Return what the template takes."""
+    named: Any = load(find("bearing", bearing))
+    b, make = named.bearing, MAKES[cage]
+    mass, inertia = estimated_inertia(b, cage)
+    lengths = ("roller_diameter", "roller_length", "inner_raceway_diameter", "outer_raceway_diameter")
+    return {
+        "version": importlib.metadata.version("rollslip"),
+        "bearing": bearing,
+        "estimated": "estimated (D)" if "D" in named.grades.values() else "known",
+        "rollers": b.rollers,
+        **{name: format_quantity(getattr(b, name), "m") for name in (*lengths, "radial_clearance")},
+        "make": make.words,
+        "mass": format_quantity(mass, "kg", 3),
+        "inertia": f"{inertia:.3g} kg m2",
+        "guidance": make.guidance,
+        "pocket_clearance": format_quantity(make.pocket_clearance * b.roller_diameter, "m", 3),
+        "pocket_stiffness": f"{make.pocket_stiffness / 1e6:g} MN/m",
+        "on_land": "# " if make.guidance == "roller" else "",
+        "on_rollers": "" if make.guidance == "roller" else "# ",
+        **given,
+    }
+
+
+def _aligned(text: str) -> str:
+    """Return a scene with the comments behind its values below one another."""
+    lines = []
+    for line in text.splitlines():
+        value, sign, comment = line.partition(" # ") if not line.startswith("# Written") else (line, "", "")
+        lines.append(f"{value:<40} # {comment}" if sign else line)
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,114 @@
+"""``rollslip new``: a complete scene from a few options, or from answers."""
+
+import re
+import tomllib
+
+import pytest
+from click.testing import CliRunner
+
+from rollslip import load_scene, plan
+from rollslip.bearing.cage import estimated_inertia
+from rollslip.cli import run
+from rollslip.cli.main import cli, main
+from rollslip.planning.plausibility import implausible
+from rollslip.scene import Bearing
+from rollslip.structure import Location, structure
+
+GIVEN = {
+    "--bearing": "nj 312 ecp/c3",
+    "--oil": "VG 46",
+    "--speed": "3000 rpm",
+    "--load": "5 kN",
+    "--temperature": "60 degC",
+    "--cage": "polyamide",
+}
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def new(*arguments, **options):
+    """Exit code, output and errors of the command in this process."""
+    return CliRunner().invoke(cli, ["new", *arguments], **options)
+
+
+def told(capsys, *arguments):
+    with pytest.raises(SystemExit) as left:
+        main(["new", *arguments])
+    return left.value.code, capsys.readouterr().err.strip()
+
+
+def test_options_make_a_scene_that_says_what_they_say(tmp_path):
+    done = new("my.toml", *(text for both in GIVEN.items() for text in both))
+    assert done.exit_code == 0, done.output
+    scene = load_scene("my.toml")
+    assert scene.raw["bearing"]["name"] == "NJ312E-C3"
+    assert scene.lubricant.name == "iso-vg-46"
+    assert scene.operation.radial_load == 5000.0
+    assert scene.operation.inner_speed == pytest.approx(314.159, rel=1e-5)
+    assert scene.operation.temperature == pytest.approx(333.15)
+    mass, _ = estimated_inertia(scene.bearing, "polyamide")
+    assert scene.cage["guidance"] == "roller"
+    assert plan(scene).assembly.cage.mass == pytest.approx(mass, rel=5e-3)
+    assert not implausible(scene)
+    assert "ASSUMED" not in scene.text
+    assert sorted(plan(scene).studies) == ["effective-friction", "steady-slip"]
+
+
+def test_what_nobody_gives_is_assumed_and_marked():
+    done = new("my")
+    assert done.exit_code == 0, done.output
+    assert "assumed, since no option gives it: bearing, oil, speed, load, temperature, cage" in done.stderr
+    text = load_scene("my.toml").text
+    assert len(re.findall("ASSUMED, write yours", text)) == 6
+
+
+def test_every_commented_value_of_the_bearing_is_the_one_that_counts():
+    new("my.toml", "--bearing", "NU1010")
+    scene = load_scene("my.toml")
+    comments = [line[2:] for line in scene.text.partition("[surface]")[0].splitlines() if re.match(r"# \w+ = ", line)]
+    assert len(comments) == 6
+    written = structure(Bearing, tomllib.loads("\n".join(comments)), Location({}), [])
+    for name in ("rollers", "roller_diameter", "roller_length", "inner_raceway_diameter", "radial_clearance"):
+        assert getattr(written, name) == pytest.approx(getattr(scene.bearing, name), rel=1e-12)
+
+
+def test_in_a_terminal_it_asks_and_asks_again(monkeypatch):
+    monkeypatch.setattr(run, "at_a_terminal", lambda: True)
+    answers = ["NU9999", "nu2210", "", "3000", "3000 rpm", "90 degC", "wood", "steel"]
+    done = new("my.toml", "--load", "3 kN", input="\n".join(answers) + "\n")
+    assert done.exit_code == 0, done.output
+    assert "no bearing is called 'NU9999'" in done.output
+    assert "'3000' has no unit" in done.output
+    assert "there are cages of brass, steel, polyamide, not of 'wood'" in done.output
+    scene = load_scene("my.toml")
+    assert scene.lubricant.name == "iso-vg-68"
+    assert scene.operation.temperature == pytest.approx(363.15)
+    assert "ASSUMED" not in scene.text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        (["--bearing", "NU2299"], 2, "no bearing is called 'NU2299'; did you mean 'NU22"),
+        (["--oil", "olive"], 2, "no lubricant is called 'olive'"),
+        (["--speed", "3000"], 2, "speed: '3000' has no unit"),
+        (["--load", "3 rpm"], 2, "load: '3 rpm' is a rotational speed, here a force is expected"),
+        (["--temperature", "300 degC"], 2, "operation.temperature: iso-vg-68 at 300 degC: its data hold from"),
+        (["--cage", "wood"], 2, "cage: there are cages of brass, steel, polyamide"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_leaves_nothing(tmp_path, capsys, arguments, code, says):
+    left, errors = told(capsys, "my.toml", *arguments)
+    assert (left, len(errors.splitlines())) == (code, 1)
+    assert says in errors
+    assert not list(tmp_path.iterdir())
+
+
+def test_nothing_is_replaced(tmp_path, capsys):
+    (tmp_path / "my.toml").write_text("mine")
+    assert told(capsys, "my") == (2, "my.toml: exists, and is not replaced; name another file")
+    assert (tmp_path / "my.toml").read_text() == "mine"
+    assert told(capsys, "no/my.toml")[0] == 2

@@ -1,0 +1,110 @@
+"""Scenes go to files of parameters and back without a change, and what is wrong in such a file is said."""
+
+import json
+
+import pytest
+
+from rollslip import evolve, load_scene
+from rollslip.cli.main import main
+from rollslip.errors import SceneError
+from rollslip.scene import scene_hash
+from rollslip.scene.interchange import from_parameters, parameter_schema, read_parameters, to_parameters
+from rollslip.scene.schema import schema
+
+pytestmark = pytest.mark.quick
+
+CHANGES = {
+    "as shipped": {},
+    "odd numbers": {"bearing.roller_diameter": 0.1 * 0.15000000000000002, "operation.temperature": "301.7 degF"},
+    "a table of a profile": {
+        "bearing.profile": {"shape": "table", "position": ["-7 mm", "7 mm"], "drop": [1e-5, 1e-5]}
+    },
+    "texts like numbers": {
+        "title": "70 degC",
+        "lubricant.eyring_stress": "5.30 MPa",
+        "lubricant.shear_modulus": "3e8 Pa",
+    },
+    "scatter": {"uncertainty.lubricant.viscosity_factor": {"distribution": "uniform", "scatter": 0.1}},
+}
+
+
+@pytest.mark.parametrize("name", ["1032930-30C", "1032930-50C", "1032930-70C"])
+@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES)
+def test_there_and_back_is_the_same_scene(name, changes):
+    scene = evolve(load_scene(name), changes)
+    back = from_parameters(json.loads(json.dumps(to_parameters(scene), allow_nan=False)))
+    assert back == scene
+    assert scene_hash(back) == scene_hash(scene)
+    assert to_parameters(back) == to_parameters(scene)
+
+
+def test_every_number_of_a_key_with_a_unit_has_it():
+    told = to_parameters(load_scene("1032930-70C"))["parameters"]
+    for row in schema():
+        at = told
+        for part in row.key.split("."):
+            at = at.get(part, {}) if isinstance(at, dict) else {}
+        if row.unit and at != {}:
+            assert set(at) == {"value", "unit"}, row.key
+            assert at["unit"] == row.unit
+
+
+def test_other_units_are_read():
+    document = to_parameters(load_scene("1032930-70C"))
+    document["parameters"]["bearing"]["roller_diameter"] = {"value": 15, "unit": "mm"}
+    document["parameters"]["operation"]["inner_speed"] = {"value": 6371, "unit": "rpm"}
+    assert from_parameters(document).bearing.roller_diameter == 0.015
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda d: d.update(version=2), "version: 2 is not read, only 1"),
+        (lambda d: d.update(format="bpx"), "no file of parameters"),
+        (lambda d: d.update(colour="red"), "'colour': unknown key"),
+        (lambda d: d["parameters"]["bearing"].update(rollers=None), "bearing.rollers: has no value"),
+        (
+            lambda d: d["parameters"]["bearing"].update(roller_diameter={"value": "15", "unit": "mm"}),
+            "a number, or a list",
+        ),
+        (lambda d: d["parameters"]["bearing"].update(roller_diameter={"value": 15, "unit": "kg"}), "roller_diameter"),
+        (lambda d: d["parameters"]["bearing"].update(rolers=28), "did you mean 'rollers'"),
+        (lambda d: d["parameters"]["bearing"].pop("rollers"), "bearing.rollers: missing, but required"),
+    ],
+)
+def test_what_is_wrong_is_said(change, said):
+    document = json.loads(json.dumps(to_parameters(load_scene("1032930-70C"))))
+    change(document)
+    with pytest.raises(SceneError, match=said.replace("(", r"\(")):
+        from_parameters(document)
+
+
+@pytest.mark.parametrize("text", ["{", '{"format": NaN}', "[" * 100_000])
+def test_what_is_no_json_is_refused(text, tmp_path):
+    (tmp_path / "p.json").write_text(text, encoding="utf-8")
+    with pytest.raises(SceneError, match="not valid JSON"):
+        read_parameters(tmp_path / "p.json")
+
+
+def test_the_schema_has_every_key_with_its_unit():
+    made = parameter_schema()["properties"]["parameters"]["properties"]
+    diameter = made["bearing"]["properties"]["roller_diameter"]
+    assert diameter["properties"]["unit"]["examples"] == ["m"]
+    assert "rollers" in made["bearing"]["required"]
+    for row in schema():
+        at = {"properties": made}
+        for part in row.key.split("."):
+            assert part == "*" or part in at["properties"], row.key
+            at = at["properties"].get(part, {}) if part != "*" else {}
+
+
+def test_a_command_reads_what_another_wrote(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for arguments in (["export", "1032930-70C", "--out", "b.json"], ["info", "b.json"], ["export", "--schema"]):
+        with pytest.raises(SystemExit) as leave:
+            main(arguments)
+        assert leave.value.code == 0
+    assert "radial clearance" in capsys.readouterr().out
+    with pytest.raises(SystemExit) as leave:
+        main(["export"])
+    assert leave.value.code == 2
