@@ -1,0 +1,133 @@
+"""The explorer: its interpolation against functions that are known, its page against runs, in a real browser."""
+
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+import rollslip
+from rollslip.campaigns.explorer.definition import plan_explorer
+from rollslip.campaigns.explorer.explorer import explore
+from rollslip.campaigns.explorer.grid import Dial, between
+from rollslip.errors import SceneError
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
+
+
+def dial(low, high, count, logarithmic=False):
+    return Dial("k", "k", "1", "", low, high, low, count, logarithmic)
+
+
+def test_a_polynomial_of_as_many_nodes_is_met_between_them():
+    dials = [dial(-1.0, 2.0, 4), dial(1.0, 9.0, 3, True)]
+    x, y = np.meshgrid(dials[0].nodes, np.log(dials[1].nodes), indexing="ij")
+    table = (x**3 - 2.0 * x * y**2 + 1.0)[..., None]
+    for place in ((0.3, 2.0), (-1.0, 1.0), (2.0, 5.5), (1.7, 9.0)):
+        a, b = place[0], np.log(place[1])
+        assert between(dials, table, place)[0] == pytest.approx(a**3 - 2.0 * a * b**2 + 1.0, rel=1e-12)
+
+
+def test_a_smooth_function_is_met_the_better_the_more_nodes_there_are():
+    def off(count):
+        one = dial(0.0, 1.0, count)
+        return max(
+            abs(between([one], np.exp(one.nodes)[:, None], [x])[0] - np.exp(x)) for x in np.linspace(0.0, 1.0, 50)
+        )
+
+    assert off(3) < 2e-2
+    assert off(9) < 1e-9
+
+
+def test_what_a_node_does_not_have_is_taken_from_the_nodes_around_or_not_at_all():
+    one = dial(0.0, 1.0, 5)
+    table = np.where(one.nodes > 0.9, np.nan, one.nodes**3)[:, None]  # four nodes have a value
+    assert between([one], table, [0.3])[0] == pytest.approx(0.027)
+    assert np.isnan(between([one], table, [0.95])[0])
+    assert between([one], table, [one.nodes[3]])[0] == pytest.approx(one.nodes[3] ** 3)
+
+
+@pytest.mark.parametrize(
+    ("over", "said"),
+    [
+        ({"operation.radial_laod": "1 kN:2 kN"}, "did you mean 'operation.radial_load'"),
+        ({"operation.radial_load": "2 kN:1 kN"}, "the first end must be below the second"),
+        ({"operation.radial_load": "1 kN:2 kN:1"}, "'1' is no number of nodes from 2 to 33"),
+        ({"operation.radial_load": "1 kN"}, "is no range; write LOW:HIGH or LOW:HIGH:NODES"),
+        ({"operation.radial_load": "1 mm:2 mm"}, "'1 mm' is a length"),
+        ({"models.film": ["moes"]}, "nothing to move by a slider"),
+    ],
+)
+def test_what_cannot_be_moved_is_refused_before_anything_runs(over, said):
+    with pytest.raises(SceneError, match=re.escape(said)):
+        plan_explorer("1032930-30C", over)
+
+
+def test_by_default_load_speed_temperature_clearance_and_the_law_of_traction_move():
+    planned = plan_explorer("1032930-50C")
+    assert [one.key for one in planned.dials] == [
+        "operation.radial_load", "operation.inner_speed", "operation.temperature", "bearing.radial_clearance",
+    ]  # fmt: skip
+    assert planned.choices == {"models.traction.hydrodynamic": ("muraki", "maxwell-eyring")}
+    assert planned.size == 2 * (5 * 3 * 3 * 5 + 24)
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    pytest.importorskip("plotly", reason="the page is drawn by plotly: extra [explorer]")
+    path = tmp_path_factory.mktemp("explorer") / "page.html"
+    over = {"operation.radial_load": "0.9 kN:1.2 kN:3", "operation.temperature": "46 degC:50 degC:2"}
+    scene = rollslip.load_scene("1032930-50C")
+    found = explore(scene, over, out=path, checks=3, engine="serial")
+    return scene, path, found
+
+
+@pytest.mark.slow
+def test_the_page_stands_alone_and_says_how_far_it_is_off(page):
+    _, path, found = page
+    text = path.read_text(encoding="utf-8")
+    assert not re.search(r"<(?:script|link|img)[^>]* (?:src|href)=", text)
+    assert found["points"] == 9
+    for name in ("effective_friction", "normal_force", "runaway_slip"):
+        assert 0.0 < found["errors"][name]["largest"] < 0.2
+    assert "Measured at 3 random places" in text
+    assert "MIT licence" in text
+
+
+def seen(path, address, after=""):
+    """Return what a browser shows of a page: its outputs, and the outline of the curve of the inner ring."""
+    moved = path.with_name("moved.html")
+    moved.write_text(path.read_text(encoding="utf-8").replace("</body>", f"<script>{after}</script></body>"))
+    options = ("--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=4000", "--dump-dom")
+    done = subprocess.run(
+        [BROWSER, *options, f"file://{moved}#{address}"], capture_output=True, timeout=120, check=True
+    )
+    dom = done.stdout.decode()
+    shown = {name: float(value) for name, value in re.findall(r'id="([\w-]+)"[^>]* data-value="([^"]*)"', dom)}
+    shown |= {name: float(value) for name, value in re.findall(r'data-(drag|last)="([^"]*)"', dom)}
+    curves = re.findall(r'<path class="js-line"[^>]* d="(M[^"]+)"', dom)
+    return shown, curves
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium or Chrome is installed, in which the page is looked at")
+def test_in_a_browser_a_slider_moves_the_curves_and_the_numbers_are_those_of_a_run(page):
+    scene, path, found = page
+    start, curves = seen(path, "operation.radial_load=900&operation.temperature=323.15")
+    values = {"operation.radial_load": 900.0, "operation.temperature": 323.15}
+    run = rollslip.run(rollslip.evolve(scene, values), "effective-friction")
+    assert start["runaway"] == pytest.approx(float(run.runaway_slip), rel=2e-3)
+    assert start["drag"] == pytest.approx(float(run.runaway_drag), rel=2e-3)
+    assert start["load"] == pytest.approx(float(run.normal_force.sel(ring="inner").max()), rel=2e-3)
+    slide = "sliders[0].value = 1000; sliders[0].dispatchEvent(new Event('input'))"
+    moved, others = seen(path, "operation.radial_load=900&operation.temperature=323.15", slide)
+    run = rollslip.run(rollslip.evolve(scene, values | {"operation.radial_load": 1200.0}), "effective-friction")
+    assert moved["runaway"] == pytest.approx(float(run.runaway_slip), rel=2e-3)
+    assert moved["load"] == pytest.approx(float(run.normal_force.sel(ring="inner").max()), rel=2e-3)
+    assert len(curves) >= 4
+    assert curves != others
+    between_nodes, _ = seen(path, "operation.radial_load=1010&operation.temperature=321.15")
+    at = {"operation.radial_load": 1010.0, "operation.temperature": 321.15}
+    run = rollslip.run(rollslip.evolve(scene, at), "effective-friction")
+    assert abs(between_nodes["runaway"] - float(run.runaway_slip)) < 2.0 * found["errors"]["runaway_slip"]["largest"]
