@@ -20,7 +20,7 @@ from rollslip.models import FILM_REGIMES, FilmModel, TractionModel
 from rollslip.results.account import account_of
 from rollslip.results.curves import curve_names
 from rollslip.results.dataset import save
-from rollslip.results.figures import plot
+from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
 from rollslip_plugins.traction.blend import LinearBlend
 from rollslip_plugins.traction.eyring import Muraki
@@ -509,7 +509,7 @@ def test_what_fails_is_listed_and_stops_nobody(tmp_path):
     assert "moes + raises failed: ZeroDivisionError: in somebody's model" in json.loads(found.attrs["warnings"])
     save(found, tmp_path / "compare.nc")
     assert open_result(tmp_path / "compare.nc").identical(found)
-    figures = plot(found, tmp_path)
+    figures = save_plots(found, tmp_path)
     write_report({"comparison": found}, {"comparison": figures}, tmp_path / "report.html")
     assert "in somebody's model" in "".join(ET.parse(tmp_path / "report.html").getroot().itertext())
 
@@ -523,7 +523,7 @@ def test_without_the_reference_the_others_are_still_compared_in_cost(tmp_path):
     assert findings(found)[0] == "there are no differences, because slow failed"
     assert bin_tables(found) == []
     assert all(row["bins"] == [] for row in records(found))
-    assert len(plot(found, tmp_path)) == 2
+    assert len(save_plots(found, tmp_path)) == 2
     write_report({"comparison": found}, {}, tmp_path / "report.html")
 
 
@@ -559,7 +559,7 @@ def test_exit_codes(tmp_path, monkeypatch, capsys):
     assert not (tmp_path / "c").exists()
     assert answer(capsys, *quick, "--film", "refuses", "--traction", "muraki,eyring", "--out", "c")[0] == 2
     code, _, wrong = answer(capsys, *quick, "--traction", "muraky,eyring", "--out", "c")
-    assert code == 5
+    assert code == 2
     assert "did you mean 'muraki'" in wrong
     assert answer(capsys, *quick, "--out", "c")[0] == 2
     assert answer(capsys, *quick, "--traction", "muraki,eyring", "--out", "b")[0] == 2
@@ -666,13 +666,13 @@ def test_figures_and_report_of_a_stored_comparison(tmp_path, monkeypatch, capsys
         assert f"{name}, {rests_on}: combinations of models against moes + muraki." in page
         assert f"{name}, {rests_on}".capitalize() in page, "the caption of its table"
     for k, label in enumerate(found.combination.values):
-        assert f"<!-- {k + 1}  {label}" in html
+        assert f">{k + 1}  {label}" in html
 
 
 def test_a_figure_is_the_same_bytes_each_time(tmp_path):
     scene = evolve(SCENE, {"study.friction-curve.normal_force": ["300 N"]})
     found = compare(scene, traction="muraki,eyring", study="friction-curve")
-    first, again = plot(found, tmp_path / "a"), plot(found, tmp_path / "b")
+    first, again = save_plots(found, tmp_path / "a"), save_plots(found, tmp_path / "b")
     assert [path.name for path in first] == ["comparison.svg"]
     assert first[0].read_bytes() == again[0].read_bytes()
     assert list(account_of(found).topics(found)) == ["muraki, 300 N", "eyring, 300 N"]

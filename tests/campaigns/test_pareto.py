@@ -426,16 +426,18 @@ def test_a_result_that_the_finest_does_not_find_has_no_figure():
 
 
 def test_a_report_shows_tables_and_figures(contact, tmp_path):
-    from rollslip.results.figures import plot
+    from rollslip.results.figures import save_plots
 
     one = contact.isel(result=[0])
-    figures = plot(one, tmp_path)
-    assert [path.read_bytes() for path in plot(one, tmp_path / "again")] == [path.read_bytes() for path in figures]
+    figures = save_plots(one, tmp_path)
+    assert [path.read_bytes() for path in save_plots(one, tmp_path / "again")] == [
+        path.read_bytes() for path in figures
+    ]
     write_report({"pareto": one}, {"pareto": figures}, tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text()
     ET.fromstring(text.removeprefix("<!DOCTYPE html>\n"))
     assert "numerical choices: error against the finest of the same models" in text
-    assert text.count("<figure>") == len(figures) == 1
+    assert text.count("<figure") == len(figures) == 1
 
 
 # Command line -------------------------------------------------------------------------------------------------------
@@ -490,8 +492,8 @@ def test_a_failing_choice_leaves_four(capsys, tmp_path):
         (["--choices=integrator", "--study=friction-curve"], "there is nothing to choose: friction-curve", 2),
         (["--study=dynamic"], "no study is called 'dynamic'", 2),
         (["--study=dynamics", "--set=cage.drag=nothing"], "cage.drag", 2),
-        (["--traction=murakki"], "murakki", 5),
-        (["--film=moess"], "moess", 5),
+        (["--traction=murakki"], "murakki", 2),
+        (["--film=moess"], "moess", 2),
         (["--rounds=0"], "rounds: must be at least 1, not 0", 2),
         (["--resume"], "--resume needs the --out of the run", 2),
     ],

@@ -5,6 +5,7 @@ Ctrl-C comes in between, once and twice. The processes that really die are in ``
 """
 
 import contextlib
+import functools
 import json
 import random
 import signal
@@ -92,7 +93,12 @@ class _Fateful(Executor):
         return future
 
 
-def planned(over=OVER, **options):
+@functools.cache
+def planned():
+    return planned_over(OVER)
+
+
+def planned_over(over, **options):
     return plan_sweep(SCENE, over, study="friction-curve", output=["friction"], **options)
 
 
@@ -294,7 +300,7 @@ def test_a_folder_that_has_lost_what_it_is_takes_its_journals_up_again(serial, t
     with pytest.raises(OutputError, match=r"there is no sweep\.json; the same command .* --out .*/s, makes"):
         status(folder)
     with pytest.raises(OutputError, match=r"journal-000000.sqlite: is a journal of another sweep; move it away"):
-        begin(planned({"operation.radial_load": "1 kN"}), folder)
+        begin(planned_over({"operation.radial_load": "1 kN"}), folder)
     assert begin(sweep, folder) == folder
     assert run_sweep(sweep, folder).why == "all points are done"
     assert same(finish(sweep, folder), serial)
@@ -302,7 +308,7 @@ def test_a_folder_that_has_lost_what_it_is_takes_its_journals_up_again(serial, t
 
 
 def test_a_journal_of_another_sweep_is_not_counted(kept, tmp_path):
-    other = planned({"operation.radial_load": "500:5000:12"})
+    other = planned_over({"operation.radial_load": "500:5000:12"})
     folder = begin(other, tmp_path / "s")
     (folder / "journal-000000.sqlite").write_bytes((kept / "journal-000000.sqlite").read_bytes())
     for ask in (lambda: run_sweep(other, folder), lambda: collect(other, folder)):
@@ -326,7 +332,7 @@ def test_a_folder_has_one_writer_at_a_time(tmp_path):
 
 
 def test_pieces_of_other_packages_are_not_merged(tmp_path):
-    pieces = [begin(planned(shard=(k, 2)), tmp_path / "s") for k in (1, 2)]
+    pieces = [begin(planned_over(OVER, shard=(k, 2)), tmp_path / "s") for k in (1, 2)]
     for piece in pieces:
         stored = json.loads((piece / "sweep.json").read_text())
         stored["facts"]["packages"]["scipy"] = "1.0"
@@ -338,7 +344,7 @@ def test_pieces_of_other_packages_are_not_merged(tmp_path):
 def test_pieces_that_overlap_or_lack_one_are_merged_and_lose_nothing(serial, tmp_path):
     pieces = []
     for shard in ((1, 3), (2, 3), (1, 2)):
-        sweep = planned(shard=shard)
+        sweep = planned_over(OVER, shard=shard)
         pieces.append(begin(sweep, tmp_path / "array"))
         run_sweep(sweep, pieces[-1], engine=Fateful())
     merged = merge([*pieces, pieces[0]], tmp_path / "whole")
@@ -353,7 +359,7 @@ def test_pieces_that_overlap_or_lack_one_are_merged_and_lose_nothing(serial, tmp
 
 
 def test_a_piece_without_points_says_so(tmp_path):
-    sweep = planned({"operation.radial_load": "500:5000:2"}, shard=(3, 4))
+    sweep = planned_over({"operation.radial_load": "500:5000:2"}, shard=(3, 4))
     folder = begin(sweep, tmp_path / "s")
     assert run_sweep(sweep, folder).why == "all points are done"
     assert sweep_findings.sentences(finish(sweep, folder)) == ["no points"]

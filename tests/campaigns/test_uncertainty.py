@@ -1,5 +1,6 @@
 """Allowable slip and margin: what is asked for, what samples give, what failed ones do, and going on."""
 
+import functools
 import json
 import re
 import shlex
@@ -14,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rollslip
+from drawn import words
 from rollslip.campaigns.sweep.figures import models_apart
 from rollslip.campaigns.sweep.findings import sentences as sweep_sentences
 from rollslip.campaigns.sweep.journal import FAILED, STATUSES
@@ -25,7 +27,7 @@ from rollslip.campaigns.uncertainty.margin import expected_seconds, plan_margin,
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.results.account import account_of
-from rollslip.results.figures import plot
+from rollslip.results.figures import save_plots
 from rollslip.scene import FrozenTable
 from rollslip.scene.reading import load_scene
 from rollslip.studies.effective_friction.study import CLOSURES
@@ -93,7 +95,7 @@ def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
     warning, *left = json.loads(found.attrs["warnings"])
     assert left[0].startswith("at 8 of 8 points judged: ")
     assert "all points were judged" in left[-1]
-    assert "the scatter is the one that the oil comes with" in warning
+    assert "the scatter is the one that its oil and bearing come with" in warning
     assert "So and Klaus" in warning
     assert not plan_margin(uncertain(**ALPHA), samples=8, steady=0).scatter
 
@@ -205,7 +207,7 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(c
     )
     assert record(found)["allowable_slip"] == {"value": None, "low": None, "high": None, "status": first}
     assert not any(word in text for text in [*sentences(found), *said] for word in ("inf", "nan", "at most more"))
-    files = plot(found, tmp_path)
+    files = save_plots(found, tmp_path)
     assert [path.name for path in files] == ["uncertainty.svg"], "no figure of indices that are not there"
     assert f"slip of running away: all {count} samples beyond the range or without end" in _words(files[0])
     told = account_of(found).paragraph(found)
@@ -213,7 +215,7 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(c
 
 
 def _words(path):
-    return " ".join(re.findall(r"<!-- (.*?) -->", path.read_text()))
+    return " ".join(words(path))
 
 
 @pytest.mark.parametrize(
@@ -260,11 +262,17 @@ def test_an_interval_of_a_figure_that_is_not_known_draws_without_a_warning(tmp_p
     def points(sweep, folder):
         n = sweep.first
         values = np.linspace(0.1, 0.2, n)
-        return _points(["ok"] * n, values if n > 32 else np.full(n, np.nan))
+        return _points(["ok"] * n, np.where(np.arange(n) < 32, np.nan, values))
 
     found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, steady=0, probability=0.9)
     assert np.isinf(found.batch_allowable.values).tolist() == [True, True, False]
-    assert [path.name for path in plot(found, tmp_path)] == ["uncertainty.svg"]
+    assert [path.name for path in save_plots(found, tmp_path)] == ["uncertainty.svg"]
+
+
+@functools.cache
+def sixteen():
+    """What every example asks for."""
+    return plan_margin(uncertain(**ALPHA), samples=16, steady=0, probability=0.5)
 
 
 @settings(max_examples=15)
@@ -278,8 +286,7 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(allowable, "run_sweep", lambda *args, **options: Settled(Progress(16, {}, 0, 0.0), "", "", False))
         patch.setattr(allowable, "collect", lambda sweep, folder: _points(ends, slips))
-        made = plan_margin(uncertain(**ALPHA), samples=16, steady=0, probability=0.5)
-        found = run_margin(made, tmp_path_factory.mktemp("ends"))
+        found = run_margin(sixteen(), tmp_path_factory.mktemp("ends"))
     told = record(found)
     assert told["points"] == {"critical": dict(counts)}
     one = told["quantities"]["slip of running away"]
@@ -390,7 +397,7 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
 def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
     over = {"operation.radial_load": "2 kN:6 kN:2", "operation.inner_speed": "4000 rpm:8000 rpm:2"}
     grid = rollslip.sweep(SCENE, over, study="effective-friction")
-    (file,) = plot(grid, tmp_path)
+    file, *_ = save_plots(grid, tmp_path)
     assert file.name == "sweep-map.svg"
     rests_on = CLOSURES[SCENE.study["effective-friction"].get("closure", "free-roller")]
     assert f"Critical cage slip of the inner ring {rests_on} over operation.radial_load" in file.read_text()
@@ -401,7 +408,7 @@ def test_sweeps_over_two_quantities_and_over_models_have_figures(tmp_path):
     assert any(line.startswith("critical_cage_slip, inner ring: ") for line in sweep_sentences(varied))
     over = {"lubricant.eyring_stress": "3 MPa:6 MPa", "models.film": ["moes", "dowson-1968"]}
     models = rollslip.sweep(SCENE, over, samples=4, study="effective-friction")
-    (file,) = plot(models, tmp_path)
+    (file,) = save_plots(models, tmp_path)
     assert file.name == "sweep-models.svg"
     assert "the medians are up to" in file.read_text()
 

@@ -62,7 +62,7 @@ def answer(*arguments):
 
 @pytest.mark.parametrize("share", [16, pytest.param(150, marks=pytest.mark.faults)])
 def test_changed_attributes_are_told_or_refused_in_one_sentence(result, tmp_path, monkeypatch, capsys, share):
-    monkeypatch.setattr("rollslip.results.figures.plot", lambda dataset, folder: [])  # drawn below
+    monkeypatch.setattr("rollslip.results.figures.save_plots", lambda dataset, folder: [])  # drawn below
     path, refused, told = tmp_path / "r.nc", 0, 0
     pairs = random.Random(16).sample(list(itertools.product(result.attrs, CHANGES)), share)
     for number, (name, how) in enumerate(pairs):

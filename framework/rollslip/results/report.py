@@ -1,5 +1,8 @@
 """The report: everything that is known about a run in one HTML file that opens anywhere and stays readable.
 
+- The verdict stands first, then the figures two abreast, then the warnings with their consequences; all else is folded
+  until a reader opens it, and comes unfolded on paper.
+- The figures follow the page: light, dark, or printed. Tables become lists where a screen is narrow.
 - One file without scripts and without anything to load; a content security policy in its head lets the browser hold
   that. The figures stand in it as SVG, their ids made unique, because ids are shared by the whole page.
 - It is written from the datasets alone, so that a stored result gives the same report years later. What a dataset
@@ -32,6 +35,7 @@ from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
 from rollslip.results.account import Table, account_of, capital
 from rollslip.results.curves import percent
+from rollslip.results.dark import GROUND, INK, adapting
 from rollslip.results.dataset import citations_of
 from rollslip.results.words import counted, verdict, warned
 from rollslip.scene.schema import schema
@@ -57,8 +61,8 @@ _NUMBERS: Final = {
     "wall_time": ("wall time", "s"),
 }
 
-#: Screen shows figures larger than print by this factor, so that their letters match the text.
-_ENLARGED: Final = 1.7
+#: Width [pt] from which on a figure takes the whole page.
+_WIDE: Final = 300.0
 
 
 def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Sequence[Path]], path: Path) -> None:
@@ -69,7 +73,7 @@ def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Seq
     datasets : mapping of str to xarray.Dataset
         The results by name, with the attributes of `rollslip.planning.provenance` as far as they are there.
     figures : mapping of str to sequence of Path
-        SVG files of `rollslip.results.figures.plot`, under the names of their datasets.
+        SVG files of `rollslip.results.figures.save_plots`, under the names of their datasets.
     path : Path
         The file to write; an older one is replaced.
 
@@ -78,36 +82,58 @@ def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Seq
     OutputError
         If it cannot be written; then an older one is left as it is.
     """
-    sections = [
-        ("Warnings", "warnings", _warnings(datasets)),
-        ("What was found", "findings", _findings(datasets)),
-        ("Figures", "figures", _figures(figures)),
-        ("What was modelled and what was left out", "plan", _plan(datasets)),
-        ("Models", "models", _models(datasets)),
-        ("Input", "input", _input(datasets)),
-        ("Oil and contacts", "oil", _oil(datasets)),
-        ("Film regimes and load parameter", "regimes", _regimes(datasets)),
-        ("Numbers", "numbers", _numbers(datasets)),
-        ("Provenance", "provenance", _provenance(datasets)),
-        ("To be cited", "citations", _citations(datasets)),
-        ("Scene as it was written", "scene", _scene(datasets)),
+    said = verdict(datasets.values())
+    drawings, colours = _figures(figures)
+    shown = [
+        section
+        for section in (
+            _Section("Figures", "figures", drawings, folded=False),
+            _Section("Warnings", "warnings", _warnings(datasets), folded=False),
+            _Section("What was found", "findings", _findings(datasets), folded=bool(said)),
+            _Section("What was modelled and what was left out", "plan", _plan(datasets)),
+            _Section("Models", "models", _models(datasets)),
+            _Section("Input", "input", _input(datasets)),
+            _Section("Oil and contacts", "oil", _oil(datasets)),
+            _Section("Film regimes and load parameter", "regimes", _regimes(datasets)),
+            _Section("Numbers", "numbers", _numbers(datasets)),
+            _Section("Provenance", "provenance", _provenance(datasets)),
+            _Section("To be cited", "citations", _citations(datasets)),
+            _Section("Scene as it was written", "scene", _scene(datasets)),
+        )
+        if section.body
     ]
-    shown = [section for section in sections if section[2]]
     titles = [title for _, title in _distinct(datasets, "title") if title]
     with whole_file(path) as partial:
         partial.write_text(
             _PAGE.substitute(
                 title=escape(titles[0] if len(titles) == 1 else "Results of rollslip"),
-                style=_STYLE,
-                verdict="".join(_tag("p", f"{capital(line)}.") for line in verdict(datasets.values())),
+                style=_STYLE + colours,
+                verdict="".join(_tag("p", f"{capital(line)}.") for line in said),
                 introduction="".join(_tag("p", text) for _, text in _distinct(datasets, "description") if text),
-                contents="".join(f'<li><a href="#{key}">{heading}</a></li>' for heading, key, _ in shown),
-                sections="".join(
-                    f'<section id="{key}" aria-labelledby="{key}-h"><h2 id="{key}-h">{heading}</h2>{body}</section>\n'
-                    for heading, key, body in shown
-                ),
+                contents="".join(f'<li><a href="#{section.key}">{section.heading}</a></li>' for section in shown),
+                sections="".join(section.html for section in shown),
             ),
             encoding="utf-8",
+        )
+
+
+@attrs.frozen
+class _Section:
+    """A part of the page; a folded one opens where a link leads into it."""
+
+    heading: str
+    key: str
+    body: str
+    folded: bool = attrs.field(default=True, kw_only=True)
+
+    @property
+    def html(self) -> str:
+        heading = f'<h2 id="{self.key}-h">{self.heading}</h2>'
+        if not self.folded:
+            return f'<section id="{self.key}" aria-labelledby="{self.key}-h">{heading}{self.body}</section>\n'
+        return (
+            f'<section aria-labelledby="{self.key}-h"><details><summary>{heading}</summary>'
+            f'<div id="{self.key}">{self.body}</div></details></section>\n'
         )
 
 
@@ -141,9 +167,21 @@ def _told(part: str | list[str] | Table) -> str:
     return _tag("p", capital(part)) if isinstance(part, str) else _list(f"{capital(text)}." for text in part)
 
 
-def _figures(figures: Mapping[str, Sequence[Path]]) -> str:
-    files = [file for group in figures.values() for file in group]
-    return "".join(_figure(file.read_text(encoding="utf-8"), number, file.stem) for number, file in enumerate(files, 1))
+def _figures(figures: Mapping[str, Sequence[Path]]) -> tuple[str, str]:
+    """Return all figures, the narrow ones before the wide ones, and the style sheet of their colours."""
+    named = [(file.stem, file.read_text(encoding="utf-8")) for group in figures.values() for file in group]
+    named.sort(key=lambda one: _width(one[1]) > _WIDE)
+    drawings, colours = adapting([svg for _, svg in named])
+    body = "".join(
+        _figure(svg, number, name) for number, ((name, _), svg) in enumerate(zip(named, drawings, strict=True), 1)
+    )
+    return (f'<div class="figures">{body}</div>', colours) if named else ("", "")
+
+
+def _width(svg: str) -> float:
+    """Width of a drawing as it is printed [pt]."""
+    size = re.search(r'<svg[^>]* width="([\d.]+)pt"', svg)
+    return float(size[1]) if size else math.inf
 
 
 def _figure(svg: str, number: int, name: str) -> str:
@@ -161,11 +199,13 @@ def _figure(svg: str, number: int, name: str) -> str:
         re.sub(r"<metadata>.*?</metadata>|<title>.*?</title>", "", svg[end:], flags=re.DOTALL),
     )
     drawing = re.sub(r'(\sid="|href="#|url\(#)', rf"\g<1>figure{number}-", drawing)
-    size = re.search(r' width="([\d.]+)pt"', root)
-    width = f"min(100%,{_ENLARGED * float(size[1]):.0f}pt)" if size else "100%"
+    kind = ' class="wide-one"' if _width(svg) > _WIDE else ""
     root = re.sub(r' (?:width|height)="[^"]*"', "", root)
-    label = f'role="img" style="width:{width}" aria-label="{caption} {findings}"'
-    return f"<figure>{root} {label}{drawing}<figcaption>Figure {number}. {caption}</figcaption></figure>\n"
+    label = f'role="img" aria-label="{caption} {findings}"'
+    return (
+        f'<figure{kind}><div class="sheet">{root} {label}{drawing}</div>'
+        f"<figcaption>Figure {number}. {caption}</figcaption></figure>\n"
+    )
 
 
 def _plan(datasets: "Datasets") -> str:
@@ -266,6 +306,9 @@ def _oil(datasets: "Datasets") -> str:
         if grades := oil.get("grades"):  # results of before had none
             each = ", ".join(f"{key.replace('_', ' ')} ({grade})" for key, grade in grades.items())
             body += _tag("p", f"Grades: {each}. {legend(grades.values())}.")
+    for heading, named in _per_study(datasets, "data", structured=True):
+        for one in named:
+            body += heading + _tag("p", f"{one['kind'].capitalize()} {one['name']}. {one['source']} {one['validity']}")
     for heading, rings in _per_study(datasets, "conditions", structured=True):
         rows = [
             [meaning, *(_value(conditions.get(key), unit) for conditions in rings.values())]
@@ -410,39 +453,60 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[object]], caption: str =
         return ""
     columns = "".join(f'<th scope="col">{escape(text)}</th>' for text in head)
     body = "".join(
-        f'<tr><th scope="row">{escape(str(first))}</th>{"".join(f"<td>{_cell(cell)}</td>" for cell in cells)}</tr>\n'
+        f'<tr><th scope="row">{escape(str(first))}</th>{"".join(map(_cell, cells, head[1:]))}</tr>\n'
         for first, *cells in rows
     )
     title = _tag("caption", caption) if caption else ""
     return f'<div class="wide"><table>{title}<thead><tr>{columns}</tr></thead><tbody>{body}</tbody></table></div>\n'
 
 
-def _cell(cell: object) -> str:
-    return "<br/>".join(escape(str(item)) for item in (cell if isinstance(cell, list) else [cell]))
+def _cell(cell: object, head: str) -> str:
+    """Return a cell that knows its column, whose name stands before it where a screen is narrow."""
+    lines = "<br/>".join(escape(str(item)) for item in (cell if isinstance(cell, list) else [cell]))
+    return f'<td data-of="{escape(head)}">{lines}</td>' if lines else "<td></td>"
 
 
-_STYLE: Final = """
+_STYLE: Final = (
+    (
+        """
 :root { color-scheme: light dark; --ink: #1b1f24; --paper: #fff; --quiet: #59636e; --rule: #d1d9e0; --tint: #f4f6f8;
   --alarm: #b45309; --alarm-tint: #fff7e6; --link: #0b5cad; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e6e9ec; --paper: #15181c; --quiet: #9aa4af; --rule: #3a424b;
+@media (prefers-color-scheme: dark) { :root { --ink: INK; --paper: GROUND; --quiet: #9aa4af; --rule: #3a424b;
   --tint: #1e2329; --alarm: #f0b849; --alarm-tint: #2c2413; --link: #7ab7ff; } }
 @media print { :root { color-scheme: light; --ink: #000; --paper: #fff; --quiet: #444; --rule: #bbb; --tint: #fff;
   --alarm: #8a4000; --alarm-tint: #fff; --link: #000; } }
 * { box-sizing: border-box; }
-body { margin: 0 auto; padding: 2rem 1.25rem 4rem; max-width: 62rem; color: var(--ink); background: var(--paper);
-  font: 1rem/1.55 system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif; }
-h1 { font-size: 1.7rem; line-height: 1.25; margin: 0 0 .5rem; }
+body { margin: 0 auto; padding: 2rem 1.25rem 4rem; max-width: 70rem; color: var(--ink); background: var(--paper);
+  font: 1rem/1.55 system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif; overflow-wrap: anywhere; }
+h1 { font-size: 1.7rem; line-height: 1.25; margin: 0 0 .75rem; }
 h2 { font-size: 1.25rem; margin: 2.5rem 0 .75rem; padding-bottom: .25rem; border-bottom: 1px solid var(--rule); }
 h3 { font-size: 1rem; margin: 1.25rem 0 .25rem; }
 p, ul { margin: .5rem 0; max-width: 46rem; }
+li { margin: .25rem 0; }
 a { color: var(--link); }
+.verdict p { font-size: 1.15rem; font-weight: 600; }
+.verdict p:nth-child(n+3) { font-size: 1rem; font-weight: 400; }
 nav ul { display: flex; flex-wrap: wrap; gap: .1rem 1.25rem; padding: 0; list-style: none; max-width: none; }
-#warnings { margin-top: 1.5rem; padding: .75rem 1.25rem; border-left: .4rem solid var(--alarm);
+nav a { display: inline-block; padding: .2rem 0; }
+#warnings { margin-top: 2rem; padding: .75rem 1.25rem; border-left: .4rem solid var(--alarm);
   background: var(--alarm-tint); }
 #warnings h2 { margin: 0; border: 0; color: var(--alarm); }
-figure { margin: 1.5rem 0; break-inside: avoid; }
-figure svg { display: block; height: auto; padding: .5rem; background: #fff; }
+#warnings ul { padding-left: 1.25rem; }
+.figures { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 2rem 2.5rem; align-items: start; }
+figure { margin: 0; break-inside: avoid; }
+figure.wide-one { grid-column: 1 / -1; }
+figure:not(.wide-one) { max-width: 32rem; }
+.sheet { overflow-x: auto; }
+figure svg { display: block; width: 100%; height: auto; fill: var(--x000000); }
 figcaption { margin-top: .5rem; color: var(--quiet); max-width: 46rem; }
+details > summary { cursor: pointer; }
+summary:has(h2) { list-style: none; }
+summary:has(h2)::-webkit-details-marker { display: none; }
+summary h2 { margin: .75rem 0 0; padding: .4rem 0; }
+summary h2::before { content: "▸"; display: inline-block; width: 1.25rem; color: var(--link); }
+[open] > summary h2::before { content: "▾"; }
+summary:not(:has(h2)) { color: var(--link); }
+[id] { scroll-margin-top: 4rem; }
 .wide { overflow-x: auto; margin: .75rem 0; }
 table { border-collapse: collapse; width: 100%; font-size: .875rem; line-height: 1.4; }
 caption { text-align: left; font-weight: 600; padding: .25rem 0; }
@@ -451,13 +515,32 @@ th, td { text-align: left; vertical-align: top; padding: .3rem .75rem .3rem 0; b
 thead th { color: var(--quiet); font-weight: 600; }
 tbody th { font-weight: 400; min-width: 8rem; }
 tr { break-inside: avoid; }
-summary { cursor: pointer; color: var(--link); }
-pre { overflow-x: auto; padding: 1rem; background: var(--tint); font-size: .8rem; line-height: 1.4; }
-@media print { body { padding: 0; max-width: none; font-size: 10pt; } nav, summary { display: none; }
-  .wide { overflow: visible; } td { overflow-wrap: anywhere; } pre { white-space: pre-wrap; }
+pre { overflow-x: auto; padding: 1rem; background: var(--tint); font-size: .8rem; line-height: 1.4;
+  overflow-wrap: normal; }
+@media screen and (max-width: 46rem) {
+  body { padding: 1.25rem 1rem 3rem; }
+  .figures { grid-template-columns: minmax(0, 1fr); }
+  .wide-one svg { width: 36rem; max-width: none; }
+  table, caption, tbody, tr, tbody th, td { display: block; min-width: 0; overflow-wrap: anywhere; }
+  thead { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
+  tr { padding: .5rem 0; border-bottom: 1px solid var(--rule); }
+  tbody th, td { padding: .1rem 0; border: 0; }
+  tbody th { font-weight: 600; }
+  td:empty { display: none; }
+  td[data-of]:not([data-of=""])::before { content: attr(data-of) ": "; color: var(--quiet); }
+}
+@media print { body { padding: 0; max-width: none; font-size: 10pt; } nav { display: none; }
+  summary:not(:has(h2)) { display: none; } summary h2::before { display: none; }
+  .wide, .sheet { overflow: visible; } td { overflow-wrap: anywhere; } pre { white-space: pre-wrap; }
   h2, h3, caption { break-after: avoid; }
+  .figures { display: block; } figure { margin: 6mm 0; } figure:not(.wide-one) { display: inline-block; width: 49%;
+  vertical-align: top; padding-right: 4mm; }
   details::details-content { content-visibility: visible; block-size: auto; } }
 """
+    )
+    .replace("INK", INK)
+    .replace("GROUND", GROUND)
+)
 
 _PAGE: Final = Template(
     """<!DOCTYPE html>
@@ -473,7 +556,8 @@ _PAGE: Final = Template(
 <body>
 <header>
 <h1>$title</h1>
-$verdict$introduction
+<div class="verdict">$verdict</div>
+$introduction
 <nav aria-label="Contents"><ul>$contents</ul></nav>
 </header>
 <main>

@@ -1,7 +1,8 @@
 """What the figures of all studies share: style, colours, sizes, and how they become files.
 
-- A figure is an SVG with outlined letters: it looks the same on every machine, needs no fonts, and prints well. Its
-  metadata hold caption and findings, which the report uses as caption and alternative text.
+- Text is text in SVG and PDF: it can be searched, selected, read aloud, and edited. An SVG names Matplotlib's own font
+  and one of the same widths that most machines have; a PDF brings its font along.
+- The metadata of a file hold caption and findings, which the report uses as caption and alternative text.
 - The same dataset gives the same bytes: fixed salt for ids, no date, matplotlib's own defaults and its own font, so
   that nobody's matplotlibrc has a say. Figures are made without pyplot, so that no state outlives them.
 - Widths are those of one and of two columns of a journal page; letters have 7 pt in print.
@@ -10,16 +11,21 @@
 """
 
 import functools
-from collections.abc import Iterable, Mapping
+import io
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from rollslip.files import whole_file
+from rollslip.results.dark import darken
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
     from matplotlib.ticker import ScalarFormatter
 
@@ -31,9 +37,12 @@ MODEL_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "
 DASHES: Final = ("solid", (0, (4, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (5, 1.5, 1, 1.5, 1, 1.5)))
 #: Nunez, Anderton & Renslow (2018): lightness rises evenly, for grey print and every kind of colour vision.
 SEQUENTIAL: Final = "cividis"
+#: Brewer (2003): for what has a sign, white at zero; blue and red are told apart with every kind of colour vision.
+DIVERGING: Final = "RdBu_r"
 
 STYLE: Final[Mapping[str, Any]] = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "sans-serif"],  # the first comes with matplotlib
     "font.size": 7.0,
     "axes.labelsize": 7.5,
     "axes.titlesize": 7.5,
@@ -53,7 +62,8 @@ STYLE: Final[Mapping[str, Any]] = {
     "legend.handlelength": 2.4,
     "legend.labelspacing": 0.3,
     "legend.borderaxespad": 0.0,
-    "svg.fonttype": "path",
+    "svg.fonttype": "none",
+    "pdf.fonttype": 42,
     "svg.hashsalt": "rollslip",
 }
 
@@ -65,8 +75,15 @@ TWO_COLUMNS: Final = (190 * MM, 80 * MM)
 ROW: Final = 4 * MM
 
 
-def save_figures(figures: "Iterable[tuple[str, str, Figure]]", findings: str, folder: Path) -> list[Path]:
-    """Write figures, given as name, caption and figure, as SVG files; they have to be drawn while they are iterated.
+def save_figures(
+    figures: "Iterable[tuple[str, str, Figure]]",
+    findings: str,
+    folder: Path,
+    formats: Sequence[str] = ("svg",),
+    *,
+    dark: bool = False,
+) -> list[Path]:
+    """Write figures, given as name, caption and figure; they have to be drawn while they are iterated.
 
     Parameters
     ----------
@@ -76,28 +93,92 @@ def save_figures(figures: "Iterable[tuple[str, str, Figure]]", findings: str, fo
         What the dataset says, for those who cannot see the figures.
     folder : Path
         Where the files go; it is made if it does not exist.
+    formats : sequence of str
+        Some of `FORMATS`.
+    dark : bool
+        Whether each is written for a dark ground too, as NAME-dark.
 
     Raises
     ------
     OutputError
         If a file cannot be written; then nothing is left of it.
     """
-    from matplotlib import style
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-
     files = []
-    with style.context(["default", dict(STYLE)]):
+    with styled():
         for name, caption, figure in figures:
             folder.mkdir(parents=True, exist_ok=True)
-            files.append(folder / f"{name}.svg")
-            set_plainly(figure)
-            canvas: Any = FigureCanvasSVG(figure)
-            with whole_file(files[-1]) as partial:
-                canvas.print_svg(  # savefig draws every figure once more before
-                    partial,
-                    metadata={"Title": caption, "Description": findings, "Creator": "rollslip", "Date": None},
-                )
+            for which in ("", "-dark") if dark else ("",):
+                if which:
+                    lay_out(figure)
+                    darken(figure)
+                for one in formats:
+                    files.append(folder / f"{name}{which}.{one}")
+                    with whole_file(files[-1]) as partial:
+                        FORMATS[one](figure, partial, caption, findings)
     return files
+
+
+def styled() -> Any:
+    """Return the context in which figures are drawn."""
+    from matplotlib import style
+
+    return style.context(["default", dict(STYLE)])
+
+
+def as_svg(figure: "Figure", caption: str, findings: str) -> str:
+    """Return a figure as SVG; it is the same text whenever it is the same figure."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    set_plainly(figure)
+    canvas: Any = FigureCanvasSVG(figure)
+    with io.StringIO() as text:
+        canvas.print_svg(  # savefig draws every figure once more before
+            text, metadata={"Title": caption, "Description": findings, "Creator": "rollslip", "Date": None}
+        )
+        return re.sub(r"<text>\s*(<tspan.*?</tspan>)\s*</text>", _in_words, text.getvalue(), flags=re.DOTALL)
+
+
+def _in_words(text: re.Match[str]) -> str:
+    """Put the letters of mathematical text, which matplotlib writes one by one, together to words."""
+    letters = re.findall(r'<tspan x="([^"]*)" y="([^"]*)" style="([^"]*)">(.*?)</tspan>', text[1], re.DOTALL)
+    words: list[list[str]] = []
+    for (y, style), some in groupby(sorted(letters, key=lambda one: float(one[0])), key=lambda one: one[1:3]):
+        run = list(some)
+        while run and words and run[0][3].isspace():  # a space that begins a word would be swallowed
+            run.pop(0)
+            words[-1][3] += " "
+        if run:
+            words.append([run[0][0], y, style, "".join(letter for *_, letter in run).replace("\u00a0", " ")])
+    said = "".join(f'<tspan x="{x}" y="{y}" style="{style}">{word}</tspan>' for x, y, style, word in words)
+    return f"<text>{said}</text>"
+
+
+def _svg(figure: "Figure", path: Path, caption: str, findings: str) -> None:
+    path.write_text(as_svg(figure, caption, findings), encoding="utf-8")
+
+
+def _pdf(figure: "Figure", path: Path, caption: str, findings: str) -> None:
+    from matplotlib.backends.backend_pdf import FigureCanvasPdf
+
+    set_plainly(figure)
+    canvas: Any = FigureCanvasPdf(figure)
+    about = {"Title": caption, "Subject": findings, "Creator": "rollslip", "CreationDate": None}
+    canvas.print_pdf(path, metadata=about)
+
+
+def _png(figure: "Figure", path: Path, caption: str, findings: str) -> None:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    set_plainly(figure)
+    figure.set_dpi(_DPI)
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.print_png(path, metadata={"Title": caption, "Description": findings, "Software": "rollslip"})
+
+
+#: What figures are written as.
+FORMATS: Final[Mapping[str, Any]] = {"svg": _svg, "pdf": _pdf, "png": _png}
+#: Dots per inch of a PNG: sharp in print at its size, and on screens that are fine.
+_DPI: Final = 300
 
 
 def lay_out(figure: "Figure") -> None:
@@ -139,10 +220,48 @@ def set_plainly(figure: "Figure") -> None:
                 axis.set_major_formatter(_plain_ticks()())
 
 
+def plain_decades(axis: "Axis") -> None:
+    """Mark a logarithmic axis by the plain numbers 1, 2, 5, 10 ..."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=99))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_locator(LogLocator(subs=tuple(range(1, 10)), numticks=99))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def unit_label(unit: str) -> str:
+    """Return a unit as an axis has it: "°C" for "degC", "–" for a plain number.
+
+    Examples
+    --------
+    >>> unit_label("degC"), unit_label("mm2/s"), unit_label("")
+    ('°C', 'mm²/s', '–')
+    """
+    written = unit.replace("deg", "°").replace("m2", "m²").replace("m3", "m³").replace("um", "µm")
+    return written if unit not in ("", "1") else "–"
+
+
 def axis_label(variable: "xr.DataArray", symbol: str, unit: str, name: str = "") -> str:
     """Return the label of an axis: name, symbol and unit."""
     name = name or variable.attrs["long_name"]
     return f"{name[0].upper()}{name[1:]} {symbol} [{unit}]"
+
+
+def against_zero(low: float, high: float) -> dict[str, Any]:
+    """Return colours and range for values of both signs, of which zero is white; for those of one sign a plain scale.
+
+    What it is goes to `matplotlib.axes.Axes.contourf`, ``pcolormesh`` and the like.
+    """
+    import matplotlib
+    from matplotlib.colors import Normalize
+
+    if not low <= high:  # nothing is known
+        low, high = 0.0, 1.0
+    if low < 0.0 < high:
+        most = max(-low, high)
+        return {"cmap": matplotlib.colormaps[DIVERGING], "norm": Normalize(-most, most)}
+    return {"cmap": light_to_dark(), "norm": Normalize(low, high)}
 
 
 def light_to_dark() -> Any:

@@ -120,11 +120,14 @@ def _trust(datasets: "list[xr.Dataset]") -> str:
     left = {bound["law"] for one in judged for bound in one.get("bounds", ()) if bound["share_outside"] >= TOLD_FROM}
     if left:
         said.append(f"outside what it was made for: {', '.join(sorted(left))}, as the warnings say")
-    oils = [json.loads(d.attrs["lubricant"]) for d in datasets if d.attrs.get("lubricant")]
-    if grades := sorted({grade for oil in oils for grade in oil.get("grades", {}).values()}):
-        said.append(
-            f"oil data of grade{'s' * (len(grades) > 1)} {' and '.join(dict.fromkeys((grades[0], grades[-1])))}"
-        )
+    kept: list[dict[str, Any]] = [
+        {"kind": "oil"} | json.loads(d.attrs["lubricant"]) for d in datasets if d.attrs.get("lubricant")
+    ]
+    kept += [one for d in datasets for one in json.loads(d.attrs.get("data", "[]"))]
+    for kind in dict.fromkeys(one["kind"] for one in kept):
+        if grades := sorted({grade for one in kept if one["kind"] == kind for grade in one.get("grades", {}).values()}):
+            ends = " and ".join(dict.fromkeys((grades[0], grades[-1])))
+            said.append(f"{kind} data of grade{'s' * (len(grades) > 1)} {ends}{' (estimated)' * (grades[-1] == 'D')}")
     lines = [f"how far to trust it: {'; '.join(said)}"] if said else []
     if missing := untold(datasets):
         lines.append(f"not told here: {' and '.join(missing)}")

@@ -1,13 +1,13 @@
 """A model that takes its place in a scene: by name, as a table, or made; and what the scene then says."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import attrs
 
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.registry import structure_model
-from rollslip.errors import PluginError, SceneError
+from rollslip.errors import PluginError, SceneError, UnknownNameError
 from rollslip.models import SliceModel
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
@@ -38,16 +38,31 @@ def choice_of(scene: Scene, kind: str, model: Model | None) -> Choice:
     SceneError, PluginError
         If a name or a parameter is wrong.
     """
-    problems, unknown = list[str](), list[str]()
+    problems, unknown = list[str](), list[PluginError]()
     made = read_choice(scene, kind, model, problems, unknown)
-    if unknown:
-        raise PluginError("\n".join(unknown + problems))
-    if problems:
-        raise SceneError(problems)
+    refuse(problems, unknown)
     return made
 
 
-def read_choice(scene: Scene, kind: str, model: Model | None, problems: list[str], unknown: list[str]) -> Choice:
+def refuse(problems: Sequence[str], unknown: Sequence[PluginError]) -> None:
+    """Raise all faults of choices at once, as of a plugin only where one is not a wrong name.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If there is a fault.
+    """
+    if unknown:
+        named = all(isinstance(error, UnknownNameError) for error in unknown)
+        texts = dict.fromkeys([*map(str, unknown), *problems])
+        raise (UnknownNameError if named else PluginError)("\n".join(texts))
+    if problems:
+        raise SceneError(list(dict.fromkeys(problems)))
+
+
+def read_choice(
+    scene: Scene, kind: str, model: Model | None, problems: list[str], unknown: list[PluginError]
+) -> Choice:
     """Return what a scene says with a model in it, by default its own; faults are noted."""
     choice = getattr(scene.models, kind)
     own: dict[str, object] = {"model": choice.name, **choice.parameters}
@@ -61,7 +76,7 @@ def read_choice(scene: Scene, kind: str, model: Model | None, problems: list[str
         table = _as_table(kind, model)
         new = structure_model(kind, table, Location({}, (kind,)), problems)
     except PluginError as error:
-        unknown.append(str(error))
+        unknown.append(error)
     name, label, bare = str(table.get("model")), _label(table), table.keys() == {"model"}
     if inner is not None and not _children(new, kind):
         same = bare and name == inner.name

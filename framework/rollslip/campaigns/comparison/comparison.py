@@ -13,7 +13,7 @@ import contextlib
 import itertools
 import json
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -30,9 +30,9 @@ from rollslip.campaigns.comparison.attribution import (
     law_to_sort_by,
     seconds_per_slice,
 )
-from rollslip.campaigns.comparison.choices import CHILD, KINDS, Choice, Model, read_choice
+from rollslip.campaigns.comparison.choices import CHILD, KINDS, Choice, Model, read_choice, refuse
 from rollslip.catalogue.discovery import available
-from rollslip.errors import PluginError, RollslipError, SceneError, in_words, nearest
+from rollslip.errors import PluginError, RollslipError, SceneError, UnknownNameError, in_words, nearest
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.provenance import origin, together
@@ -169,17 +169,14 @@ def plan_comparison(
     """
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     study = _study(scene, study)
-    problems, unknown = list[str](), list[str]()
+    problems, unknown = list[str](), list[PluginError]()
     choices = {
         kind: [read_choice(scene, kind, model, problems, unknown) for model in _listed(models)]
         for kind, models in (("contact", contact), ("film", film), ("traction", traction))
     }
     wanted = {} if reference is None else _by_kind(reference, problems, unknown)
     named = {kind: read_choice(scene, kind, model, problems, unknown) for kind, model in wanted.items()}
-    if unknown:
-        raise PluginError("\n".join(dict.fromkeys(unknown + problems)))
-    if problems:
-        raise SceneError(list(dict.fromkeys(problems)))
+    refuse(problems, unknown)
     products = [dict(zip(KINDS, each, strict=True)) for each in itertools.product(*choices.values())]
     products.append({kind: named.get(kind, choices[kind][0]) for kind in KINDS})
     shown = [kind for kind in KINDS if len({product[kind].label for product in products}) > 1]
@@ -226,7 +223,9 @@ def _listed(models: Sequence[Model] | str) -> Sequence[Model | None]:
     return [*filter(None, map(str.strip, models.split(",")))] or [None] if isinstance(models, str) else models or [None]
 
 
-def _by_kind(reference: Model | Mapping[str, Model], problems: list[str], unknown: list[str]) -> dict[str, Model]:
+def _by_kind(
+    reference: Model | Mapping[str, Model], problems: list[str], unknown: list[PluginError]
+) -> dict[str, Model]:
     """Return the models of the reference by kind; a name tells its kind, a table or a model is a traction."""
     if isinstance(reference, Mapping) and "model" not in reference:
         problems += [
@@ -241,7 +240,8 @@ def _by_kind(reference: Model | Mapping[str, Model], problems: list[str], unknow
         if kind is None:
             near = nearest(name, (known for kind in KINDS for known in available(kind)), cutoff=0.4)
             hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip models' lists them"
-            unknown.append(f"reference: no {', '.join(KINDS[:-1])} or {KINDS[-1]} is called {name!r}; {hint}")
+            kinds = f"{', '.join(KINDS[:-1])} or {KINDS[-1]}"
+            unknown.append(UnknownNameError(f"reference: no {kinds} is called {name!r}; {hint}"))
         elif kind in found:
             problems.append(f"reference: {found[kind]!r} and {name!r} are both a {kind}; name one")
         else:
@@ -282,8 +282,17 @@ def _at_one_resolution(study: str, combinations: Mapping[str, Combination]) -> d
 # Running ------------------------------------------------------------------------------------------------------------
 
 
-def run_comparison(comparison: Comparison) -> "xr.Dataset":
+def run_comparison(
+    comparison: Comparison, progress: Callable[[str, float], None] = lambda text, share: None
+) -> "xr.Dataset":
     """Run all combinations that can run; see `compare`.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        What is to be run.
+    progress : callable, optional
+        Told before each combination which it is, and the share that is done.
 
     Raises
     ------
@@ -293,7 +302,9 @@ def run_comparison(comparison: Comparison) -> "xr.Dataset":
     begin, plans = time.perf_counter(), comparison.plans
     errors = {label: one.error for label, one in comparison.combinations.items() if one.error is not None}
     done: dict[str, xr.Dataset] = {}
-    for label, made in plans.items():
+    # a combination is run, and then evaluated at the slices of another
+    for k, (label, made) in enumerate(plans.items()):
+        progress(label, 0.5 * k / len(plans))
         with _noted(errors, label):
             done[label] = execute(made, comparison.study)
     _drop_failed(done, errors)
@@ -302,7 +313,8 @@ def run_comparison(comparison: Comparison) -> "xr.Dataset":
     work = EvaluatedSlices.of(plans[standard], comparison.study, done[standard])
     law = law_to_sort_by([plans[label].assembly.traction for label in (standard, *done)])
     found, first = dict[str, dict[str, list[Any]]](), dict[str, Any]()
-    for label in done:
+    for k, label in enumerate(done):
+        progress(label, 0.5 + 0.5 * k / len(done))
         with _noted(errors, label):
             keep = keep_criteria(law) if label == comparison.reference else keep_friction
             found[label], first[label] = work.evaluate(plans[label], keep)

@@ -20,6 +20,8 @@ __all__ = ["figures"]
 
 #: Relative difference beyond which small ones would not be seen on a linear axis.
 _SPREAD = 0.1
+#: Difference [%] up to which such an axis is linear.
+_LINEAR = 1.0
 
 
 def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
@@ -67,10 +69,12 @@ def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
     panels["curves"].set_ylabel(axis_label(dataset[of.variable], r"$\mu_\mathrm{e}$" if cage else r"$\mu$", "–"))
     panels["curves"].set_ylim(min(0.0, np.nanmin(one[of.variable])))
     panels["curves"].tick_params(labelbottom=False)
-    if np.nanmax(abs(difference), initial=0.0) > _SPREAD:
-        panels["differences"].set_yscale("symlog", linthresh=1.0)
+    spread = np.nanmax(abs(difference), initial=0.0) > _SPREAD
+    if spread:
+        panels["differences"].set_yscale("symlog", linthresh=_LINEAR)
         panels["differences"].yaxis.set_major_formatter("{x:g}")
-    panels["differences"].set_ylabel("Relative difference [%]")
+    beyond = f",\nlogarithmic beyond ±{_LINEAR:g} %" if spread else ""
+    panels["differences"].set_ylabel(f"Relative difference [%]{beyond}")
     against = {"symbol": r"$S_\mathrm{c}$"} if cage else {"symbol": "$V/u$", "name": "slide–roll ratio"}
     panels["differences"].set_xlabel(axis_label(dataset[of.slip], unit="%", **against))
     for name in ("curves", "differences"):

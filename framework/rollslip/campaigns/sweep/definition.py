@@ -148,6 +148,8 @@ class Sweep:
         The scene as it was given.
     unusual : tuple of str
         What is unusual of the values that vary.
+    files : str
+        Digest of the files that the study reads beside the scene; empty if there are none.
     shard : tuple of int
         Which piece of how many this is, (1, 1) for all.
     first : int or None
@@ -166,6 +168,7 @@ class Sweep:
     table: SweepTable
     given: Scene
     unusual: tuple[str, ...] = ()
+    files: str = ""
     shard: tuple[int, int] = (1, 1)
     first: int | None = None
 
@@ -200,6 +203,8 @@ class Sweep:
             "resolutions": self.resolutions.facts,
             "packages": dict(here(self.packages)),
         }
+        if self.files:
+            facts["files beside the scene"] = self.files
         return json.loads(json.dumps(facts))  # type: ignore[no-any-return]
 
     @property

@@ -1,12 +1,13 @@
-"""Figures of sweeps: critical slip over two quantities for several models, and models against the scatter of the data.
+"""Figures of sweeps: every single result over one quantity or two, for several models, and against scattering data.
 
 Style, sizes and files are those of `rollslip.results.style`. A map has one panel for each model and one scale of
-colours for all; where there is no critical slip in the range it is hatched. Models on samples of uncertain data are
-told by quantiles: if the scatter within a model is wider than the distance between them, better data tell more than
-better models.
+colours for all; where there is no value in the range it is hatched. Models on samples of uncertain data are told by
+quantiles: if the scatter within a model is wider than the distance between them, better data tell more than better
+models. Quantities have the unit in which the sweep was asked for.
 """
 
 import json
+import textwrap
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
@@ -14,7 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.campaigns.sweep.findings import resting
-from rollslip.results.style import MM, MODEL_COLOURS, ONE_COLUMN, light_to_dark
+from rollslip.results.style import (
+    DASHES,
+    MM,
+    MODEL_COLOURS,
+    ONE_COLUMN,
+    RING_COLOURS,
+    ROW,
+    against_zero,
+    plain_decades,
+    unit_label,
+)
+from rollslip.units import UnitError, converted, shown_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,33 +36,53 @@ if TYPE_CHECKING:
 __all__ = ["models_apart", "sweep_figures"]
 
 Array = NDArray[np.float64]
-#: What is drawn: the inner ring, on which film heating lets friction fall first.
+#: What is drawn of samples, and first of all: on the inner ring, on which film heating lets friction fall first.
 _RESULT: Final = "critical_cage_slip"
 _PANELS: Final = 4
+_HATCHED: Final = "hatched where there is none in the range, or its point failed"
+#: Figures of one kind at most: of more outputs nobody would look at all.
+_FIGURES: Final = 6
 _QUANTILES: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
-#: Unit -> unit on an axis and its size.
-_SHOWN: Final = {"rad/s": ("rpm", 30.0 / np.pi), "Pa": ("MPa", 1e-6)}
 
 
 def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Draw the figures; give name, caption and figure of those for which the sweep has the points."""
-    if _RESULT not in dataset or "ring" not in dataset.dims:
-        return
     keys = list(json.loads(dataset.attrs["axes"]))
     numbers = [key for key in keys if dataset[key].dtype.kind in "fi" and dataset.sizes[key] > 1]
     choices = [key for key in keys if dataset[key].dtype.kind not in "fi"]
     if any(key not in (*numbers, *choices) for key in keys) or len(choices) > 1:
         return
-    values = dataset[_RESULT].sel(ring="inner")
-    sampled = "sample" in dataset.dims
-    if len(numbers) == 2 and not sampled and all(dataset.sizes[key] <= _PANELS for key in choices):
-        caption = (
-            f"Critical cage slip of the inner ring{resting(dataset)} over {numbers[0]} and {numbers[1]}; hatched where "
-            "there is none in the range, or its point failed."
-        )
-        yield "sweep-map", caption, _map(values, numbers, choices)
-    if sampled and choices and not numbers:
-        yield "sweep-models", models_apart(dataset), _models(values, choices[0])
+    if "sample" in dataset.dims:
+        if choices and not numbers and _RESULT in dataset and "ring" in dataset[_RESULT].dims:
+            values = dataset[_RESULT].sel(ring="inner")
+            yield "sweep-models", models_apart(dataset), _models(values, choices[0])
+        return
+    few = all(dataset.sizes[key] <= _PANELS for key in choices)
+    for name, values in _results(dataset, keys)[:_FIGURES]:
+        ending = "" if name == _RESULT else f"-{name.replace('_', '-')}"
+        whose = ""
+        if "ring" in values.dims and (choices or len(numbers) == 2):
+            values, whose = values.sel(ring="inner"), " of the inner ring"
+        said = f"{_name(values)}{whose}{resting(dataset) if name.startswith('critical_') else ''} over "
+        if len(numbers) == 2 and few:
+            if "steady" in values.dims:
+                values, said = values.isel(steady=0), said.replace(" over ", ", the smallest, over ")
+            caption = f"{said}{numbers[0]} and {numbers[1]}; {_HATCHED}."
+            yield f"sweep-map{ending}", caption, _map(values, numbers, choices)
+        elif len(numbers) == 1:
+            caption = f"{said}{numbers[0]}{f', by {choices[0]}' if choices else ''}."
+            yield f"sweep-line{ending}", caption, _line(values, numbers[0], choices)
+
+
+def _results(dataset: "xr.Dataset", keys: Sequence[str]) -> "list[tuple[str, xr.DataArray]]":
+    """Outputs that have one number for a point, for each ring or for each steady slip, and a value anywhere."""
+    found = []
+    for name, values in dataset.data_vars.items():
+        inner = {str(dim) for dim in values.dims} - set(keys)
+        single = inner <= {"ring"} or inner == {"steady"}
+        if single and values.dtype.kind == "f" and name != "seconds" and np.isfinite(values.to_numpy()).any():
+            found.append((str(name), values))
+    return sorted(found, key=lambda one: one[0] != _RESULT)
 
 
 def models_apart(dataset: "xr.Dataset") -> str:
@@ -99,6 +131,43 @@ def _models(values: "xr.DataArray", key: str) -> "Figure":
     return figure
 
 
+def _line(values: "xr.DataArray", key: str, choices: Sequence[str]) -> "Figure":
+    """Curves over one quantity: for each choice, else for each ring; steady slips, which may be several, as points."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
+    axes = figure.subplots()
+    (x, across), (size, unit) = _axis(values[key]), _shown(values)
+    over = choices[0] if choices else "ring" if "ring" in values.dims else None
+    named = [(str(one), values.sel({over: one})) for one in values[over].to_numpy()] if over else [("", values)]
+    missing = np.zeros(x.size, dtype=bool)
+    for k, (name, piece) in enumerate(named):
+        label = f"{name} ring" if over == "ring" else name
+        style: dict[str, Any] = {"color": MODEL_COLOURS[k % len(MODEL_COLOURS)], "linestyle": DASHES[k % len(DASHES)]}
+        if over == "ring":
+            style = {"color": RING_COLOURS[name], "linestyle": DASHES[k % 2]}
+        if piece.sizes.get("steady", 1) > 1:  # which of them go together is not known
+            style["linestyle"] = "none"
+        y = size * piece.transpose(key, ...).to_numpy()
+        shown = axes.plot(x, y, marker="o", markersize=3, **style)
+        if label:
+            shown[0].set_label(label)
+        missing |= ~np.isfinite(y.reshape(x.size, -1)).any(axis=1)
+    if missing.any():
+        foot: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "clip_on": False, "zorder": 5}
+        words = "no value in the range, or the point failed"
+        axes.plot(x[missing], np.zeros(missing.sum()), "x", color="0.3", markersize=4, label=words, **foot)
+    if _by_factors(x):
+        axes.set_xscale("log")
+        plain_decades(axes.xaxis)
+    axes.set_xlabel(across)
+    axes.set_ylabel(_named(values, unit))
+    if handles := axes.get_legend_handles_labels()[0]:
+        figure.legend(handles=handles, loc="outside upper left")
+    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
+    return figure
+
+
 def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str]) -> "Figure":
     from matplotlib.figure import Figure
 
@@ -106,24 +175,38 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str])
     pieces = pieces or [("", values)]
     figure = Figure(figsize=((32 + 46 * len(pieces)) * MM, 58 * MM), layout="constrained")
     panels = figure.subplots(1, len(pieces), sharey=True, squeeze=False)[0]
-    percent = 100 * values.to_numpy()
-    known = percent[np.isfinite(percent)]
-    limits: dict[str, Any] = {"vmin": known.min(), "vmax": known.max()} if known.size else {}
+    size, unit = _shown(values)
+    known = size * values.to_numpy()
+    known = known[np.isfinite(known)]
+    colours = against_zero(float(known.min(initial=np.inf)), float(known.max(initial=-np.inf)))
     mesh: Any = None
     for axes, (name, piece) in zip(panels, pieces, strict=True):
         axes.set_facecolor("0.9")
         (x, across), (y, up) = _axis(piece[numbers[0]]), _axis(piece[numbers[1]])
-        slips = 100 * piece.transpose(numbers[1], numbers[0]).to_numpy()
-        mesh = axes.pcolormesh(x, y, slips, cmap=light_to_dark(), shading="nearest", **limits)
+        shown = size * piece.transpose(numbers[1], numbers[0]).to_numpy()
+        mesh = axes.pcolormesh(x, y, shown, shading="nearest", **colours)
         mesh.set_edgecolor("face")
         _hatch(axes)
+        if _by_factors(x):
+            axes.set_xscale("log")
+            plain_decades(axes.xaxis)
+        if _by_factors(y):
+            axes.set_yscale("log")
+            plain_decades(axes.yaxis)
         axes.set_title(name)
         axes.set_xlabel(across)
         if axes is panels[0]:
             axes.set_ylabel(up)
-    bar = figure.colorbar(mesh, ax=list(panels), label="Critical cage slip [%]")
+    bar = figure.colorbar(mesh, ax=list(panels), label=_named(values, unit))
     bar.solids.set_edgecolor("face")  # type: ignore[union-attr]  # no seams
     return figure
+
+
+def _by_factors(values: Array) -> bool:
+    """Whether values are spread by a factor, and not evenly."""
+    if values.size < 3 or values.min() <= 0.0:
+        return False
+    return bool(np.ptp(np.diff(np.log(values))) < 1e-6 and np.ptp(np.diff(values)) > 1e-6 * np.ptp(values))
 
 
 def _hatch(axes: "Axes") -> None:
@@ -133,6 +216,30 @@ def _hatch(axes: "Axes") -> None:
 
 
 def _axis(coordinate: "xr.DataArray") -> tuple[Array, str]:
-    unit, size = _SHOWN.get(coordinate.attrs["units"], (coordinate.attrs["units"], 1.0))
+    """Values of what was varied and the label of their axis, in the unit in which they were asked for."""
+    values, unit = coordinate.to_numpy(), str(coordinate.attrs["units"])
+    given = str(coordinate.attrs.get("written_in", "")) or shown_unit(float(np.abs(values).max()), unit)
     name = str(coordinate.name).rpartition(".")[2].replace("_", " ")
-    return size * coordinate.to_numpy(), f"{name[0].upper()}{name[1:]} [{unit}]"
+    return converted(values, unit, given), f"{name[0].upper()}{name[1:]} [{unit_label(given)}]"
+
+
+def _name(values: "xr.DataArray") -> str:
+    name = "critical cage slip" if values.name == _RESULT else str(values.attrs["long_name"])
+    return f"{name[:1].upper()}{name[1:]}"
+
+
+def _named(values: "xr.DataArray", unit: str) -> str:
+    """Name and unit of a result, on lines that are no longer than an axis."""
+    return textwrap.fill(f"{_name(values)} [{unit}]".replace("N m]", "N\u00a0m]"), 36)
+
+
+def _shown(values: "xr.DataArray") -> tuple[float, str]:
+    """What results are multiplied with, and the unit that they have then: slips in percent, others as people do."""
+    unit = str(values.attrs.get("units", "1"))
+    if unit == "1":
+        return (100.0, "%") if "slip" in str(values.name) else (1.0, "–")
+    try:
+        given = shown_unit(float(np.nanmax(np.abs(values.to_numpy()))), unit)
+        return converted(1.0, unit, given), unit_label(given)
+    except UnitError:  # a unit for which there is no other way to write it
+        return 1.0, unit_label(unit)

@@ -5,7 +5,7 @@ import os
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -46,7 +46,13 @@ def sweep(
     over: Mapping[str, object] | None = None,
     *,
     out: str | os.PathLike[str] | None = None,
-    **options: Any,
+    samples: int | None = None,
+    sampling: str | None = None,
+    seed: int | None = None,
+    study: str | None = None,
+    output: Sequence[str] = (),
+    time_limit: float | str | None = None,
+    engine: object = None,
 ) -> "xr.Dataset":
     """Compute a study at many points.
 
@@ -59,9 +65,8 @@ def sweep(
         be sampled, "LOW:HIGH" or "LOW:HIGH:log".
     out : path, optional
         Folder in which everything is kept, and from which ``rollslip sweep resume`` goes on; by default nothing is.
-    **options
-        ``samples``, ``sampling``, ``seed``, ``study``, ``output``, ``time_limit``, ``engine``: as in
-        `rollslip.campaigns.sweep.sweep.plan_sweep`.
+    samples, sampling, seed, study, output, time_limit, engine : optional
+        As in `rollslip.campaigns.sweep.sweep.plan_sweep`.
 
     Returns
     -------
@@ -86,7 +91,17 @@ def sweep(
     >>> found.friction.sizes["operation.temperature"], set(found.status.values.ravel().tolist())
     (3, {'ok'})
     """
-    planned = plan_sweep(scene, over, **options)
+    planned = plan_sweep(
+        scene,
+        over,
+        samples=samples,
+        sampling=sampling,
+        seed=seed,
+        study=study,
+        output=output,
+        time_limit=time_limit,
+        engine=engine,
+    )
     asked_engine(planned)
     with tempfile.TemporaryDirectory() if out is None else nullcontext(out) as folder:
         kept = begin(planned, Path(folder))

@@ -208,6 +208,8 @@ class _Point:
         self.key = _key(self.task, scene, resolution)
         self.assembly = _assembled(self.work, scene, resolution)
         self.study = self.task.study(scene)
+        if digest := self.study.digest(self.assembly):
+            self.key = hashlib.sha256(f"{self.key} {digest}".encode()).hexdigest()
 
     def finish(self) -> None:
         """Do what is left to do."""

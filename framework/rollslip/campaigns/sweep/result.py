@@ -23,7 +23,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.campaigns.sweep.definition import Sweep
 from rollslip.campaigns.sweep.journal import STATUSES, check_owner, layouts, records
 from rollslip.campaigns.sweep.point import unpacked
-from rollslip.campaigns.sweep.sampling import Design, far_apart
+from rollslip.campaigns.sweep.sampling import Axis, Design, far_apart
 from rollslip.errors import in_words
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import citations_told, origin, scene_told
@@ -32,6 +32,7 @@ from rollslip.results.words import counted
 from rollslip.scene.changes import evolve
 from rollslip.studies import validity
 from rollslip.studies.study import settings
+from rollslip.units import unit_given
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,11 +86,18 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
         "message": (design.dims, message.reshape(design.shape), about("1", "why it is not ok")),
         "seconds": (design.dims, seconds.reshape(design.shape), about("s", "time that the point took")),
     }
-    coords = {axis.key: (axis.key, axis.coordinate, _about(axis.quantity)) for axis in design.axes}
+    coords = {axis.key: (axis.key, axis.coordinate, _about(axis.quantity) | _written(axis)) for axis in design.axes}
     if design.has_samples:
         coords["sample"] = ("sample", np.arange(len(design.samples)), about("1", "sample"))
         coords |= {of.key: ("sample", design.samples[:, k], _about(of)) for k, of in enumerate(design.sampled)}
     return xr.Dataset(variables, coords | fields.coords, _attributes(sweep, status))
+
+
+def _written(axis: Axis) -> dict[str, str]:
+    """The unit in which the values of an axis were given, for figures, where all have the same."""
+    unit = axis.quantity.unit
+    given = {axis.given} if axis.given else {unit_given(value, unit) for value in axis.listed} if unit else set()
+    return {"written_in": one} if len(given) == 1 and (one := str(given.pop())) != unit else {}
 
 
 def _about(quantity: Any) -> dict[str, Any]:

@@ -157,6 +157,7 @@ def plan_sweep(
         table=attrs.evolve(table, over=FrozenTable({**dict(_flat(table.over)), **(over or {})})),
         given=given,
         unusual=unusual,
+        files=studies[name].digest(assembly),
         shard=_checked_shard(shard),
     )
 
@@ -285,7 +286,7 @@ def _tried(base: Scene, study: str, design: Design) -> tuple[list[Assembly], tup
             value = axis.values[k]
             try:
                 scene = evolve(base, {axis.key: value})
-                assemblies.append(assemble(scene))
+                assemblies.append(assemble(scene, like=assemblies[0]))
                 require_memory(settings(scene, study), assemblies[-1])
                 judged.append(axis.written(k))
             except SceneError as error:

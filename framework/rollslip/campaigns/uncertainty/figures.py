@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rollslip.campaigns.uncertainty.findings import RUNAWAY, sentences
-from rollslip.results.style import MM, MODEL_COLOURS, ONE_COLUMN, ROW
+from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ONE_COLUMN, ROW, plain_decades
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,11 +41,11 @@ def _new() -> "tuple[Figure, Axes]":
 
 def _margin(dataset: "xr.Dataset") -> "Figure":
     figure, axes = _new()
-    shown = {RUNAWAY: ("below", MODEL_COLOURS[0])}
+    shown: dict[str, tuple[str, str, Any]] = {RUNAWAY: ("below", MODEL_COLOURS[0], DASHES[0])}
     if "margin" in dataset:
-        shown = {"steady slip": ("above", MODEL_COLOURS[1])} | shown
+        shown = {"steady slip": ("above", MODEL_COLOURS[1], DASHES[1])} | shown
     ends = list[float]()
-    for name, (side, colour) in shown.items():
+    for name, (side, colour, dashes) in shown.items():
         one = dataset.sel(quantity=name)
         n = int(one["samples"])
         values = one["value"].to_numpy()[:n]
@@ -61,9 +61,8 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
         below = np.arange(known.size) / n
         least, most = (below, below + unknown / n) if side == "below" else (1 - below - unknown / n, 1 - below)
         label = f"{name}: share of {n} samples {side}"
-        axes.plot(
-            100 * known, 100 * (least if side == "below" else most), drawstyle="steps-post", color=colour, label=label
-        )
+        shares: dict[str, Any] = {"drawstyle": "steps-post", "color": colour, "linestyle": dashes, "label": label}
+        axes.plot(100 * known, 100 * (least if side == "below" else most), **shares)
         if unknown:
             axes.fill_between(100 * known, 100 * least, 100 * most, step="post", color=colour, alpha=0.25, linewidth=0)
     allowed, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
@@ -78,7 +77,7 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
     if ends and min(ends) > 0.0:
         axes.set_xscale("log")
         axes.set_xlim(100 * min(ends) / 1.5, min(100.0, 150 * max(ends)))
-        _plain_decades(axes)
+        plain_decades(axes.xaxis)
     if not ends:  # an axis from 0 to 1 % would say that there is nothing there alone
         axes.set_xlim(0.0, 100.0)
     axes.set_ylim(0.0, 103.0)
@@ -88,16 +87,6 @@ def _margin(dataset: "xr.Dataset") -> "Figure":
     figure.legend(handles=handles, loc="outside upper left", ncols=1)
     figure.set_size_inches(ONE_COLUMN[0], ONE_COLUMN[1] + ROW * len(handles))
     return figure
-
-
-def _plain_decades(axes: "Axes") -> None:
-    """Marks of a logarithmic axis as the plain numbers 1, 2, 5, 10 ..."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=99))
-    axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_locator(LogLocator(subs=tuple(range(1, 10)), numticks=99))
-    axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _indices(dataset: "xr.Dataset") -> "Figure":

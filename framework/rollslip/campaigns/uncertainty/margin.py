@@ -11,10 +11,11 @@
 - A slip beyond the range of the study is larger than all in it, and counts so. A point that failed is unknown, and
   counts as the worst and as the best that it could have been (`rollslip.campaigns.uncertainty.estimators`).
 - Samples are those of eight Sobol sequences in turn, with scramblings of their own, whose differences tell how exact
-  the quantiles are. They are computed in batches, each as many as all before: a sequence of 2^k points begins with that
-  of 2^(k-1).
+  the quantiles are. They are looked at in batches, each as many as all before: a sequence of 2^k points begins with
+  that of 2^(k-1). Where an interval may end them they are computed so too, else all in one run.
 - All is a set of sweeps in one folder, so that the same command goes on where it was stopped.
-- Data that scatter are those of the scene's table ``[uncertainty]``; without one those that its oil comes with.
+- Data that scatter are those of the scene's table ``[uncertainty]``; without one those that its oil, and a
+  bearing taken by its name, come with.
 - Sobol indices share a variance among independent inputs. With correlated ones their sums mean nothing: refused.
 """
 
@@ -30,7 +31,6 @@ from typing import TYPE_CHECKING, Any, Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.campaigns.sweep.definition import Sweep
@@ -41,13 +41,13 @@ from rollslip.campaigns.sweep.run import Progress, run_sweep
 from rollslip.campaigns.sweep.sampling import REPLICATES
 from rollslip.campaigns.sweep.sweep import FILE, plan_sweep
 from rollslip.campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
+from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.errors import OutputError, SceneError
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
-from rollslip.scene.values import Scene, resolved
-from rollslip.structure import FrozenTable
+from rollslip.scene.values import Scene
 from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip.studies.steady_slip.statuses import LEAVES, RUNS_AWAY
 from rollslip.studies.steady_slip.study import SteadySlip
@@ -90,7 +90,7 @@ class Margin:
     until : float or None
         Half width of the interval of the allowable slip at which batches end.
     scatter : tuple of str
-        What the oil says of its scatter, if that is what the samples are of.
+        What oil and bearing say of their scatter, if that is what the samples are of.
     """
 
     critical: Sweep
@@ -120,7 +120,20 @@ class Margin:
         return quantile(values, probability, replicates=REPLICATES, confidence=self.confidence)
 
 
-def uncertainty(scene: Scene | str, *, out: str | os.PathLike[str] | None = None, **options: Any) -> "xr.Dataset":
+def uncertainty(
+    scene: Scene | str,
+    *,
+    out: str | os.PathLike[str] | None = None,
+    samples: int | None = None,
+    until: float | None = None,
+    probability: float = 0.99,
+    steady: int | None = None,
+    indices: int = 0,
+    steady_indices: int = 0,
+    seed: int = 0,
+    engine: object = None,
+    time_limit: float | str | None = None,
+) -> "xr.Dataset":
     """Compute the distributions of the slips of running away and of the steady slip, the allowable slip, the margin.
 
     Parameters
@@ -130,7 +143,7 @@ def uncertainty(scene: Scene | str, *, out: str | os.PathLike[str] | None = None
         oil does.
     out : path, optional
         Folder in which everything is kept; a call with the same scene and options goes on with what it holds.
-    **options
+    samples, until, probability, steady, indices, steady_indices, seed, engine, time_limit : optional
         As in `plan_margin`.
 
     Returns
@@ -153,7 +166,18 @@ def uncertainty(scene: Scene | str, *, out: str | os.PathLike[str] | None = None
     >>> bool(0.0 < found.allowable_low < found.allowable_slip < found.allowable_high < 0.95)
     True
     """
-    made = plan_margin(scene, **options)
+    made = plan_margin(
+        scene,
+        samples=samples,
+        until=until,
+        probability=probability,
+        steady=steady,
+        indices=indices,
+        steady_indices=steady_indices,
+        seed=seed,
+        engine=engine,
+        time_limit=time_limit,
+    )
     with tempfile.TemporaryDirectory() if out is None else nullcontext(out) as folder:
         return run_margin(made, Path(folder))
 
@@ -228,7 +252,7 @@ def plan_margin(
         problems.append(f"study.{EffectiveFriction.name}.runaway_range: a range is needed, such as 0.95, not 0")
     if problems:
         raise SceneError(problems)
-    scene, scatter = _with_scatter(scene)
+    scene, scatter = with_scatter(scene)
     shared: dict[str, Any] = {"seed": seed, "engine": engine, "time_limit": time_limit}
     friction = {"study": EffectiveFriction.name, "output": _CRITICAL, **shared}
     balance = {"study": SteadySlip.name, "output": ["steady_slip"], **shared}
@@ -272,35 +296,6 @@ def expected_seconds(made: Margin) -> dict[str, float]:
     return {name: len(sweep.numbers) * of_one(sweep) for name, sweep in made.sweeps.items()}
 
 
-def _with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
-    """Return the scene with a table ``[uncertainty]``, that of its oil where it has none, and what the oil says of it.
-
-    Data that the scene gives in place of the oil's do not scatter like the oil's.
-    """
-    if scene.uncertainty:
-        return scene, ()
-    assembly, data = assemble(scene), dict(scene.lubricant.data)
-    oil = assembly.lubricant
-    fixed = not math.isnan(oil.pressure_viscosity_law.coefficient(oil.minimum_temperature))
-    own = {
-        "viscosity_factor": "points" in data or "viscosity" in data,
-        "pressure_viscosity_factor": fixed or "pressure_viscosity" in data,
-    }
-    used = [one for one in oil.scatter if not own.get(one.quantity, False)]
-    if not used:
-        raise SceneError(
-            [
-                f"uncertainty: the scene has no such table, and nothing is known of the scatter of oil {oil.name!r}; "
-                "state what is uncertain, such as [uncertainty.lubricant] "
-                "pressure_viscosity_factor = { distribution = 'uniform', scatter = 0.25 }"
-            ]
-        )
-    table = {"lubricant": {one.quantity: {"distribution": one.distribution, **one.parameters} for one in used}}
-    raw = dict(scene.raw or resolved(scene))
-    said = tuple(f"lubricant.{one.quantity} {one.grade}: {one.source}" for one in used)
-    return attrs.evolve(scene, uncertainty=FrozenTable(table), raw=FrozenTable({**raw, "uncertainty": table})), said
-
-
 def run_margin(
     made: Margin,
     folder: Path,
@@ -333,8 +328,10 @@ def run_margin(
 
     batches, total = list[tuple[int, Estimate]](), len(made.critical.design.samples)
     count = min(_FIRST, total)
+    # where no interval ends them all are computed in one run, for which workers start once
+    whole = computed("critical", total) if made.until is None else None
     while True:
-        critical = computed("critical", count)
+        critical = computed("critical", count) if whole is None else whole.isel(sample=slice(count))
         allowed = made.quantile(_runaway(critical), 1.0 - made.probability)
         batches.append((count, allowed))
         said(f"{count} samples: {_so_far(allowed)}")
@@ -564,7 +561,7 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], left: Seq
     ]
     if made.scatter:
         warnings.append(
-            f"the scene has no table [uncertainty]; the scatter is the one that the oil comes with: "
+            f"the scene has no table [uncertainty]; the scatter is the one that its oil and bearing come with: "
             f"{'; '.join(made.scatter)}"
         )
     warnings += [*implausible(sweep.given), *sweep.unusual, *left]
