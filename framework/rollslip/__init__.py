@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rollslip.bearing.chain import Chain as Chain
     from rollslip.campaigns.comparison.comparison import compare as compare
+    from rollslip.campaigns.explorer.explorer import explore as explore
     from rollslip.campaigns.fit.fit import fit as fit
     from rollslip.campaigns.pareto.pareto import pareto as pareto
     from rollslip.campaigns.sweep.folder import sweep as sweep
@@ -17,10 +18,12 @@ if TYPE_CHECKING:
     from rollslip.catalogue.registry import get_model as get_model
     from rollslip.catalogue.session import model as model
     from rollslip.catalogue.session import register as register
+    from rollslip.errors import RollslipDeprecationWarning as RollslipDeprecationWarning
     from rollslip.planning.execution import load_distribution as load_distribution
     from rollslip.planning.execution import run as run
     from rollslip.planning.plan import plan as plan
     from rollslip.results.dataset import open_result as open_result
+    from rollslip.results.figures import plot as plot
     from rollslip.scene.changes import evolve as evolve
     from rollslip.scene.reading import load_scene as load_scene
     from rollslip_kernels import get_include as get_include
@@ -30,10 +33,12 @@ if TYPE_CHECKING:
 _HOMES = {
     "Chain": "rollslip.bearing.chain",
     "Conditions": "rollslip_kernels.slices",
+    "RollslipDeprecationWarning": "rollslip.errors",
     "Slices": "rollslip_kernels.slices",
     "available": "rollslip.catalogue.registry",
     "compare": "rollslip.campaigns.comparison.comparison",
     "evolve": "rollslip.scene.changes",
+    "explore": "rollslip.campaigns.explorer.explorer",
     "fit": "rollslip.campaigns.fit.fit",
     "get_include": "rollslip_kernels",
     "get_model": "rollslip.catalogue.registry",
@@ -43,6 +48,7 @@ _HOMES = {
     "open_result": "rollslip.results.dataset",
     "pareto": "rollslip.campaigns.pareto.pareto",
     "plan": "rollslip.planning.plan",
+    "plot": "rollslip.results.figures",
     "register": "rollslip.catalogue.session",
     "run": "rollslip.planning.execution",
     "sweep": "rollslip.campaigns.sweep.folder",
@@ -52,6 +58,8 @@ __all__ = sorted(_HOMES)
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return importlib.import_module("importlib.metadata").version("rollslip")
     if name not in _HOMES:
         raise AttributeError(f"module 'rollslip' has no attribute {name!r}")
     value = getattr(importlib.import_module(_HOMES[name]), name)

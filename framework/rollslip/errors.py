@@ -26,6 +26,10 @@ class PluginError(RollslipError):
     """A plugin is missing, broken or does not keep the contract; the message names it and the remedy."""
 
 
+class UnknownNameError(PluginError):
+    """Nothing that is installed has this name: a slip of the pen, not a fault of a plugin."""
+
+
 class ConvergenceError(RollslipError):
     """An iteration did not reach its tolerance; the message says how far it came."""
 
@@ -40,6 +44,10 @@ class BusyError(OutputError):
 
 class EngineError(RollslipError):
     """An engine cannot compute points: it cannot be started or reached, or its workers do not have what is here."""
+
+
+class RollslipDeprecationWarning(DeprecationWarning):
+    """Something public will go away; the message says what takes its place. It stays for one minor version at least."""
 
 
 def in_words(error: BaseException) -> str:

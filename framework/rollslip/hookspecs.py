@@ -38,6 +38,11 @@ def integrator_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 
 @hookspec
+def thermal_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Thermal models this plugin offers: classes derived from `rollslip.studies.thermal_balance.model.ThermalModel`."""
+
+
+@hookspec
 def engines() -> Iterable[type[Any]]:  # type: ignore[empty-body]
     """Engines of sweeps this plugin offers: classes derived from `rollslip.engine.Engine`."""
 
@@ -60,6 +65,11 @@ def lubricants() -> Iterable[Any]:  # type: ignore[empty-body]
 @hookspec
 def bearings() -> Iterable[Any]:  # type: ignore[empty-body]
     """Bearings this plugin offers: values of `rollslip.datasets.BearingData`."""
+
+
+@hookspec
+def measurements() -> Iterable[Any]:  # type: ignore[empty-body]
+    """Data sets this plugin offers: values of `rollslip.measurement.Measurement`."""
 
 
 @hookspec

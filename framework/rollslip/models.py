@@ -36,7 +36,6 @@ POSITIVE: Final = (5e-324, sys.float_info.max)
 NON_NEGATIVE: Final = (0.0, sys.float_info.max)
 NO_LIMITS: Final[Domain] = MappingProxyType({})
 
-
 #: Where nothing was evaluated, as in tables of the catalogue, a consequence is told up to so many times the bound.
 _FARTHER: Final = 3.0
 
@@ -127,8 +126,6 @@ class Validity:
 class Tabled:
     """Per cent over a quantity by points that rise, (value, per cent), linear in its logarithm; beyond them the ends.
 
-    Examples
-    --------
     >>> Tabled(((0.1, 90.0), (10.0, 10.0)))(1.0)
     50.0
     """
@@ -542,6 +539,8 @@ class Drag(abc.ABC):
 class DragModel(Drag):
     """Torque on the cage [N m], from the speeds of cage and rings."""
 
+    #: Ring that bears the reaction, "inner" or "outer"; empty for what stands still: housing, oil, air.
+    against: str = ""
     #: Rule of the conformance kit that the law breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
     #: Relative difference allowed between the compiled and the Python form.

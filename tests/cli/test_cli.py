@@ -193,7 +193,7 @@ def test_all_mistakes_are_reported_at_once(tmp_path, scene):
     ],
 )
 def test_a_model_that_does_not_exist_gets_the_nearest(tmp_path, change, says):
-    done = command("run", "1032930-70C", "--set", change, "--out", "o", cwd=tmp_path, code=5)
+    done = command("run", "1032930-70C", "--set", change, "--out", "o", cwd=tmp_path, code=2)
     assert says in done.stderr
     assert not (tmp_path / "o").exists()
 
@@ -217,7 +217,7 @@ def test_wrong_usage(tmp_path, arguments, says):
 
 @pytest.mark.quick
 def test_models_that_do_not_exist(tmp_path):
-    assert "did you mean 'muraki'" in command("models", "murak", cwd=tmp_path, code=5).stderr
+    assert "did you mean 'muraki'" in command("models", "murak", cwd=tmp_path, code=2).stderr
 
 
 def test_a_formula_outside_its_regime_warns(tmp_path):
@@ -306,7 +306,14 @@ def test_plan_says_what_is_left_out_and_why(tmp_path):
     said = json.loads(command("plan", "1032930-70C", "--set", "bearing.profile=none", "--json", cwd=tmp_path).stdout)
     slices = next(part for part in said["parts"] if part["part"] == "slices")
     assert (slices["included"], slices["choice"]) == (False, "one slice per contact")
-    assert "part" in command("plan", "1032930-70C", cwd=tmp_path).stdout
+    assert "reason" in command("plan", "-v", "1032930-70C", cwd=tmp_path).stdout
+    short = command("plan", "1032930-70C", cwd=tmp_path).stdout.splitlines()
+    assert len(short) <= 10
+    assert any(line.startswith("left out: ") and "unloaded contacts" in line for line in short)
+    assert all(
+        any(line.startswith(f"{study}: ") for line in short) for study in ("effective-friction", "friction-curve")
+    )
+    assert short[-1] == "every part with its reason: rollslip plan -v 1032930-70C"
     rows = {r["part"]: r for r in rollslip.plan("1032930-70C").as_dict()["parts"]}
     assert rows["slices"]["included"]
     assert not rows["unloaded contacts"]["included"]

@@ -28,7 +28,7 @@ def test_this_installation_is_healthy():
 
 
 def test_an_instruction_set_that_is_not_there_is_the_only_fault():
-    code, out, _ = rollslip("doctor", path="", ROLLSLIP_SIMD="v9")
+    code, out, _ = rollslip("doctor", path="", fresh=True, ROLLSLIP_SIMD="v9")
     assert code == 5
     faults = [line for line in out.splitlines() if line.startswith("fault")]
     assert len(faults) == 1

@@ -118,7 +118,7 @@ def test_a_report_that_finds_no_room_leaves_the_old_one(stored, tmp_path):
     (tmp_path / "p").mkdir()
     assert command(arguments, tmp_path).returncode == 0
     before = (tmp_path / "p" / "o").read_bytes()
-    assert len(before) > 262_144  # each of its figures is smaller
-    fails_in_words(command(arguments, tmp_path, most=262_144), tmp_path)
+    assert len(before) > 131_072  # each of its figures is smaller
+    fails_in_words(command(arguments, tmp_path, most=131_072), tmp_path)
     assert [path.name for path in (tmp_path / "p").iterdir()] == ["o"]
     assert (tmp_path / "p" / "o").read_bytes() == before

@@ -7,6 +7,9 @@
   that it is waited for, and after a while it is said for what.
 - Of two packages that offer one name neither is taken, and a scene cannot pick one: a name means the same to whoever
   reads the scene, and uninstalling or disabling one of them is easy.
+- An entry point of a module offers one name; one of an object in a module, ``module:OBJECT``, a family of many sets of
+  data (`rollslip.datasets.Family`), which is imported when its kind is listed or a name of it is asked for.
+- Names of data are found in any spelling, "ISO VG 68" for "iso-vg-68"; those of laws are written as they are.
 - What a process registers stands beside what is installed, in a table of its own.
 """
 
@@ -24,8 +27,8 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.catalogue.kinds import check_kind, get_kind, kinds
-from rollslip.errors import PluginError, in_words
+from rollslip.catalogue.kinds import Kind, check_kind, get_kind, kinds
+from rollslip.errors import PluginError, UnknownNameError, in_words
 from rollslip.units import as_written
 
 #: In place of the package and the version of what this process has registered.
@@ -51,6 +54,11 @@ class Offer:
     module: str
     state: str = "ok"
     cause: str = ""
+
+    @property
+    def is_family(self) -> bool:
+        """Whether it is one of many names, or the entry point that offers them."""
+        return ":" in self.module
 
 
 def catalogue() -> tuple[Offer, ...]:
@@ -142,8 +150,13 @@ def _shadowed(offer: Offer, same_name: list[Offer]) -> Offer:
     )
 
 
+def folded(name: str) -> str:
+    """Return the form in which names of data are compared: "ISO VG 68" is "isovg68"."""
+    return "".join(letter for letter in name.casefold() if letter.isalnum())
+
+
 def available(kind: str) -> Mapping[str, Offer]:
-    """Return the models of a kind that can be asked for: name -> offer.
+    """Return the models of a kind that can be asked for and have an entry point of their own: name -> offer.
 
     Parameters
     ----------
@@ -156,7 +169,21 @@ def available(kind: str) -> Mapping[str, Offer]:
         If there is no such kind.
     """
     check_kind(kind)
-    return MappingProxyType({offer.name: offer for offer in catalogue() if offer.kind == kind and offer.state == "ok"})
+    return MappingProxyType(
+        {
+            offer.name: offer
+            for offer in catalogue()
+            if offer.kind == kind and offer.state == "ok" and not offer.is_family
+        }
+    )
+
+
+def families(kind: str) -> Iterator[tuple[Offer, Any]]:
+    """Yield the families of a kind, each with its offer; one that cannot be loaded is left out."""
+    for offer in catalogue():
+        if offer.kind == kind and offer.state == "ok" and offer.is_family:
+            with suppress(PluginError):  # `rollslip plugins list` says so
+                yield offer, load(offer)
 
 
 def find(kind: str, name: str) -> Offer:
@@ -168,17 +195,45 @@ def find(kind: str, name: str) -> Offer:
         If no package offers it (the message gives the nearest three), or the one that does cannot be used.
     """
     check_kind(kind)
-    offers = [offer for offer in catalogue() if offer.kind == kind and offer.name == name]
+    offers = [offer for offer in catalogue() if offer.kind == kind and offer.name == name and not offer.is_family]
     for offer in offers:
         if offer.state == "ok":
             return offer
     if offers:
         offer = min(offers, key=lambda o: o.state != "shadowed")  # its remedy leads to a usable one
         raise PluginError(f"{kind} {name!r} of package {offer.package}: {offer.cause}")
-    names = list(available(kind))
-    near = difflib.get_close_matches(name, names, n=3, cutoff=0.4)
-    hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(names) or 'none'}"
-    raise PluginError(f"no {kind} is called {as_written(name)}; {hint} ('rollslip models {kind}' lists them)")
+    if get_kind(kind).data:
+        meant = _meant(kind, name)
+        if len(meant) == 1:
+            return meant[0]
+        if meant:
+            those = " and ".join(f"{offer.name!r} of package {offer.package}" for offer in meant)
+            raise UnknownNameError(f"{kind} {as_written(name)} may be {those}; write one of these names")
+    own = [*available(kind)]
+    names = own + [one for _, family in families(kind) for one in family.names]
+    if get_kind(kind).data:
+        spelled = {folded(one): one for one in reversed(names)}
+        near = [spelled[one] for one in difflib.get_close_matches(folded(name), spelled, n=3, cutoff=0.4)]
+    else:
+        near = difflib.get_close_matches(name, names, n=3, cutoff=0.4)
+    hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(own) or 'none'}"
+    raise UnknownNameError(f"no {kind} is called {as_written(name)}; {hint} ('rollslip models {kind}' lists them)")
+
+
+def _meant(kind: str, name: str) -> list[Offer]:
+    """Return the offers of data that somebody may mean who spells a name in another way, or uses a synonym."""
+    word = folded(name)
+    if spelled := [offer for offer in available(kind).values() if folded(offer.name) == word]:
+        return spelled
+    found = []
+    for offer in available(kind).values():
+        with suppress(PluginError):  # who asks for it by name is told
+            if word in map(folded, getattr(load(offer), "synonyms", ())):
+                found.append(offer)
+    for offer, family in families(kind):
+        if called := family.called(name):
+            found.append(attrs.evolve(offer, name=called))
+    return found
 
 
 def named_data(raw: Mapping[str, object]) -> list[Offer]:
@@ -223,14 +278,17 @@ def load(offer: Offer) -> Any:
 def _load(offer: Offer) -> Any:
     blame = f"{offer.kind} {offer.name!r} of package {offer.package} {offer.version}"
     remedy = f"repair or uninstall {offer.package}"
+    path, _, member = offer.module.partition(":")
     try:
         with _told_if_slow(offer):
-            module = importlib.import_module(offer.module)
+            module = importlib.import_module(path)
     except KeyboardInterrupt:
         raise
     except BaseException as error:
         raise PluginError(f"{blame} cannot be imported ({in_words(error)}); {remedy}") from error
     kind = get_kind(offer.kind)
+    if offer.is_family:
+        return _of_family(offer, getattr(module, member, None), kind, blame, remedy)
     hook = kind.hook
     try:
         offered = [(getattr(thing, "name", None), thing) for thing in _collected(module, hook)]
@@ -245,6 +303,27 @@ def _load(offer: Offer) -> Any:
             return thing
     names = ", ".join(repr(name) for name, _ in offered) or "nothing"
     raise PluginError(f"{blame}: its {hook}() offers {names}, but its entry point promises {offer.name!r}")
+
+
+def _of_family(offer: Offer, family: Any, kind: Kind, blame: str, remedy: str) -> Any:
+    """Return a family, or the set of a name of it."""
+    if not (kind.data and all(hasattr(family, member) for member in ("name", "names", "called", "__getitem__"))):
+        raise PluginError(f"{blame} cannot be used, {offer.module} is no family of named data; {remedy}")
+    if offer.name not in (family.name, family.called(offer.name)):
+        raise PluginError(
+            f"{blame}: {offer.module} is called {family.name!r}, its entry point {offer.name!r}; {remedy}"
+        )
+    if offer.name == family.name:
+        return family
+    try:
+        thing = family[offer.name]
+    except KeyboardInterrupt:
+        raise
+    except Exception as error:
+        raise PluginError(f"{blame} cannot be made ({in_words(error)}); {remedy}") from error
+    if problem := kind.fault(thing):
+        raise PluginError(f"{blame} cannot be used, {problem}; {remedy}")
+    return thing
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from typing import Any
 
 import attrs
 
-from rollslip.errors import PluginError, nearest
+from rollslip.errors import UnknownNameError, nearest
 
 __all__ = ["Kind", "Template", "check_kind", "get_kind", "kind_of", "kinds", "offered_kinds"]
 
@@ -37,6 +37,8 @@ class Template:
         Whether there is a form compiled against ``rollslip.h``.
     beside : tuple of str
         Further modules beside that of the model.
+    files : mapping
+        Further files of the module: path -> template. Package data.
     """
 
     summary: str
@@ -46,6 +48,7 @@ class Template:
     needs: tuple[str, ...] = ("attrs>=24.2", "numpy>=2.0")
     compiled: bool = False
     beside: tuple[str, ...] = ()
+    files: Mapping[str, str] = attrs.field(factory=dict)
 
 
 @attrs.frozen(kw_only=True)
@@ -115,7 +118,7 @@ def check_kind(name: str) -> None:
     if name not in kinds():
         near = nearest(name, kinds(), count=1)
         hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(kinds())}"
-        raise PluginError(f"no kind of model is called {name!r}; {hint}")
+        raise UnknownNameError(f"no kind of model is called {name!r}; {hint}")
 
 
 @cache

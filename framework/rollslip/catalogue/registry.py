@@ -73,7 +73,7 @@ def structure_model(kind: str, raw: object, where: Location, problems: list[str]
     try:
         cls = get_class(kind, name)
     except PluginError as error:
-        raise PluginError(where.says(str(error))) from error
+        raise type(error)(where.says(str(error))) from error
     children = {
         attribute.name: structure_model(
             attribute.metadata["kind"], parameters.pop(attribute.name), where.at(attribute.name), problems

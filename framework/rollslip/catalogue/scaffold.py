@@ -94,12 +94,18 @@ def package(name: str, kind: str, compiled: bool) -> dict[str, str]:
         "contents": about.contents,
         "use": Template(about.use).substitute(model=model),
         "requirement": requirement,
+        "package_data": ", ".join(f'"{one}"' for one in _package_data(about, compiled)),
         "dependencies": ", ".join(f'"{one}"' for one in (*about.needs, requirement)),
     }
     return {
         path: Template(_only(text, "compiled" if compiled else "python")).substitute(values)
         for path, text in _templates(kind, module, compiled)
     }
+
+
+def _package_data(about: Texts, compiled: bool) -> list[str]:
+    folders = dict.fromkeys(path.rpartition("/")[0] for path in about.files)
+    return ["py.typed", *(["*.pyi"] if compiled else []), *(f"{folder}/*" for folder in folders)]
 
 
 def _templates(kind: str, module: str, compiled: bool) -> Iterator[tuple[str, str]]:
@@ -115,6 +121,7 @@ def _templates(kind: str, module: str, compiled: bool) -> Iterator[tuple[str, st
         f"tests/test_{module}.py": f"test_{kind}.py",
     }
     wanted |= {f"{source}/{beside}.py": f"{beside}.py" for beside in _texts(kind).beside}
+    wanted |= {f"{source}/{path}": template for path, template in _texts(kind).files.items()}
     if compiled:
         wanted |= {
             "setup.py": "setup.py",

@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import click
 
@@ -25,17 +25,64 @@ if TYPE_CHECKING:
 #: What the shell sees.
 OK, BAD_SCENE, NOT_CONVERGED, SOME_FAILED, BAD_PLUGIN, INTERRUPTED = 0, 2, 3, 4, 5, 130
 
+#: What plots are written as; a test holds that it is what can be written.
+FORMATS = frozenset({"svg", "pdf", "png"})
+
 
 # Options ------------------------------------------------------------------------------------------------------------
 
+
+def complete_scenes(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    """Scenes that begin so: shipped ones, and files and folders here."""
+    from rollslip.scene.reading import shipped_scenes
+
+    here = Path(incomplete) if incomplete.endswith("/") else Path(incomplete).parent
+    inside = sorted(here.iterdir()) if here.is_dir() else []
+    places = [f"{path}/" if path.is_dir() else str(path) for path in inside if path.is_dir() or path.suffix == ".toml"]
+    return [one for one in (*shipped_scenes(), *places) if one.startswith(incomplete)]
+
+
+def complete_keys(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    """Keys of a scene that begin so; behind the sign of ``--set`` the value is the user's."""
+    from rollslip.planning.keys import keys
+
+    sign = "=" if param.name == "changes" else ""
+    found = (f"{row.key}{sign}" for row in keys(models=incomplete.startswith("models.")) if not row.key.endswith("*"))
+    return [one for one in dict.fromkeys(found) if one.startswith(incomplete)]
+
+
+def complete_models(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    """Names of models and kinds that begin so; for an option, of the kind that it names."""
+    from rollslip.catalogue.discovery import available, families
+    from rollslip.catalogue.kinds import offered_kinds
+
+    of = {"oil": "lubricant"}.get(param.name or "", param.name or "")
+    kinds = [of] if of in offered_kinds() else offered_kinds()
+    names = offered_kinds() if len(kinds) > 1 else []
+    names += [name for kind in kinds for name in available(kind)]
+    names += [name for kind in kinds for _, family in families(kind) for name in family.names]
+    return [one for one in dict.fromkeys(names) if one.startswith(incomplete)]
+
+
+scene_argument = click.argument("scene", shell_complete=complete_scenes)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")
 set_option = click.option(
-    "--set", "changes", metavar="KEY=VALUE", multiple=True, help="Change a value of the scene; may be repeated."
+    "--set",
+    "changes",
+    metavar="KEY=VALUE",
+    multiple=True,
+    shell_complete=complete_keys,
+    help="Change a value of the scene; may be repeated.",
 )
-study_option = click.option("--study", metavar="STUDY", help="Only this study.")
+study_option = click.option("--study", metavar="STUDY", shell_complete=complete_models, help="Only this study.")
 resume_option = click.option(
     "--resume", is_flag=True, help="Go on with the interrupted run that --out was to take the results of."
 )
+
+
+def verbose_option(what: str) -> Callable[[Any], Any]:
+    """Add the option that says all of it; `what` is what comes then."""
+    return click.option("-v", "--verbose", is_flag=True, help=what)
 
 
 def engine_options(command: Any) -> Any:
@@ -53,6 +100,14 @@ def engine_options(command: Any) -> Any:
     ):
         with_engine = option(with_engine)
     return with_engine
+
+
+def _formats(context: click.Context, option: click.Parameter, text: str) -> tuple[str, ...]:
+    """Return what --format names."""
+    names = tuple(dict.fromkeys(filter(None, (name.strip().lower() for name in text.split(",")))))
+    if not names or set(names) - FORMATS:
+        raise click.BadParameter(f"{text!r}; name some of {', '.join(sorted(FORMATS))}, separated by commas")
+    return names
 
 
 def _engine_table(engine: str | None, workers: int | None, scheduler: str | None) -> dict[str, object] | None:
@@ -74,9 +129,9 @@ def results_options(
     folder: str = "Folder for the results, new or empty.",
     plots: str = "Write data only.",
     *,
+    out: bool = True,
     overwrite: bool = True,
     resume: bool = False,
-    report: bool = True,
 ) -> Callable[[Any], Any]:
     """Add the options of a command that writes results; the command gets `results` in place of them and of --json.
 
@@ -84,11 +139,11 @@ def results_options(
     ----------
     folder, plots : str
         What --out is, and what --no-plots leaves.
-    overwrite, resume, report : bool
+    out, overwrite, resume : bool
         Whether there are such options.
     """
     options = [
-        click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help=folder),
+        *([click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help=folder)] if out else []),
         *(
             [
                 click.option(
@@ -101,23 +156,36 @@ def results_options(
             else []
         ),
         *([resume_option] if resume else []),
-        *([click.option("--report", is_flag=True, help="Write a report in HTML too.")] if report else []),
+        click.option("--report", is_flag=True, help="Write a report in HTML too."),
         click.option("--no-plots", is_flag=True, help=plots),
-    ]
+        click.option(
+            "--format", "formats", metavar="NAME,NAME", default="svg", show_default=True, callback=_formats,
+            help="Files of the plots: svg, pdf, png.",
+        ),
+        click.option("--dark", is_flag=True, help="Write plots for a dark ground too."),
+    ]  # fmt: skip
 
     def with_options(command: Any) -> Any:
         @functools.wraps(command)
         def with_results(
-            out: Path | None,
+            report: bool,
             no_plots: bool,
+            formats: tuple[str, ...],
+            dark: bool,
             as_json: bool,
+            out: Path | None = None,
             overwrite: bool = False,
             resume: bool = False,
-            report: bool = False,
             **others: Any,
         ) -> None:
             results = Results(
-                out, overwrite=overwrite, resume=resume, report=report, plots=not no_plots, as_json=as_json
+                out,
+                overwrite=overwrite,
+                resume=resume,
+                report=report,
+                formats=() if no_plots else formats,
+                dark=dark,
+                as_json=as_json,
             )
             command(results=results, **others)
 
@@ -132,12 +200,17 @@ def results_options(
 
 
 def scene_of(name: str, changes: Sequence[str]) -> "Scene":
-    """Return a scene by name or file, with what --set changes; of what is unusual in it is warned."""
+    """Return a scene by name or file, also of parameters, with what --set changes; of what is unusual it is warned."""
     from rollslip.planning.plausibility import implausible
     from rollslip.scene.changes import evolve, parse_set
     from rollslip.scene.reading import load_scene
 
-    scene = load_scene(name)
+    if name.endswith(".json"):
+        from rollslip.scene.interchange import read_parameters
+
+        scene = read_parameters(name)
+    else:
+        scene = load_scene(name)
     scene = evolve(scene, dict(map(parse_set, changes))) if changes else scene
     warn(implausible(scene))
     return scene
@@ -156,16 +229,25 @@ class Results:
     """Where the results of a command go, and how they are written, drawn and told."""
 
     def __init__(
-        self, out: Path | None, *, overwrite: bool, resume: bool, report: bool, plots: bool, as_json: bool
+        self,
+        out: Path | None,
+        *,
+        overwrite: bool,
+        resume: bool,
+        report: bool,
+        formats: tuple[str, ...],
+        dark: bool,
+        as_json: bool,
     ) -> None:
-        self._out, self._overwrite, self._resume, self._report, self._plots = out, overwrite, resume, report, plots
+        self.out, self._overwrite, self._resume, self._report = out, overwrite, resume, report
+        self._formats, self._dark = formats, dark
         self.as_json = as_json
         self.target = Path()
         self._files: list[str] = []
 
     def go_to(self, name: str) -> None:
         """Decide the folder: that of --out, or the first of NAME, NAME-2 ... that is free."""
-        self.target = self._out if self._out is not None else free_folder(name)
+        self.target = self.out if self.out is not None else free_folder(name)
 
     @contextmanager
     def folder(self) -> Iterator[Path]:
@@ -175,19 +257,28 @@ class Results:
         with results_folder(self.target, overwrite=self._overwrite or self._resume) as folder:
             yield folder
 
-    def show(self, datasets: "Mapping[str, xr.Dataset]", folder: Path) -> None:
-        """Draw results into the folder that they are stored in, with a report if asked for."""
-        figures: dict[str, list[Path]] = {name: [] for name in datasets}
-        if self._report or self._plots:
-            from rollslip.results.figures import plot
+    def show(self, datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[str]:
+        """Draw results into the folder that they are stored in, with a report if asked for; return what was written."""
+        figures, written = dict[str, list[Path]](), list[str]()
+        if self._report or self._formats:
+            from rollslip.results.figures import save_plots
 
+            drawn = dict.fromkeys((*self._formats, *(["svg"] if self._report else [])))
             with progress("plots"):
-                figures = {name: plot(dataset, folder) for name, dataset in datasets.items()}
+                for name, dataset in datasets.items():
+                    files = save_plots(dataset, folder, tuple(drawn), dark=self._dark and bool(self._formats))
+                    figures[name] = [file for file in files if file.suffix == ".svg" and file.stem[-5:] != "-dark"]
+                    written += [file.name for file in files if file.suffix[1:] in self._formats]
         if self._report:
             from rollslip.results.report import write_report
 
             write_report(datasets, figures, folder / "report.html")
+            if "svg" not in self._formats:  # they were for the report alone
+                for file in (file for files in figures.values() for file in files):
+                    file.unlink()
+            written.append("report.html")
         self._files = sorted(path.name for path in folder.iterdir() if path.is_file() and path.name[0] != ".")
+        return written
 
     def as_dict(self) -> dict[str, Any]:
         """Return where everything was written to, as plain values."""
@@ -209,10 +300,10 @@ class Results:
         """Return the folder in which runs leave what they have computed, until they end."""
         target = self.target.resolve()
         kept = target.parent / f"{target.name}.unfinished"
-        if self._resume and not (self._out is not None and kept.is_dir()):
+        if self._resume and not (self.out is not None and kept.is_dir()):
             raise click.UsageError(
                 "--resume needs the --out of the run"
-                if self._out is None
+                if self.out is None
                 else f"there is no interrupted run to go on with in {kept}"
             )
         if kept.exists() and not self._resume:
@@ -253,44 +344,101 @@ def forget(kept: Path) -> None:
 # Meanwhile ------------------------------------------------------------------------------------------------------------
 
 
-@contextmanager
-def progress(what: str) -> Iterator[Callable[[str], None]]:
-    """Show what is going on: on a terminal all the time, else a line every half a minute."""
-    if not sys.stderr.isatty():
-        said = time.monotonic()
+def at_a_terminal() -> bool:
+    """Return whether somebody is there to be asked."""
+    return sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
 
-        def line(text: str) -> None:
+
+class Shown(Protocol):
+    """Shows how far something is: in words, the share that is done, and the time left [s] where it is known."""
+
+    def __call__(self, text: str, share: float = math.nan, left: float = math.nan) -> None:
+        """Show it."""
+        ...
+
+
+def time_left(elapsed: float, since: float, share: float, left: float, seconds: float) -> float:
+    """Return the time left [s]; NaN where nothing is known of it.
+
+    Parameters
+    ----------
+    elapsed, since : float
+        Time since the begin, and since it was last told how far it is [s].
+    share, left : float
+        The share that was done then, and the time left that was told then [s].
+    seconds : float
+        How long all of it was estimated to take [s].
+    """
+    if math.isnan(left) and share > 0.01:
+        left = (elapsed - since) * (1.0 - share) / share
+    if not math.isnan(left):
+        return max(left - since, 0.0)
+    return seconds - elapsed if seconds > elapsed else math.nan
+
+
+@contextmanager
+def progress(what: str, seconds: float = math.nan) -> Iterator[Shown]:
+    """Show how far something is and how long it will take: a bar on a terminal, else a line every half a minute.
+
+    Messages that are printed meanwhile stand above the bar. The bar vanishes at the end.
+
+    Parameters
+    ----------
+    what : str
+        What is done.
+    seconds : float
+        How long it was estimated to take [s], for a time left where nothing better is told.
+    """
+    from rollslip.planning.plan import duration
+
+    begin = time.monotonic()
+    told = {"at": begin, "share": math.nan, "left": math.nan}
+
+    def left_in_words() -> str:
+        now = time.monotonic()
+        left = time_left(now - begin, now - told["at"], told["share"], told["left"], seconds)
+        return "" if math.isnan(left) else f"{duration(left)} left" if left >= 1.0 else "soon done"
+
+    if not sys.stderr.isatty():
+        said = begin
+
+        def line(text: str, share: float = math.nan, left: float = math.nan) -> None:
             nonlocal said
-            if time.monotonic() - said >= 30.0:
-                said = time.monotonic()
-                click.echo(f"{what}: {text}", err=True)
+            told.update(at=time.monotonic(), share=share, left=left)
+            if told["at"] - said >= 30.0:
+                said = told["at"]
+                click.echo(": ".join([what, ", ".join(filter(None, [text, left_in_words()]))]), err=True)
 
         yield line
         return
     from rich.console import Console
+    from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Task, TextColumn, TimeElapsedColumn
+    from rich.text import Text
 
-    with Console(stderr=True).status(what) as status:
-        yield lambda text: status.update(f"{what}: {text}")
+    class Left(ProgressColumn):
+        def render(self, task: Task) -> Text:
+            return Text(left_in_words())
 
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}", markup=False),
+        BarColumn(20),
+        TimeElapsedColumn(),
+        Left(),
+    )
+    # what goes to a file or a pipe must not be drawn into the terminal of the bar
+    shown = Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=sys.stdout.isatty())
+    with shown:
+        task = shown.add_task(what, total=None)
 
-@contextmanager
-def bar(what: str) -> Iterator[Callable[[float, float, str], None]]:
-    """Show how far a run of many parts is and how long it will take: a bar on a terminal, else as `progress` does."""
+        def show(text: str, share: float = math.nan, left: float = math.nan) -> None:
+            told.update(at=time.monotonic(), share=share, left=left)
+            known = not math.isnan(share)
+            shown.update(
+                task, description=f"{what}: {text}", total=1.0 if known else None, completed=share if known else 0.0
+            )
 
-    def left(seconds: float) -> str:
-        return "" if math.isnan(seconds) else f", {seconds // 60:.0f} min {seconds % 60:02.0f} s left"
-
-    if not sys.stderr.isatty():
-        with progress(what) as say:
-            yield lambda share, seconds, text: say(f"{share:.0%}{left(seconds)}, {text}")
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
-
-    columns = TextColumn("{task.percentage:3.0f} %"), BarColumn(), TextColumn("{task.description}", markup=False)
-    with Progress(*columns, console=Console(stderr=True), transient=True) as shown:
-        task = shown.add_task(what, total=1.0)
-        yield lambda share, seconds, text: shown.update(task, completed=share, description=f"{text}{left(seconds)}")
+        yield show
 
 
 def print_json(value: object) -> None:

@@ -1,16 +1,26 @@
 """Commands about what there is: models, packages, keys of a scene, results, citations, this installation."""
 
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
-from rollslip.cli.app import BAD_PLUGIN, json_option, print_json, scene_of, set_option
+from rollslip.cli.app import (
+    BAD_PLUGIN,
+    complete_keys,
+    complete_models,
+    complete_scenes,
+    json_option,
+    print_json,
+    scene_of,
+    set_option,
+)
 
 
 @click.command()
-@click.argument("what", required=False, metavar="[KIND|NAME]")
+@click.argument("what", required=False, metavar="[KIND|NAME]", shell_complete=complete_models)
 @json_option
 def models(what: str | None, as_json: bool) -> None:
     """List all models, those of one KIND, or show everything about the model called NAME."""
@@ -23,7 +33,7 @@ def models(what: str | None, as_json: bool) -> None:
 
 
 @click.command()
-@click.argument("target", required=False, metavar="[SCENE|RESULT.nc]")
+@click.argument("target", required=False, metavar="[SCENE|RESULT.nc]", shell_complete=complete_scenes)
 @set_option
 @json_option
 def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
@@ -45,7 +55,7 @@ def info(target: str | None, changes: Sequence[str], as_json: bool) -> None:
 
 
 @click.command()
-@click.argument("target", metavar="SCENE|RESULT.nc")
+@click.argument("target", metavar="SCENE|RESULT.nc", shell_complete=complete_scenes)
 @set_option
 @click.option("--bibtex", is_flag=True, help="Print BibTeX instead.")
 @json_option
@@ -72,20 +82,79 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
 
 
 @click.command()
+@click.argument("scene", required=False, shell_complete=complete_scenes)
+@click.option("--out", metavar="FILE.json", type=click.Path(path_type=Path), help="File; by default it is printed.")
+@click.option("--schema", "of_schema", is_flag=True, help="The JSON Schema of such files instead.")
+@set_option
+def export(scene: str | None, out: Path | None, of_schema: bool, changes: Sequence[str]) -> None:
+    """Write SCENE as a neutral file of parameters: JSON, every number with its unit.
+
+    All commands read such a file in place of a scene.
+    """
+    import json
+
+    from rollslip.files import whole_file
+    from rollslip.scene.interchange import parameter_schema, to_parameters
+
+    if (scene is None) != of_schema:
+        raise click.UsageError("give a SCENE, or --schema")
+    document = parameter_schema() if scene is None else to_parameters(scene_of(scene, changes))
+    if out is None:
+        print_json(document)
+        return
+    with whole_file(out) as partial:
+        partial.write_text(json.dumps(document, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    click.echo(f"written to {out}")
+
+
+@click.command()
+@click.argument("what", required=False, metavar="[KEY|TABLE|STUDY]", shell_complete=complete_keys)
 @json_option
-def schema(as_json: bool) -> None:
-    """List every key of a scene with unit, default, what is usual, and meaning; --json gives what is possible too."""
+def schema(what: str | None, as_json: bool) -> None:
+    """List the keys of a scene with type, unit, default, what is usual and possible, and meaning.
+
+    A KEY is shown with what to paste; cage, lubricant, models.traction, the name of a study, or a word such as
+    radial_load, list what belongs to them.
+    """
     from rollslip.cli import console
+    from rollslip.planning.keys import example, keys_of
     from rollslip.scene.schema import schema
 
-    rows = schema()
+    rows = schema() if what is None else keys_of(what)
     if as_json:
         print_json([row._asdict() for row in rows])
-    else:
+    elif len(rows) > 1:
         console.print_table(
-            ("key", "unit", "default", "meaning"),
-            [(*row[:3], f"{row.doc}; usually {row.usual}" if row.usual else row.doc) for row in rows],
+            ("key", "type", "unit", "default", "meaning"),
+            [
+                (row.key, row.type, row.unit, row.default, f"{row.doc}; usually {row.usual}" if row.usual else row.doc)
+                for row in rows
+            ],
         )
+        if what is None:
+            click.echo("what stands for *: rollslip schema cage, lubricant, study, models.film; one key: schema KEY")
+    else:
+        (row,) = rows
+        console.print_sections(
+            {
+                row.key: [
+                    (name, text)
+                    for name, text in (
+                        ("meaning", row.doc),
+                        ("type", row.type),
+                        ("unit", row.unit),
+                        ("default", row.default),
+                        ("usual", row.usual),
+                        ("possible", row.possible),
+                    )
+                    if text
+                ]
+            }
+        )
+        table, _, name = row.key.rpartition(".")
+        value = example(row)
+        click.echo(f"for one run  --set {shlex.quote(f'{row.key}={value.strip(chr(34))}')}")
+        click.echo(f"in a scene   {f'[{table}]{chr(10)}             ' if table else ''}{name} = {value}")
 
 
 @click.command()

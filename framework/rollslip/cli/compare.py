@@ -9,13 +9,13 @@ import click
 from rollslip.cli.app import (
     SOME_FAILED,
     Results,
-    bar,
     forget,
     interruptible,
     json_option,
     print_json,
     progress,
     results_options,
+    scene_argument,
     scene_of,
     set_option,
     study_option,
@@ -23,7 +23,7 @@ from rollslip.cli.app import (
 
 
 @click.command()
-@click.argument("scene")
+@scene_argument
 @click.option("--traction", metavar="A,B", multiple=True, help="Traction models to compare.")
 @click.option("--film", metavar="A,B", multiple=True, help="Film models to compare.")
 @click.option("--contact", metavar="A,B", multiple=True, help="Contact models to compare.")
@@ -70,8 +70,8 @@ def compare(
         planned.print_comparison_plan(made)
     results.go_to(f"{Path(scene).stem}-comparison")
     with results.folder() as folder:
-        with progress("compare"):
-            dataset = run_comparison(made)
+        with progress("compare", sum(plan.seconds for plan in made.plans.values())) as show:
+            dataset = run_comparison(made, show)
         save(dataset, folder / "compare.nc")
         results.show({"comparison": dataset}, folder)
     if results.as_json:
@@ -84,7 +84,7 @@ def compare(
 
 
 @click.command()
-@click.argument("scene")
+@scene_argument
 @study_option
 @set_option
 @click.option(
@@ -134,8 +134,8 @@ def pareto(
     again += [f"--{name}={value}" for name, values in given.items() for value in values]
     go_on = results.go_on([*again, f"--rounds={rounds}"])
     with interruptible(kept, go_on), results.folder() as folder:
-        with bar("pareto") as show:
-            dataset = run_family(made, kept, show)
+        with progress("pareto") as show:
+            dataset = run_family(made, kept, lambda share, left, text: show(text, share, left))
         save(dataset, folder / "pareto.nc")
         results.show({"pareto": dataset}, folder)
     forget(kept)

@@ -2,6 +2,7 @@
 
 import importlib.metadata
 import json
+import math
 import platform
 import shutil
 import sys
@@ -44,6 +45,27 @@ def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
     return f"rollslip {version} | {scene.source} {scene_hash(scene)[:12]} | {used}"
 
 
+def print_short_plan(plan: "Plan") -> None:
+    """Print the plan in a few lines: of each study how finely, with what errors and at what cost, and what is out."""
+    for study in plan.studies:
+        own = [part for part in plan.parts if part.study == study]
+        resolution = plan.estimated[study].resolution
+        errors: dict[str, float] = {}
+        for part in own:
+            for name, error in part.errors.items():
+                errors[name] = errors.get(name, 0.0) + error
+        fine = f"{resolution.slices} slice{'s' * (resolution.slices != 1)} of a roller"
+        fine += f", {resolution.instants} instants of a pitch" if (resolution.instants or 1) > 1 else ""
+        told = error_text({name: error for name, error in errors.items() if math.isfinite(error)})
+        unknown = [name.replace("_", " ") for name, error in errors.items() if not math.isfinite(error)]
+        left = f"; relative errors of about {told}" if told else ""
+        left += f"; that of {' and '.join(unknown)} cannot be told" if unknown else ""
+        click.echo(f"{study}: {fine}{left}; {format_quantity(plan.seconds_of(study), 's', 2)}")
+    if out := dict.fromkeys(part.part for part in plan.parts if not part.included):
+        click.echo(f"left out: {', '.join(out)}")
+    _print_size(plan)
+
+
 def print_plan(plan: "Plan") -> None:
     """Print the plan as a table, with its size and cost."""
     print_table(
@@ -61,6 +83,10 @@ def print_plan(plan: "Plan") -> None:
             for p in plan.parts
         ],
     )
+    _print_size(plan)
+
+
+def _print_size(plan: "Plan") -> None:
     click.echo(
         f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; "
         f"about {plan.evaluations} slices to evaluate in {plan.seconds:.2g} s; planned in {plan.planning:.2g} s"
@@ -298,19 +324,25 @@ def scene_info(scene: Scene) -> Sections:
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table as wide as the terminal, or 120 columns where there is none; cells wrap, but no word is cut."""
+    """Print a table as wide as the terminal, or 120 columns where there is none; cells wrap, but no word is cut.
+
+    A terminal that is too narrow for the words of all columns gets a wider table, not fewer columns.
+    """
     from rich import box
     from rich.console import Console
     from rich.table import Table
 
     rows = list(rows)
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table, needed = Table(box=box.SIMPLE_HEAD, pad_edge=False), 0
     for head, *cells in zip(header, *rows, strict=True):
         words = [word for cell in (head, *cells) for word in cell.split()]
-        table.add_column(head, min_width=max(map(len, words), default=0))
+        widest = max(map(len, words), default=0)
+        needed += widest + 3  # with what stands between columns
+        table.add_column(head, min_width=widest)
     for row in rows:
         table.add_row(*(cell.replace("[", "\\[") for cell in row))
-    Console(width=shutil.get_terminal_size((120, 24)).columns, highlight=False).print(table)
+    width = max(shutil.get_terminal_size((120, 24)).columns, needed)
+    Console(width=width, highlight=False).print(table)
 
 
 def print_sections(sections: Sections) -> None:

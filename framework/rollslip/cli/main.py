@@ -15,13 +15,13 @@ from typing import Any, Final, NoReturn
 import click
 
 from rollslip.cli.app import BAD_PLUGIN, BAD_SCENE, INTERRUPTED, NOT_CONVERGED, OK
-from rollslip.cli.catalogue import cite, doctor, info, models, plugins, schema
+from rollslip.cli.catalogue import cite, doctor, export, info, models, plugins, schema
 from rollslip.cli.compare import compare, pareto
-from rollslip.cli.fit import fit
-from rollslip.cli.run import plan, report, run
-from rollslip.cli.sweep import sweep
+from rollslip.cli.measured import fit, rank, validate
+from rollslip.cli.run import new, plan, report, run
+from rollslip.cli.sweep import explore, sweep
 from rollslip.cli.uncertainty import uncertainty
-from rollslip.errors import ConvergenceError, PluginError, RollslipError
+from rollslip.errors import ConvergenceError, PluginError, RollslipError, UnknownNameError
 
 __all__ = ["cli", "main"]
 
@@ -33,7 +33,8 @@ def cli() -> None:
 
 
 for _command in (
-    cite, compare, doctor, fit, info, models, pareto, plan, plugins, report, run, schema, sweep, uncertainty,
+    cite, compare, doctor, explore, export, fit, info, models, new, pareto, plan, plugins, rank, report, run, schema,
+    sweep, uncertainty, validate,
 ):  # fmt: skip
     cli.add_command(_command)
 
@@ -43,8 +44,15 @@ def _terminated(*_: object) -> NoReturn:
 
 
 def _heard(into: ExitStack) -> None:
-    """Let no interrupt be lost: where Python ignores what is raised, in finalizers, it is raised again outside."""
-    before = sys.unraisablehook
+    """Let no interrupt be lost: where Python ignores what is raised, in finalizers, it is raised again outside.
+
+    Finalizers of what was half built when an interrupt came have nothing to tell.
+    """
+    before, came = sys.unraisablehook, list[int]()
+
+    def interrupted(number: int, frame: Any) -> None:
+        came.append(number)
+        signal.default_int_handler(number, frame)
 
     def again() -> None:
         time.sleep(0.02)  # until the finalizer has ended
@@ -53,9 +61,11 @@ def _heard(into: ExitStack) -> None:
     def ignored(lost: Any) -> None:
         if issubclass(lost.exc_type, KeyboardInterrupt):
             _thread.start_new_thread(again, ())
-        else:
+        elif not came:
             before(lost)
 
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else a shell or a host wants it otherwise
+        signal.signal(signal.SIGINT, interrupted)
     sys.unraisablehook = ignored
     into.callback(setattr, sys, "unraisablehook", before)
 
@@ -169,13 +179,9 @@ def _run(arguments: Sequence[str] | None) -> int:
         return error.exit_code
     except RollslipError as error:
         click.echo(str(error), err=True)
-        return (
-            BAD_PLUGIN
-            if isinstance(error, PluginError)
-            else NOT_CONVERGED
-            if isinstance(error, ConvergenceError)
-            else BAD_SCENE
-        )
+        if isinstance(error, ConvergenceError):
+            return NOT_CONVERGED
+        return BAD_PLUGIN if isinstance(error, PluginError) and not isinstance(error, UnknownNameError) else BAD_SCENE
     except ImportError as error:
         if error.name != "ROLLSLIP_SIMD":
             raise

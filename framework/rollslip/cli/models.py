@@ -6,10 +6,10 @@ from typing import Any
 import attrs
 import click
 
-from rollslip.catalogue.discovery import Offer, available, catalogue, find, get_class
+from rollslip.catalogue.discovery import Offer, available, catalogue, families, find, get_class, load
 from rollslip.catalogue.kinds import get_kind, offered_kinds
 from rollslip.cli.console import print_table
-from rollslip.errors import PluginError, nearest
+from rollslip.errors import PluginError, UnknownNameError, nearest
 from rollslip.lubricant.oil import GRADES, legend
 from rollslip.models import SliceModel, interval
 from rollslip.scene.schema import shown_range
@@ -19,6 +19,14 @@ from rollslip.units import format_quantity
 
 __all__ = ["kinds_of", "models_as_dict", "print_models"]
 
+#: What people say of a kind.
+_KINDS = {
+    "oil": "lubricant",
+    "oils": "lubricant",
+    "lubricants": "lubricant",
+    "bearings": "bearing",
+    "surfaces": "surface",
+}
 #: Of the scatter of a datum, what stands before and behind its parameters.
 _SAID = ("quantity", "distribution", "grade", "source")
 
@@ -31,10 +39,11 @@ def print_models(what: str | None) -> None:
     PluginError
         If nothing is called so.
     """
+    what = _KINDS.get(what, what) if what is not None else None
     if what is None:
         for kind in offered_kinds():
-            names = ", ".join(available(kind)) or "none installed"
-            click.echo(f"{kind:<11} {names}")
+            many = [f"many of {o.name}: 'rollslip models {kind}'" for o in _usable() if o.kind == kind and o.is_family]
+            click.echo(f"{kind:<11} {', '.join([*available(kind), *many]) or 'none installed'}")
         unusable = [offer for offer in _offers() if offer.state != "ok"]
         for offer in unusable:
             click.echo(
@@ -42,7 +51,7 @@ def print_models(what: str | None) -> None:
             )
         click.echo("'rollslip models NAME' shows equation, parameters, domain and references of one")
     elif what in offered_kinds():
-        print_table(("name", "package", "what it is"), [_summary(offer) for offer in available(what).values()])
+        print_table(("name", "package", "what it is"), [_summary(offer) for offer in _every(what)])
     else:
         for kind in kinds_of(what):
             _print_model(kind, what)
@@ -52,8 +61,9 @@ def models_as_dict(what: str | None) -> Any:
     """Return what ``print_models`` prints, as plain values."""
     if what is None:
         return [attrs.asdict(offer) for offer in _offers()]
+    what = _KINDS.get(what, what)
     if what in offered_kinds():
-        return {name: _model_as_dict(what, name) for name in available(what)}
+        return {offer.name: _model_as_dict(what, offer.name) for offer in _every(what)}
     return {kind: _model_as_dict(kind, what) for kind in kinds_of(what)}
 
 
@@ -65,24 +75,47 @@ def kinds_of(name: str) -> list[str]:
     PluginError
         If there is none; the message gives the nearest names.
     """
-    offering = [kind for kind in offered_kinds() if name in available(kind)]
+    offering = [kind for kind in offered_kinds() if name in available(kind)] or [
+        kind for kind in offered_kinds() if get_kind(kind).data and _is_called(kind, name)
+    ]
     if not offering:
-        near = nearest(name, [*offered_kinds(), *(offer.name for offer in _offers())], cutoff=0.4)
+        names = [offer.name for kind in offered_kinds() for offer in _every(kind)]
+        near = nearest(name, [*offered_kinds(), *names], cutoff=0.4)
         hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip models' lists them"
-        raise PluginError(f"no model and no kind is called {name!r}; {hint}")
+        raise UnknownNameError(f"no model and no kind is called {name!r}; {hint}")
     return offering
+
+
+def _is_called(kind: str, name: str) -> bool:
+    try:
+        find(kind, name)
+    except PluginError:
+        return False
+    return True
+
+
+def _every(kind: str) -> list[Offer]:
+    """Return all names of a kind, those of families after the others."""
+    many = [attrs.evolve(offer, name=name) for offer, family in families(kind) for name in family.names]
+    return [*available(kind).values(), *many]
 
 
 def _offers() -> list[Offer]:
     return [offer for offer in catalogue() if offer.kind in offered_kinds()]
 
 
+def _usable() -> list[Offer]:
+    return [offer for offer in _offers() if offer.state == "ok"]
+
+
 def _summary(offer: Offer) -> tuple[str, str, str]:
     try:
-        thing = get_class(offer.kind, offer.name)
+        thing = load(offer)
     except PluginError as error:
         return offer.name, offer.package, f"broken: {error}"
     text = thing.description if get_kind(offer.kind).data else _doc(thing)[0]
+    if synonyms := getattr(thing, "synonyms", ()):
+        text += f"; also {', '.join(synonyms)}"
     return offer.name, f"{offer.package} {offer.version}", text
 
 
@@ -94,6 +127,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
     from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
     offer, thing = find(kind, name), get_class(kind, name)
+    name = offer.name  # the one it has, whatever was written
     about: dict[str, Any] = {"kind": kind, "name": name, "package": offer.package, "version": offer.version}
     if get_kind(kind).data:
         about |= {
@@ -101,10 +135,8 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
             "source": thing.source,
             "references": list(map(str, thing.references)),
         }
-        if kind == "lubricant":
-            limits = (thing.minimum_temperature, thing.maximum_temperature)
-            return about | {
-                "range": [format_quantity(T, "K") for T in limits],
+        if hasattr(thing, "grades"):
+            about |= {
                 "grades": dict(thing.grades),
                 "legend": {grade: GRADES[grade] for grade in sorted(set(thing.grades.values()))},
                 "scatter": [
@@ -113,6 +145,9 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
                     for one in thing.scatter
                 ],
             }  # fmt: skip
+        if kind == "lubricant":
+            limits = (thing.minimum_temperature, thing.maximum_temperature)
+            return about | {"range": [format_quantity(T, "K") for T in limits], "synonyms": list(thing.synonyms)}
         return about | {"validity": thing.validity, "values": resolved(thing.data)}
     members = {**CONDITIONS, **COLUMNS}
     parameters = [
@@ -157,6 +192,19 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
     }
 
 
+def _values(prefix: str, data: Any) -> list[tuple[str, str]]:
+    """Return the values of a set of data by the keys of a scene, as a scene may have them."""
+    rows = []
+    for attribute in attrs.fields(type(data)):
+        key, value = f"{prefix}.{attribute.name}", getattr(data, attribute.name)
+        unit = attribute.metadata.get("unit")
+        if attrs.has(type(value)):
+            rows += _values(key, value)
+        elif value not in (None, ()):
+            rows.append((key, format_quantity(value, unit) if unit not in (None, "1") else str(value)))
+    return rows
+
+
 def _default(attribute: "attrs.Attribute[Any]") -> str:
     default: Any = attribute.default
     if default is attrs.NOTHING:
@@ -173,7 +221,7 @@ def _default(attribute: "attrs.Attribute[Any]") -> str:
 
 def _print_model(kind: str, name: str) -> None:
     about = _model_as_dict(kind, name)
-    click.echo(f"{name} ({kind}, {about['package']} {about['version']})\n")
+    click.echo(f"{about['name']} ({kind}, {about['package']} {about['version']})\n")
     click.echo(about["description"] + "\n")
     if about.get("equation"):
         click.echo(f"equation    {about['equation']}\n")
@@ -181,6 +229,11 @@ def _print_model(kind: str, name: str) -> None:
         if key in about:
             value = about[key] if isinstance(about[key], str) else " to ".join(about[key])
             click.echo(f"{key:<11} {value}")
+    if about.get("synonyms"):
+        click.echo(f"also called {', '.join(about['synonyms'])}")
+    if about.get("values"):
+        click.echo("values")
+        print_table(("key", "value"), _values(kind, load(find(kind, name)).data))
     if about.get("grades"):
         click.echo(f"grades      {', '.join(f'{key} ({grade})' for key, grade in about['grades'].items())}")
         click.echo(f"            {legend(about['legend'])}")

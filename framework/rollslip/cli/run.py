@@ -1,7 +1,9 @@
-"""Commands about the studies of a scene: run them, print their plan, write a report of stored results."""
+"""Commands about a scene and its studies: write one, run them, print their plan, write a report of stored results."""
 
+import shlex
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import click
@@ -12,20 +14,79 @@ from rollslip.cli.app import (
     INTERRUPTED,
     NOT_CONVERGED,
     Results,
+    at_a_terminal,
+    complete_models,
     forget,
     interruptible,
     json_option,
     print_json,
     progress,
     results_options,
+    scene_argument,
     scene_of,
     set_option,
     study_option,
+    verbose_option,
 )
 
 
 @click.command()
-@click.argument("scene")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--bearing",
+    metavar="NAME",
+    shell_complete=complete_models,
+    help="Such as NU2210 or 'NJ 312 ECP/C3'; rollslip models bearing lists all.",
+)
+@click.option(
+    "--oil", metavar="NAME", shell_complete=complete_models, help="Such as iso-vg-68; rollslip models oil lists all."
+)
+@click.option("--speed", metavar="SPEED", help="Of the inner ring, such as '1500 rpm'.")
+@click.option("--load", metavar="LOAD", help="Radial load, such as '2 kN'.")
+@click.option("--temperature", metavar="T", help="Of the bearing, such as '70 degC'.")
+@click.option("--cage", metavar="OF", help="What the cage is of: brass, steel or polyamide.")
+def new(file: Path, **given: str | None) -> None:
+    """Write a complete commented scene into FILE, which then runs.
+
+    In a terminal it asks for what no option gives. Elsewhere that is assumed, and marked in the scene.
+    """
+    from rollslip.errors import OutputError, RollslipError
+    from rollslip.files import whole_file
+    from rollslip.planning.new_scene import ASSUMED, MEANING, assumed_load, checked, new_scene
+
+    path = file if file.suffix == ".toml" else file.with_name(f"{file.name}.toml")
+    if path.exists():
+        raise OutputError(f"{path}: exists, and is not replaced; name another file")
+    if not path.parent.is_dir():
+        raise OutputError(f"{path.parent}: there is no such folder; make it, or name another file")
+
+    def answer(option: str, text: str) -> str:
+        try:
+            return checked(option, text)
+        except RollslipError as error:
+            raise click.UsageError(str(error)) from None
+
+    values = {option: checked(option, text) for option, text in given.items() if text is not None}
+    asking = at_a_terminal()
+    missing = [option for option in MEANING if option not in values]
+    for option in missing:
+        usual = assumed_load(values["bearing"]) if option == "load" else checked(option, ASSUMED[option])
+        values[option] = (
+            click.prompt(MEANING[option], default=usual, value_proc=partial(answer, option), err=True)
+            if asking
+            else usual
+        )
+    text = new_scene(str(path), frozenset() if asking else frozenset(missing), **values)
+    with whole_file(path) as place:
+        place.write_text(text, encoding="utf-8")
+    click.echo(f"written to {path}: " + ", ".join(values[option] for option in MEANING))
+    if missing and not asking:
+        click.echo(f"assumed, since no option gives it: {', '.join(missing)}; the scene marks it", err=True)
+    click.echo(f"next: rollslip run {path} --report; what it will do: rollslip plan {path}")
+
+
+@click.command()
+@scene_argument
 @study_option
 @set_option
 @results_options(resume=True)
@@ -53,7 +114,7 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, res
     datasets = {}
     with interruptible(kept, go_on), results.folder() as folder:
         for name in made.studies:
-            with progress(name) as show:
+            with progress(name, made.seconds_of(name)) as show:
                 datasets[name] = execute(made, name, kept=kept, progress=show)
             if verify and datasets[name].attrs.get("outcome", "finished") == "finished":
                 with progress(f"{name} at the finest"):
@@ -84,13 +145,16 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, res
 
 
 @click.command()
-@click.argument("scene")
+@scene_argument
 @study_option
 @set_option
 @click.option("--diff", "other", metavar="OTHER", help="Show only what the plan of another scene has otherwise.")
+@verbose_option("Every part, with its choice, resolution, error, cost and reason.")
 @json_option
-def plan(scene: str, study: str | None, changes: Sequence[str], other: str | None, as_json: bool) -> None:
-    """Print what will be modelled of SCENE, how finely, what is left out, and why.
+def plan(
+    scene: str, study: str | None, changes: Sequence[str], other: str | None, verbose: bool, as_json: bool
+) -> None:
+    """Print what will be modelled of SCENE, how finely, and what is left out; with -v every part, and why.
 
     --set changes SCENE, not OTHER: --set operation.radial_load="9 kN" --diff SCENE shows what that value changes.
     """
@@ -109,7 +173,11 @@ def plan(scene: str, study: str | None, changes: Sequence[str], other: str | Non
         print_json(made.as_dict())
     else:
         click.echo(console.headline(made))
-        console.print_plan(made)
+        if verbose:
+            console.print_plan(made)
+        else:
+            console.print_short_plan(made)
+            click.echo(f"every part with its reason: {shlex.join(['rollslip', 'plan', '-v', scene])}")
         for sentence in made.foreseen:
             click.echo(f"note: {sentence}", err=True)
 
@@ -124,7 +192,7 @@ def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
 
     from rollslip.errors import OutputError
     from rollslip.results.dataset import open_result, telling
-    from rollslip.results.figures import plot
+    from rollslip.results.figures import save_plots
     from rollslip.results.report import is_report, write_report
 
     if out.exists() and not overwrite:
@@ -141,7 +209,7 @@ def report(results: Sequence[Path], out: Path, overwrite: bool) -> None:
             place = Path(folder) / str(k)
             place.mkdir()
             with telling(results[k]):
-                figures[name] = plot(dataset, place)
+                figures[name] = save_plots(dataset, place)
         with telling(*results):
             write_report(datasets, figures, out)
     click.echo(f"written to {out}")

@@ -1,4 +1,4 @@
-"""Commands about sweeps: run, resume and retry them, see how they stand, put their pieces together."""
+"""Commands about sweeps: run, resume and retry them, put their pieces together, and a page of sliders made of one."""
 
 import json
 import shlex
@@ -12,11 +12,13 @@ import click
 from rollslip.cli.app import (
     INTERRUPTED,
     SOME_FAILED,
+    Results,
     engine_options,
-    free_folder,
     json_option,
     print_json,
     progress,
+    results_options,
+    scene_argument,
     scene_of,
     set_option,
     study_option,
@@ -25,6 +27,7 @@ from rollslip.cli.app import (
 
 if TYPE_CHECKING:
     from rollslip.campaigns.sweep.definition import Sweep
+    from rollslip.campaigns.sweep.run import Progress
 
 
 @click.group()
@@ -33,7 +36,7 @@ def sweep() -> None:
 
 
 @sweep.command("run")
-@click.argument("scene")
+@scene_argument
 @click.option(
     "--over",
     "overs",
@@ -49,7 +52,7 @@ def sweep() -> None:
 @set_option
 @engine_options
 @click.option("--shard", metavar="I/N", help="Only piece I of N, for job arrays; see merge.")
-@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for the sweep, new or empty.")
+@results_options("Folder for the sweep, new or empty.", overwrite=False)
 @json_option
 def sweep_run(
     scene: str,
@@ -63,8 +66,7 @@ def sweep_run(
     engine: Mapping[str, object] | None,
     time_limit: str | None,
     shard: str | None,
-    out: Path | None,
-    as_json: bool,
+    results: Results,
 ) -> None:
     """Compute a study of SCENE at many points, and keep everything in a folder."""
     from rollslip.campaigns.sweep.folder import begin
@@ -87,22 +89,24 @@ def sweep_run(
     )
     asked_engine(made)  # refused before a folder is made
     warn(made.unusual)
-    if not as_json:
+    if not results.as_json:
         click.echo(planned.sweep_headline(made))
         click.echo("\n".join(f"  {line}" for line in planned.sweep_planned(made)))
-    _run_sweep(made, begin(made, out if out is not None else free_folder(f"{Path(scene).stem}-sweep")), (), as_json)
+    results.go_to(f"{Path(scene).stem}-sweep")
+    _run_sweep(made, begin(made, results.target), (), results)
 
 
 @sweep.command("resume")
 @click.argument("folder", type=click.Path(path_type=Path))
 @engine_options
+@results_options(out=False, overwrite=False)
 @json_option
-def sweep_resume(folder: Path, engine: Mapping[str, object] | None, time_limit: str | None, as_json: bool) -> None:
+def sweep_resume(folder: Path, engine: Mapping[str, object] | None, time_limit: str | None, results: Results) -> None:
     """Compute the points of the sweep in FOLDER that are not done yet."""
     from rollslip.campaigns.sweep.sweep import open_sweep, with_engine
 
     made = with_engine(open_sweep(folder), engine, time_limit)
-    _run_sweep(made, folder, (), as_json)
+    _run_sweep(made, folder, (), results)
 
 
 @sweep.command("retry")
@@ -110,6 +114,7 @@ def sweep_resume(folder: Path, engine: Mapping[str, object] | None, time_limit: 
 @click.option("--failed", is_flag=True, help="All points without a result.")
 @click.option("--status", "statuses", metavar="STATUS", multiple=True, help="Those of one status, such as timed-out.")
 @engine_options
+@results_options(out=False, overwrite=False)
 @json_option
 def sweep_retry(
     folder: Path,
@@ -117,7 +122,7 @@ def sweep_retry(
     statuses: Sequence[str],
     engine: Mapping[str, object] | None,
     time_limit: str | None,
-    as_json: bool,
+    results: Results,
 ) -> None:
     """Compute points of the sweep in FOLDER again that have failed."""
     from rollslip.campaigns.sweep.journal import FAILED
@@ -128,7 +133,7 @@ def sweep_retry(
     if unknown := sorted(set(statuses) - set(FAILED)):
         raise click.UsageError(f"no point fails as {', '.join(unknown)}; there are: {', '.join(FAILED)}")
     made = with_engine(open_sweep(folder), engine, time_limit)
-    _run_sweep(made, folder, FAILED if failed else tuple(statuses), as_json)
+    _run_sweep(made, folder, FAILED if failed else tuple(statuses), results)
 
 
 @sweep.command("status")
@@ -154,22 +159,23 @@ def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
 
 @sweep.command("merge")
 @click.argument("folders", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for all of it; by default FOLDER.")
+@results_options("Folder for all of it; by default FOLDER.", overwrite=False)
 @json_option
-def sweep_merge(folders: Sequence[Path], out: Path | None, as_json: bool) -> None:
+def sweep_merge(folders: Sequence[Path], results: Results) -> None:
     """Put the pieces of a job array together: those in FOLDERS, or the folders shard-I-of-N in one FOLDER."""
     from rollslip.campaigns.sweep.folder import merge, pieces
 
+    out = results.out
     if len(folders) == 1 and (parts := pieces(folders[0])):
         folders, out = parts, out if out is not None else folders[0]
     if out is None:
         raise click.UsageError(
             f"{folders[0]} holds no folders shard-I-of-N; of other folders --out says where the pieces are put together"
         )
-    _tell_sweep(merge(list(folders), out), out, {}, as_json)
+    _tell_sweep(merge(list(folders), out), out, {}, results)
 
 
-def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool) -> None:
+def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Results) -> None:
     """Run a sweep in its folder and tell what came of it."""
     import os
 
@@ -184,8 +190,8 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool)
                 made,
                 folder,
                 again=tuple(again),
-                said=lambda text: click.echo(f"  {text}", err=as_json),
-                report=lambda now: show(planned.sweep_progress(now)),
+                said=lambda text: click.echo(f"  {text}", err=results.as_json),
+                report=lambda now: show(*planned.sweep_share(now)),
             )
     except KeyboardInterrupt:
         click.echo(f"interrupted at once; what was done is kept; {go_on}", err=True)
@@ -199,13 +205,13 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], as_json: bool)
         click.echo(f"interrupted: {planned.sweep_progress(settled.progress)}; {go_on}", err=True)
         sys.exit(INTERRUPTED)
     try:
-        _tell_sweep(made, folder, described(settled), as_json)
+        _tell_sweep(made, folder, described(settled), results)
     except KeyboardInterrupt:
         click.echo(f"interrupted; all points are kept; {go_on}", err=True)
         sys.exit(INTERRUPTED)
 
 
-def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], as_json: bool) -> None:
+def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Results) -> None:
     """Write the dataset of a sweep and say what is in it."""
     from rollslip.campaigns.sweep.folder import RESULT, finish
     from rollslip.results.account import account_of
@@ -213,15 +219,17 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], as_json: bo
     dataset = finish(made, folder)
     account = account_of(dataset)
     found = account.record(dataset)
-    if as_json:
+    whole = not found["counts"]["pending"]  # of a piece nobody wants figures
+    files = [RESULT, *(results.show({"sweep": dataset}, folder) if whole else [])]
+    if results.as_json:
         print_json(
             {"scene": made.given.source, "sweep_hash": made.hash, "study": made.study, "run": run}
             | found
-            | {"folder": str(folder), "files": [RESULT]}
+            | {"folder": str(folder), "files": files}
         )
     else:
         click.echo("\n".join(f"  {line}" for line in account.lines(dataset)))
-        click.echo(f"written to {folder}: {RESULT}")
+        click.echo(f"written to {folder}: {', '.join(files)}")
     warn(json.loads(dataset.attrs["left"]))
     if found["counts"]["ok"] < sum(found["counts"].values()):
         told = shlex.join(["rollslip", "sweep", "status", str(folder)])
@@ -230,3 +238,71 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], as_json: bo
             told = shlex.join(["rollslip", "sweep", "resume", str(folder)])
             click.echo(f"{found['counts']['pending']} of them are not computed yet; go on with: {told}", err=True)
         sys.exit(SOME_FAILED)
+
+
+@click.command()
+@click.argument("scene")
+@click.option(
+    "--over",
+    "overs",
+    metavar="KEY=VALUES",
+    multiple=True,
+    help="What moves: LOW:HIGH or LOW:HIGH:NODES with units, or models A,B; by default load, speed, temperature, "
+    "clearance and the law of traction.",
+)
+@click.option("--checks", metavar="N", type=click.IntRange(0), default=24, show_default=True, help="Random places at "
+              "which it is held against runs, for each combination of models.")  # fmt: skip
+@set_option
+@engine_options
+@click.option("--out", metavar="FILE", type=click.Path(path_type=Path), help="File.  [default: SCENE-explorer.html]")
+@click.option("--overwrite", is_flag=True, help="Replace the file, if it is a page of rollslip.")
+@json_option
+def explore(
+    scene: str,
+    overs: Sequence[str],
+    checks: int,
+    changes: Sequence[str],
+    engine: Mapping[str, object] | None,
+    time_limit: str | None,
+    out: Path | None,
+    overwrite: bool,
+    as_json: bool,
+) -> None:
+    """Write a page in which load, speed, temperature, clearance and models of SCENE move by sliders.
+
+    Effective friction, loads and the slip of running away follow. They are computed beforehand on a grid; the page
+    says how far it is off between the nodes. It needs the extra [explorer].
+    """
+    from rollslip.campaigns.explorer.definition import plan_explorer
+    from rollslip.campaigns.explorer.explorer import explore
+    from rollslip.campaigns.explorer.page import library
+    from rollslip.campaigns.sweep.sampling import parse_overs
+    from rollslip.cli.planned import sweep_progress
+    from rollslip.errors import OutputError
+    from rollslip.results.report import is_report
+
+    target = out if out is not None else Path(f"{Path(scene).stem}-explorer.html")
+    if target.exists() and not overwrite:
+        raise OutputError(f"{target}: exists; name another --out, or --overwrite it")
+    if target.exists() and not is_report(target):
+        raise OutputError(f"{target}: is no page of rollslip, so it is not replaced; name another --out")
+    library()  # refused before anything is computed
+    planned = plan_explorer(scene_of(scene, changes), parse_overs(overs), checks=checks)
+    if not as_json:
+        for dial in planned.dials:
+            click.echo(f"  {dial.told}")
+        for key, names in planned.choices.items():
+            click.echo(f"  {key}: {', '.join(names)}")
+        click.echo(f"  {planned.size} points, {checks} random ones for each combination of models among them")
+    with progress("explore") as show:
+
+        def told(now: "Progress") -> None:
+            show(sweep_progress(now))
+
+        found = explore(planned, out=target, engine=engine, time_limit=time_limit, report=told)
+    if as_json:
+        print_json({"scene": scene, "file": str(target), **found})
+        return
+    for line in found["told"]:
+        click.echo(f"  {line}")
+    click.echo(f"written to {shlex.quote(str(target))}")

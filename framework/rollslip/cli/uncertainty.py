@@ -17,6 +17,7 @@ from rollslip.cli.app import (
     print_json,
     progress,
     results_options,
+    scene_argument,
     scene_of,
     set_option,
     warn,
@@ -24,7 +25,7 @@ from rollslip.cli.app import (
 
 
 @click.command()
-@click.argument("scene")
+@scene_argument
 @click.option("--samples", metavar="N", type=click.IntRange(2), help="Samples of running away.  [default: 1024]")
 @click.option("--until", metavar="H", type=float, help="Double samples until the interval's half width is H, a slip.")
 @click.option("--probability", metavar="P", type=float, default=0.99, show_default=True, help="Of the allowable slip.")
@@ -52,7 +53,8 @@ def uncertainty(
 ) -> None:
     """Tell the allowable slip of SCENE and the margin to it, where its data scatter.
 
-    What scatters is in the scene's table [uncertainty]; without one it is the scatter that its oil comes with.
+    What scatters is in the scene's table [uncertainty]; without one it is the scatter that its oil, and a
+    bearing taken by its name, come with.
     """
     from rollslip.campaigns.sweep.run import asked_engine
     from rollslip.campaigns.uncertainty.findings import failed
@@ -90,7 +92,7 @@ def uncertainty(
                 made,
                 results.target,
                 said=lambda text: click.echo(f"  {text}", err=results.as_json),
-                report=lambda now: show(planned.sweep_progress(now)),
+                report=lambda now: show(*planned.sweep_share(now)),
             )
     except KeyboardInterrupt:
         click.echo(f"interrupted; what was done is kept; {go_on}", err=True)
