@@ -3,8 +3,10 @@
 The pages themselves are built by Sphinx in ``.ci/run``; nothing here needs it.
 """
 
+import ast
 import csv
 import doctest
+import importlib
 import importlib.util
 import re
 import shlex
@@ -16,6 +18,7 @@ import attrs
 import numpy as np
 import pytest
 
+import rollslip
 from rollslip import evolve, hookspecs, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue import discovery
@@ -30,6 +33,7 @@ from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGES = {str(page.relative_to(DOCS)): page.read_text(encoding="utf-8") for page in sorted(DOCS.glob("[!_]*/*.rst"))}
+PAGES = {page: text for page, text in PAGES.items() if not page.startswith("gallery/")}  # made by Sphinx
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
@@ -83,7 +87,7 @@ def toml_snippets():
 
 def test_there_are_blocks_to_test():
     assert len(toml_snippets()) == 3
-    assert len(console_blocks()) == 7
+    assert len(console_blocks()) == 8
 
 
 @pytest.mark.parametrize("snippet", toml_snippets())
@@ -94,6 +98,31 @@ def test_scene_snippets_can_be_used(snippet):
 
 
 HOOKS = {get_kind(kind).hook for kind in kinds()}
+
+
+QUESTIONS = sorted((DOCS / "questions").glob("*/*.py"))
+
+
+def test_the_gallery_asks_and_answers():
+    """Sphinx runs the scripts; here: each is a question with an answer, its name stands once, its picture has axes."""
+    assert len(QUESTIONS) >= 16
+    assert len({path.name for path in QUESTIONS}) == len(QUESTIONS)
+    for path in QUESTIONS:
+        text = path.read_text(encoding="utf-8")
+        title, _, *answer = ast.get_docstring(ast.parse(text)).splitlines()
+        assert title.endswith("?"), path
+        assert " ".join(answer).strip().endswith("."), path
+        assert text.count("xlabel=") == text.count("ylabel=") >= 1, path
+
+
+# A project others can join --------------------------------------------------------------------------------------------
+
+
+def test_the_check_runs_on_three_systems_by_the_command_of_a_desk():
+    workflow = (ROOT / ".github" / "workflows" / "check.yml").read_text(encoding="utf-8")
+    assert re.search(r"system: \[ubuntu-latest, macos-latest, windows-latest\]", workflow)
+    assert re.findall(r"- run: (.*)", workflow) == [".ci/run"]
+    assert (ROOT / ".ci" / "run").is_file()
 
 
 # Nothing is missing ---------------------------------------------------------------------------------------------------
@@ -141,6 +170,17 @@ def test_every_member_of_the_contract_is_in_the_docs():
     assert all(f"``{name}``" in made("contract") for name in (*CONDITIONS, *COLUMNS))
 
 
+def test_every_public_name_has_a_page_and_the_reference_names_nothing_else():
+    named = re.findall(r"^   (rollslip(?:_plugins)?\.[\w.]+)$", PAGES["reference/api.rst"], re.MULTILINE)
+    assert sorted(named) == sorted(set(named))
+    short = {name.removeprefix("rollslip.") for name in named}
+    aliases = {"RollslipDeprecationWarning"}  # under the module that has it
+    assert {name for name in rollslip.__all__ if not name.startswith("__")} - aliases <= short
+    for name in named:
+        module, _, attribute = name.rpartition(".")
+        assert hasattr(importlib.import_module(module), attribute), name
+
+
 def test_every_part_made_from_the_program_is_used_on_a_page():
     text = "\n".join(PAGES.values())
     assert set(re.findall(r"\.\. from-program:: ([\w-]+)", text)) == set(FACTS.PARTS)
@@ -155,7 +195,7 @@ def test_every_part_made_from_the_program_is_used_on_a_page():
 
 ROOT = DOCS.parent
 #: Pages that lead through the repository.
-_DEVELOP = ("develop/architecture.rst", "develop/lookups.rst", "develop/sentences.rst")
+_DEVELOP = tuple(f"develop/{page}.rst" for page in ("architecture", "lookups", "pages", "sentences"))
 LEADING = {page: PAGES[page] for page in (*_DEVELOP, "reference/studies.rst")}
 LEADING["CONTRIBUTING.md"] = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 FILE = re.compile(r"[\w.-]*(?:/[\w.-]*)+|[\w-]+\.(?:py|md|toml|rst|csv|h|pyx|pxd)")

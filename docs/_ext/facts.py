@@ -4,6 +4,7 @@ import ast
 import csv
 import math
 import re
+import tomllib
 from collections import Counter
 from html import escape
 from pathlib import Path
@@ -22,6 +23,7 @@ from rollslip.cli.main import cli
 from rollslip.cli.models import models_as_dict
 from rollslip.lubricant import GRADES, OilPoint, OilTable, OverTemperature
 from rollslip.lubricant.pressure import Barus, Roelands, Yasutomi
+from rollslip.measurement import QUANTITIES
 from rollslip.scene.plausibility import RELATIONS
 from rollslip.scene.schema import schema, shown_default, shown_range
 from rollslip.studies.study import study_class
@@ -32,6 +34,8 @@ from rollslip_kernels.slices import COLUMNS, CONDITIONS
 ROOT = Path(__file__).parents[2]
 #: Head of a table of keys.
 KEYS = ("key", "unit", "default", "meaning", "usual", "possible")
+#: Columns from which on a table is set in small letters, to stand on a laptop whole.
+DENSE = ((12, "densest"), (8, "dense"))
 
 
 def scene_keys():
@@ -191,6 +195,12 @@ def kinds():
     return table(("kind", "hook", "entry-point group"), rows)
 
 
+def measured_quantities():
+    """What data sets can hold, with units."""
+    rows = [(f"``{name}``", one.unit, one.doc, one.of) for name, one in QUANTITIES.items()]
+    return table(("quantity", "unit", "meaning", "of a"), rows)
+
+
 def commands():
     """The commands with their options."""
     lines, every = [], dict(cli.commands)
@@ -222,6 +232,20 @@ def vector_math():
     header = (ROOT / "kernels/rollslip_kernels/include/rollslip_math.h").read_text(encoding="utf-8")
     found = re.findall(r"/\* (?:[^*;]* )?([\d.]+) ulp[^*]*\*/\nRS_INLINE double rs_([a-z0-9]+)\w*\(", header)
     return table(("function", "worst error, ulp"), [(f"``{name}``", ulp) for ulp, name in found])
+
+
+def example_packages():
+    """The packages of docs/example-plugins with what they offer."""
+    rows = []
+    for file in sorted((ROOT / "docs" / "example-plugins").glob("*/pyproject.toml")):
+        project = tomllib.loads(file.read_text(encoding="utf-8"))["project"]
+        offers = [
+            f"{group.removeprefix('rollslip.')} ``{name}``"
+            for group in project["entry-points"]
+            for name in project["entry-points"][group]
+        ]
+        rows.append((f"``{project['name']}``", ", ".join(offers), project["description"]))
+    return table(("package", "offers", "what it is"), rows)
 
 
 def changelog():
@@ -319,7 +343,10 @@ def from_table(name):
     """docs/tables/NAME.csv, with spaces for underscores in its header, so that it can wrap."""
     with (ROOT / "docs" / "tables" / f"{name}.csv").open(newline="", encoding="utf-8") as file:
         header, *rows = csv.reader(file)
-    return table([column.replace("_", " ") for column in header], rows)
+    header = [column.replace("_", " ") for column in header]
+    if len(rows) < len(header) >= DENSE[0][0]:  # few things of which much is told: one of them a column
+        header, *rows = zip(header, *rows, strict=True)
+    return table(header, rows)
 
 
 def sentences():
@@ -341,10 +368,12 @@ PARTS = {
     "models": models,
     "validity": validity,
     "kinds": kinds,
+    "measured-quantities": measured_quantities,
     "commands": commands,
     "contract": contract,
     "vector-math": vector_math,
     "changelog": changelog,
+    "example-packages": example_packages,
     "folders": folders,
     "imports-picture": imports_picture,
     "sentences": sentences,
@@ -368,7 +397,12 @@ def fields(cls, prefix):
 
 def table(header, rows):
     """Return a table as lines."""
-    lines = [".. list-table::", "   :header-rows: 1", ""]
+    lines = [
+        ".. list-table::",
+        "   :header-rows: 1",
+        *[f"   :class: {name}" for least, name in DENSE if len(header) >= least][:1],
+        "",
+    ]
     for row in (header, *rows):
         for k, cell in enumerate(row):
             lines.append(f"   {'  -' if k else '* -'} {literal_markup(cell)}".rstrip())

@@ -3,7 +3,7 @@
 ``.. from-program:: PART [ARGUMENT]`` takes a part of `facts.PARTS`, which returns lines of reStructuredText.
 """
 
-from facts import PARTS, ROOT
+import facts
 from sphinx.util.docutils import SphinxDirective
 
 
@@ -14,10 +14,11 @@ class FromProgram(SphinxDirective):
     def run(self):
         part, *rest = self.arguments
         if part == "table":
-            self.env.note_dependency(str(ROOT / "docs" / "tables" / f"{rest[0]}.csv"))
+            self.env.note_dependency(str(facts.ROOT / "docs" / "tables" / f"{rest[0]}.csv"))
+            self.env.note_dependency(facts.__file__)
         else:
             self.env.note_reread()
-        return self.parse_text_to_nodes("\n".join(PARTS[part](*rest)), allow_section_headings=True)
+        return self.parse_text_to_nodes("\n".join(facts.PARTS[part](*rest)), allow_section_headings=True)
 
 
 def setup(app):

@@ -1,5 +1,7 @@
 """Equations as MathML, by the converter that comes with docutils."""
 
+import re
+
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 
@@ -15,8 +17,21 @@ def inline(translator, node):
     raise nodes.SkipNode
 
 
+def parts(text):
+    """A display of several equations, cut where it leaves a gap between them, so that narrow pages can stack them."""
+    made, depth, start = [], 0, 0
+    for gap in re.finditer(r"\\q?quad(?![a-z])|\\(?:begin|left)(?![a-z])|\\(?:end|right)(?![a-z])|\\.|[{}]", text):
+        word = gap.group()
+        if word.endswith("quad") and not depth:
+            made.append(text[start : gap.start()].strip())
+            start = gap.end()
+        depth += (word in ("{", r"\begin", r"\left")) - (word in ("}", r"\end", r"\right"))
+    return [*filter(None, made), text[start:].strip()]
+
+
 def block(translator, node):
-    translator.body.append(f'<div class="equation">{converted(node.astext(), as_block=True)}</div>')
+    equations = "".join(converted(part, as_block=True) for part in parts(node.astext()))
+    translator.body.append(f'<div class="equation">{equations}</div>')
     raise nodes.SkipNode
 
 

@@ -115,7 +115,7 @@ def error_figure(error):
     x, y = np.arange(len(LOADS)), np.arange(len(OILS))
     for axis, name in zip(axes.flat, FORMULAS, strict=True):
         value = 100 * np.array([[error[M, L][name] for M in LOADS] for L in OILS])
-        image = axis.pcolormesh(x, y, value, cmap="RdBu", vmin=-50, vmax=50, shading="nearest")
+        image = axis.imshow(value, "RdBu", vmin=-50, vmax=50, aspect="auto", origin="lower", interpolation="none")
         axis.contour(x, y, value, levels=[-10, 10], colors=BLACK, linewidths=0.7)
         axis.set_title(f"{name}\n({location(name)})", fontsize=6.5)
         axis.set_xticks(x[::3], [f"{M:g}" for M in LOADS[::3]])

@@ -16,8 +16,8 @@ from output import write_table
 from rollslip.campaigns.fit.fit import fit_parameters
 from rollslip.campaigns.fit.least_squares import LEVELS
 from rollslip.campaigns.fit.problem import parameters_named, rig_problem
-from rollslip.campaigns.fit.rig_data import Rig, RigContact, RigData
 from rollslip.errors import ConvergenceError
+from rollslip.measurement.rig import Rig, RigContact, RigData
 from rollslip.scene import LubricantTable
 
 REPEATS = 500

@@ -21,7 +21,7 @@ from rollslip import evolve, load_scene
 from rollslip.campaigns.pareto.candidates import plan_family
 from rollslip.campaigns.pareto.findings import findings, milliseconds, studies, taking_part
 from rollslip.campaigns.pareto.pareto import run_family
-from rollslip.results.figures import plot
+from rollslip.results.figures import save_plots
 
 KEPT = DOCS.parent / "build" / "fronts"
 #: Table -> scene, study, what is changed in it, rounds, figures.
@@ -73,7 +73,7 @@ def main():
         names = [str(result).replace(" ", "_").replace(",", "") for result in dataset["result"].values]
         write_table(table, ("kind", "choice", "time_[ms]", *names), rows(dataset))
         with tempfile.TemporaryDirectory() as folder:
-            plot(dataset, Path(folder))
+            save_plots(dataset, Path(folder))
             for figure in figures:
                 slug = f"{table.removeprefix('fronts_')}-{figure}".replace("-", "_").lower()
                 shutil.copy(Path(folder) / f"pareto-{figure}.svg", DOCS / "figures" / f"pareto_{slug}.svg")

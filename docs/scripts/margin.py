@@ -1,4 +1,4 @@
-"""Write the tables and figures of docs/start/uncertainty.rst: what the scatter of the oil leaves of the slip.
+"""Write the tables and figures of docs/howto/uncertainty.rst: what the scatter of the oil leaves of the slip.
 
 - margin.csv: allowable slip, margin and quantiles for the paper's bearing at 70 degC and the scatter that the shipped
   MIL-PRF-7808 comes with;
@@ -21,7 +21,7 @@ from rollslip.campaigns.sweep.figures import models_apart
 from rollslip.campaigns.sweep.folder import sweep
 from rollslip.campaigns.uncertainty.findings import sentences
 from rollslip.campaigns.uncertainty.margin import plan_margin, run_margin
-from rollslip.results.figures import plot
+from rollslip.results.figures import save_plots
 
 SCENE = "1032930-70C"
 KEPT = DOCS.parent / "build" / "margin"
@@ -39,7 +39,7 @@ MAP = {"operation.radial_load": "1 kN:10 kN:12", "operation.inner_speed": "2000 
 def figures(dataset, **names):
     """Draw the figures of a dataset and keep those that are named, under other names."""
     with tempfile.TemporaryDirectory() as folder:
-        plot(dataset, Path(folder))
+        save_plots(dataset, Path(folder))
         for theirs, ours in names.items():
             shutil.copyfile(Path(folder) / f"{theirs.replace('_', '-')}.svg", DOCS / "figures" / f"{ours}.svg")
 

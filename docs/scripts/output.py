@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -12,6 +13,9 @@ DOCS = Path(__file__).parents[1]
 
 #: Okabe & Ito (2008): told apart with every kind of colour vision.
 BLUE, ORANGE, GREEN, PURPLE, BLACK = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000"
+
+#: Of a figure, in bytes: pages shall load on a slow line.
+LARGEST = 200_000
 
 matplotlib.rcdefaults()  # nobody's matplotlibrc has a say
 matplotlib.rcParams.update(
@@ -54,10 +58,18 @@ def figure(columns: int = 1, *, height: float = 2.9, width: float = 3.4, **optio
 
 
 def save_figure(made: Figure, name: str) -> None:
-    """Write docs/figures/NAME.svg, without a date."""
+    """Write docs/figures/NAME.svg, without a date and of at most `LARGEST` bytes."""
     path = DOCS / "figures" / f"{name}.svg"
     path.parent.mkdir(exist_ok=True)
     made.savefig(path, metadata={"Date": None})
+    path.write_text(rounded(path.read_text(encoding="utf-8")), encoding="utf-8")
+    if (size := path.stat().st_size) > LARGEST:
+        raise ValueError(f"{path.name} has {size} bytes, more than {LARGEST}; draw fewer marks or letters")
+
+
+def rounded(svg: str) -> str:
+    """Return a drawing with coordinates to 0.01 pt: matplotlib writes six digits behind the point."""
+    return re.sub(r' (?:d|x|y)="[^"]*"', lambda found: re.sub(r"(\.\d\d)\d+", r"\1", found.group()), svg)
 
 
 def percent(slip: float, digits: int = 1) -> str:

@@ -1,4 +1,4 @@
-"""Write sample_cost.csv of docs/start/uncertainty.rst: what a sample of the critical slip takes, and where it goes.
+"""Write sample_cost.csv of docs/howto/uncertainty.rst: what a sample of the critical slip takes, and where it goes.
 
 Each step is done for the same samples of the paper's bearing at 70 degC, as `rollslip.campaigns.sweep.point` does it;
 then all of them at once. Time of the processor, least of three rounds; half a minute.

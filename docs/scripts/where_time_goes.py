@@ -79,7 +79,7 @@ def one_run(scene: str, folder: Path) -> dict[str, float]:
     from rollslip.bearing.assembly import Assembly
     from rollslip.planning.execution import execute
     from rollslip.results.dataset import save
-    from rollslip.results.figures import plot
+    from rollslip.results.figures import save_plots
     from rollslip.results.report import write_report
     from rollslip.studies.raceways import LoadedRaceways
 
@@ -94,7 +94,7 @@ def one_run(scene: str, folder: Path) -> dict[str, float]:
     datasets = {name: clock.call(f"study {name}", execute, made, name) for name in made.studies}
     for name, dataset in datasets.items():
         clock.call("write the results", save, dataset, folder / f"{name}.nc")
-    figures = {name: clock.call("draw the plots", plot, dataset, folder) for name, dataset in datasets.items()}
+    figures = {name: clock.call("draw the plots", save_plots, dataset, folder) for name, dataset in datasets.items()}
     clock.call("write the report", write_report, datasets, figures, folder / "report.html")
     return clock.seconds
 
