@@ -14,13 +14,14 @@ pytestmark = pytest.mark.quick
 
 #: Module -> names that version 0.1 offered there.
 PROMISED = {
-    "rollslip": """Chain Conditions Slices available compare evolve fit get_include get_model load_distribution
-        load_scene model open_result pareto plan register run sweep uncertainty""",
+    "rollslip": """Chain Conditions RollslipDeprecationWarning Slices available compare evolve explore fit
+        get_include get_model load_distribution load_scene model open_result pareto plan plot register
+        run sweep uncertainty""",
     "rollslip.cli": "main",
-    "rollslip.datasets": "BearingData SurfaceData",
+    "rollslip.datasets": "BearingData Family SurfaceData",
     "rollslip.engine": "Engine cores",
-    "rollslip.errors": """BusyError ConvergenceError DomainError EngineError OutputError PluginError RollslipError
-        SceneError""",
+    "rollslip.errors": """BusyError ConvergenceError DomainError EngineError OutputError PluginError
+        RollslipDeprecationWarning RollslipError SceneError""",
     "rollslip.fields": "FieldError at_least field in_range non_negative one_of parameter positive",
     "rollslip.foreign": "EVALUATE NumbaSlices SlicesStruct capsule_from_address numba_slices",
     "rollslip.hookspecs": """bearings contact_models drag_models engines film_models hookimpl hookspec
@@ -59,7 +60,9 @@ def test_names_of_the_package_are_loaded_when_they_are_used():
 
 def test_the_former_path_of_the_laws_of_pressure_warns_once_and_leads_to_the_same():
     sys.modules.pop(FORMER, None)
-    with pytest.warns(DeprecationWarning, match=r"import from rollslip\.lubricant\.pressure") as caught:
+    with pytest.warns(
+        rollslip.RollslipDeprecationWarning, match=r"import from rollslip\.lubricant\.pressure"
+    ) as caught:
         former = importlib.import_module(FORMER)
     assert len(caught) == 1
     now = importlib.import_module("rollslip.lubricant.pressure")

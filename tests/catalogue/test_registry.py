@@ -1,11 +1,6 @@
 """Finding models: the catalogue without imports, one fault one sentence, parameters, and what every model declares."""
 
-import ast
 import inspect
-import os
-import subprocess
-import sys
-import textwrap
 import tomllib
 from pathlib import Path
 
@@ -13,7 +8,9 @@ import attrs
 import numpy as np
 import pytest
 
+from packages import python
 from rollslip import available, get_model, hookspecs
+from rollslip.catalogue import discovery
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.catalogue.registry import catalogue, find, get_class
 from rollslip.engine import Engine
@@ -23,13 +20,20 @@ from rollslip.lubricant import Lubricant
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, TractionModel
 from rollslip.references import Reference
 from rollslip.studies.study import Study
+from rollslip.studies.thermal_balance.model import ThermalModel
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
 from rollslip_plugins.traction.eyring import MaxwellEyring
 
 PROMISED = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]["entry-points"]
 KINDS = PROMISED.pop("rollslip.kind")
-OFFERED = [(group.removeprefix("rollslip."), name) for group, names in PROMISED.items() for name in names]
+FAMILIES = {name: path for names in PROMISED.values() for name, path in names.items() if ":" in path}
+OFFERED = [
+    (group.removeprefix("rollslip."), name)
+    for group, names in PROMISED.items()
+    for name in names
+    if name not in FAMILIES
+]
 BASES = {
     "contact": ContactModel,
     "film": FilmModel,
@@ -42,28 +46,12 @@ every_offer = pytest.mark.parametrize(("kind", "name"), OFFERED, ids=["-".join(o
 every_model = pytest.mark.parametrize(("kind", "name"), MODELS, ids=["-".join(model) for model in MODELS])
 
 
-def python(code, *paths, **environment):
-    """Run code in a fresh interpreter; return what it prints, as a Python literal a line."""
-    inherited = {name: value for name, value in os.environ.items() if name != "ROLLSLIP_DISABLED_PLUGINS"}
-    path = os.pathsep.join([*map(str, paths), *filter(None, [inherited.get("PYTHONPATH")])])
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", textwrap.dedent(code)],
-        env={**inherited, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
-    return [ast.literal_eval(line) for line in done.stdout.splitlines()]
-
-
 # Catalogue -----------------------------------------------------------------------------------------------------------
 
 
 def test_the_catalogue_lists_what_the_package_promises():
     ours = [(offer.kind, offer.name) for offer in catalogue() if offer.package == "rollslip"]
-    assert sorted(ours) == sorted(OFFERED)
+    assert sorted(ours) == sorted([*OFFERED, *(("bearing", name) for name in FAMILIES)])
     assert {offer.state for offer in catalogue() if offer.package == "rollslip"} == {"ok"}
     assert set(kinds()) == set(KINDS)
     for kind in kinds():
@@ -72,9 +60,59 @@ def test_the_catalogue_lists_what_the_package_promises():
         available("film")["mine"] = None
 
 
+def test_a_family_offers_all_its_names_and_is_none_itself():
+    assert list(FAMILIES) == ["cylindrical-roller"]
+    ((offer, family),) = discovery.families("bearing")
+    assert (offer.name, offer.module) == (family.name, FAMILIES[family.name])
+    assert family.name not in available("bearing")
+    assert not set(family.names) & set(available("bearing"))
+    assert get_class("bearing", family.names[0]).name == family.names[0]
+
+
+@pytest.mark.parametrize(
+    ("module", "told"),
+    [
+        ("rollslip_plugins.data.cylindrical:NOTHING", "is no family of named data"),
+        ("rollslip_plugins.data.cylindrical:RULES", "is no family of named data"),
+        ("rollslip_plugins.data.nowhere:CATALOGUE", "cannot be imported"),
+    ],
+)
+def test_a_broken_family_says_why_and_hides_no_other_name(monkeypatch, module, told):
+    broken = discovery.Offer(kind="bearing", name="broken", package="broken", version="1", module=module)
+    installed = (*discovery._installed(), broken)
+    monkeypatch.setattr(discovery, "_installed", lambda: installed)
+    with pytest.raises(PluginError, match=told):
+        discovery.load(broken)
+    assert find("bearing", "nu 2210").name == "NU2210E"
+
+
+def test_two_that_mean_the_same_are_both_named(monkeypatch):
+    twin = discovery.Offer(
+        kind="bearing", name="twin", package="other", version="1", module=FAMILIES["cylindrical-roller"]
+    )
+    installed = (*discovery._installed(), twin)
+    monkeypatch.setattr(discovery, "_installed", lambda: installed)
+    monkeypatch.setattr(
+        discovery, "load", lambda offer, load=discovery.load: load(attrs.evolve(offer, name="cylindrical-roller"))
+    )
+    with pytest.raises(PluginError, match="may be 'NU2210E' of package rollslip and 'NU2210E' of package other"):
+        find("bearing", "NU2210")
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [("ISO VG 68", "iso-vg-68"), ("vg68", "iso-vg-68"), ("MIL-L-7808", "mil-prf-7808"), ("SAE30", "sae-30")],
+)
+def test_names_of_data_are_found_in_any_spelling_and_by_synonyms(written, meant):
+    assert find("lubricant", written).name == meant
+    with pytest.raises(PluginError, match="no film is called 'Moes'"):
+        find("film", "Moes")  # of a law a scene means what it says
+
+
 def test_listing_imports_no_model_and_asking_for_one_only_its_module():
     loaded = "print(sorted(name for name in sys.modules if name.startswith(('rollslip_plugins', 'scipy', 'pluggy'))))"
-    listed, film, again, traction = python(f"""
+    listed, film, again, traction = python(
+        f"""
         import sys
         from rollslip import available, get_model
         for kind in ("contact", "film", "traction", "drag", "integrator", "lubricant"):
@@ -86,7 +124,9 @@ def test_listing_imports_no_model_and_asking_for_one_only_its_module():
         print(sorted(name for name in sys.modules if name.startswith("rollslip_plugins")))
         get_model("traction", "kragelsky")
         print(sorted(name for name in sys.modules if name.startswith("rollslip_plugins")))
-    """)
+    """,
+        fresh=True,
+    )
     assert listed == []
     first = [f"rollslip_plugins{name}" for name in ("", ".bibliography", ".film", ".film.formulas")]
     assert film == again == first
@@ -97,8 +137,9 @@ def test_listing_imports_no_model_and_asking_for_one_only_its_module():
 def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
     thing = get_class(kind, name)
     assert thing.name == name
-    if kind in {**BASES, "engine": Engine, "study": Study}:
-        assert issubclass(thing, {**BASES, "engine": Engine, "study": Study}[kind])
+    classes = {**BASES, "engine": Engine, "study": Study, "thermal": ThermalModel}
+    if kind in classes:
+        assert issubclass(thing, classes[kind])
         assert not inspect.isabstract(thing)
     else:
         assert not isinstance(thing, type)  # data: a value, checked when it was made

@@ -30,6 +30,7 @@ def test_a_package_is_written_whole(kind: str, compiled: bool, tmp_path: Path) -
     expected = {".gitignore", "LICENSE", "README.md", "pyproject.toml", f"{source}/__init__.py", f"{source}/py.typed"}
     expected |= {f"{source}/{kind}.py", "tests/test_rollslip_my_law.py"}
     expected |= {f"{source}/heun.py"} if kind == "integrator" else set()
+    expected |= {f"{source}/{path}" for path in get_kind(kind).template.files}
     if compiled:
         expected |= {"setup.py", f"{source}/_kernel.pyx", f"{source}/_kernel.pyi"}
     written = {path.relative_to(made).as_posix(): path for path in made.rglob("*") if path.is_file()}
@@ -61,7 +62,8 @@ def test_the_metadata_lead_to_the_model(kind: str, compiled: bool) -> None:
     ]
     assert hooks == [get_kind(kind).hook]
     strings = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
-    assert "my-law" in strings
+    named = "".join(text for path, text in texts.items() if path.endswith(".toml") and "/data/" in path)
+    assert "my-law" in strings or 'name = "my-law"' in named
     methods = {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
     assert ("kernel" in methods) == compiled
 
@@ -159,7 +161,7 @@ def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("kind", ["integrator", "engine", "lubricant", "bearing", "surface"])
+@pytest.mark.parametrize("kind", ["integrator", "engine", "thermal", "lubricant", "bearing", "surface"])
 def test_what_has_no_compiled_form_is_refused_one(kind: str, tmp_path: Path) -> None:
     with pytest.raises(FieldError, match=f"{kind} has no compiled form, only contact, drag, film, traction have"):
         new("law", kind, True, tmp_path)

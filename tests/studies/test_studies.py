@@ -36,7 +36,10 @@ SHORT = {
 }
 #: Outputs that need other settings than those above; those of a history stand in test_dynamics_history.py.
 ELSEWHERE = {
-    "dynamics": {"inner_speed", "outer_speed", "radial_load", "temperature", "epicyclic_cage_speed",
+    "thermal-balance": {"leading_temperature", "excess_heat", "heat_margin", "limit_temperature", "inlet_limit",
+                        "limit_status", "jumps", "course_temperature", "course_slip", "course_status"},
+    "dynamics": {"inner_speed", "outer_speed", "radial_load", "load_direction", "temperature", "epicyclic_cage_speed",
+                 "roller_sliding_distance", "roller_frictional_work",
                  "runaway_slip_along", "runaway_drag_along", "critical_slip_along", "largest_cage_slip",
                  "largest_cage_slip_time", "least_margin_to_runaway", "least_margin_time", "time_beyond_runaway",
                  "sliding_distance_inner", "sliding_distance_outer", "frictional_work_inner", "frictional_work_outer"},
@@ -47,7 +50,7 @@ ELSEWHERE = {
 
 def test_the_studies_of_the_box_are_offered_like_those_of_others():
     assert {name: offer.package for name, offer in available("study").items()} == dict.fromkeys(
-        ("dynamics", "effective-friction", "friction-curve", "steady-slip"), "rollslip"
+        ("dynamics", "effective-friction", "friction-curve", "steady-slip", "thermal-balance"), "rollslip"
     )
 
 

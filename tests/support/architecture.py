@@ -11,18 +11,23 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 #: Folders from left to right: each imports only what stands left of it. The shelf is the modules beside the folders.
 ORDER = (
-    "shelf", "lubricant", "catalogue", "scene", "bearing", "results", "motion", "studies", "planning", "campaigns",
-    "testing", "cli",
+    "shelf", "lubricant", "catalogue", "scene", "measurement", "bearing", "results", "motion", "studies", "planning",
+    "campaigns", "testing", "cli",
 )  # fmt: skip
 #: The face of the package names everything, and the alias of a former path its new home.
 FACES = {"rollslip", "rollslip.pressure_viscosity"}
 MOST_MODULES, MOST_LINES = 12, 600
 #: A campaign may build upon another only here.
-CAMPAIGNS = {("uncertainty", "sweep"), ("pareto", "comparison")}
+#: A validation holds what the others compute against what was measured: points and samples, scatter, models that take
+#: their place, contacts of a rig. None of them knows of it.
+CAMPAIGNS = {
+    ("uncertainty", "sweep"), ("explorer", "sweep"), ("pareto", "comparison"), ("validation", "comparison"),
+    ("validation", "fit"), ("validation", "sweep"), ("validation", "uncertainty"),
+}  # fmt: skip
 #: Package -> the folder, or the module, that alone may import it.
 ONLY = {"matplotlib": ("results", "figures"), "click": ("cli",), "sqlite3": ("journal",)}
 #: Where names of models and studies may stand as defaults of scene or study.
-DEFAULTS = ("rollslip.scene.values", "rollslip.studies")
+DEFAULTS = ("rollslip.planning.new_scene", "rollslip.scene.values", "rollslip.studies")
 
 
 def modules(root: Path = ROOT) -> dict[str, Path]:

@@ -24,6 +24,7 @@ import numpy as np
 
 from foreign_stages import NAME, SIZE, RsModel, _new_capsule, foreign_capsule
 from rollslip import get_include
+from rollslip.catalogue.registry import get_model
 from rollslip.engine import Engine
 from rollslip.errors import DomainError
 from rollslip.fields import parameter, positive
@@ -41,6 +42,8 @@ from rollslip.models import (
     TractionModel,
     Validity,
 )
+from rollslip.structure import FrozenTable
+from rollslip.studies.thermal_balance.model import ROLES, ThermalModel
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_kernels.stages.drag import python_drag
 
@@ -1051,12 +1054,108 @@ OILS = {  # what is wrong with it, for the table: a value has no docstring
 BROKEN += OILS.values()
 
 
+# Data sets -----------------------------------------------------------------------------------------------------------
+
+
+def data_set(**changes):
+    sound = get_model("measurement", "klebanov-2022")
+    return attrs.evolve(sound, name="sound-data", **changes)
+
+
+def _rows(**changes):
+    """Return a sound series with other conditions in its row."""
+    series = data_set().series[0]
+    return (attrs.evolve(series, rows=(attrs.evolve(series.rows[0], changes=FrozenTable(changes)),)),)
+
+
+DATA_SETS = {
+    "no citation": ("check_a_data_set_says_what_it_is_and_whence", data_set(references=())),
+    "a row names an oil that nobody offers": (
+        "check_every_row_makes_a_bearing",
+        data_set(series=_rows(**{"lubricant.name": "oil-of-nobody"})),
+    ),
+}
+BROKEN += DATA_SETS.values()
+SOUND.append(data_set())
+
+
 def fault_of(model):
     """Return what is wrong with a model, as its docstring says it."""
-    for fault, (_, broken) in OILS.items():
+    for fault, (_, broken) in (OILS | DATA_SETS).items():
         if broken is model:
             return fault
     return (type(model).__doc__ or "").strip().splitlines()[0].rstrip(".")
+
+
+# Thermal models ------------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen(kw_only=True)
+class Heat(ThermalModel):
+    """Oil and steel that exchange heat; oil carries it away."""
+
+    name = "sound-heat"
+    equation = "C_k dT_k/dt = H_k + K (T_j - T_k) - m c (T_oil - T_0)"
+    references = SOURCE
+
+    exchange: float = parameter(default=20.0, unit="W/K", doc="conductance between oil and steel", validator=positive)
+    carried: float = parameter(default=10.0, unit="W/K", doc="heat that the oil carries a kelvin", validator=positive)
+    inflow: float = parameter(default=300.0, unit="K", doc="temperature of oil that comes in", validator=positive)
+
+    @property
+    def nodes(self):
+        return ("oil", "steel")
+
+    def start(self, scene):
+        return np.full(2, scene.operation.temperature)
+
+    def capacities(self):
+        return np.array([1e3, 1e4])
+
+    def inflows(self, temperatures, losses):
+        oil, steel = temperatures
+        across = self.exchange * (steel - oil)
+        return np.array([sum(losses.values()) + across - self.carried * (oil - self.inflow), -across])
+
+    def carried_away(self, temperatures):
+        return {"oil": self.carried * (temperatures[0] - self.inflow)}
+
+    def changes(self, temperatures, scene):
+        return {key: float(temperatures[int(role != "oil")]) for key, role in ROLES.items()}
+
+
+@breaks("check_has_an_equation_and_references")
+class _Unsourced(Heat):
+    """A thermal model without a source."""
+
+    references = ()
+
+
+@breaks("check_heat_is_conserved")
+class _Leaks(Heat):
+    """A tenth of the losses goes nowhere."""
+
+    def inflows(self, temperatures, losses):
+        return super().inflows(temperatures, {place: 0.9 * loss for place, loss in losses.items()})
+
+
+@breaks("check_a_warmer_node_takes_less_heat_and_the_others_no_less", exchange=-20.0)
+@attrs.frozen(kw_only=True)
+class _Backwards(Heat):
+    """Heat flows from cold oil to warm steel."""
+
+    exchange: float = parameter(default=-20.0, unit="W/K", doc="conductance of the wrong sign")
+
+
+@breaks("check_nodes_have_capacities_and_keys_of_the_scene")
+class _Weightless(Heat):
+    """Its oil has no heat capacity."""
+
+    def capacities(self):
+        return np.array([0.0, 1e4])
+
+
+SOUND.append(Heat())
 
 
 # Packages that end the process ---------------------------------------------------------------------------------------

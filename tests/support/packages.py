@@ -6,6 +6,8 @@ import subprocess
 import sys
 import textwrap
 
+import warm
+
 #: A traction model that works; tests break it by replacing a line. ``NAME`` becomes the name it is installed under.
 TRACTION = """\
 import attrs
@@ -45,28 +47,31 @@ def install(folder, package, source, *, kind="traction", name=None, module=None,
         (folder / f"{module}.py").write_text(source.replace("NAME", name))
 
 
-def process(arguments, *paths, **environment):
-    """Run Python with packages on its path; warnings are errors, as a user with strict settings has them."""
+def process(code, *arguments, paths=(), fresh=False, **environment):
+    """Run code with packages on its path; warnings are errors, as a user with strict settings has them.
+
+    ``fresh`` starts Python: where it counts what is imported, or the environment is read before anything else.
+    """
     inherited = {name: value for name, value in os.environ.items() if name != "ROLLSLIP_DISABLED_PLUGINS"}
     path = os.pathsep.join([*map(str, paths), *filter(None, [inherited.get("PYTHONPATH")])])
+    environment = {**inherited, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", **environment}
+    if not fresh:
+        return warm.python(code, *arguments, paths=paths, environment=environment)
     return subprocess.run(
-        [sys.executable, "-W", "error", *arguments],
-        env={**inherited, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+        [sys.executable, "-W", "error", "-c", code, *arguments],
+        env=environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
 
 
-def python(code, *paths, **environment):
+def python(code, *paths, **options):
     """Run code in a new process; return what it prints, one Python literal a line."""
-    done = process(["-c", textwrap.dedent(code)], *paths, **environment)
+    done = process(textwrap.dedent(code), paths=paths, **options)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     return [ast.literal_eval(line) for line in done.stdout.splitlines()]
 
 
-def rollslip(*arguments, path, **environment):
+def rollslip(*arguments, path, **options):
     """Run the command line; return its exit code, output and errors."""
-    done = process(["-c", "from rollslip.cli import main; main()", *arguments], path, **environment)
+    done = process(warm.COMMAND, *arguments, paths=[path], **options)
     return done.returncode, done.stdout, done.stderr

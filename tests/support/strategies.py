@@ -71,26 +71,38 @@ class Film:
 FLASH = 0.97
 
 
-@st.composite
-def films(draw, deborah=None, heating=None):
+def films(deborah=None, heating=None):
     """Return a strategy of `Film`.
 
     Pressure 1e6 to 4e9 Pa, a viscosity there of up to exp(40) times that at ambient pressure, h 1e-9 to 1e-4 m, u 1e-3
     to 100 m/s, an oil from fuel to grease; the shear modulus and the thermal coefficient follow from the Deborah number
     and the heating group drawn, which would else be tied to that viscosity. The film parameter is 1e-3 to 30.
     """
-    pressure = draw(decades(6, 9.6))
-    eta = draw(decades(-3, 0.5)) * float(np.exp(draw(or_zero(st.floats(1e-3, 40.0)))))
-    eyring_stress = draw(decades(5, 8))
-    half_width, film_thickness, rolling_speed = draw(decades(-6, -3)), draw(decades(-9, -4)), draw(decades(-3, 2))
-    effusivity, conductivity = draw(decades(3, 5)), draw(decades(-1.5, 0))
-    deborah = draw(decades(-6, 6) if deborah is None else deborah)
-    heating = draw(or_zero(decades(-6, 3)) if heating is None else heating)
+    return st.builds(
+        _film,
+        pressure=decades(6, 9.6),
+        eta=st.tuples(decades(-3, 0.5), or_zero(st.floats(1e-3, 40.0))).map(lambda of: of[0] * float(np.exp(of[1]))),
+        eyring_stress=decades(5, 8),
+        half_width=decades(-6, -3),
+        film_thickness=decades(-9, -4),
+        rolling_speed=decades(-3, 2),
+        effusivity=decades(3, 5),
+        conductivity=decades(-1.5, 0),
+        film_parameter=decades(-3, 1.5),
+        deborah=decades(-6, 6) if deborah is None else deborah,
+        heating=or_zero(decades(-6, 3)) if heating is None else heating,
+    )
+
+
+def _film(  # drawn by builds and not by a composite, which makes and checks its strategies anew for each example
+    pressure, eta, eyring_stress, half_width, film_thickness, rolling_speed, effusivity, conductivity, film_parameter,
+    deborah, heating,
+):  # fmt: skip
     zeta = FLASH * np.sqrt(half_width / (np.pi * rolling_speed)) / effusivity + film_thickness / (12 * conductivity)
     softening = heating * eta / (zeta * eyring_stress**2 * film_thickness)
     return Film(
         conditions=Conditions(
-            roughness=film_thickness / draw(decades(-3, 1.5)),
+            roughness=film_thickness / film_parameter,
             effusivity=effusivity,
             conductivity=conductivity,
             eyring_stress=eyring_stress,

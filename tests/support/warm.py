@@ -1,12 +1,15 @@
-"""The command line in a process of its own that does not start cold: imports are half of what a short command costs.
+"""Python and the command line in a process that does not start cold: imports are half of what a short command costs.
 
-Each command is forked from a process that has imported the program and nothing else: no catalogue, no scene, no state
-of another command. Tests of start-up itself, of signals and of locales start Python.
+Each is forked from a process that has imported the program, and what it draws with, and nothing else: no catalogue, no
+scene, no state of another command. Tests of start-up itself, of what is imported, of signals and of locales start
+Python.
 """
 
 import multiprocessing
 import os
+import sys
 import tempfile
+import warnings
 from pathlib import Path
 from subprocess import CompletedProcess
 
@@ -17,31 +20,43 @@ _FORKING.set_forkserver_preload(
         "rollslip.planning.execution",
         "rollslip.results.dataset",
         "rollslip.results.report",
+        "matplotlib.backends.backend_svg",
+        "matplotlib.figure",
         "xarray",
     ]
 )
+COMMAND = "from rollslip.cli import main; main()"
 
 
-def _run(arguments, cwd, told):
-    """Be the program: its own standard streams, and an exit code."""
+def _run(code, arguments, cwd, told, paths, environment):
+    """Be Python: its own standard streams, arguments, path and environment, and an exit code."""
     for stream, path in enumerate((os.devnull, *told)):
         opened = os.open(path, os.O_RDWR)
         os.dup2(opened, stream)
         os.close(opened)
     os.chdir(cwd)
-    from rollslip.cli import main
+    if environment is not None:
+        os.environ.clear()
+        os.environ.update(environment)
+        warnings.simplefilter("error")
+    sys.argv[1:], sys.path[:0] = arguments, paths
+    exec(code, {"__name__": "__main__"})
 
-    main(list(arguments))
 
-
-def run(*arguments, cwd):
-    """Run the program from a folder; return what it printed with its exit code."""
+def python(code, *arguments, cwd=".", paths=(), environment=None):
+    """Run code; return what it printed with its exit code. With an environment of its own warnings are errors."""
     with tempfile.TemporaryDirectory() as folder:
         told = [Path(folder, name) for name in ("out", "err")]
         for path in told:
             path.touch()
-        process = _FORKING.Process(target=_run, args=(tuple(map(str, arguments)), os.fspath(cwd), told))
+        given = code, tuple(map(str, arguments)), os.path.abspath(cwd), told, tuple(map(str, paths)), environment
+        process = _FORKING.Process(target=_run, args=given)
         process.start()
         process.join()
         out, err = (path.read_text(encoding="utf-8") for path in told)
     return CompletedProcess(arguments, process.exitcode, out, err)
+
+
+def run(*arguments, cwd):
+    """Run the program from a folder; return what it printed with its exit code."""
+    return python(COMMAND, *arguments, cwd=cwd)

@@ -21,8 +21,8 @@ import xarray as xr
 from fuzz import stages
 from rollslip import open_result
 from rollslip.bearing.assembly import assemble
-from rollslip.campaigns.fit.rig_data import EXAMPLE, load_rig, read_data
 from rollslip.errors import OutputError, PluginError, SceneError
+from rollslip.measurement.rig import EXAMPLE, load_rig, read_data
 from rollslip.results.dataset import save
 from rollslip.scene import Scene, resolved, scene_hash
 from rollslip.scene.changes import evolve, parse_set
