@@ -17,7 +17,7 @@ from rollslip.results.account import capital
 from rollslip.results.curves import percent
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
-from rollslip.results.words import REST, verdict
+from rollslip.results.words import REST, counted, verdict
 from rollslip.scene import resolved
 from rollslip.scene.reading import load_scene
 from rollslip.studies.effective_friction.study import EffectiveFriction
@@ -128,6 +128,7 @@ def test_bounds_of_less_consequence_are_folded_below_the_warnings(results, figur
     assert re.findall("<li>(.*?)</li>", top) == ["mind the load", "sentence 1", "sentence 2", "sentence 3"]
     assert re.findall("<li>(.*?)</li>", folded) == ["sentence 4", "sentence 5", "sentence 6"]
     assert "<summary>3 more bounds of laws are left" in folded
+    assert counted(["short 1"]).startswith("1 more bound of a law is left, ")
 
 
 class Page(HTMLParser):

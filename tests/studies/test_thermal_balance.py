@@ -228,6 +228,13 @@ def test_runaways_of_film_and_of_bulk_are_told_apart():
     assert bulk.limit_status.item() == "no balance lasts"
 
 
+def test_a_limit_beyond_the_data_of_the_oil_is_not_known():
+    oil = {"name": "iso-vg-68"}
+    found = balanced({"lubricant": oil, "operation.temperature": "50 degC"}, oil_flow="0.1 kg/s")
+    assert "no limit is known beyond 120 degC: " in found.limit_status.item()
+    assert "its data hold from 0 degC to 120 degC" in found.limit_status.item()
+
+
 def test_warm_rings_change_the_clearance_where_they_expand():
     model = get_model("thermal", "network", expansion=1.2e-5).of(assemble(SCENE))
     T = model.start(SCENE) + np.array([0.0, 10.0, 20.0, 5.0, 0.0, 0.0])

@@ -101,8 +101,8 @@ def warned(datasets: "Iterable[xr.Dataset]") -> tuple[list[str], list[str]]:
 
 def counted(more: "Sequence[str]") -> str:
     """Say how many bounds are not told at once, and which; no full stop."""
-    what = f"{len(more)} more bounds of laws are left, with less consequence or one that nobody knows"
-    return f"{what}: {'; '.join(more)}"
+    what = "1 more bound of a law is left" if len(more) == 1 else f"{len(more)} more bounds of laws are left"
+    return f"{what}, with less consequence or one that nobody knows: {'; '.join(more)}"
 
 
 def _trust(datasets: "list[xr.Dataset]") -> str:

@@ -244,10 +244,10 @@ class ThermalBalance(Study):
             return f"no balance: {curve.refusals[0].refusal}"
         first, last = (int(np.flatnonzero(known)[k]) for k in (0, -1))
         if curve.excess[first] < 0.0:
-            ends = f", where the data of the scene end: {curve.refusals[first - 1].refusal}" if first else ""
+            reason = f", where the data of the scene end: {curve.refusals[first - 1].refusal}" if first else ""
             return (
                 f"no balance down to {curve.temperature[first] - 273.15:.4g} degC of the {node}: there "
-                f"{-curve.excess[first]:.3g} W more are carried away than are lost{ends}; check the temperatures and "
+                f"{-curve.excess[first]:.3g} W more are carried away than are lost{reason}; check the temperatures and "
                 "the cooling that the thermal model takes"
             )
         at = f"{curve.temperature[last] - 273.15:.4g} degC"
@@ -284,8 +284,8 @@ class ThermalBalance(Study):
         elif ends is not None and ends.by_film:
             status = f"the film: {ends.refusal}"
         elif ends is not None and ends.refusal:
-            at, value, inlet = np.nan, np.nan, np.nan
             status = f"no limit is known beyond {at - 273.15:.4g} degC: {ends.refusal}"
+            at, value, inlet = np.nan, np.nan, np.nan
         else:
             status = "the bulk: warmer than that losses rise faster than what is carried away"
         return self.variables(heat_margin=-value, limit_temperature=at, inlet_limit=inlet, limit_status=status)
