@@ -8,7 +8,7 @@ import numpy as np
 from rollslip.campaigns.fit.problem import rig_problem
 from rollslip.measurement import Measurement
 from rollslip.measurement.rig import Rig, RigContact, RigData
-from rollslip.measurement.values import Row, Series
+from rollslip.measurement.values import ContactSeries, Row
 from rollslip.scene.values import LubricantTable, ModelChoice, Models
 from rollslip.structure import FrozenTable
 
@@ -60,7 +60,7 @@ def synthetic(friction, noise, seed, count=None):
         )
         for k in range(friction.size)
     )
-    series = Series(
+    series = ContactSeries(
         name="traction", quantity="friction", unit="1", rows=rows, about_uncertainty="made", rig=RIG, data=data
     )
     return Measurement(

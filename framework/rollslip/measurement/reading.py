@@ -20,6 +20,7 @@ from rollslip.files import content_of, decoded, readable
 from rollslip.measurement.rig import FilmRow, Rig, RigData, TractionRow, load_rig, read_data
 from rollslip.measurement.values import (
     QUANTITIES,
+    ContactSeries,
     Measurement,
     MeasurementTable,
     Row,
@@ -298,7 +299,7 @@ class _Reader:
         rig: Rig | None = self._noted(lambda: load_rig(self._beside(one.rig, where.at("rig"))))
         if rig is not None and self.table.source.read == _TO_READ:  # a form: there is nothing to read yet
             self._noted(lambda: self._beside(one.data, where.at("data")))
-            return Series(rig=rig, rows=(), **common)
+            return Series(rows=(), **common)
         row = FilmRow if one.quantity == "film-thickness" else TractionRow
         data: RigData | None = self._noted(lambda: read_data(self._beside(one.data, where.at("data")), row))
         if rig is None or data is None:
@@ -316,7 +317,7 @@ class _Reader:
             measured, sigma = (float(data.columns[name][k]) for name in (column, f"{column}_uncertainty"))
             sigma = _with_reading(one, measured, sigma)
             rows.append(Row(changes=changes, measured=measured, uncertainty=sigma, line=line))
-        return Series(rig=rig, data=data, rows=tuple(rows), **common)
+        return ContactSeries(rig=rig, data=data, rows=tuple(rows), **common)
 
     def _rows(self, one: SeriesTable, unit: str, scene: Scene | None, where: Location) -> Iterator[Row]:
         """Rows of a file; what is wrong with them is noted."""

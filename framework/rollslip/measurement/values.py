@@ -23,8 +23,8 @@ from rollslip.structure import FrozenTable, attributes
 from rollslip.units import format_quantity
 
 __all__ = [
-    "EXPECTED", "LICENCES", "MEASUREMENT", "QUANTITIES", "READ", "Measured", "Measurement", "Quantity", "Row", "Series",
-    "SeriesTable", "SourceTable", "Statement", "StatementTable", "Step",
+    "EXPECTED", "LICENCES", "MEASUREMENT", "QUANTITIES", "READ", "ContactSeries", "Measured", "Measurement",
+    "Quantity", "Row", "Series", "SeriesTable", "SourceTable", "Statement", "StatementTable", "Step",
 ]  # fmt: skip
 
 
@@ -186,13 +186,19 @@ class Measured:
 
 @attrs.frozen(kw_only=True)
 class Series(Measured):
-    """Rows of one quantity, on a bearing or, with a rig, on a contact."""
+    """Rows of one quantity, on a bearing; none yet in a form."""
 
     name: str
     rows: tuple[Row, ...]
     about_uncertainty: str
-    rig: Rig | None = None
-    data: RigData | None = None
+
+
+@attrs.frozen(kw_only=True)
+class ContactSeries(Series):
+    """Rows of one quantity, on a contact in a rig."""
+
+    rig: Rig
+    data: RigData
 
 
 @attrs.frozen(kw_only=True)

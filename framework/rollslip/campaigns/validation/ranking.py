@@ -41,7 +41,7 @@ from rollslip.campaigns.validation.validate import Combination, Validation, nomi
 from rollslip.errors import DomainError, RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.measurement import Measurement
-from rollslip.measurement.values import Series
+from rollslip.measurement.values import ContactSeries, Series
 from rollslip.planning.provenance import citations_told, cited, origin, packages_of
 from rollslip.results.dataset import about
 
@@ -138,7 +138,7 @@ class _Scored:
 
 def _conditions(series: Series) -> list[NDArray[np.intp]]:
     """Rows of each condition of a series."""
-    if series.quantity == "friction" and series.rig is not None and series.data is not None:
+    if series.quantity == "friction" and isinstance(series, ContactSeries):
         return operating_points(rig_problem(series.data, series.rig))
     return [np.array([k]) for k in range(len(series.rows))]
 
@@ -162,7 +162,7 @@ def _scored(law: Combination, parts: Sequence[tuple[Measurement, Series]], wante
     errors, fitted, seconds = list[Array](), list[str](), list[float]()
     try:
         for _, series in parts:
-            if series.rig is not None and series.quantity == "friction":
+            if series.quantity == "friction" and isinstance(series, ContactSeries):
                 values, known, cost = _left_out(series, law, wanted)
                 fitted += known
                 seconds.append(cost)
@@ -183,9 +183,8 @@ def _scored(law: Combination, parts: Sequence[tuple[Measurement, Series]], wante
     )  # fmt: skip
 
 
-def _left_out(series: Series, law: Combination, wanted: Sequence[str]) -> tuple[Array, list[str], float]:
+def _left_out(series: ContactSeries, law: Combination, wanted: Sequence[str]) -> tuple[Array, list[str], float]:
     """Friction of every condition by a law that was fitted to all others; what was fitted; seconds a value."""
-    assert series.rig is not None and series.data is not None  # noqa: PT018
     problem = rig_problem(series.data, series.rig, law.models.get("traction"), law.models.get("film"))
     free = _known(problem, wanted)
     measured = np.array([row.measured for row in series.rows])

@@ -37,7 +37,7 @@ from rollslip.errors import DomainError, PluginError, RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.measurement import Measurement, load_measurement
-from rollslip.measurement.values import Series, Statement
+from rollslip.measurement.values import ContactSeries, Series, Statement
 from rollslip.planning.provenance import citations_told, cited, origin, packages_of
 from rollslip.planning.quantities import quantities
 from rollslip.results.dataset import about
@@ -254,11 +254,11 @@ def _judged_series(
 ) -> tuple[list[Judged], Group]:
     of = (measurement.name, series.name, combination.label)
     try:
-        if series.rig is None:
+        if isinstance(series, ContactSeries):
+            nominal, samples, note = _of_contacts(series, combination, plan)
+        else:
             assert series.scene is not None
             nominal, samples, note = _of_bearing(series, _scene_with(series.scene, combination), plan)
-        else:
-            nominal, samples, note = _of_contacts(series, combination, plan)
     except RollslipError as error:
         reason = str(error).splitlines()[0]
         failed = [Value(math.nan, reason, math.nan) for _ in series.rows]
@@ -276,11 +276,11 @@ def nominal_values(series: Series, combination: Combination) -> list[Value]:
     SceneError, PluginError
         If a model cannot be put where it is wanted.
     """
-    if series.rig is None:
-        assert series.scene is not None
-        scene = _scene_with(series.scene, combination)
-        return observe(scene, series.quantity, series.at, [dict(row.changes) for row in series.rows])
-    return _of_contacts(series, combination, Validation(sets=(), combinations=(), samples=0, seed=0))[0]
+    if isinstance(series, ContactSeries):
+        return _of_contacts(series, combination, Validation(sets=(), combinations=(), samples=0, seed=0))[0]
+    assert series.scene is not None
+    scene = _scene_with(series.scene, combination)
+    return observe(scene, series.quantity, series.at, [dict(row.changes) for row in series.rows])
 
 
 def _of_bearing(series: Series, scene: Scene, plan: Validation) -> tuple[list[Value], Array, str]:
@@ -312,9 +312,8 @@ def _samples(scene: Scene, plan: Validation) -> list[dict[str, object]]:
     return [dict(zip(keys, row, strict=True)) for row in drawn.tolist()]
 
 
-def _of_contacts(series: Series, combination: Combination, plan: Validation) -> tuple[list[Value], Array, str]:
+def _of_contacts(series: ContactSeries, combination: Combination, plan: Validation) -> tuple[list[Value], Array, str]:
     """Values of a rig's rows, with samples of the oil's own scatter."""
-    assert series.rig is not None and series.data is not None  # noqa: PT018
     column = series.quantity.replace("-", "_")
     data = series.data
     if column == "film_thickness":  # what was measured must not take the place of the model
@@ -344,9 +343,8 @@ def _of_contacts(series: Series, combination: Combination, plan: Validation) -> 
     return values, np.array(sampled).reshape(len(drawn), len(data)), note
 
 
-def _film_at(series: Series, combination: Combination) -> dict[str, object] | str | None:
+def _film_at(series: ContactSeries, combination: Combination) -> dict[str, object] | str | None:
     """Return the film model that is named, where it has a choice with the film that was measured."""
-    assert series.rig is not None
     own = series.rig.models.film
     name = combination.models.get("film", own.name)
     if "location" not in series.at or "thickness" not in {a.name for a in attrs.fields(get_class("film", name))}:
