@@ -157,6 +157,7 @@ def results_options(
         ),
         *([resume_option] if resume else []),
         click.option("--report", is_flag=True, help="Write a report in HTML too."),
+        click.option("--crate", is_flag=True, help="Write RO-Crate metadata too, which data repositories read."),
         click.option("--no-plots", is_flag=True, help=plots),
         click.option(
             "--format", "formats", metavar="NAME,NAME", default="svg", show_default=True, callback=_formats,
@@ -169,6 +170,7 @@ def results_options(
         @functools.wraps(command)
         def with_results(
             report: bool,
+            crate: bool,
             no_plots: bool,
             formats: tuple[str, ...],
             dark: bool,
@@ -183,6 +185,7 @@ def results_options(
                 overwrite=overwrite,
                 resume=resume,
                 report=report,
+                crate=crate,
                 formats=() if no_plots else formats,
                 dark=dark,
                 as_json=as_json,
@@ -235,12 +238,13 @@ class Results:
         overwrite: bool,
         resume: bool,
         report: bool,
+        crate: bool,
         formats: tuple[str, ...],
         dark: bool,
         as_json: bool,
     ) -> None:
         self.out, self._overwrite, self._resume, self._report = out, overwrite, resume, report
-        self._formats, self._dark = formats, dark
+        self._crate, self._formats, self._dark = crate, formats, dark
         self.as_json = as_json
         self.target = Path()
         self._files: list[str] = []
@@ -258,7 +262,10 @@ class Results:
             yield folder
 
     def show(self, datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[str]:
-        """Draw results into the folder that they are stored in, with a report if asked for; return what was written."""
+        """Draw results into the folder where they are stored as NAME.nc, with a report and metadata if asked for.
+
+        Return the names of what was written.
+        """
         figures, written = dict[str, list[Path]](), list[str]()
         if self._report or self._formats:
             from rollslip.results.figures import save_plots
@@ -277,6 +284,10 @@ class Results:
                 for file in (file for files in figures.values() for file in files):
                     file.unlink()
             written.append("report.html")
+        if self._crate:
+            from rollslip.results.crate import write_crate
+
+            written.append(write_crate({folder / f"{name}.nc": one for name, one in datasets.items()}).name)
         self._files = sorted(path.name for path in folder.iterdir() if path.is_file() and path.name[0] != ".")
         return written
 

@@ -73,7 +73,7 @@ def compare(
         with progress("compare", sum(plan.seconds for plan in made.plans.values())) as show:
             dataset = run_comparison(made, show)
         save(dataset, folder / "compare.nc")
-        results.show({"comparison": dataset}, folder)
+        results.show({"compare": dataset}, folder)
     if results.as_json:
         print_json(console.result_as_dict(dataset) | results.as_dict())
     else:
