@@ -11,6 +11,7 @@ import importlib.util
 import re
 import shlex
 import shutil
+import sys
 import tomllib
 from pathlib import Path
 
@@ -21,6 +22,7 @@ import pytest
 import rollslip
 from rollslip import evolve, hookspecs, load_scene, run
 from rollslip.bearing.assembly import assemble
+from rollslip.campaigns.validation.validate import validate
 from rollslip.catalogue import discovery
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import get_kind, kinds, offered_kinds
@@ -505,3 +507,45 @@ def test_every_law_is_reached_from_the_theory(kind):
     laws = {get_class(kind, name).__name__ for name, by in available(kind).items() if by.package == "rollslip"}
     assert laws
     assert laws <= names
+
+
+# A page for each model ------------------------------------------------------------------------------------------------
+
+sys.modules["facts"] = FACTS  # as Sphinx finds it
+MODEL_PAGES = script(DOCS / "_ext" / "model_pages.py")
+
+
+def test_a_model_has_a_page_of_what_it_is_its_errors_what_it_was_held_against_and_its_cost():
+    text = "\n".join(MODEL_PAGES.page("film", "martin"))
+    assert text.startswith("film martin\n===========\n")
+    order = ["::\n", "made for", "References:", "Errors against references", "What it was held against", "\nCost\n----"]
+    places = [text.index(part) for part in order]
+    assert places == sorted(places)
+    with (DOCS / "tables" / "film_error_ranges.csv").open(newline="", encoding="utf-8") as file:
+        [row] = [row for row in csv.DictReader(file) if row["formula"] == "martin"]
+    assert f"     - {row['all of the map']}\n" in text
+    computed = validate("film-limits", film="martin", samples=0)
+    of = (computed.row_series == "rigid, isoviscous, minimum") & (computed.row_models == "martin")
+    ratios = [f"     - {ratio:.3g} (" for ratio in computed.ratio.to_numpy()[of]]
+    of_series = text.partition(".. rubric:: film-limits: rigid, isoviscous, minimum\n")[2].partition(".. rubric")[0]
+    assert len(ratios) == 3
+    assert all(ratio in of_series for ratio in ratios)
+    assert of_series.count("     - inside\n") == 3  # the closed form is its own
+    assert "rollslip validate published-slip --film martin" in text
+    assert "film-limits" not in "\n".join(MODEL_PAGES.held("traction", "muraki"))
+
+
+def test_what_a_page_of_a_model_cannot_tell_it_says():
+    assert MODEL_PAGES.errors("no-such-model") == ["No table of the documentation has errors of this model.", ""]
+    assert MODEL_PAGES.held("drag", "churning")[0].startswith("Only contact, film, traction models")
+    solved = MODEL_PAGES.held("traction", "maxwell-eyring-field")
+    assert "    rollslip validate klebanov-2022 --traction maxwell-eyring-field" in solved
+    assert not any("rubric" in line for line in solved)
+
+
+def test_tables_of_errors_have_the_column_of_models_and_a_page_that_explains_them():
+    for stem, (column, _, leads) in MODEL_PAGES.ERRORS.items():
+        with (DOCS / "tables" / f"{stem}.csv").open(newline="", encoding="utf-8") as file:
+            found = {row[column].partition(",")[0].partition(" ")[0] for row in csv.DictReader(file)}
+        assert found & {name for kind in offered_kinds() for name in available(kind)}, stem
+        assert f".. from-program:: table {stem}\n" in PAGES[f"{leads.removeprefix('../../')}.rst"]

@@ -107,13 +107,18 @@ def study_keys():
 
 
 def models():
-    """Everything about everything that a scene can name, a section for each kind."""
+    """What a scene can name, a section for each kind: all about data, of models what they are, and their pages."""
     lines = []
     for kind in offered_kinds():
         lines += [kind.capitalize(), "-" * len(kind), ""]
         for name in available(kind):
             thing = get_class(kind, name)
-            lines += ["", f".. rubric:: {name}", "", *(model(kind, name) if isinstance(thing, type) else data(thing))]
+            lines += ["", f".. rubric:: {name}", ""]
+            if isinstance(thing, type):
+                summary = models_as_dict(name)[kind]["description"].partition("\n")[0]
+                lines += [f"{literal_markup(summary)} :doc:`Its page <model/{kind}-{name}>`.", ""]
+                continue
+            lines += data(thing)
             if thing.references:
                 lines += ["", "References:", "", *(f"- {citation(one)}" for one in thing.references)]
             lines.append("")
