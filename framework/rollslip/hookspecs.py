@@ -58,6 +58,11 @@ def accounts() -> Iterable[Any]:  # type: ignore[empty-body]
 
 
 @hookspec
+def scene_formats() -> Iterable[Any]:  # type: ignore[empty-body]
+    """File formats of scenes this plugin offers: values of `rollslip.scene.formats.SceneFormat`."""
+
+
+@hookspec
 def lubricants() -> Iterable[Any]:  # type: ignore[empty-body]
     """Lubricants this plugin offers: values of `rollslip.lubricant.Lubricant`."""
 

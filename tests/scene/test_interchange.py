@@ -2,13 +2,16 @@
 
 import json
 
+import attrs
 import pytest
+import xarray as xr
 
 from rollslip import evolve, load_scene
 from rollslip.cli.main import main
 from rollslip.errors import SceneError
-from rollslip.scene import scene_hash
-from rollslip.scene.interchange import from_parameters, parameter_schema, read_parameters, to_parameters
+from rollslip.scene import formats, scene_hash
+from rollslip.scene.formats import Read, SceneFormat, Written
+from rollslip.scene.interchange import from_parameters, parameter_schema, read_foreign, to_parameters, write_foreign
 from rollslip.scene.schema import schema
 
 pytestmark = pytest.mark.quick
@@ -83,7 +86,48 @@ def test_what_is_wrong_is_said(change, said):
 def test_what_is_no_json_is_refused(text, tmp_path):
     (tmp_path / "p.json").write_text(text, encoding="utf-8")
     with pytest.raises(SceneError, match="not valid JSON"):
-        read_parameters(tmp_path / "p.json")
+        read_foreign(tmp_path / "p.json")
+
+
+@attrs.frozen
+class Lines(SceneFormat):
+    """A format of a stranger: the parameters, and a line of what was calculated."""
+
+    endings = (".lines",)
+
+    def read(self, content, source):
+        return Read(json.loads(content.partition(b"\n")[0]), ("line 2: not used",))
+
+    def write(self, document, result):
+        return Written(f"{json.dumps(document)}\n{result.attrs['study']}", ("accuracy: has no place",))
+
+
+def test_a_format_of_a_package_carries_a_scene_and_a_result_there_and_back(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(formats, "available", lambda kind: {"lines": None})
+    monkeypatch.setattr(formats, "get_class", lambda kind, name: Lines(name))
+    scene, file = load_scene("1032930-70C"), tmp_path / "b.LINES"
+    result = xr.Dataset(attrs={"study": "steady-slip", "scene_hash": scene_hash(scene)})
+    assert write_foreign(scene, file, result) == ("accuracy: has no place",)
+    assert file.read_text(encoding="utf-8").endswith("\nsteady-slip")
+    back, notes = read_foreign(file)
+    assert back == scene
+    assert notes == ("line 2: not used",)
+    with pytest.raises(SystemExit) as leave:
+        main(["info", str(file)])
+    assert leave.value.code == 0
+    assert "note: line 2: not used\n" in capsys.readouterr().err
+    other = result.assign_attrs(scene_hash="0" * 64)
+    with pytest.raises(SceneError, match=r"the result is of another scene, 000000000000, not of .*; run this one"):
+        write_foreign(scene, file, other)
+    with pytest.raises(SceneError, match=r"p\.igs: no installed format has this ending; there are: \.lines$"):
+        write_foreign(scene, tmp_path / "p.igs")
+
+
+def test_what_json_cannot_hold_is_told(tmp_path):
+    scene = load_scene("1032930-70C")
+    [note] = write_foreign(scene, tmp_path / "b.json", xr.Dataset(attrs={"scene_hash": scene_hash(scene)}))
+    assert note == "the result: this format holds parameters alone; not written"
+    assert read_foreign(tmp_path / "b.json") == (scene, ())
 
 
 def test_the_schema_has_every_key_with_its_unit():

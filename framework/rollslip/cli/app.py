@@ -203,17 +203,23 @@ def results_options(
 
 
 def scene_of(name: str, changes: Sequence[str]) -> "Scene":
-    """Return a scene by name or file, also of parameters, with what --set changes; of what is unusual it is warned."""
+    """Return a scene by name or file, also of another program, with what --set changes.
+
+    What such a file lacks, and what of it is not used, is told, and of what is unusual it is warned.
+    """
     from rollslip.planning.plausibility import implausible
     from rollslip.scene.changes import evolve, parse_set
+    from rollslip.scene.formats import format_of
     from rollslip.scene.reading import load_scene
 
-    if name.endswith(".json"):
-        from rollslip.scene.interchange import read_parameters
-
-        scene = read_parameters(name)
-    else:
+    if format_of(name) is None:
         scene = load_scene(name)
+    else:
+        from rollslip.scene.interchange import read_foreign
+
+        scene, notes = read_foreign(name)
+        for note in notes:
+            click.echo(f"note: {note}", err=True)
     scene = evolve(scene, dict(map(parse_set, changes))) if changes else scene
     warn(implausible(scene))
     return scene

@@ -83,27 +83,45 @@ def cite(target: str, changes: Sequence[str], bibtex: bool, as_json: bool) -> No
 
 @click.command()
 @click.argument("scene", required=False, shell_complete=complete_scenes)
-@click.option("--out", metavar="FILE.json", type=click.Path(path_type=Path), help="File; by default it is printed.")
-@click.option("--schema", "of_schema", is_flag=True, help="The JSON Schema of such files instead.")
+@click.option(
+    "--out",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="File; its ending says the format: .json, or that of a package. By default JSON is printed.",
+)
+@click.option(
+    "--result",
+    metavar="RESULT.nc",
+    type=click.Path(path_type=Path),
+    help="Stored result of SCENE, to be written where the format of FILE has a place for it.",
+)
+@click.option("--schema", "of_schema", is_flag=True, help="The JSON Schema of the JSON instead.")
 @set_option
-def export(scene: str | None, out: Path | None, of_schema: bool, changes: Sequence[str]) -> None:
-    """Write SCENE as a neutral file of parameters: JSON, every number with its unit.
+def export(scene: str | None, out: Path | None, result: Path | None, of_schema: bool, changes: Sequence[str]) -> None:
+    """Write SCENE for other programs: as neutral parameters in JSON, or in a format that a package offers.
 
     All commands read such a file in place of a scene.
     """
     import json
 
     from rollslip.files import whole_file
-    from rollslip.scene.interchange import parameter_schema, to_parameters
+    from rollslip.results.dataset import open_result
+    from rollslip.scene.interchange import parameter_schema, to_parameters, write_foreign
 
     if (scene is None) != of_schema:
         raise click.UsageError("give a SCENE, or --schema")
-    document = parameter_schema() if scene is None else to_parameters(scene_of(scene, changes))
-    if out is None:
-        print_json(document)
+    if result is not None and (out is None or of_schema):
+        raise click.UsageError("--result needs a SCENE and an --out")
+    if scene is not None and out is not None:
+        notes = write_foreign(scene_of(scene, changes), out, None if result is None else open_result(result))
+        for note in notes:
+            click.echo(f"note: {note}", err=True)
+    elif out is None:
+        print_json(parameter_schema() if scene is None else to_parameters(scene_of(scene, changes)))
         return
-    with whole_file(out) as partial:
-        partial.write_text(json.dumps(document, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    else:
+        with whole_file(out) as partial:
+            partial.write_text(json.dumps(parameter_schema(), indent=2) + "\n", encoding="utf-8")
     click.echo(f"written to {out}")
 
 

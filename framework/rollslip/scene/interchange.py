@@ -6,6 +6,8 @@
   units are floats whose text is the shortest that gives them again; values that a scene keeps as text, of oil, cage and
   models, are parted into number and unit only where the number's text survives, and stay text elsewhere.
 - What comes from others may be in any unit that scenes take.
+- Files of other programs come and go by these parameters too: `read_foreign`, `write_foreign`, and a format for each
+  (`rollslip.scene.formats`), of which this JSON is one.
 """
 
 import json
@@ -14,16 +16,26 @@ import re
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+import attrs
 
 from rollslip.errors import SceneError
-from rollslip.files import content_of, decoded, readable
+from rollslip.files import content_of, decoded, readable, whole_file
+from rollslip.hookspecs import hookimpl
+from rollslip.scene.formats import Read, SceneFormat, Written, endings, format_of
 from rollslip.scene.reading import from_raw
 from rollslip.scene.schema import schema
-from rollslip.scene.values import Scene, resolved
+from rollslip.scene.values import Scene, resolved, scene_hash
 from rollslip.units import as_written
 
-__all__ = ["FORMAT", "VERSION", "from_parameters", "parameter_schema", "read_parameters", "to_parameters"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "FORMAT", "VERSION", "Json", "from_parameters", "parameter_schema", "read_foreign", "to_parameters",
+    "write_foreign",
+]  # fmt: skip
 
 FORMAT: Final = "rollslip-parameters"
 VERSION: Final = 1
@@ -118,28 +130,83 @@ def _read(value: object, key: str, source: str, problems: list[str]) -> Any:
     return value
 
 
-def read_parameters(path: str | os.PathLike[str]) -> Scene:
-    """Read a file of parameters as a scene.
+def _refused(text: str) -> float:
+    raise ValueError(f"{text} is no number")
+
+
+# Files --------------------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen
+class Json(SceneFormat):
+    """The neutral parameters as they are, in JSON."""
+
+    endings: ClassVar[tuple[str, ...]] = (".json",)
+
+    def read(self, content: bytes, source: str) -> Read:
+        """Read a file; see `SceneFormat.read`."""
+        try:
+            return Read(json.loads(decoded(content, source), parse_constant=_refused))
+        except (ValueError, RecursionError) as error:
+            raise SceneError([f"{source}: not valid JSON: {error}"]) from None
+
+    def write(self, document: Mapping[str, Any], result: "xr.Dataset | None") -> Written:
+        """Write a file; results have no place in it."""
+        notes = () if result is None else ("the result: this format holds parameters alone; not written",)
+        return Written(json.dumps(document, indent=2, allow_nan=False) + "\n", notes)
+
+
+@hookimpl
+def scene_formats() -> list[SceneFormat]:
+    """Offer the format in the box."""
+    return [Json("json")]
+
+
+def read_foreign(path: str | os.PathLike[str]) -> tuple[Scene, tuple[str, ...]]:
+    """Read a file of another program, or of parameters, as a scene; say what it lacks and what of it is not used.
 
     Raises
     ------
     SceneError, PluginError
-        As `from_parameters`, or if the file cannot be read.
+        As `from_parameters`; if no format has the ending, or the file cannot be read.
     """
     source = readable(os.fspath(path))
+    known = _known(path, source)
     try:
-        text = decoded(content_of(Path(path)), source)
+        content = content_of(Path(path))
     except OSError as error:
         raise SceneError([f"{source}: cannot be read: {error.strerror or error}"]) from None
-    try:
-        document = json.loads(text, parse_constant=_refused)
-    except (ValueError, RecursionError) as error:
-        raise SceneError([f"{source}: not valid JSON: {error}"]) from None
-    return from_parameters(document, source)
+    found = known.read(content, source)
+    return from_parameters(found.document, source), found.notes
 
 
-def _refused(text: str) -> float:
-    raise ValueError(f"{text} is no number")
+def write_foreign(scene: Scene, path: str | os.PathLike[str], result: "xr.Dataset | None" = None) -> tuple[str, ...]:
+    """Write a scene, with what was calculated of it, into a file that another program reads; say what it cannot hold.
+
+    Raises
+    ------
+    SceneError
+        If no format has the ending, the format cannot hold the scene, or the result is of another scene.
+    OutputError
+        If the file cannot be written.
+    """
+    source = readable(os.fspath(path))
+    known = _known(path, source)
+    if result is not None and (of := str(result.attrs.get("scene_hash", ""))) != (own := scene_hash(scene)):
+        raise SceneError(
+            [f"{source}: the result is of another scene, {of[:12] or 'which it does not say'}, not of {own[:12]}; run "
+             "this one, or give the one that was run, with the same --set"]
+        )  # fmt: skip
+    made = known.write(to_parameters(scene), result)
+    with whole_file(Path(path)) as partial:
+        partial.write_text(made.text, encoding="utf-8")
+    return made.notes
+
+
+def _known(path: str | os.PathLike[str], source: str) -> SceneFormat:
+    if (found := format_of(path)) is None:
+        raise SceneError([f"{source}: no installed format has this ending; there are: {', '.join(endings())}"])
+    return found
 
 
 def parameter_schema() -> dict[str, Any]:
