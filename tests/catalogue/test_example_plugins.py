@@ -313,6 +313,12 @@ def test_a_whole_run_finishes_with_models_of_all_packages(place: Place) -> None:
     assert np.all(np.isfinite(effective["effective_friction"].to_numpy()))
 
 
+def test_a_file_format_of_a_package_is_written_and_read(place: Place) -> None:
+    printed = place.run("rollslip", "export", "1032930-50C", "--out", "b.rexs")
+    assert "note: cage: has no place in REXS\n" in printed
+    assert "radial clearance" in place.run("rollslip", "info", "b.rexs")
+
+
 # The page -------------------------------------------------------------------------------------------------------------
 
 PAGE = ROOT / "docs" / "start" / "first-model.rst"

@@ -1,0 +1,1 @@
+"""REXS files as scenes, found through the entry point in pyproject.toml."""

@@ -1,0 +1,196 @@
+"""A REXS file written by hand is read to the number, what it lacks is told, and a scene goes there and back."""
+
+import math
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+import xarray as xr
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.errors import SceneError
+from rollslip.scene import Scene, scene_hash
+from rollslip.scene.interchange import read_foreign, write_foreign
+
+#: As gearbox programs write it: one load case more than is used, a shaft that nobody needs.
+FILE = """<?xml version="1.0" encoding="UTF-8" standalone="no"?>
+<model applicationId="Gear Program" applicationVersion="1" date="2026-01-01T00:00:00+00:00" version="1.6">
+  <relations>
+    <relation id="1" type="assembly"><ref id="7" role="assembly"/><ref id="3" role="part"/></relation>
+    <relation id="2" type="ordered_assembly" order="1"><ref id="3" role="assembly"/><ref id="4" role="part"/></relation>
+    <relation id="3" type="ordered_assembly" order="1"><ref id="4" role="assembly"/><ref id="5" role="part"/></relation>
+    <relation id="4" type="reference"><ref id="3" role="origin"/><ref id="6" role="referenced"/></relation>
+  </relations>
+  <components>
+    <component id="3" name="NU 210" type="rolling_bearing_with_detailed_geometry">
+      <attribute id="bearing_type" unit="none">radial_roller_bearing</attribute>
+      <attribute id="inner_diameter" unit="mm">50.0</attribute>
+      <attribute id="outer_diameter" unit="mm">90.0</attribute>
+      <attribute id="width" unit="mm">20.0</attribute>
+      <attribute id="operating_radial_bearing_clearance" unit="mum">25.0</attribute>
+      <attribute id="temperature_lubricant" unit="C">60.0</attribute>
+      <attribute id="support_vector" unit="mm"><array><c>1.0</c><c>0.0</c><c>0.0</c></array></attribute>
+      <attribute id="speed_inner_ring" unit="1 / min">100.0</attribute>
+    </component>
+    <component id="4" name="" type="rolling_bearing_row">
+      <attribute id="number_of_rolling_elements" unit="none">16</attribute>
+    </component>
+    <component id="5" name="" type="rolling_element">
+      <attribute id="diameter_of_rolling_element" unit="mm">11.0</attribute>
+      <attribute id="length_of_rolling_element" unit="mm">12.0</attribute>
+    </component>
+    <component id="6" name="oil" type="lubricant">
+      <attribute id="viscosity_at_40_degree_celsius" unit="mm^2 / s">64.0</attribute>
+      <attribute id="viscosity_at_100_degree_celsius" unit="mm^2 / s">8.5</attribute>
+      <attribute id="density_at_15_degree_celsius" unit="kg / dm^3">0.875</attribute>
+    </component>
+    <component id="7" name="Shaft" type="shaft"/>
+  </components>
+  <load_spectrum id="1">
+    <load_case id="1"><component id="3" type="rolling_bearing_with_detailed_geometry">
+      <attribute id="speed_inner_ring" unit="1 / min">1500.0</attribute>
+      <attribute id="radial_force_in_v" unit="kN">3.0</attribute>
+      <attribute id="radial_force_in_w" unit="kN">-4.0</attribute>
+    </component></load_case>
+    <load_case id="2"/>
+  </load_spectrum>
+</model>
+"""
+
+
+def put(folder: Path, text: str) -> tuple[Scene, tuple[str, ...]]:
+    (folder / "a.rexs").write_text(text, encoding="utf-8")
+    return read_foreign(folder / "a.rexs")
+
+
+def test_a_file_is_read_to_the_number(tmp_path: Path) -> None:
+    scene, notes = put(tmp_path, FILE)
+    bearing, operation = scene.bearing, scene.operation
+    assert scene.title == "NU 210 of Gear Program"
+    assert (bearing.rollers, bearing.roller_diameter, bearing.roller_length) == (16, 0.011, 0.012)
+    # (50 + 90) / 2 = 70 mm, less and more the roller
+    assert (bearing.inner_raceway_diameter, bearing.outer_raceway_diameter) == pytest.approx((0.059, 0.081), rel=1e-14)
+    assert bearing.radial_clearance == pytest.approx(25e-6, rel=1e-14)
+    assert operation.inner_speed == pytest.approx(1500 * 2 * math.pi / 60, rel=1e-14)
+    assert operation.radial_load == pytest.approx(5000.0, rel=1e-14)
+    assert operation.temperature == 333.15
+    oil = assemble(scene).lubricant
+    for celsius, nu in ((40, 64e-6), (100, 8.5e-6)):
+        assert oil.at(celsius + 273.15).viscosity == pytest.approx(nu * 875.0, rel=1e-9)
+    assert len(set(notes)) == len(notes)
+
+
+def test_what_is_missing_and_not_used_is_told_attribute_by_attribute(tmp_path: Path) -> None:
+    _, notes = put(tmp_path, FILE)
+    bearing = "rolling_bearing_with_detailed_geometry 3"
+    for told in (
+        "rolling_bearing_row, reference_diameter_rolling_bearing: missing; the mean of bore and outer diameter",
+        f"{bearing}, speed_outer_ring: missing; a ring at rest is taken",
+        "material, elastic_modulus: missing; that of bearing steel is taken",
+        f"{bearing}, width: not used",
+        f"{bearing}, support_vector: not used",
+        "lubricant 6: pressure viscosity, conductivity, Eyring stress and shear modulus are those of iso-vg-68",
+        "load_spectrum: load case 1 of 2 is used, the others are not",
+        "shaft: 1 not used",
+        "surface: REXS has no roughness",
+    ):
+        assert sum(note.startswith(told) for note in notes) == 1, told
+    pitch = '"reference_diameter_rolling_bearing" unit="mm">70.5</attribute><attribute id='
+    given = FILE.replace('"number_of_rolling_elements"', f'{pitch}"number_of_rolling_elements"')
+    scene, notes = put(tmp_path, given)
+    assert scene.bearing.inner_raceway_diameter == pytest.approx(0.0595, rel=1e-14)
+    assert f"{bearing}, inner_diameter: not used" in notes
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ("<model", "<scene", "no XML"),
+        ('version="1.6"', 'version="3.0"', "version '3.0' is not read, only 1.0 to 2.0"),
+        ("<model", "<!DOCTYPE model><model", "has a DOCTYPE"),
+        ("radial_roller_bearing", "radial_grooved_ball_bearing", "there are: 3 'NU 210' (radial_grooved_ball_bearing)"),
+        ('id="number_of_rolling_elements"', 'id="count"', "rolling_bearing_row 4, number_of_rolling_elements: missing"),
+        (">16<", ">16.5<", "number_of_rolling_elements: 16.5 is no whole number"),
+        (">11.0<", ">nan<", "rolling_element 5, diameter_of_rolling_element: 'nan' is no finite number"),
+        ('unit="mm">11.0', 'unit="furlong">11.0', "unit 'furlong' is not read; there are: mm, mum"),
+        ('id="radial_force_in_w"', 'id="force"', "radial_force_in_w: missing, but needed for operation.radial_load"),
+        ('role="assembly"/><ref id="5"', 'role="assembly"/><ref id="9"', "no rolling_element belongs to the bearing"),
+        ('<ref id="3" role="origin"/>', "", None),  # the one oil of a file is taken
+        (">64.0<", ">-64.0<", "-64 is no viscosity"),
+        ('<component id="4" name=""', '<component id="3" name=""', "its id is missing or that of another"),
+        (
+            '<load_case id="1"><component id="3"',
+            '<load_case id="1"><component id="8"',
+            "load case 1 is of component '8'",
+        ),
+        ('id="width" unit="mm">20.0', 'id="number_of_bearing_rows" unit="none">2', "has 2 rows of rollers"),
+    ],
+)
+def test_a_bad_file_is_refused_in_words(before: str, after: str, said: str | None, tmp_path: Path) -> None:
+    assert before in FILE
+    if said is None:
+        assert put(tmp_path, FILE.replace(before, after))
+        return
+    with pytest.raises(SceneError, match=re.escape(said)) as error:
+        put(tmp_path, FILE.replace(before, after, 1))
+    assert all(problem.startswith(str(tmp_path / "a.rexs")) for problem in error.value.problems)
+
+
+def test_what_is_no_rexs_at_all_is_refused(tmp_path: Path) -> None:
+    for text, said in (('{"model": 1}', "no XML"), ("<html/>", "its root is 'html'"), ("", "no XML")):
+        with pytest.raises(SceneError, match=said):
+            put(tmp_path, text)
+
+
+def steady(scene: Scene, **changes: object) -> xr.Dataset:
+    """A result as study steady-slip gives it: two slips, of which the second lasts."""
+    loss = xr.DataArray([[1.0, 4.0], [2.0, 8.0]], dims=("source", "steady"))
+    made = xr.Dataset(
+        {
+            "stable": ("steady", [False, True]),
+            "cage_speed": ("steady", [1.0, 10.0 * math.pi]),
+            "friction_torque": ("steady", [0.1, 0.25]),
+            "loss": loss,
+            "status": "found",
+        },
+        attrs={"study": "steady-slip", "scene_hash": scene_hash(scene)},
+    )
+    return made.assign(changes) if changes else made
+
+
+def test_a_scene_goes_there_and_back_with_its_results(tmp_path: Path) -> None:
+    scene = evolve(load_scene("1032930-50C"), {"bearing.profile": "none", "bearing.radial_clearance": "17 um"})
+    notes = write_foreign(scene, tmp_path / "b.rexs", steady(scene))
+    assert "cage: has no place in REXS" in notes
+    root = ElementTree.parse(tmp_path / "b.rexs").getroot()
+    assert len(root.findall("components/component[@type='rolling_element']")) == scene.bearing.rollers
+    written = {one.get("id"): (one.get("unit"), one.text) for one in root.iter("attribute")}
+    # 10 pi rad/s = 300 rpm; 4 + 8 W
+    assert written["speed_rolling_element_set"] == ("1 / min", "300")
+    assert written["total_frictional_torque"] == ("N m", "0.25")
+    assert written["total_frictional_power_loss"] == ("W", "12")
+    back, told = read_foreign(tmp_path / "b.rexs")
+    assert any("speed_rolling_element_set: a result, computed anew" in note for note in told)
+    for one, other in ((scene.bearing, back.bearing), (scene.operation, back.operation)):
+        for name in ("rollers", "roller_diameter", "roller_length", "inner_raceway_diameter", "outer_raceway_diameter",
+                     "radial_clearance", "inner_speed", "outer_speed", "radial_load", "temperature"):  # fmt: skip
+            if hasattr(one, name):
+                assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-12, abs=1e-18), name
+    assert back.bearing.material == scene.bearing.material
+
+
+def test_a_result_without_a_slip_that_lasts_is_not_written(tmp_path: Path) -> None:
+    scene = load_scene("1032930-50C")
+    none = steady(scene, stable=("steady", [False, False]), status="no steady slip")
+    notes = write_foreign(scene, tmp_path / "b.rexs", none)
+    assert "the result has no slip that lasts (no steady slip): nothing of it is written" in notes
+    assert "speed_rolling_element_set" not in (tmp_path / "b.rexs").read_text(encoding="utf-8")
+    lost = steady(scene, friction_torque=("steady", [0.1, math.nan]))
+    assert "total_frictional_torque: the result has no value; not written" in write_foreign(
+        scene, tmp_path / "c.rexs", lost
+    )
+    other = lost.assign_attrs(study="friction-curve")
+    assert any(
+        "only that of steady-slip has a place" in note for note in write_foreign(scene, tmp_path / "d.rexs", other)
+    )
