@@ -149,6 +149,7 @@ def test_a_command_reads_what_another_wrote(tmp_path, monkeypatch, capsys):
             main(arguments)
         assert leave.value.code == 0
     assert "radial clearance" in capsys.readouterr().out
-    with pytest.raises(SystemExit) as leave:
-        main(["export"])
-    assert leave.value.code == 2
+    for arguments in (["export"], ["export", "b.json", "--result", "r.nc"], ["export", "b.json", "--schema"]):
+        with pytest.raises(SystemExit) as leave:
+            main(arguments)
+        assert leave.value.code == 2
