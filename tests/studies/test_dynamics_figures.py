@@ -121,7 +121,7 @@ def test_axes_say_what_they_show_in_which_unit(drawn):
     speeds, orbit, energy, centres = map(words, drawn)
     assert {"Cage speed [rpm]", r"Cage slip $S_\mathrm{c}$ [%]", "Time [s]", "roller 1", "without slip"} <= set(speeds)
     assert {"runs away, 11 %", "passed while rising", "range of all rollers"} <= set(speeds)
-    assert {"Sliding speed [m/s]", "Normal force [N]", r"Smallest $\Lambda$ [–]", "Pocket force [N]"} <= set(orbit)
+    assert {"Sliding speed [m/s]", "Normal force [N]", "Smallest Λ [–]", "Pocket force [N]"} <= set(orbit)
     assert "Orbit position [°]" in orbit
     names = {"rings", "sliding at the inner ring", "sliding at the outer ring", "drag", "kept in the motion"}
     assert names <= set(energy)

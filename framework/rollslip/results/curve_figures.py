@@ -88,12 +88,12 @@ def film_text(curve: Curve, limits: Mapping[str, float]) -> str:
     """Film parameter of a curve and, if it is one all along, the kind of film."""
     finite = curve.film_parameter[np.isfinite(curve.film_parameter)]
     if not finite.size:
-        return r"$\Lambda$ unknown"
+        return "Λ unknown"
     ends = (finite.min(), finite.max())
     low, high = (digits(end, 2) for end in ends)
     kinds = {_kind(end, limits) for end in ends}
     kind = f" ({kinds.pop()})" if limits and len(kinds) == 1 else ""
-    return rf"$\Lambda$ = {low if low == high else f'{low} to {high}'}{kind}"
+    return f"Λ = {low if low == high else f'{low} to {high}'}{kind}"
 
 
 def _kind(film_parameter: float, limits: Mapping[str, float]) -> str:
@@ -120,7 +120,7 @@ def shade_film(axes: "Axes", shown: Sequence[Curve], limits: Mapping[str, float]
                 linewidth=0.0,
                 zorder=0,
             )
-            label = rf"{film} film: smallest $\Lambda$ < {limit:.3g}"
+            label = f"{film} film: smallest Λ < {limit:.3g}"
             handles.append(Patch(facecolor=FILM_TINTS[film], label=label))
     return handles
 

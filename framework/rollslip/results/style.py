@@ -196,15 +196,23 @@ def lay_out(figure: "Figure") -> None:
         figure.set_layout_engine("none")
 
 
+_RAISED: Final = str.maketrans("0123456789-\N{MINUS SIGN}", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻")
+
+
 @functools.cache
 def _plain_ticks() -> "type[ScalarFormatter]":
     from matplotlib.ticker import ScalarFormatter
 
     class PlainTicks(ScalarFormatter):
-        """Mathematical text for the power beside the axis alone."""
+        """Numbers and the power beside the axis without mathematical text, which is slow to set."""
 
         def __call__(self, x: float, pos: int | None = None) -> str:
             return super().__call__(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
+
+        def get_offset(self) -> str:
+            said = super().get_offset()
+            power = re.fullmatch(r"\$\\times\\mathdefault\{10\^\{(\S+)\}\}\\mathdefault\{\}\$", said)
+            return f"×10{power[1].translate(_RAISED)}" if power else said
 
     return PlainTicks
 

@@ -222,7 +222,7 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         ("Sliding speed [m/s]", _Cells.of(dataset, np.where(loaded, sliding, np.nan), np.mean), nothing),
         ("Normal force [N]", _Cells.of(dataset, np.where(loaded, force, np.nan), np.mean), nothing),
         ("Sliding power [W]", _Cells.of(dataset, np.where(loaded, np.abs(power), np.nan), np.mean), nothing),
-        (r"Smallest $\Lambda$ [–]", _Cells.of(dataset, film, np.min), status if loaded.any() else nothing),
+        ("Smallest Λ [–]", _Cells.of(dataset, film, np.min), status if loaded.any() else nothing),
     ]
     if "pocket_force" in dataset:
         pocket = np.abs(dataset["pocket_force"].to_numpy())
