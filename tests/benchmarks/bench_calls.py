@@ -103,14 +103,15 @@ def overhead(rounds, sizes=(1, 16, 256)):
 
 
 def threads(rounds, sizes=(256, 1024, 4096, 16384, 65536)):
-    """Return the table of two load cases, one after the other and in two threads."""
+    """Return the table of two load cases, one after the other and in two threads, and of one that two threads share."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     if cores < 2:
         return Table("benchmark_threads", "Two threads", ("",), [], ["One core only: not measured."])
     rows = []
     with ThreadPoolExecutor(2) as pool:
         for n in sizes:
-            chains = [Chain(CONTACT, FILM, OIL, TRACTION) for _ in range(2)]
+            chains = [Chain(CONTACT, FILM, OIL, TRACTION, threads=1) for _ in range(2)]
+            whole = Chain(CONTACT, FILM, OIL, TRACTION, threads=2)
             tables = [table(contacts(n)) for _ in chains]
 
             def after(chains=chains, tables=tables):
@@ -121,19 +122,26 @@ def threads(rounds, sizes=(256, 1024, 4096, 16384, 65536)):
                 for done in [pool.submit(chain, slices) for chain, slices in zip(chains, tables, strict=True)]:
                     done.result()
 
-            ways = {"after": after, "beside": beside}
+            def shared(whole=whole, tables=tables):
+                for slices in tables:
+                    whole(slices)
+
+            ways = {"after": after, "beside": beside, "shared": shared}
             spent = medians(interleaved(ways, rounds), "after")
             wall = {name: t.min() for name, t in interleaved(ways, 3 * rounds, clock=time.perf_counter).items()}
             price = (spent["beside"][0] - spent["after"][0]) / 2
-            cells = spent["after"][0] / 2, price
-            rows.append((n, *(number(1e6 * seconds) for seconds in cells), number(wall["after"] / wall["beside"])))
+            cells = [1e6 * spent["after"][0] / 2, 1e6 * price, *(wall["after"] / wall[way] for way in list(ways)[1:])]
+            rows.append((n, *map(number, cells)))
     return Table(
         "benchmark_threads",
-        f"Two load cases, in one thread and in two, {cores} cores",
-        ("slices of a case", "its time, µs", "price of handing it over, µs", "two threads are faster by"),
+        f"Two load cases in one thread, in two, and one after the other shared by two, {cores} cores",
+        (
+            "slices of a case", "its time, µs", "price of handing it over, µs", "two threads are faster by",
+            "sharing each is faster by",
+        ),
         rows,
-        ["The price is that of the processor; times are medians, the last column of the fastest of all rounds."],
-    )
+        ["The price is that of the processor; times are medians, the last columns of the fastest of all rounds."],
+    )  # fmt: skip
 
 
 def run(quick=False):
