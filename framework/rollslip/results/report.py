@@ -529,11 +529,14 @@ pre { overflow-x: auto; padding: 1rem; background: var(--tint); font-size: .8rem
   td:empty { display: none; }
   td[data-of]:not([data-of=""])::before { content: attr(data-of) ": "; color: var(--quiet); }
 }
-@media print { body { padding: 0; max-width: none; font-size: 10pt; } nav { display: none; }
+@media print { body { padding: 0; max-width: none; font-size: 10pt; line-height: 1.35; } nav { display: none; }
+  h1 { font-size: 15pt; margin: 0 0 2mm; } h2 { margin: 3mm 0; } .verdict p, .verdict p:nth-child(n+3) {
+  font-size: 10pt; margin: 1.5mm 0; }
   summary:not(:has(h2)) { display: none; } summary h2::before { display: none; }
   .wide, .sheet { overflow: visible; } td { overflow-wrap: anywhere; } pre { white-space: pre-wrap; }
   h2, h3, caption { break-after: avoid; }
-  .figures { display: block; } figure { margin: 6mm 0; } figure:not(.wide-one) { display: inline-block; width: 49%;
+  .figures { display: block; } figure { margin: 4mm 0; } .wide-one svg { max-height: 54mm; width: auto; }
+  td, th { font-size: 8pt; } figure:not(.wide-one) { display: inline-block; width: 49%;
   vertical-align: top; padding-right: 4mm; }
   details::details-content { content-visibility: visible; block-size: auto; } }
 """

@@ -95,7 +95,11 @@ class Rule:
         """Return the load [N] and "found", or NaN and what the scene has to give."""
         given = bearing.catalogue or Catalogue()
         missing = [f"bearing.catalogue.{key}" for key in self.takes if getattr(given, key) is None]
-        return (math.nan, f"takes {' and '.join(missing)}") if missing else (self.load(bearing, speed), "found")
+        return (
+            (math.nan, f"needs {' and '.join(missing)} of the maker's catalogue")
+            if missing
+            else (self.load(bearing, speed), "found")
+        )
 
 
 def _nke(bearing: Bearing, speed: float) -> float:
