@@ -198,6 +198,7 @@ def test_the_compiled_courses_are_those_of_the_settings():
             {"temperature": {"shape": "ramp", "to": "30 degC", "within": "1 s"}}, "temperature", "K",
             marks=pytest.mark.slow,
         ),
+        ({"roller_temperature": {"shape": "ramp", "to": "40 degC", "within": "1 s"}}, "roller_temperature", "K"),
     ],
 )  # fmt: skip
 def test_between_nodes_rates_are_those_of_a_bearing_put_together_there(name, raw, key, unit):
@@ -236,6 +237,29 @@ def test_two_axes_are_followed_together():
     direct = carried_motion(there, moving.stations.friction, level="cage-set")
     for y in states(direct):
         assert np.abs(moving.system(0.37, y) - direct.system(0.37, y))[1] < 1e-3 * np.abs(direct.system(0.37, y))[1]
+
+
+def test_a_part_with_a_course_of_its_own_does_not_follow_the_temperature():
+    ramp = {"shape": "ramp", "within": "1 s"}
+    way = history({"temperature": ramp | {"to": "45 degC"}, "inner_ring_temperature": ramp | {"to": "60 degC"}})
+    bearing = assemble(SCENE)
+    moving = varying_motion(bearing, friction(), way, level="cage-set")
+    now = {f"operation.{name}": f"{float(way.courses[name].at(0.6))!r} K" for name in way.given}
+    assert len(now) == 2
+    there = assemble(rollslip.evolve(SCENE, now), bearing.resolution)
+    assert there.scene.operation.roller_temperature == there.scene.operation.temperature
+    direct = carried_motion(there, moving.stations.friction, level="cage-set")
+    for y in states(direct):
+        assert np.abs(moving.system(0.6, y) - direct.system(0.6, y))[1] < 1e-3 * np.abs(direct.system(0.6, y))[1]
+
+
+@pytest.mark.quick
+def test_tables_over_more_than_three_values_are_refused():
+    ramp = {"shape": "ramp", "to": "45 degC", "within": "1 s"}
+    parts = ("inner_ring_temperature", "roller_temperature", "outer_ring_temperature")
+    way = history({"temperature": ramp} | dict.fromkeys(parts, ramp))
+    with pytest.raises(DomainError, match=r"inner ring temperature, .* are more than 3 at once; keep some of them"):
+        varying_motion(assemble(SCENE), friction(), way, level="cage-set")
 
 
 def test_a_cubic_that_is_too_coarse_is_seen():

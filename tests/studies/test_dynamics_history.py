@@ -17,7 +17,7 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.motion import time_integration
 from rollslip.motion.checkpoints import Checkpoints
-from rollslip.motion.history.settings import HistorySettings
+from rollslip.motion.history.settings import OF_PARTS, HistorySettings
 from rollslip.motion.history.varying import varying_motion
 from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip.motion.time_integration import InitialValueProblem, integrate
@@ -169,6 +169,16 @@ def test_colder_oil_slips_more_at_light_load():
         for start in ("20 degC", "50 degC")
     )
     assert float(cold.cage_slip[-1]) > float(warm.cage_slip[-1]) + 0.01
+
+
+def test_a_warmer_inner_ring_drives_the_cage_less():
+    ramp = {"shape": "ramp", "to": "90 degC", "within": "0.2 s"}
+    found = ran(LIGHT, inner_ring_temperature=ramp)
+    assert float(found.inner_ring_temperature[-1]) == pytest.approx(363.15)
+    assert float(found.cage_slip[-1]) > float(ran(LIGHT, temperature=ramp | {"to": "50 degC"}).cage_slip[-1])
+    assert any(
+        "inner ring temperature goes from 50 degC to 90 degC" in one for one in history_findings.sentences(found)
+    )
 
 
 # Hard cases ---------------------------------------------------------------------------------------------------------
@@ -418,7 +428,7 @@ def test_words_say_when_an_operation_changes(values, said):
 
 
 def test_a_run_along_a_history_has_the_outputs_that_are_declared(dropped):
-    given = {"inner_speed", "outer_speed", "load_direction", "temperature"}  # by other histories
+    given = {"inner_speed", "outer_speed", "load_direction", "temperature", *OF_PARTS}  # by other histories
     elsewhere = {"ring_displacement", "cage_displacement", "land_eccentricity", "pocket_force", "pocket_displacement"}
     curves = {f"{ring}_{what}" for ring in ("inner", "outer") for what in ("sliding", "friction")}
     single = {name for name, output in Dynamics.outputs.items() if output.attribute}

@@ -38,7 +38,8 @@ SHORT = {
 ELSEWHERE = {
     "thermal-balance": {"leading_temperature", "excess_heat", "heat_margin", "limit_temperature", "inlet_limit",
                         "limit_status", "jumps", "course_temperature", "course_slip", "course_status"},
-    "dynamics": {"inner_speed", "outer_speed", "radial_load", "load_direction", "temperature", "epicyclic_cage_speed",
+    "dynamics": {"inner_speed", "outer_speed", "radial_load", "load_direction", "temperature",
+                 "inner_ring_temperature", "roller_temperature", "outer_ring_temperature", "epicyclic_cage_speed",
                  "roller_sliding_distance", "roller_frictional_work",
                  "runaway_slip_along", "runaway_drag_along", "critical_slip_along", "largest_cage_slip",
                  "largest_cage_slip_time", "least_margin_to_runaway", "least_margin_time", "time_beyond_runaway",

@@ -1,8 +1,10 @@
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+MOST_AXES: Final[int]
 
 class Varying:
     def __init__(

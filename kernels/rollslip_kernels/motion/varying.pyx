@@ -40,6 +40,10 @@ cdef enum:   # courses
     LIMIT               # cage slip that is watched
     AXES                # the first axis
 
+#: Values at most that tables may depend on at once.
+MOST_AXES = MAX_AXES
+
+
 cdef struct course_t:
     size_t pieces, last
     const double *begin   # [pieces]

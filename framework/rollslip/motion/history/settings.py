@@ -33,8 +33,12 @@ from rollslip.scene.values import Operation, Scene
 from rollslip.structure import Location
 from rollslip.units import format_quantity, quantity
 
+#: Temperatures that follow that of the operation where nothing else is said.
+OF_PARTS: Final = ("inner_ring_temperature", "roller_temperature", "outer_ring_temperature")
 #: Values of the operation that may have a course.
-VARYING: Final = ("inner_speed", "outer_speed", "radial_load", "load_direction", "temperature")
+VARYING: Final = ("inner_speed", "outer_speed", "radial_load", "load_direction", "temperature", *OF_PARTS)
+#: Those that tables of a bearing at rest depend on.
+CONDITIONS: Final = ("radial_load", "temperature", *OF_PARTS)
 _MOST_FAULTS: Final = 20
 
 
@@ -119,6 +123,10 @@ class TemperatureCourse(CourseSettings):
     value: tuple[float, ...] = _values("temperature", positive)
 
 
+def _of_row(name: str, doc: str) -> Any:
+    return field(default=None, doc=doc, validator=positive, **_like(name))
+
+
 @attrs.frozen(kw_only=True)
 class _Row:
     """A row of a file."""
@@ -128,7 +136,10 @@ class _Row:
     outer_speed: float = field(default=None, doc="speed of the outer ring", **_like("outer_speed"))
     radial_load: float = field(default=None, doc="radial load", validator=non_negative, **_like("radial_load"))
     load_direction: float = field(default=None, doc="direction of the load", **_like("load_direction"))
-    temperature: float = field(default=None, doc="temperature", validator=positive, **_like("temperature"))
+    temperature: float = _of_row("temperature", "temperature")
+    inner_ring_temperature: float = _of_row("inner_ring_temperature", "temperature of the inner ring")
+    roller_temperature: float = _of_row("roller_temperature", "temperature of the rollers")
+    outer_ring_temperature: float = _of_row("outer_ring_temperature", "temperature of the outer ring")
 
 
 @attrs.frozen(kw_only=True)
@@ -144,10 +155,18 @@ class HistorySettings:
     temperature: TemperatureCourse | None = field(
         default=None, doc="temperature over time, of all parts that have none of their own"
     )
+    inner_ring_temperature: TemperatureCourse | None = field(
+        default=None, doc="temperature of the inner ring over time"
+    )
+    roller_temperature: TemperatureCourse | None = field(default=None, doc="temperature of the rollers over time")
+    outer_ring_temperature: TemperatureCourse | None = field(
+        default=None, doc="temperature of the outer ring over time"
+    )
     file: str = field(
         default="",
         doc="CSV with columns time [s] and any of inner_speed [rpm], outer_speed [rpm], radial_load [N], "
-        "load_direction [deg], temperature [degC], in any units; its place is relative to that of the scene",
+        "load_direction [deg], temperature [degC] and those of the parts, in any units; its place is relative to that "
+        "of the scene",
     )
 
     def __attrs_post_init__(self) -> None:
@@ -195,13 +214,14 @@ class HistorySettings:
                 continue
             if one.shape == "table":
                 faults += _uncovered(np.array(one.time), duration, *2 * (where.at(name).at("time").says(""),))
-        for name in ("radial_load", "temperature"):
+        for name in CONDITIONS:
             if name in courses and (least := courses[name].span(duration)[0]) < 0.0:
                 goes = format_quantity(least, _like(name)["unit"])
                 faults.append(where.at(name).says(f"goes down to {goes}: it may not fall below 0{_BACK.get(name, '')}"))
         if faults:
             raise SceneError(faults)
-        whole = {name: courses.get(name) or constant(_stated(scene, name)) for name in VARYING}
+        states = [name for name in VARYING if name in courses or name not in OF_PARTS]
+        whole = {name: courses.get(name) or constant(_stated(scene, name)) for name in states}
         given = tuple(name for name in VARYING if name in courses)
         return History(courses=whole, given=given, end=duration, sha256=digest)
 
@@ -286,7 +306,7 @@ class History:
     Attributes
     ----------
     courses : mapping
-        Of each of `VARYING` [rad/s, N, rad, K], constant where nothing was given.
+        Of each of `VARYING` [rad/s, N, rad, K], constant where nothing was given; of `OF_PARTS` where it was.
     given : tuple of str
         Those that were.
     end : float
@@ -313,6 +333,11 @@ class History:
     def varies(self) -> tuple[str, ...]:
         """What is not the same all the time."""
         return tuple(name for name, (low, high) in self.spans.items() if low < high)
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """What tables of a bearing at rest depend on: `CONDITIONS` that have a course."""
+        return tuple(name for name in CONDITIONS if name in self.courses)
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:

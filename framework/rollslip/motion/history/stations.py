@@ -1,6 +1,6 @@
 """Stations: bearings in motion at fixed operations, between which the rates of a varying one are interpolated.
 
-- Axes are what varies of radial load and temperature and, where friction is effective, how fast the rings turn against
+- Axes are what varies of radial load and temperatures and, where friction is effective, how fast the rings turn against
   each other: effective friction is tabulated at one speed, conventional friction knows all of them. At level planar the
   rates know the load, and it is an axis of effective friction alone.
 - Along an axis rates are cubics through the ends of an interval and its thirds. Intervals come from halving: one is
@@ -59,7 +59,7 @@ Place = tuple[float, ...]
 
 @attrs.frozen
 class Axis:
-    """What varies, and from where to where: the root of "radial_load" [N^0.5], "temperature" [K] or "speed" [rad/s]."""
+    """What varies, and from where to where: the root of "radial_load" [N^0.5], a temperature [K] or "speed" [rad/s]."""
 
     name: str
     low: float
@@ -71,6 +71,11 @@ class Axis:
         if name != "radial_load":
             return cls(name, low, high)
         return cls(name, math.sqrt(max(low, _HARDLY * high)), math.sqrt(high))
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the value."""
+        return unit_of(self.name)
 
     def value(self, place: float) -> float:
         """Return the value of the operation at a place [N, K, rad/s]."""
@@ -241,7 +246,7 @@ class Stations:
         loads: LoadMap | None = None
         read = {name for r in bearing.raceways for name in conditions_read(r.deflection)}
         key = (
-            *(value for axis, value in zip(self.axes, place, strict=True) if axis.name != "temperature"),
+            *(value for axis, value in zip(self.axes, place, strict=True) if axis.unit != "K"),
             *(getattr(raceway.conditions, name) for raceway in bearing.raceways for name in sorted(read)),
         )
         tolerance = self.friction.table_tolerance(bearing)
@@ -266,6 +271,11 @@ def _weights(sixths: int) -> list[float]:
     return [math.prod((sixths - other) / (own - other) for other in _SIXTHS if other != own) for own in _SIXTHS]
 
 
+def unit_of(name: str) -> str:
+    """Return the SI unit of a load, a temperature or a speed by its name."""
+    return "N" if name == "radial_load" else "K" if name.endswith("temperature") else "rad/s"
+
+
 def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
     """Return a bearing at other values of its operation [rad/s, N, K]; itself where they are its own.
 
@@ -274,12 +284,11 @@ def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
     SceneError
         If the oil is not known at the temperature.
     """
-    units = {"radial_load": "N", "temperature": "K"}
     own = assembly.scene.operation
-    changes = {name: value for name, value in values.items() if value != getattr(own, name)}
-    if not changes:
+    if all(value == getattr(own, name) for name, value in values.items()):
         return assembly
-    written = {f"operation.{name}": f"{value!r} {units.get(name, 'rad/s')}" for name, value in changes.items()}
+    # a part is written also where it has its own value, since it may have that by following another
+    written = {f"operation.{name}": f"{value!r} {unit_of(name)}" for name, value in values.items()}
     return assemble(evolve(assembly.scene, written), assembly.resolution, like=assembly)
 
 
@@ -324,6 +333,5 @@ def off(rates: Array, true: Array, least: Array, rollers: int) -> float:
 
 def shown(axis: Axis) -> str:
     """Say from what to what an axis goes."""
-    unit = {"radial_load": "N", "temperature": "K"}.get(axis.name, "rad/s")
-    low, high = (format_quantity(axis.value(end), unit) for end in (axis.low, axis.high))
+    low, high = (format_quantity(axis.value(end), axis.unit) for end in (axis.low, axis.high))
     return f"{axis.name.replace('_', ' ')} {low} to {high}"

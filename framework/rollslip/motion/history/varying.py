@@ -16,7 +16,7 @@ from rollslip.motion.moving_bearing import MovingBearing
 from rollslip.motion.planar import PlanarSettings
 from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip_kernels.motion.system import System
-from rollslip_kernels.motion.varying import Varying
+from rollslip_kernels.motion.varying import MOST_AXES, Varying
 
 #: Share of the largest epicyclic speed of the cage below which no slip is told: it would refer to next to nothing.
 STILL: Final = 0.05
@@ -171,7 +171,7 @@ def varying_motion(
             "make it 0, or leave load_direction out"
         )
     read = planar is not None and friction.name != "effective"  # which is an average over the loads
-    mapped = ("temperature",) if read else ("radial_load", "temperature")
+    mapped = [name for name in history.conditions if not (read and name == "radial_load")]
     axes = [Axis.of(name, *spans[name]) for name in mapped if name in history.varies]
     if friction.name == "effective" and {"inner_speed", "outer_speed"} & {*history.varies}:
         if not history.speeds_in_proportion():
@@ -180,8 +180,14 @@ def varying_motion(
                 "differently here: conventional friction takes that"
             )
         axes.append(Axis("speed", 0.0, abs(speeds[0] - speeds[1])))
+    if len(axes) > MOST_AXES:
+        over = ", ".join(axis.name.replace("_", " ") for axis in axes)
+        raise DomainError(
+            f"tables over {over} are more than {MOST_AXES} at once; keep some of them the same, or let "
+            "operation.temperature stand for the parts"
+        )
     top = max(abs(end) for name in ("inner_speed", "outer_speed") for end in spans[name])
-    held = {name: spans[name][0] for name in ("radial_load", "temperature") if name not in history.varies}
+    held = {name: spans[name][0] for name in history.conditions if name not in history.varies}
     if read:
         held["radial_load"] = spans["radial_load"][1]
     steady = _held(assembly, held)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Operations along each axis, by the number of axes.
-_GRID: Final = {0: 1, 1: 9, 2: 5, 3: 4}
+_GRID: Final = {0: 1, 1: 9, 2: 5, 3: 4, 4: 3}
 #: Instants between which the slip that is watched goes on a straight line.
 _INSTANTS: Final = 2001
 #: Instants at which a plan looks at the maps along a history.
@@ -120,7 +120,7 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
         return Along(nothing, nothing, nothing, 0, f"the slip of running away along the way is {said}")
     now, spans = history.at(times), history.spans
     values, grids = list[Array](), list[Array]()
-    names: list[str] = [name for name in ("radial_load", "temperature") if name in history.varies]
+    names: list[str] = [name for name in history.conditions if name in history.varies]
     apart = np.abs(now["inner_speed"] - now["outer_speed"])
     fast = apart > STILL * apart.max(initial=0.0)
     if {"inner_speed", "outer_speed"} & {*history.varies}:
@@ -129,7 +129,7 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
         low, high = (STILL * apart.max(), apart.max()) if name == "speed" else spans[name]
         values.append(apart if name == "speed" else now[name])
         grids.append(_grid(low, high, _GRID[len(names)]))
-    ends = (spans["radial_load"], spans["temperature"], float(apart.max()))
+    ends = (*((name, spans[name]) for name in history.conditions), float(apart.max()))
     key = (
         "along",
         repr(study),
@@ -143,7 +143,7 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
     top = int(np.argmax(apart))
     speeds = {name: float(now[name][top]) / (apart[top] or 1.0) for name in ("inner_speed", "outer_speed")}
 
-    held = {name: spans[name][0] for name in ("radial_load", "temperature") if name not in names}
+    held = {name: spans[name][0] for name in history.conditions if name not in names}
 
     def at(place: tuple[int, ...]) -> tuple[float, float, float]:
         if place not in found:
@@ -220,7 +220,7 @@ def at_the_ends(
     if history is None:
         return estimated
     for end in (0, 1):
-        spans = {name: history.spans[name][end] for name in ("radial_load", "temperature")}
+        spans = {name: history.spans[name][end] for name in history.conditions}
         try:
             other = slices_and_instants(study, operated(assembly, spans), share)
         except RollslipError:  # the motion tells what cannot be put together

@@ -21,6 +21,9 @@ _SHOWN: Final[dict[str, tuple[str, float, float]]] = {
     "radial_load": ("Radial\nload [N]", 1.0, 0.0),
     "load_direction": ("Direction\nof load [°]", 180.0 / math.pi, 0.0),
     "temperature": ("Temperature\n[°C]", 1.0, -273.15),
+    "inner_ring_temperature": ("Inner ring\n[°C]", 1.0, -273.15),
+    "roller_temperature": ("Rollers\n[°C]", 1.0, -273.15),
+    "outer_ring_temperature": ("Outer ring\n[°C]", 1.0, -273.15),
 }
 #: Room on the axis above the largest slip, and how far it goes at most for a slip of running away beyond.
 _ROOM, _FAR = 1.3, 4.0

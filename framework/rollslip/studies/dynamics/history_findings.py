@@ -19,14 +19,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Units in which what varies is told.
-_UNITS: Final = {
-    "inner_speed": "rad/s",
-    "outer_speed": "rad/s",
-    "radial_load": "N",
-    "load_direction": "rad",
-    "temperature": "K",
-}
+#: Units in which what varies is told, where they are not those of its kind.
 _TOLD_IN: Final = {"load_direction": "deg"}
 _WORK: Final = {"inner": "lost_inner", "outer": "lost_outer"}
 
@@ -118,7 +111,7 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
     for name in json.loads(dataset.attrs["history"]):
         values, what = dataset[name].to_numpy(), name.replace("_", " ")
         low, high, first, last = (
-            format_quantity(float(value), _UNITS[name], 4, _TOLD_IN.get(name))
+            format_quantity(float(value), dataset[name].attrs["units"], 4, _TOLD_IN.get(name))
             for value in (values.min(), values.max(), values[0], values[-1])
         )
         if name not in varies:

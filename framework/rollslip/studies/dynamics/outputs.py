@@ -43,6 +43,9 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "time", "rad", "direction of the radial load in the sense of positive speeds, where a history gives it"
         ),
         "temperature": Output("time", "K", "temperature, where a history gives it"),
+        "inner_ring_temperature": Output("time", "K", "temperature of the inner ring, where a history gives it"),
+        "roller_temperature": Output("time", "K", "temperature of the rollers, where a history gives it"),
+        "outer_ring_temperature": Output("time", "K", "temperature of the outer ring, where a history gives it"),
         "epicyclic_cage_speed": Output("time", "rad/s", "speed of the cage without slip, along a history"),
         "runaway_slip_along": Output("time", "1", "cage slip of running away at the operation of the moment"),
         "runaway_drag_along": Output("time", "N m", "largest drag torque that the rollers carry at that operation"),
