@@ -12,6 +12,7 @@ from rollslip.motion.losses import Loss, PowerBalance
 from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
+from rollslip.studies.study import settings
 from rollslip.studies.thermal_balance.balance import Curve, Heated, State
 from rollslip.studies.thermal_balance.figures import thermal_figures
 
@@ -233,6 +234,14 @@ def test_a_limit_beyond_the_data_of_the_oil_is_not_known():
     found = balanced({"lubricant": oil, "operation.temperature": "50 degC"}, oil_flow="0.1 kg/s")
     assert "no limit is known beyond 120 degC: " in found.limit_status.item()
     assert "its data hold from 0 degC to 120 degC" in found.limit_status.item()
+
+
+@pytest.mark.parametrize("duration", ["0 s", "10 min"])
+def test_a_plan_foresees_how_many_steady_slips_a_balance_takes(duration, monkeypatch):
+    scene = evolve(SCENE, {"models.thermal": network(), "study.thermal-balance.duration": duration})
+    monkeypatch.setattr("rollslip.studies.timing.timed", lambda work, times: 1.0)
+    foreseen = settings(scene, "thermal-balance")["thermal-balance"].cost(assemble(scene))["run"]
+    assert 0.5 < foreseen / run(scene, "thermal-balance").attrs["evaluated_temperatures"] < 2.0
 
 
 def test_warm_rings_change_the_clearance_where_they_expand():

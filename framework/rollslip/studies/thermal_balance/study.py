@@ -5,6 +5,7 @@ heat that has to be carried away to hold them.
 """
 
 from collections.abc import Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
 
 #: Tolerance of the slip of the largest drag, which no balance depends on.
 _ANY_SLIP: Final = 0.1
+#: Step of temperature [K] to a steady slip whose time is measured; slips for a temperature of the curve where nodes
+#: follow, and for a course in time.
+_NEARBY: Final = 0.3
+_FOLLOWING, _COURSE = 4, 200
 
 
 @attrs.frozen(kw_only=True)
@@ -118,13 +123,21 @@ class ThermalBalance(Study):
         """Return the time [s] from that of steady slips: one if nothing follows, else some for each temperature."""
         from rollslip.studies.timing import timed
 
-        model = thermal_model(assembly.scene)
-        heated = Heated(assembly, get_model("thermal", "given"), self._steady)
-        one = timed(heated.given, 1)
-        many = (
-            0.0 if model is None or not model.nodes else 0.1 * (6.0 * self.points + 60.0 + 400.0 * bool(self.duration))
-        )
-        return {"run": one * (1.0 + many)}
+        named = thermal_model(assembly.scene)
+        model = (get_model("thermal", "given") if named is None else named).of(assembly)
+        heated = Heated(assembly, model, self._steady)
+        heated.given()  # what all share is made with the first one
+        again = timed(Heated(assembly, model, self._steady).given, 1)
+        if not model.nodes:
+            return {"run": again}
+        start, n = model.start(assembly.scene), len(model.nodes)
+        seconds = []
+        for share in (0.0, 0.5):
+            T = start + share * (self.highest_temperature - start[0])
+            heated.at(T)
+            seconds.append(timed(partial(heated.at, T + _NEARBY), 1))
+        states = self.points * (1 if n == 1 else _FOLLOWING) + 4 * n + _COURSE * bool(self.duration)
+        return {"run": again + states * sum(seconds) / len(seconds)}
 
     def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
         """Return the steady slip of the coldest balance that lasts."""
