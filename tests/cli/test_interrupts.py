@@ -95,6 +95,8 @@ def there(tmp_path_factory):
             time.sleep(0.01)
         process.kill()
     assert (folder / "part" / "sweep.json").is_file()
+    subprocess.run([*call, "sweep", "status", "part"], **shared)  # whoever reads first rolls back what the kill left
+    assert not [*folder.rglob("*-journal")]
     return folder
 
 
