@@ -63,8 +63,8 @@ _TRIED: Final = 1e-3
 _SHARE, _TABLES = 0.5, 0.2
 #: Motions of the rollers that a steady slip takes beside twice the points of its curve, and those of a followed branch.
 _ORBITS, _BRANCH = 40, 350
-
-
+#: Tables of effective friction that a run makes, for the slices and instants that it tries and is judged with.
+_CURVES: Final = 40
 #: What an acceptable slip gives.
 _LEAST_LOAD: Final = frozenset({"least_load", "least_load_status", "makers_least_load", "makers_status"})
 
@@ -208,7 +208,10 @@ class SteadySlip(Study):
             return TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia).orbit(slip)
 
         followed = sum(bool(getattr(self, name)) for name in VARIED)
-        return {"orbits": timed(orbit, 1) * (2 * self.points + _ORBITS + _BRANCH * followed)}
+        costs = {"orbits": timed(orbit, 1) * (2 * self.points + _ORBITS + _BRANCH * followed)}
+        if self.friction == "effective":
+            costs["tables"] = timed(partial(effective_curves, bearing, instants)) * _CURVES
+        return costs
 
     def without(self, outputs: frozenset[str]) -> "SteadySlip":
         """Return a study that does not follow the slips against what nobody asked for."""
