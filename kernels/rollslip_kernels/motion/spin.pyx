@@ -145,7 +145,8 @@ cdef class Spin:
         self._all()
         with nogil:
             ended = self._torques(&slip[0], &spin[0], &cage[0], self.rollers)
-        return np.asarray(spin), np.asarray(cage), self._ended(ended)
+        how = self._ended(ended)  # first: an error that Python code left is lost with the next call into Python
+        return np.asarray(spin), np.asarray(cage), how
 
     @property
     def tractions(self):
@@ -187,7 +188,8 @@ cdef class Spin:
                 at[k] = min(max(near[k], low[k]), high[k])
         with nogil:
             ended = self._balanced(&low[0], &high[0], &at[0], NULL, 1.0, &missed[0])
-        return place, lost.view(bool), self._ended(ended)
+        how = self._ended(ended)
+        return place, lost.view(bool), how
 
     def followed(self, const double[::1] leads, double rolls, const double[::1] slips, const double[:, ::1] ends,
                  const double[:, ::1] known, const double[::1] near, const double[::1] slope):
@@ -283,7 +285,8 @@ cdef class Spin:
                             place[k] = 0.0
                 if ended != FOUND:
                     break
-        return shares, lost.view(bool), slopes, row, self._ended(ended)
+        how = self._ended(ended)
+        return shares, lost.view(bool), slopes, row, how
 
     cdef inline double _next(self, Py_ssize_t even, const double *way) noexcept nogil:
         """The slip up to which a step may go, after those of one motion, the last one first."""
@@ -302,7 +305,8 @@ cdef class Spin:
         self._all()
         with nogil:
             ended = self._periodic(&slip[0], inertia, damping, &multiplier, &left)
-        return np.asarray(slip), multiplier, left, self._ended(ended)
+        how = self._ended(ended)
+        return np.asarray(slip), multiplier, left, how
 
     cdef int _check(self, const double[::1] values) except -1:
         if values.shape[0] != self.rollers:
