@@ -226,18 +226,19 @@ def _in_the_unit_given(attribute: "attrs.Attribute[Any]", raw: object, value: ob
 
 def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[str]) -> object:
     """Return the value of a raw one, or `MISSING` after noting what is wrong with it."""
-    origin, arguments = get_origin(kind), get_args(kind)
+    origin, arguments, fields = _parts(kind)
     if origin in (Union, types.UnionType):
         if raw is None and types.NoneType in arguments:
             return None
         first, *others = (argument for argument in arguments if argument is not types.NoneType)
-        table = next((kind for kind in others if attrs.has(kind) and isinstance(raw, Mapping)), first)
-        return _converted(table, raw, unit, where, faults)
+        if others and isinstance(raw, Mapping):
+            first = next((kind for kind in others if attrs.has(kind)), first)
+        return _converted(first, raw, unit, where, faults)
     if kind is FrozenTable:
         if isinstance(raw, Mapping):
             return _frozen(raw, where, faults)
         expected = "a table"
-    elif attrs.has(kind):
+    elif fields:
         value = structure(kind, raw, where, faults, own=unit)
         return MISSING if value is None else value
     elif kind in (Any, object):
@@ -273,6 +274,12 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
         raise TypeError(f"{_dotted(where.path)}: a field of type {kind} cannot be read from a scene")
     faults.append(where.says(f"{expected} is expected, not {as_written(raw)}"))
     return MISSING
+
+
+@cache
+def _parts(kind: Any) -> tuple[Any, tuple[Any, ...], bool]:
+    """Return what a type is made from, of what, and whether it is an attrs class."""
+    return get_origin(kind), get_args(kind), attrs.has(kind)
 
 
 def _list(

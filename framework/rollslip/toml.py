@@ -57,6 +57,8 @@ def _freeze(value: object) -> object:
 
 def thawed(value: object) -> Any:
     """Return a copy of tables and lists that can be changed."""
+    if isinstance(value, str | float | int):
+        return value
     if isinstance(value, Mapping):
         return {str(key): thawed(inner) for key, inner in value.items()}
     return [thawed(inner) for inner in value] if isinstance(value, list | tuple) else value

@@ -434,7 +434,7 @@ def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring
         modulus=m.elastic_modulus / (1 - m.poisson_ratio**2),
         roughness=1.25 * math.hypot(raceway_roughness, s.roller_roughness),
         effusivity=math.sqrt(m.thermal_conductivity * m.density * m.specific_heat),
-        **attrs.asdict(oil),
+        **attrs.asdict(oil, recurse=False),
     )
 
 

@@ -203,6 +203,7 @@ class OilTable:
 
 
 _WHERE = Location({}, ("lubricant",))
+_OF_OILS: Final = fields_dict(Lubricant).keys()
 
 
 def lubricant_from_table(
@@ -258,7 +259,7 @@ def lubricant_from_table(
 
     given = {key: value for key, value in asdict(table, recurse=False).items() if value not in (None, ())}
     base = None if table.name is None else get_named(table.name)
-    changes = {key: value for key, value in given.items() if key in fields_dict(Lubricant)} | _laws(given, base)
+    changes = {key: value for key, value in given.items() if key in _OF_OILS} | _laws(given, base)
     if table.law is not None:
         changes["pressure_viscosity_law"] = table.law
     set_here = ", ".join(key for key in given if key not in ("name", "description", "source"))

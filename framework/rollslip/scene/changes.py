@@ -127,13 +127,14 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
             if path[0] not in changed and path[0] in raw:
                 raw[path[0]] = thawed(raw[path[0]])
             changed.add(path[0])
-            _set(raw, path, thawed(value))
+            before = _set(raw, path, thawed(value))
         except (ValueError, RecursionError) as error:
             reason = "is nested too deeply" if isinstance(error, RecursionError) else str(error)
             problems.append(f"{_CHANGES}: {as_written(key)} {reason}")
             continue
-        for below in [known for known in origins if known[: len(path)] == path]:
-            del origins[below]
+        if isinstance(before, dict | list):
+            for below in [known for known in origins if known[: len(path)] == path]:
+                del origins[below]
         for opened in range(1, min(len(path), DEEPEST)):
             origins.setdefault(path[:opened], _CHANGES)
         origins[path] = _CHANGES
@@ -143,8 +144,8 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
     return checked_scene(raw, origins, scene.source, scene.text, kept)
 
 
-def _set(table: dict[Any, Any], path: tuple[str, ...], value: object) -> None:
-    """Set a value deep in a raw scene; a table that is left out or a bare name is written out on the way."""
+def _set(table: dict[Any, Any], path: tuple[str, ...], value: object) -> object:
+    """Set a value deep in a raw scene and return the one before; a table left out or a bare name is written out."""
     kind: Any = Scene
     for part in path[:-1]:
         attribute = next((a for a in attributes(kind) if key_of(a) == part), None) if attrs.has(kind) else None
@@ -162,7 +163,9 @@ def _set(table: dict[Any, Any], path: tuple[str, ...], value: object) -> None:
                 below = resolved(default) if choice else {}  # of other tables, defaults come when they are read
             table[part] = below
         table = below
+    before = table.get(path[-1])
     table[path[-1]] = value
+    return before
 
 
 def parse_set(text: str) -> tuple[str, object]:

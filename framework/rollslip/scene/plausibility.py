@@ -80,11 +80,8 @@ class Relation:
             return math.nan
         return self.of(other)
 
-    def fault(self, scene: Scene, span: Span, written: object) -> str:
-        """Say how a scene leaves one of the two ranges; nothing if it does not."""
-        amounts = self.of(scene)
-        if math.isnan(amounts) or span[0] <= amounts <= span[1]:
-            return ""
+    def fault(self, scene: Scene, amounts: float, span: Span, written: object) -> str:
+        """Say how what a scene amounts to leaves one of the two ranges."""
         attribute = attrs.fields_dict(type(getattr(scene, self.table)))[self.field]
         unit = attribute.metadata["unit"]
         value: float = getattr(getattr(scene, self.table), self.field)
@@ -303,13 +300,14 @@ def unusual_relations(scene: Scene, raw: Mapping[str, object], where: Location) 
 
 def _faults(scene: Scene, raw: Mapping[str, object], where: Location, which: str) -> Iterator[tuple[Location, str]]:
     for relation in RELATIONS:
+        amounts, span = relation.of(scene), getattr(relation, which)
+        if math.isnan(amounts) or span[0] <= amounts <= span[1]:
+            continue
         table, at = raw.get(relation.table), where.at(relation.table).at(relation.field)
         written = table.get(relation.field) if isinstance(table, Mapping) else None
         attribute = attrs.fields_dict(type(getattr(scene, relation.table)))[relation.field]
-        if which == "usual" and any(_unusual(attribute, written, at)):
-            continue
-        if fault := relation.fault(scene, getattr(relation, which), written):
-            yield at, fault
+        if which == "possible" or not any(_unusual(attribute, written, at)):
+            yield at, relation.fault(scene, amounts, span, written)
 
 
 def unusual_values(cls: Any, raw: object, where: Location) -> Iterator[tuple[Location, str]]:

@@ -247,6 +247,10 @@ def _plain(value: object) -> object:
     return resolved(value) if attrs.has(type(value)) else value
 
 
+#: Fields of a scene and their keys, in the order of the keys.
+_SORTED: Final = sorted(((name, key) for name, key, _ in _keys(Scene)), key=operator.itemgetter(1))
+
+
 class SceneHashes:
     """Hashes of scenes that share tables with one of them, of which the text is made once."""
 
@@ -256,13 +260,13 @@ class SceneHashes:
     def of(self, scene: Scene) -> str:
         """Return the SHA-256 of a resolved scene; equal scenes have equal hashes however they are written."""
         texts = []
-        for name, key, _ in sorted(_keys(Scene), key=operator.itemgetter(1)):
+        for name, key in _SORTED:
             if (value := getattr(scene, name)) is not None:
                 own = value is getattr(self._scene, name)
-                text = (self._known.get(name) if own else None) or _canonical(_plain(value))
+                text = (self._known.get(name) if own else None) or f"{_canonical(key)}:{_canonical(_plain(value))}"
                 if own:
                     self._known[name] = text
-                texts.append(f"{_canonical(key)}:{text}")
+                texts.append(text)
         return hashlib.sha256(f"{{{','.join(texts)}}}".encode()).hexdigest()
 
 

@@ -94,6 +94,14 @@ class _Task:
 
     def __init__(self, work: SweepWork) -> None:
         self.work, self.hashes = work, SceneHashes(work.scene)
+        self._asked = dict[Resolution | None, str]()
+
+    def key(self, scene: Scene, resolution: Resolution | None) -> str:
+        """Return what tells a point from others: scene, study, outputs, resolution and packages."""
+        if resolution not in self._asked:
+            finely, work = None if resolution is None else attrs.asdict(resolution), self.work
+            self._asked[resolution] = json.dumps([work.study, work.outputs, finely, here(work.packages)])
+        return hashlib.sha256(f'["{self.hashes.of(scene)}", {self._asked[resolution][1:]}'.encode()).hexdigest()
 
     def study(self, scene: Scene) -> Study:
         """Return the study with the settings of a point."""
@@ -205,7 +213,7 @@ class _Point:
     def _prepare(self) -> None:
         scene = evolve(self.work.scene, self.changes)
         resolution = self.work.resolutions.of(self.changes)
-        self.key = _key(self.task, scene, resolution)
+        self.key = self.task.key(scene, resolution)
         self.assembly = _assembled(self.work, scene, resolution)
         self.study = self.task.study(scene)
         if digest := self.study.digest(self.assembly):
@@ -258,12 +266,6 @@ def _outcome(said: Mapping[str, Any]) -> tuple[str, str]:
         by = {"domain": "outside-domain", "model": "crashed"}
         return by.get(said["failed_by"], "not-converged"), str(said["outcome_message"])
     return "ok", ""
-
-
-def _key(task: _Task, scene: Scene, resolution: Resolution | None) -> str:
-    finely, work = None if resolution is None else attrs.asdict(resolution), task.work
-    told = json.dumps([task.hashes.of(scene), work.study, work.outputs, finely, here(work.packages)])
-    return hashlib.sha256(told.encode()).hexdigest()
 
 
 # Values as bytes -----------------------------------------------------------------------------------------------------

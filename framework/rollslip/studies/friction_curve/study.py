@@ -1,7 +1,7 @@
 """Study friction-curve: friction of one contact against its slide-roll ratio, for given normal forces."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, TypeAlias
 
@@ -193,8 +193,9 @@ class FrictionCurve(Study):
         if not outputs <= {"friction", "critical_slip", "critical_friction", "critical_status", *FIRST}:
             return None
         curves, exact, rough = list[_Curve](), list[bool](), list[_Curve]()
+        grid = cache(slip_grid)
         for study, assembly in cases:
-            slip, u = slip_grid(study.max_slip, study.points), study.rolling_speed(assembly)
+            slip, u = grid(study.max_slip, study.points), study.rolling_speed(assembly)
             for force, contact in zip(study.normal_force, study.contacts(assembly), strict=True):
                 exact.append("friction" in outputs or contact.force.size <= 2 * _ROUGH)
                 few = contact
