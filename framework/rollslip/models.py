@@ -424,9 +424,9 @@ class FilmModel(SliceModel):
         return ""
 
     @property
-    def inlet_starvation(self) -> float:
-        """Factor by which a starved inlet thins the film; 1 if it is fully flooded."""
-        return 1.0
+    def inlet_starvation(self) -> str:
+        """What a starved inlet is thinned by, in words; empty if it is fully flooded."""
+        return ""
 
     def film_thickness(
         self,

@@ -202,6 +202,50 @@ def test_guptas_factor_is_refused_where_it_is_negative(form, block, at):
         Chain(form(GUPTA), block=block)(slices)
 
 
+def layered(model, film):
+    """Film of a correction with a layer of oil, over the one of its other factors, by definition."""
+    with mpmath.workdps(30):
+        g = mpmath.mpf(model.layer_exponent)
+        h, oil = mpmath.mpf(film), mpmath.mpf(model.oil_layer)
+        return float(h * oil / (h**g + oil**g) ** (1 / g))
+
+
+@both_forms
+@pytest.mark.parametrize("thermal", ["none", "murch-wilson", "gupta"])
+@pytest.mark.parametrize("exponent", [1.0, 2.0, 5.0, 10.0])
+@pytest.mark.parametrize("oil", [1e-30, 1e-9, 5e-8, 3e-7, 1e-3, 1.0])
+def test_a_layer_of_oil_thins_the_film_as_printed(form, thermal, exponent, oil):
+    slices, flooded = (table(np.geomspace(1e-3, 5.0, 9), 0.1, 3e8) for _ in range(2))
+    model = InletCorrection(thermal=thermal, starvation=0.8, oil_layer=oil, layer_exponent=exponent)
+    Chain(form(model))(slices)
+    Chain(form(attrs.evolve(model, oil_layer=None)))(flooded)
+    expected = [layered(model, film) for film in flooded.film_thickness]
+    np.testing.assert_allclose(slices.film_thickness, expected, rtol=1e-14)
+
+
+@both_forms
+@given(oil=decades(-12, 0), exponent=st.floats(1.0, 10.0), load=decades(-4, 1))
+def test_no_more_oil_leaves_than_comes_and_no_more_than_a_flooded_inlet_takes(form, oil, exponent, load):
+    """Mass is conserved: without flow to the sides the film is the smaller of both, and flow to them only thins it."""
+    slices, flooded = table(load), table(load)
+    Chain(form(InletCorrection(thermal="none", oil_layer=oil, layer_exponent=exponent)))(slices)
+    Chain(Moes())(flooded)
+    least = min(oil, flooded.film_thickness[0])
+    assert least * 2 ** (-1 / exponent) * (1 - 1e-14) <= slices.film_thickness[0] <= least * (1 + 1e-14)
+
+
+def test_a_layer_starves_a_fast_contact_and_floods_a_slow_one():
+    """With 0.2 um of oil the film of a slow contact is the flooded one, and that of a fast one is the layer."""
+    film = {}
+    for oil in (None, 2e-7):
+        slices = table(np.array([1e-5, 1e3]))
+        Chain(InletCorrection(thermal="none", oil_layer=oil, layer_exponent=10.0))(slices)
+        film[oil] = slices.film_thickness
+    assert film[2e-7][0] == pytest.approx(film[None][0], rel=1e-4)
+    assert film[2e-7][1] == pytest.approx(2e-7, rel=1e-4)
+    assert film[None][1] > 10 * film[2e-7][1]
+
+
 # The film inside -----------------------------------------------------------------------------------------------------
 
 
@@ -261,6 +305,8 @@ def test_what_the_film_refuses_is_refused_here(block):
         ({"thermal": "cheng"}, "thermal: must be one of 'none', 'murch-wilson', 'gupta', not 'cheng'"),
         ({"starvation": 0.0}, "starvation: must be above 0"),
         ({"starvation": 1.1}, "starvation: must be from 0 to 1"),
+        ({"oil_layer": 0.0}, "oil_layer: must be above 0"),
+        ({"layer_exponent": 12.0}, "layer_exponent: must be from 1 to 10"),
         ({"film": InletCorrection()}, "film: the inlet of 'inlet-correction' is corrected already"),
         (
             {"film": InletCorrection(thermal="none", starvation=0.5)},
@@ -295,6 +341,12 @@ def test_a_scene_with_two_corrections_is_refused_at_its_place():
             False,
             "isothermal inlet, starved by a factor of 0.8",
             "the film is thinned for starvation by a factor of 0.8",
+        ),
+        (
+            {"model": "inlet-correction", "thermal": "none", "starvation": 0.8, "oil_layer": "0.5 um"},
+            False,
+            "isothermal inlet, starved by a factor of 0.8 and an oil layer of 0.5 um",
+            "the film is thinned for starvation by a factor of 0.8 and an oil layer of 0.5 um",
         ),
         ({"model": "inlet-correction", "thermal": "gupta"}, True, "gupta", "shear heating of the inlet after 'gupta'"),
     ],

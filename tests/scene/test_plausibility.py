@@ -205,7 +205,7 @@ def test_every_parameter_of_the_box_says_what_is_usual_and_what_is_possible(
     usual: Span = attribute.metadata["usual"]
     possible: Span = attribute.metadata["possible"]
     assert possible[0] <= usual[0] < usual[1] <= possible[1]
-    if not math.isnan(attribute.default):
+    if attribute.default is not None and not math.isnan(attribute.default):
         assert usual[0] <= attribute.default <= usual[1]
     assert attribute.validator is not None
     for value in usual:

@@ -388,7 +388,7 @@ def _inlet(film: FilmModel) -> Part:
     return Part(
         part="thermal inlet shear",
         included=bool(heating),
-        choice=(heating or "isothermal inlet") + (f", starved by a factor of {starvation:g}" if starvation < 1 else ""),
+        choice=(heating or "isothermal inlet") + (f", starved by {starvation}" if starvation else ""),
         resolution="every loaded slice" if heating else "",
         reason=f"film model {film.name!r} asks for it" if heating else "the scene does not ask for it",
     )

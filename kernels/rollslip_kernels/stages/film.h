@@ -228,8 +228,24 @@ STAGE(inlet_factor, COL_rolling_speed | COL_sliding_speed | COL_pressure | COL_f
     return 0;
 }
 
+/* below it the other one of film and layer does not matter to the last bit */
+#define LEAST_SHARE 1e-30
+
+STAGE(inlet_layer, COL_film_thickness, COL_film_thickness) {
+    const inlet_params *q = (const inlet_params *)params;
+    double *film = s->film_thickness, layer = q->layer, exponent = q->exponent, back = -1.0 / exponent;
+    size_t n = WHOLE(s->n);
+    EACH(i, n) {
+        double thin = film[i] < layer ? film[i] : layer, thick = film[i] < layer ? layer : film[i];
+        double share = thin > LEAST_SHARE * thick ? thin / thick : LEAST_SHARE;
+        film[i] = thin * rs_pow(1.0 + rs_pow(share, exponent), back);
+    }
+    return 0;
+}
+
 static int PATH(inlet_film)(const rs_slices *s, const void *params) {
     const inlet_params *q = (const inlet_params *)params;
     int status = q->film.evaluate(s, q->film.params);
-    return status ? status : PATH(inlet_factor)(s, params);
+    if (status == 0) status = PATH(inlet_factor)(s, params);
+    return status || q->layer == 0.0 ? status : PATH(inlet_layer)(s, params);
 }

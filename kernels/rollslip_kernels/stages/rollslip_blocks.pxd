@@ -16,7 +16,7 @@ cdef extern from "stages/table.h" nogil:
     ctypedef struct inlet_params:
         rs_model film
         int thermal
-        double starvation
+        double starvation, layer, exponent
 
     ctypedef struct roelands_params:
         double pole_viscosity, pole_pressure
