@@ -249,6 +249,8 @@ def _converted(kind: Any, raw: object, unit: str, where: Location, faults: list[
             return MISSING if MISSING in items.values() else FrozenTable(items)
         expected = "a table"
     elif origin is tuple:
+        if isinstance(raw, str | Mapping) and attrs.has(arguments[0]) and bare_key(arguments[0]):
+            raw = (raw,)  # of things that have names one may stand alone
         if isinstance(raw, list | tuple):
             return _list(arguments, raw, unit, where, faults)
         expected = "a list"

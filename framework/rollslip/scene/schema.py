@@ -69,6 +69,8 @@ def shown_type(kind: Any, attribute: "attrs.Attribute[Any]") -> str:
     words |= {bool: "true or false", str: "text", Any: "a name, or a table"}
     if choices and str in kinds:
         return ("list of " if many else "") + " or ".join(choices)
+    if any(attrs.has(one) and bare_key(one) is not None for one in kinds):
+        return f"a name, or a table{', or a list of them' if many else ''}"
     plain = next((words[one] for one in kinds if one in words), "table")
     if many:
         return (
