@@ -42,6 +42,7 @@ from rollslip.studies.steady_slip.crossings import MOST_INSTANTS, crossings
 from rollslip.studies.steady_slip.losses import losses
 from rollslip.studies.steady_slip.minimum_load import RULES, least_load
 from rollslip.studies.steady_slip.outputs import MEASURED, OUTPUTS, followed_outputs
+from rollslip.studies.steady_slip.shared import evaluated_slices
 from rollslip.studies.steady_slip.statuses import VARIED, no_fold, status_of
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
@@ -241,12 +242,7 @@ class SteadySlip(Study):
         """Return the slices at the steady slips, or where there is none at that of the largest drag."""
         slips = np.atleast_1d(dataset["steady_slip" if "steady_slip" in dataset else "largest_drag_slip"].to_numpy())
         balance = self._balance(assembly, int(dataset.attrs["instants"]))
-        found = []
-        for orbit in (balance.orbit(float(slip)) for slip in slips if np.isfinite(slip)):
-            for ring, contacts in zip(RINGS, balance.evaluated(orbit), strict=True):
-                s = contacts.slices
-                found.append(Evaluated(0, ring, s.load, s.rolling_speed, s.sliding_speed, contacts.force))
-        return found
+        return evaluated_slices(balance, (balance.orbit(float(slip)) for slip in slips if np.isfinite(slip)))
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags.

@@ -18,6 +18,7 @@ from rollslip.fields import at_least, in_range, non_negative, parameter, positiv
 from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Compared, Estimated, Keep, Output
+from rollslip.studies.steady_slip.shared import estimate_torques
 from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.thermal_balance.balance import Balance, Curve, Heated, State
@@ -26,8 +27,6 @@ from rollslip.studies.thermal_balance.model import ROLES, thermal_model
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Tolerance of the slip of the largest drag, which no balance depends on.
-_ANY_SLIP: Final = 0.1
 #: Step of temperature [K] to a steady slip whose time is measured; slips for a temperature of the curve where nodes
 #: follow, and for a course in time.
 _NEARBY: Final = 0.3
@@ -103,16 +102,8 @@ class ThermalBalance(Study):
         return SteadySlip(max_cage_slip=self.max_cage_slip, inertia=self.inertia)
 
     def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
-        """Choose slices, instants and laws as for the torques of a steady slip at the temperatures of the scene.
-
-        At which slip the largest of them is does not matter here.
-        """
-        accuracy = attrs.evolve(assembly.scene.accuracy, critical_slip=_ANY_SLIP)
-        there = attrs.evolve(assembly, scene=attrs.evolve(assembly.scene, accuracy=accuracy))
-        found = self._steady.estimate(there, cheaper_laws=cheaper_laws)
-        errors = {part: {of: error for of, error in some.items() if of != "critical_slip"} for part, some in
-                  found.errors.items()}  # fmt: skip
-        return attrs.evolve(found, errors=errors)
+        """Choose slices, instants and laws as for the torques of a steady slip at the temperatures of the scene."""
+        return estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the thermal model."""
