@@ -43,6 +43,11 @@ def thermal_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 
 @hookspec
+def damage_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Damage models this plugin offers: classes derived from `rollslip.studies.surface_damage.model.DamageModel`."""
+
+
+@hookspec
 def engines() -> Iterable[type[Any]]:  # type: ignore[empty-body]
     """Engines of sweeps this plugin offers: classes derived from `rollslip.engine.Engine`."""
 

@@ -82,7 +82,7 @@ _SYMBOLS: dict[str, tuple[Fraction, Dimension, str]] = {
     "Pa": (Fraction(1), (-1, 1, -2, 0, 0), "mkMG"),
     "bar": (Fraction(10**5), (-1, 1, -2, 0, 0), ""),
     "J": (Fraction(1), (2, 1, -2, 0, 0), "mk"),
-    "W": (Fraction(1), (2, 1, -3, 0, 0), "mk"),
+    "W": (Fraction(1), (2, 1, -3, 0, 0), "mkM"),
     "P": (Fraction(1, 10), (-1, 1, -1, 0, 0), "c"),
     "St": (Fraction(1, 10**4), (2, 0, -1, 0, 0), "c"),
 }
@@ -129,10 +129,13 @@ _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "1/(Pa K)": ("a pressure-temperature coefficient", "0.07 1/(GPa K)", ("1/(GPa K)",)),
     "K": ("a temperature", "70 degC", ("degC",)),
     "W": ("a power", "50 W", ("mW", "W", "kW")),
+    "W/m2": ("a power per area", "20 MW/m2", ("W/m2", "kW/m2", "MW/m2")),
+    "J/m2": ("an energy per area", "2 kJ/m2", ("J/m2", "kJ/m2")),
     "W/K": ("a thermal conductance", "10 W/K", ("W/K",)),
     "J/K": ("a heat capacity", "400 J/K", ("J/K", "kJ/K")),
     "kg/s": ("a mass flow", "15 g/s", ("g/s", "kg/s")),
     "J/(kg K)": ("a specific heat", "470 J/(kg K)", ("J/(kg K)",)),
+    "J/(m3 K)": ("a heat capacity per volume", "3.7e6 J/(m3 K)", ("J/(m3 K)",)),
     "W/(m K)": ("a thermal conductivity", "46 W/(m K)", ("W/(m K)",)),
 }
 

@@ -237,6 +237,7 @@ def test_named_data_are_offered_as_they_are():
     ("thing", "sentence"),
     [
         (42, "42 cannot be registered: a class derived from, or a value of, one of Account, BearingData, ContactModel, "
+             "DamageModel, "
              "Drag, Engine, FilmModel, SceneFormat, IntegratorModel, Lubricant, Measurement, Study, SurfaceData, "
              "ThermalModel, TractionModel can; "
              "a function can with @model(kind, name, reads=...)"),

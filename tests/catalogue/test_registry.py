@@ -20,6 +20,7 @@ from rollslip.lubricant import Lubricant
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, TractionModel
 from rollslip.references import Reference
 from rollslip.studies.study import Study
+from rollslip.studies.surface_damage.model import DamageModel
 from rollslip.studies.thermal_balance.model import ThermalModel
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
@@ -137,7 +138,7 @@ def test_listing_imports_no_model_and_asking_for_one_only_its_module():
 def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
     thing = get_class(kind, name)
     assert thing.name == name
-    classes = {**BASES, "engine": Engine, "study": Study, "thermal": ThermalModel}
+    classes = {**BASES, "engine": Engine, "study": Study, "thermal": ThermalModel, "damage": DamageModel}
     if kind in classes:
         assert issubclass(thing, classes[kind])
         assert not inspect.isabstract(thing)
@@ -161,7 +162,7 @@ def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
         (
             "zzz",
             "x",
-            "no kind of model is called 'zzz'; there are: account, bearing, contact, drag, engine, film, format",
+            "no kind of model is called 'zzz'; there are: account, bearing, contact, damage, drag, engine, film,",
         ),
     ],
 )

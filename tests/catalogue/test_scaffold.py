@@ -151,7 +151,7 @@ def test_the_name_of_another_kind_is_free(tmp_path: Path) -> None:
     ("kind", "sentence"),
     [
         ("tracton", "kind: no kind of model is called 'tracton'; did you mean 'traction'?"),
-        ("zzz", "there are: account, bearing, contact, drag, engine, film, format, integrator, lubricant"),
+        ("zzz", "there are: account, bearing, contact, damage, drag, engine, film, format, integrator, lubricant"),
     ],
 )
 def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) -> None:
@@ -161,7 +161,7 @@ def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("kind", ["integrator", "engine", "thermal", "lubricant", "bearing", "surface"])
+@pytest.mark.parametrize("kind", ["integrator", "engine", "thermal", "damage", "lubricant", "bearing", "surface"])
 def test_what_has_no_compiled_form_is_refused_one(kind: str, tmp_path: Path) -> None:
     with pytest.raises(FieldError, match=f"{kind} has no compiled form, only contact, drag, film, traction have"):
         new("law", kind, True, tmp_path)

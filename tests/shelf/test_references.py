@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from pybtex.database import parse_string
 
 import rollslip_plugins.bibliography as plugins_bibliography
+import rollslip_plugins.damage.sources as damage_sources
 from rollslip import references
 from rollslip.catalogue.discovery import available, families, get_class
 from rollslip.catalogue.kinds import kinds
@@ -28,7 +29,7 @@ ROOT = Path(__file__).parents[2]
 #: All that is written down, by its name.
 WRITTEN = {
     f"{module.__name__}.{name}": one
-    for module in (references, plugins_bibliography)
+    for module in (references, plugins_bibliography, damage_sources)
     for name, one in vars(module).items()
     if isinstance(one, Reference)
 }

@@ -51,7 +51,8 @@ ELSEWHERE = {
 
 def test_the_studies_of_the_box_are_offered_like_those_of_others():
     assert {name: offer.package for name, offer in available("study").items()} == dict.fromkeys(
-        ("dynamics", "effective-friction", "friction-curve", "steady-slip", "thermal-balance"), "rollslip"
+        ("dynamics", "effective-friction", "friction-curve", "steady-slip", "surface-damage", "thermal-balance"),
+        "rollslip",
     )
 
 

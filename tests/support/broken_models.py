@@ -43,6 +43,7 @@ from rollslip.models import (
     Validity,
 )
 from rollslip.structure import FrozenTable
+from rollslip.studies.surface_damage.model import DamageModel
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_kernels.stages.drag import python_drag
@@ -1156,6 +1157,105 @@ class _Weightless(Heat):
 
 
 SOUND.append(Heat())
+
+
+# Damage models -------------------------------------------------------------------------------------------------------
+
+
+@attrs.frozen(kw_only=True)
+class Rubbing(DamageModel):
+    """Force of friction on the area of a contact, largest in its middle."""
+
+    name = "sound-rubbing"
+    equation = "tau = |mu| p"
+    references = SOURCE
+    measure = "friction stress"
+    unit = "Pa"
+    scope = "it knows nothing of speed"
+
+    def evaluate(self, contacts):
+        return np.abs(contacts.slices.friction) * contacts.slices.pressure
+
+    def across(self, contacts, places):
+        return self.evaluate(contacts)[:, None] * (2.0 - places**2)
+
+    @property
+    def limit(self):
+        return 1e8, "Nobody (2000)"
+
+
+@breaks("check_has_an_equation_and_references")
+class _UnsourcedRubbing(Rubbing):
+    """A damage model without a source."""
+
+    references = ()
+
+
+@breaks("check_says_what_it_measures_and_what_it_does_not")
+class _Boundless(Rubbing):
+    """It says nothing of what it does not say."""
+
+    scope = ""
+
+
+@breaks("check_says_what_it_measures_and_what_it_does_not")
+class _Imperial(Rubbing):
+    """Its unit is none that the program knows."""
+
+    unit = "psi ft/min"
+
+
+@breaks("check_gives_one_finite_value_for_each_slice")
+class _Summed(Rubbing):
+    """One number for all slices."""
+
+    def evaluate(self, contacts):
+        return super().evaluate(contacts).sum()
+
+
+@breaks("check_slices_are_measured_alone_and_left_as_they_are")
+class _Relative(Rubbing):
+    """Each slice is measured by the first one."""
+
+    def evaluate(self, contacts):
+        own = super().evaluate(contacts)
+        return own / own[0]
+
+
+@breaks("check_slices_are_measured_alone_and_left_as_they_are")
+class _Tidying(Rubbing):
+    """It takes the sign of the friction out of the slices."""
+
+    def evaluate(self, contacts):
+        contacts.slices.friction[:] = np.abs(contacts.slices.friction)
+        return contacts.slices.friction * contacts.slices.pressure
+
+
+@breaks("check_more_friction_is_no_better")
+class _Upside(Rubbing):
+    """Its worst value is the largest, and it says the smallest."""
+
+    worst = "smallest"
+
+
+@breaks("check_across_a_contact_it_is_as_bad_as_the_measure_says")
+class _Mild(Rubbing):
+    """Nowhere across a contact is it half as bad as it says."""
+
+    def across(self, contacts, places):
+        return 0.4 * self.evaluate(contacts)[:, None] * (1.0 - 0.5 * places**2)
+
+
+@breaks("check_a_limit_has_a_source")
+class _Hearsay(Rubbing):
+    """Nobody knows where its limit comes from."""
+
+    @property
+    def limit(self):
+        return 1e8, ""
+
+
+SOUND.append(Rubbing())
 
 
 # Packages that end the process ---------------------------------------------------------------------------------------

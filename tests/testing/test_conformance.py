@@ -86,6 +86,15 @@ class TestThermal(Conformance):
     models = (*box("thermal"), get_model("thermal", "network", oil_flow=0.02, contact_share=0.1))
 
 
+class TestDamage(Conformance):
+    models = (
+        *box("damage"),
+        get_model("damage", "power-density", over="maximum", allowed="50 MW/m2"),
+        get_model("damage", "flash-temperature", conduction="fast", roller_conductivity=25.0),
+        get_model("damage", "contact-temperature", flash={"model": "flash-temperature", "conduction": "fast"}),
+    )
+
+
 DATA = [kind for kind in kinds() if get_kind(kind).data]
 
 
@@ -94,7 +103,8 @@ class TestData(Conformance):
 
 
 def test_no_kind_is_left_out():
-    assert set(kinds()) == {"contact", "film", "traction", "drag", "integrator", "engine", "study", "thermal", *DATA}
+    classes = {"contact", "film", "traction", "drag", "integrator", "engine", "study", "thermal", "damage"}
+    assert set(kinds()) == {*classes, *DATA}
 
 
 # The function --------------------------------------------------------------------------------------------------------

@@ -294,12 +294,11 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
             ("traction", scene.models.traction),
         )
     }
-    if (
-        thermal := scene.models.thermal
-    ) is not None:  # for who solves for temperatures; its faults are those of a scene
-        structure_model(
-            "thermal", {"model": thermal.name, **thermal.parameters}, where.at("models").at("thermal"), problems
-        )
+    named, thermal = where.at("models"), scene.models.thermal
+    beside = [] if thermal is None else [("thermal", named.at("thermal"), thermal)]
+    beside += [("damage", named.at("damage").at(k), one) for k, one in enumerate(scene.models.damage)]
+    for kind, place, choice in beside:  # for studies that ask for them; their faults are those of the scene
+        structure_model(kind, {"model": choice.name, **choice.parameters}, place, problems)
     kinematics = Kinematics(
         b.inner_raceway_diameter / 2,
         b.outer_raceway_diameter / 2,

@@ -200,7 +200,7 @@ def plan(
         except RollslipError:
             costs = {}
         parts += [attrs.evolve(part, study=name) for part in one.parts(assembly, estimated[name], costs)]
-    parts += _cage(stated, studies) + _heat(scene, studies)
+    parts += _cage(stated, studies) + _heat(scene, studies) + _damage(scene, studies)
     moving = [one for one in studies.values() if one.in_time] or list(studies.values())
     return Plan(
         scene=scene,
@@ -359,6 +359,14 @@ def _heat(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
     reason = f"not in {', '.join(held)}, at the temperatures of the operation" if held else "the scene names it"
     found = any(study.with_heat for study in studies.values())
     return [Part(part="thermal", included=found, choice=scene.models.thermal.name, reason=reason)]
+
+
+def _damage(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:
+    """Which damage models the scene names that no study takes; a study that takes them says so in lines of its own."""
+    if any(study.with_damage for study in studies.values()):
+        return []
+    reason = "no study of this run measures damage"
+    return [Part(part="damage", included=False, choice=one.name, reason=reason) for one in scene.models.damage]
 
 
 def _held(scene: Scene, studies: Mapping[str, Study]) -> list[str]:

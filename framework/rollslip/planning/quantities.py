@@ -15,7 +15,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.changes import Quantity
-from rollslip.scene.values import Scene
+from rollslip.scene.values import ModelChoice, Scene
 from rollslip.units import UnitError, quantity
 
 __all__ = ["quantities"]
@@ -33,7 +33,7 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     ]
     for attribute in attrs.fields(type(scene.models)):
         kind = attribute.name
-        if (choice := getattr(scene.models, kind)) is not None:
+        if isinstance(choice := getattr(scene.models, kind), ModelChoice):
             found.append(_choice(f"models.{kind}", attribute, choice.name, kind))
             found += _of(assembly.models.get(kind) or _thermal(scene), f"models.{kind}")
     if scene.cage is not None:

@@ -113,6 +113,9 @@ class Models:
         default=None,
         doc="where bulk temperatures come from; by default operation gives them",
     )
+    damage: tuple[ModelChoice, ...] = field(
+        default=(), doc="what measures the damage that slip does: one model or several; by default none"
+    )
 
 
 #: What a scene without studies asks for.

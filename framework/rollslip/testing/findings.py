@@ -16,7 +16,7 @@ import attrs
 from rollslip.errors import PluginError
 from rollslip.testing import (  # noqa: F401 - they put their rules on the list
     checks,
-    heat,
+    heat_and_damage,
     integrators,
     laws,
     measurements,

@@ -27,6 +27,7 @@ from rollslip.models import (
 )
 from rollslip.references import Reference
 from rollslip.studies.study import Study
+from rollslip.studies.surface_damage.model import DamageModel
 from rollslip.studies.thermal_balance.model import ThermalModel
 from rollslip.testing.samples import copy_of, drawn_tables, evaluate, for_all, forms_of, shown, with_scene
 from rollslip_kernels.slices import Slices
@@ -83,7 +84,7 @@ def rests_on_evaluation(check: Check) -> bool:
 def kinds_of(model: object) -> Iterator[type | str]:
     """Yield the kinds whose rules hold for a model, the general ones first."""
     yield "value"
-    beside = (Engine, Lubricant, Measurement, Study, ThermalModel)
+    beside = (Engine, Lubricant, Measurement, Study, ThermalModel, DamageModel)
     yield from (kind for kind in (*MODELS, *beside, *STAGES) if isinstance(model, kind))
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
         yield "deflection"

@@ -1,0 +1,106 @@
+"""What a study of damage says: its single values as a record, and sentences, from the dataset alone."""
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollslip.units import format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Unit of a difference of temperatures, which is told in K.
+_RISE = "K, a difference"
+
+
+def measures(dataset: "xr.Dataset") -> "list[xr.Dataset]":
+    """Return the measures one by one."""
+    return [dataset.isel(measure=k) for k in range(dataset.sizes["measure"])]
+
+
+def told(value: float, unit: str) -> str:
+    """Return a value of a measure as people read it."""
+    return f"{value:.3g} K" if unit == _RISE else format_quantity(value, unit, 3)
+
+
+def from_load_line(angle: float) -> float:
+    """Return an angle [rad] in degrees from -180 to 180."""
+    return (math.degrees(angle) + 180.0) % 360.0 - 180.0
+
+
+def beyond(one: "xr.Dataset") -> list[str]:
+    """Return the rings on which a measure is beyond its limit."""
+    limit, sign = float(one["limit"]), 1.0 if one["sense"].item() == "largest" else -1.0
+    return [str(ring) for ring in one["ring"].to_numpy() if sign * float(one["worst"].sel(ring=ring)) > sign * limit]
+
+
+def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+    """Say what was found, by what it is about; no sentence has its full stop."""
+    if str(dataset["status"].item()) != "found":
+        return {"damage": [str(dataset["status"].item())]}
+    return {str(one["meaning"].item()): _measure(one) for one in measures(dataset)}
+
+
+def _measure(one: "xr.Dataset") -> list[str]:
+    unit, known, missing = str(one["unit"].item()), [], []
+    most = "at most" if one["sense"].item() == "largest" else "down to"
+    for ring in one["ring"].to_numpy():
+        on = one.sel(ring=ring)
+        if math.isnan(value := float(on["worst"])):
+            missing.append(str(on["worst_status"].item()))
+        else:
+            at = f"{from_load_line(float(on['worst_angle'])):.3g} degrees"
+            known.append(f"{told(value, unit)} on the {ring} ring, {at} from the line of load")
+    slip, meaning = f"at a cage slip of {100.0 * float(one['slip']):.3g} %", one["meaning"].item()
+    said = [f"{slip} the {meaning} is {most} {' and '.join(known)}; {_limit(one)}"] if known else []
+    return [
+        *said,
+        *(f"the {meaning}: {text}" for text in missing),
+        f"what the {meaning} does not say: {one['scope'].item()}",
+    ]
+
+
+def _limit(one: "xr.Dataset") -> str:
+    limit, source = float(one["limit"]), one["limit_source"].item()
+    if math.isnan(limit):
+        return str(source)
+    value = told(limit, str(one["unit"].item()))
+    if rings := beyond(one):
+        return f"on the {' and '.join(rings)} ring that is beyond its limit of {value} ({source})"
+    return f"that is within its limit of {value} ({source})"
+
+
+def headline(dataset: "xr.Dataset") -> str:
+    """Say which measures are beyond their limits; nothing where none is."""
+    said = [
+        f"the {one['meaning'].item()} is beyond its limit of {told(float(one['limit']), str(one['unit'].item()))} on "
+        f"the {' and '.join(rings)} ring"
+        for one in measures(dataset)
+        if (rings := beyond(one))
+    ]
+    return "; ".join(said)
+
+
+def record(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return the single values; what has no value is None."""
+
+    def number(value: Any) -> float | None:
+        return float(value) if np.isfinite(value) else None
+
+    def by_ring(one: "xr.Dataset", name: str) -> dict[str, Any]:
+        values = zip(map(str, one["ring"].to_numpy()), one[name].to_numpy().tolist(), strict=True)
+        return {ring: value if isinstance(value, str) else number(value) for ring, value in values}
+
+    return {
+        "slip": number(dataset["slip"]),
+        "status": str(dataset["status"].item()),
+        "measures": {
+            str(one["measure"].item()): {
+                **{name: str(one[name].item()) for name in ("meaning", "unit", "sense", "limit_source", "scope")},
+                "limit": number(one["limit"]),
+                **{name: by_ring(one, name) for name in ("worst", "worst_angle", "worst_status")},
+            }
+            for one in measures(dataset)
+        },
+    }

@@ -1,0 +1,167 @@
+"""What a model of kind ``damage`` must offer: one measure of what slip does to the surfaces of a contact.
+
+- No measure of smearing, scuffing or wear has general validity. That is why each is a plugin that says what it
+  measures, in which unit, up to which limit if one is published, and what it does not say (`DamageModel.scope`).
+- A model sees evaluated slices and the surfaces that they are of. It knows neither bearing nor motion, so that the same
+  measure serves for a steady slip, a map or a rig.
+"""
+
+import abc
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.catalogue.kinds import Kind, Template
+from rollslip.catalogue.registry import structure_model
+from rollslip.datasets import Material
+from rollslip.errors import SceneError
+from rollslip.references import Citation
+from rollslip.scene.values import Scene
+from rollslip.structure import Location
+from rollslip_kernels.slices import Slices
+
+if TYPE_CHECKING:
+    from rollslip.bearing.assembly import Assembly
+    from rollslip.bearing.raceway import Ring
+
+__all__ = ["DAMAGE", "Contacts", "DamageModel", "named_damage"]
+
+Array = NDArray[np.float64]
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Contacts:
+    """Evaluated slices of rollers on one ring, and what their surfaces are of.
+
+    Attributes
+    ----------
+    slices : Slices
+        With load, half width, pressure, film thickness, friction and speeds, and the conditions that they share.
+    ring : {"inner", "outer"}
+        The ring.
+    ring_temperature, roller_temperature : float
+        Bulk temperatures [K].
+    material : Material
+        Of ring and rollers.
+    """
+
+    slices: Slices
+    ring: "Ring"
+    ring_temperature: float
+    roller_temperature: float
+    material: Material
+
+    @classmethod
+    def of(cls, assembly: "Assembly", ring: "Ring", slices: Slices) -> "Contacts":
+        """Return slices of a bearing with the surfaces that its scene gives."""
+        operation = assembly.scene.operation
+        return cls(
+            slices=slices,
+            ring=ring,
+            ring_temperature=operation.inner_ring_temperature if ring == "inner" else operation.outer_ring_temperature,
+            roller_temperature=operation.roller_temperature,
+            material=assembly.scene.bearing.material,
+        )
+
+    @property
+    def surface_speeds(self) -> tuple[Array, Array]:
+        """Speeds of ring and roller relative to the contact [m/s], (n,) each, not negative.
+
+        The surface that pushes the roller forward is the faster one: the ring on the inner side, the roller on the
+        outer. A surface that turns back in its contact has the speed of its size.
+        """
+        u, V = self.slices.rolling_speed, self.slices.sliding_speed
+        ahead = 0.5 * V if self.ring == "inner" else -0.5 * V
+        return np.abs(u + ahead), np.abs(u - ahead)
+
+    @property
+    def friction_power(self) -> Array:
+        """Power that sliding turns into heat on a length of contact, |mu w V| [W/m], (n,)."""
+        slices = self.slices
+        return np.abs(slices.friction * slices.load * slices.sliding_speed)
+
+
+class DamageModel(abc.ABC):
+    """One measure of what slip does to surfaces; its parameters are its attrs fields."""
+
+    name: ClassVar[str]
+    equation: ClassVar[str]
+    references: ClassVar[tuple[Citation, ...]]
+    #: What it measures, as in "sliding power density", and its SI unit.
+    measure: ClassVar[str]
+    unit: ClassVar[str]
+    #: What it does not say, or where it was never tried: one sentence without its full stop.
+    scope: ClassVar[str]
+    #: Whether it is a difference of temperatures, which is told in K.
+    difference: ClassVar[bool] = False
+    #: Whether surfaces fare worse where it is large, or where it is small.
+    worst: ClassVar[Literal["largest", "smallest"]] = "largest"
+    #: Rule of the conformance kit that the model breaks for a reason -> that reason.
+    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
+
+    @abc.abstractmethod
+    def evaluate(self, contacts: Contacts) -> Array:
+        """Return the measure of every slice in its unit, (n,), without changing the slices.
+
+        Raises
+        ------
+        DomainError
+            If a slice is outside of what the measure is defined on.
+        """
+
+    def across(self, contacts: Contacts, places: Array) -> Array | None:
+        """Return the measure across the contacts, (n, m); None if it has one value for a slice.
+
+        Parameters
+        ----------
+        contacts : Contacts
+            The slices.
+        places : ndarray
+            Places in half widths from the middle, -1 where surfaces enter and 1 where they leave, (m,).
+        """
+        return None
+
+    @property
+    def limit(self) -> tuple[float, str] | None:
+        """Value beyond which harm was seen, in the unit of the measure, and its source; None if there is none."""
+        return None
+
+
+def named_damage(scene: Scene) -> tuple[DamageModel, ...]:
+    """Return the models that a scene names under ``models.damage``, in its order.
+
+    Raises
+    ------
+    SceneError
+        If a parameter of one is wrong, or two are called alike.
+    PluginError
+        If one does not exist or cannot be loaded.
+    """
+    where, problems = Location(scene.origins, ("models", "damage")), list[str]()
+    models: list[Any] = [
+        structure_model("damage", {"model": choice.name, **choice.parameters}, where.at(k), problems)
+        for k, choice in enumerate(scene.models.damage)
+    ]
+    names = [choice.name for choice in scene.models.damage]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        problems.append(where.says(f"{' and '.join(map(repr, twice))} stands there twice; name each measure once"))
+    if problems:
+        raise SceneError(problems)
+    return tuple(models)
+
+
+DAMAGE: Final = Kind(
+    name="damage",
+    hook="damage_models",
+    base=DamageModel,
+    template=Template(
+        summary="A damage model",
+        contents="the measure, its unit and what it does not say",
+        use="rollslip run 1032930-70C --study surface-damage --set models.damage=${model}",
+        classes=("DamageModel", "Contacts"),
+    ),
+)

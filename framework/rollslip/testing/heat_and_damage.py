@@ -1,0 +1,220 @@
+"""The rules of thermal models, whose heat is conserved and flows from warm to cold, and of damage models.
+
+Damage models are held against slices that the laws of a bearing evaluated (`_contacts`), since they rest on these.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Any
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.raceway import RINGS
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
+from rollslip.studies.surface_damage.model import Contacts, DamageModel
+from rollslip.studies.thermal_balance.model import PLACES, ROLES, ThermalModel
+from rollslip.testing.rules import (
+    CITATIONS_WANTED,
+    Inapplicable,
+    Nonconformance,
+    is_citation,
+    refuse_unless,
+    rule,
+)
+from rollslip.units import UnitError, check_unit
+from rollslip_kernels.slices import COLUMNS
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+#: What rounding may leave of a sum of flows, relative to the largest of them.
+_ROUNDING = 1e-10
+_DRAWN = 25
+
+
+def _bound(model: ThermalModel) -> tuple[ThermalModel, Array]:
+    """Return the model bound to a bearing, and where it starts."""
+    scene = load_scene("1032930-70C")
+    bound = model.of(assemble(scene))
+    if not bound.nodes:
+        raise Inapplicable("it has no nodes: temperatures do not follow from losses")
+    return bound, np.asarray(bound.start(scene), dtype=float)
+
+
+def _draws(start: Array) -> Iterator[tuple[Array, Mapping[str, float]]]:
+    """Temperatures and losses of all sizes, the same each time."""
+    random = np.random.default_rng(4)
+    for _ in range(_DRAWN):
+        yield (
+            start + random.uniform(-60.0, 150.0, start.size),
+            dict(zip(PLACES, 10.0 ** random.uniform(-2.0, 4.0, len(PLACES)), strict=True)),
+        )
+
+
+@rule(ThermalModel, DamageModel)
+def check_has_an_equation_and_references(model: ThermalModel | DamageModel) -> None:
+    """A name, an equation, and references."""
+    refuse_unless(isinstance(model.equation, str) and model.equation.strip(), "it has no equation")
+    refuse_unless(model.references and all(map(is_citation, model.references)), CITATIONS_WANTED)
+
+
+@rule(ThermalModel)
+def check_heat_is_conserved(model: ThermalModel) -> None:
+    """What flows into all nodes is what is lost, less what is carried away."""
+    bound, start = _bound(model)
+    for T, losses in _draws(start):
+        flows, away = np.asarray(bound.inflows(T, losses)), bound.carried_away(T)
+        refuse_unless(flows.shape == T.shape, f"inflows have shape {flows.shape}, there are {T.size} nodes")
+        missing = sum(losses.values()) - sum(away.values()) - float(flows.sum())
+        size = max([sum(losses.values()), *np.abs(flows), *map(abs, away.values())])
+        if not abs(missing) <= _ROUNDING * size:
+            raise Nonconformance(
+                f"{missing:.6g} W are lost on the way: losses {sum(losses.values()):.6g} W, into the nodes "
+                f"{float(flows.sum()):.6g} W, carried away {sum(away.values()):.6g} W"
+            )
+
+
+@rule(ThermalModel)
+def check_a_warmer_node_takes_less_heat_and_the_others_no_less(model: ThermalModel) -> None:
+    """Heat flows from warm to cold."""
+    bound, start = _bound(model)
+    for T, losses in _draws(start):
+        before = np.asarray(bound.inflows(T, losses))
+        for k, node in enumerate(bound.nodes):
+            warmer = T.copy()
+            warmer[k] += 1.0
+            moved = np.asarray(bound.inflows(warmer, losses)) - before
+            slack = _ROUNDING * float(np.abs(before).max())
+            refuse_unless(moved[k] <= slack, f"the {node} takes {moved[k]:.3g} W more where it is 1 K warmer")
+            others = np.delete(moved, k)
+            refuse_unless(np.all(others >= -slack), f"other nodes take less heat where the {node} is 1 K warmer")
+
+
+@rule(ThermalModel)
+def check_nodes_have_capacities_and_keys_of_the_scene(model: ThermalModel) -> None:
+    """Capacities are above zero; the temperatures of the scene are among what changes."""
+    bound, start = _bound(model)
+    capacities = np.asarray(bound.capacities(), dtype=float)
+    refuse_unless(
+        capacities.shape == start.shape and np.all(capacities > 0.0) and np.all(np.isfinite(capacities)),
+        f"capacities are {capacities}; give one above zero for each of {', '.join(bound.nodes)}",
+    )
+    changes = bound.changes(start, load_scene("1032930-70C"))
+    missing = [key for key in ROLES if not math.isfinite(changes.get(key, math.nan))]
+    refuse_unless(not missing, f"changes() gives no value for {', '.join(missing)}")
+
+
+# Damage models --------------------------------------------------------------------------------------------------------
+
+#: What measures of one slice may differ by, with others beside it or in another order.
+_ALONE = 1e-12
+#: How much better than the measure the worst place across a contact may be, by places that are not everywhere.
+_MISSED = 1e-3
+
+
+@cache
+def _contacts() -> tuple[Contacts, ...]:
+    """Contacts of both rings, whose parts differ in temperature: light to heavy, slow to fast, with slip."""
+    scene = evolve(load_scene("1032930-70C"), {"operation.roller_temperature": "85 degC"})
+    assembly, random = assemble(scene), np.random.default_rng(7)
+    load, rolling = 10.0 ** random.uniform(3.0, 5.3, _DRAWN), 10.0 ** random.uniform(-0.3, 1.6, _DRAWN)
+    sliding = rolling * random.uniform(-1.0, 1.0, _DRAWN)
+    return tuple(
+        Contacts.of(assembly, ring, raceway.evaluate(load, rolling, sliding))
+        for ring, raceway in zip(RINGS, assembly.raceways, strict=True)
+    )
+
+
+def _changed(contacts: Contacts, order: Any = slice(None), **columns: Any) -> Contacts:
+    """Return slices of an order with other columns, in a table of their own."""
+    slices = contacts.slices.taken(order)
+    for name, values in columns.items():
+        getattr(slices, name)[:] = values
+    return attrs.evolve(contacts, slices=slices)
+
+
+def _value(model: DamageModel, contacts: Contacts) -> Array:
+    return np.asarray(model.evaluate(contacts), dtype=float)
+
+
+def _harm(model: DamageModel, values: Array) -> Array:
+    """Return what is larger the worse it is."""
+    return values if model.worst == "largest" else -values
+
+
+@rule(DamageModel)
+def check_says_what_it_measures_and_what_it_does_not(model: DamageModel) -> None:
+    """No measure of damage holds in general; who reads a value has to know its unit and its limits."""
+    for name in ("measure", "unit", "scope"):
+        text = getattr(model, name)
+        refuse_unless(isinstance(text, str) and bool(text.strip()), f"{name} is {text!r}; say it in words")
+    try:
+        check_unit(model.unit)
+    except UnitError as error:
+        raise Nonconformance(f"unit {model.unit!r} is no SI unit: {error}") from error
+    refuse_unless(model.worst in ("largest", "smallest"), f"worst is {model.worst!r}; it is largest or smallest")
+
+
+@rule(DamageModel)
+def check_gives_one_finite_value_for_each_slice(model: DamageModel) -> None:
+    """A measure is a finite number, not negative, of every loaded slice."""
+    for contacts in _contacts():
+        values = _value(model, contacts)
+        refuse_unless(values.shape == (_DRAWN,), f"the measure of {_DRAWN} slices has shape {values.shape}")
+        wrong = np.flatnonzero(~(np.isfinite(values) & (values >= 0.0)))
+        refuse_unless(not wrong.size, f"the measure of slice {wrong[:1]} is {values[wrong[:1]]}")
+
+
+@rule(DamageModel)
+def check_slices_are_measured_alone_and_left_as_they_are(model: DamageModel) -> None:
+    """Each slice has its own measure, whatever is beside it, and laws that follow see what was there."""
+    for contacts in _contacts():
+        before, values = contacts.slices.taken(), _value(model, contacts)
+        for name in COLUMNS:
+            same = np.array_equal(getattr(before, name), getattr(contacts.slices, name), equal_nan=True)
+            refuse_unless(same, f"evaluate() writes to {name}; work on a copy")
+        back = _value(model, _changed(contacts, slice(None, None, -1)))[::-1]
+        off = float(np.abs(back - values).max() / (np.abs(values).max() or 1.0))
+        refuse_unless(off <= _ALONE, f"in another order measures differ by {off:.1e} (relative)")
+
+
+@rule(DamageModel)
+def check_more_friction_is_no_better(model: DamageModel) -> None:
+    """With more friction surfaces fare no better, and without friction no worse."""
+    for contacts in _contacts():
+        values, slices = _harm(model, _value(model, contacts)), contacts.slices
+        slack = _ROUNDING * np.abs(values)
+        more = _harm(model, _value(model, _changed(contacts, friction=2.0 * slices.friction)))
+        refuse_unless(np.all(more >= values - slack), "a measure is better with twice the friction")
+        none = _harm(model, _value(model, _changed(contacts, friction=0.0)))
+        refuse_unless(np.all(none <= values + slack), "a measure is worse without friction than with it")
+
+
+@rule(DamageModel)
+def check_across_a_contact_it_is_as_bad_as_the_measure_says(model: DamageModel) -> None:
+    """What is told of the inside of a contact is one value a place, and holds what the measure says of the whole."""
+    places = np.linspace(-1.0, 1.0, 201)
+    for contacts in _contacts():
+        across = model.across(contacts, places)
+        if across is None:
+            raise Inapplicable("it has one value for a contact")
+        across = np.asarray(across, dtype=float)
+        refuse_unless(across.shape == (_DRAWN, places.size), f"across() has shape {across.shape}, not (n, m)")
+        refuse_unless(bool(np.all(np.isfinite(across))), "across() has places without a value")
+        values = _value(model, contacts)
+        short = _harm(model, values) - _harm(model, across).max(axis=1)
+        worst = float((short / np.maximum(np.abs(values), np.finfo(float).tiny)).max())
+        refuse_unless(worst <= _MISSED, f"no place across a contact is as bad as it says: {worst:.1e} (relative) less")
+
+
+@rule(DamageModel)
+def check_a_limit_has_a_source(model: DamageModel) -> None:
+    """A limit is a number above zero and who found it; where there is none, None says so."""
+    if (limit := model.limit) is None:
+        raise Inapplicable("it has no limit")
+    refuse_unless(isinstance(limit, tuple) and len(limit) == 2, f"limit is {limit!r}; give value and source, or None")
+    value, source = limit
+    refuse_unless(isinstance(value, int | float) and 0.0 < value < math.inf, f"the limit is {value!r}")
+    refuse_unless(isinstance(source, str) and bool(source.strip()), f"the source of the limit is {source!r}")

@@ -1,0 +1,1 @@
+"""What slip does to surfaces: power and energy of sliding, film parameter, and temperatures in the contact."""

@@ -1,0 +1,222 @@
+"""Measures of damage: against numbers by hand, mpmath, limits, and heat parted point by point."""
+
+import csv
+from pathlib import Path
+
+import attrs
+import numpy as np
+import pytest
+
+from rollslip import evolve, get_model, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.datasets import Material
+from rollslip.errors import DomainError, SceneError
+from rollslip.fields import FieldError
+from rollslip.studies.surface_damage.model import Contacts
+from rollslip_kernels.slices import Conditions, Slices
+from rollslip_plugins.damage.flash import ContactTemperature, FlashTemperature
+from rollslip_plugins.damage.moving_source import FAST, largest_rise, rise
+from rollslip_plugins.damage.sliding import FilmParameter, PassEnergy, PowerDensity
+
+pytestmark = pytest.mark.quick
+
+WRITTEN = (Path(__file__).parents[1] / "references" / "flash_temperature.csv").read_text(encoding="utf-8")
+ROWS = list(csv.DictReader(WRITTEN.splitlines()))
+STEEL = Material()
+EFFUSIVITY = (STEEL.thermal_conductivity * STEEL.density * STEEL.specific_heat) ** 0.5
+DIFFUSIVITY = STEEL.thermal_conductivity / (STEEL.density * STEEL.specific_heat)
+EVERY = ("power-density", "pass-energy", "film-parameter", "flash-temperature", "contact-temperature")
+
+
+def reference(what):
+    return [row for row in ROWS if row["what"] == what]
+
+
+def contacts(mu=0.05, w=1e5, b=1e-4, u=20.0, V=4.0, *, h=0.5e-6, ring="inner", ring_temperature=350.0, roller=350.0):
+    """One slice whose numbers are known; the pressure follows from load and width."""
+    columns = {"friction": mu, "load": w, "half_width": b, "pressure": w / (2 * b), "rolling_speed": u,
+               "sliding_speed": V, "film_thickness": h}  # fmt: skip
+    slices = Slices(1, Conditions(roughness=0.25e-6), **columns)
+    temperatures = {"ring_temperature": ring_temperature, "roller_temperature": roller}
+    return Contacts(slices=slices, ring=ring, material=STEEL, **temperatures)
+
+
+def value(model, **state):
+    return float(model.evaluate(contacts(**state))[0])
+
+
+# Definitions ---------------------------------------------------------------------------------------------------------
+
+
+def test_numbers_worked_by_hand():
+    # mu p V = 0.05 x 0.5 GPa x 4 m/s; mu w V/v = 0.05 x 1e5 N/m x 4/(20 -+ 2) m/s; 0.5 um over 0.25 um
+    assert value(PowerDensity()) == pytest.approx(100e6)
+    assert value(PowerDensity(over="maximum")) == pytest.approx(4.0 / np.pi * 100e6)
+    assert value(PassEnergy()) == value(PassEnergy(surface="roller")) == pytest.approx(2e4 / 18.0)
+    assert value(PassEnergy(surface="ring")) == pytest.approx(2e4 / 22.0)
+    assert value(PassEnergy(surface="ring"), ring="outer") == pytest.approx(2e4 / 18.0)  # there the roller is ahead
+    assert value(FilmParameter()) == pytest.approx(2.0)
+
+
+def test_power_across_a_contact_is_hertzs_and_its_mean_the_power_density():
+    places = np.linspace(-1.0, 1.0, 20001)
+    (across,) = PowerDensity().across(contacts(), places)
+    assert np.trapezoid(across, places) / 2.0 == pytest.approx(value(PowerDensity()), rel=1e-5)
+    assert across.max() == pytest.approx(value(PowerDensity(over="maximum")))
+
+
+def test_energy_of_a_pass_is_the_power_over_the_time_of_the_pass():
+    places = np.linspace(-1.0, 1.0, 20001)
+    (power,) = PowerDensity().across(contacts(), places)
+    (energy,) = PassEnergy().across(contacts(), places)
+    time = 1e-4 * (places + 1.0) / 18.0  # of a point of the roller since it entered
+    by_time = np.concatenate(([0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(time))))
+    assert energy == pytest.approx(by_time, abs=1e-5 * energy[-1])
+    assert energy[-1] == pytest.approx(value(PassEnergy()))
+
+
+def test_energy_of_a_revolution_is_the_power_over_its_frequency():
+    """A roller of radius r and length l rolls through one contact: power mu w l V, revolutions v/(2 pi r)."""
+    r, length = 7.5e-3, 15e-3
+    power, frequency = 0.05 * 1e5 * length * 4.0, 18.0 / (2 * np.pi * r)
+    assert value(PassEnergy(surface="roller")) * 2 * np.pi * r * length == pytest.approx(power / frequency, rel=1e-14)
+
+
+@pytest.mark.parametrize("name", EVERY[:2] + EVERY[3:4])
+def test_without_sliding_or_friction_there_is_nothing(name):
+    model = get_model("damage", name)
+    assert value(model, V=0.0) == value(model, mu=0.0) == 0.0
+    assert value(model, V=-4.0, mu=-0.05, ring="outer") == value(model)  # whichever surface is ahead
+
+
+@pytest.mark.parametrize(
+    ("name", "by", "power"),
+    [
+        *((name, "mu", 1.0) for name in EVERY[:2] + EVERY[3:4]),
+        ("power-density", "V", 1.0), ("power-density", "w", 1.0), ("power-density", "b", -1.0),
+        ("power-density", "u", 0.0), ("pass-energy", "w", 1.0), ("pass-energy", "b", 0.0), ("film-parameter", "h", 1.0),
+        ("film-parameter", "V", 0.0), ("flash-temperature", "w", 1.0),
+    ],
+)  # fmt: skip
+def test_measures_scale_as_their_equations_say(name, by, power):
+    model, state = get_model("damage", name), {"mu": 0.05, "w": 1e5, "b": 1e-4, "u": 20.0, "V": 4.0, "h": 0.5e-6}
+    one, two = value(model, **state), value(model, **state | {by: 2.0 * state[by]})
+    assert two / one == pytest.approx(2.0**power, rel=1e-12)
+
+
+def test_a_surface_that_stands_still_ends_no_pass():
+    with pytest.raises(DomainError, match="pass-energy: a surface of the inner contacts stands still while"):
+        value(PassEnergy(), u=2.0, V=4.0)
+    assert value(PassEnergy(surface="ring"), u=2.0, V=4.0) == pytest.approx(2e4 / 4.0)
+
+
+# The moving source ---------------------------------------------------------------------------------------------------
+
+
+def test_the_rise_under_a_moving_source_is_that_of_mpmath():
+    rows = reference("rise")
+    peclet, place, exact = (np.array([float(row[name]) for row in rows]) for name in ("peclet", "place", "value"))
+    assert rise(peclet, place) == pytest.approx(exact, rel=1e-9)
+
+
+def test_the_largest_rise_is_that_of_mpmath_at_all_speeds():
+    rows = reference("largest")
+    peclet, exact = (np.array([float(row[name]) for row in rows]) for name in ("peclet", "value"))
+    assert largest_rise(peclet) == pytest.approx(exact, rel=1e-6)
+    (fast,) = reference("fast")
+    assert pytest.approx(float(fast["value"]), rel=1e-13) == FAST
+    for edge in (1e-5, 1e6):  # no step where the limits take over
+        beside = largest_rise(np.array([edge * (1 - 1e-9), edge * (1 + 1e-9)]))
+        assert beside[0] == pytest.approx(beside[1], rel=1e-5)
+    assert largest_rise(np.array([0.0])) == np.inf
+
+
+def test_a_fast_surface_is_blok_s_and_that_is_jaegers_limit():
+    (blok,) = reference("blok")
+    factor = float(blok["value"])
+    assert factor == pytest.approx(1.11, abs=0.005)  # as Blok prints it
+    formula = factor * 0.05 * 1e5 * abs(22.0**0.5 - 18.0**0.5) / (EFFUSIVITY * (2e-4) ** 0.5)
+    assert value(FlashTemperature(conduction="fast")) == pytest.approx(formula, rel=1e-12)
+    off = [
+        value(FlashTemperature(conduction="fast"), u=u, V=0.01 * u) / value(FlashTemperature(), u=u, V=0.01 * u) - 1.0
+        for u in (2.0 * DIFFUSIVITY / 1e-4 * np.array([1.0, 10.0, 1000.0]))
+    ]
+    assert off == pytest.approx([0.0625, 0.0009, 0.0], abs=[5e-4, 1e-4, 1e-5][0])
+
+
+def test_the_cooler_surface_takes_the_heat():
+    """A roller that conducts nothing leaves all heat to the ring: with one material of both speeds that is twice."""
+    alone = FlashTemperature(conduction="fast", roller_conductivity=0.01, roller_heat_capacity=100.0)
+    both, ring = FlashTemperature(conduction="fast"), 22.0**0.5
+    assert value(alone) / value(both) == pytest.approx((ring + 18.0**0.5) / ring, rel=1e-3)
+
+
+@pytest.mark.parametrize("row", reference("parted"), ids=lambda row: f"{row['peclet']} and {row['place']}")
+def test_one_temperature_all_along_is_near_what_the_largest_rises_give(row):
+    """The partition by largest rises against one temperature at each place, which only equal Peclet numbers share."""
+    apart = abs(float(row["value"]) - 1.0)
+    assert apart < (0.002 if min(float(row["peclet"]), float(row["place"])) >= 1.0 else 0.01)
+    if row["peclet"] == row["place"]:
+        assert apart < 1e-5
+
+
+def test_across_a_contact_fast_surfaces_are_hottest_past_the_middle():
+    places = np.linspace(-1.0, 1.0, 2001)
+    (fast,) = reference("fast")
+    (across,) = FlashTemperature(conduction="fast").across(contacts(), places)
+    assert places[np.argmax(across)] == pytest.approx(float(fast["place"]), abs=1e-3)
+    assert across.max() == pytest.approx(value(FlashTemperature(conduction="fast")), rel=1e-6)
+    (slow,) = FlashTemperature().across(contacts(u=1e-6, V=1e-8), places)
+    assert places[np.argmax(slow)] == pytest.approx(0.0, abs=2e-3)  # all but a source that stands still
+
+
+def test_contact_temperature_is_the_bulk_and_the_flash():
+    model = ContactTemperature()
+    assert value(model) == pytest.approx(350.0 + value(FlashTemperature()))
+    warm = value(model, mu=0.0, ring_temperature=340.0, roller=360.0)
+    share = 22.0**0.5 / (22.0**0.5 + 18.0**0.5)
+    assert warm == pytest.approx(share * 340.0 + (1.0 - share) * 360.0)
+    assert value(model, mu=0.0, V=0.0, ring_temperature=340.0, roller=360.0) == pytest.approx(350.0)
+    (across,) = model.across(contacts(), np.array([-1.0, 0.652]))
+    assert across == pytest.approx([350.0, value(model)], abs=0.02 * value(FlashTemperature()))
+
+
+# As models -----------------------------------------------------------------------------------------------------------
+
+
+def test_limits_are_those_that_are_given_or_published():
+    assert PowerDensity().limit is None
+    assert PowerDensity(allowed=1e8).limit == (1e8, "given in the scene")
+    assert FilmParameter().limit[0] == 1.0
+    assert "smearing" in FilmParameter().limit[1]
+    assert FilmParameter(allowed=0.5).limit == (0.5, "given in the scene")
+    assert FilmParameter(allowed=None).limit is None
+    with pytest.raises(FieldError, match="flash: must be model 'flash-temperature', not 'power-density'"):
+        ContactTemperature(flash=PowerDensity())
+
+
+def test_contacts_of_a_bearing_have_the_temperatures_and_speeds_of_its_scene():
+    changes = {"operation.inner_ring_temperature": "75 degC", "operation.roller_temperature": "80 degC"}
+    assembly = assemble(evolve(load_scene("1032930-70C"), changes))
+    speeds = assembly.kinematics.surface_speeds(0.1, 0.05)
+    slices = assembly.inner.evaluate(np.array([1e4]), speeds.inner_rolling, speeds.inner_sliding)
+    of = Contacts.of(assembly, "inner", slices)
+    assert (of.ring_temperature, of.roller_temperature) == pytest.approx((348.15, 353.15))
+    k = assembly.kinematics
+    ring = k.inner_radius * (k.inner_speed - float(speeds.cage_speed))  # seen from the orbit
+    assert [float(one[0]) for one in of.surface_speeds] == pytest.approx([ring, k.roller_radius * speeds.roller_speed])
+    slices = assembly.outer.evaluate(np.array([1e4]), speeds.outer_rolling, speeds.outer_sliding)
+    outer = attrs.evolve(of, ring="outer", slices=slices).surface_speeds
+    ring = k.outer_radius * (float(speeds.cage_speed) - k.outer_speed)
+    assert [float(one[0]) for one in outer] == pytest.approx([ring, k.roller_radius * speeds.roller_speed])
+
+
+def test_wrong_measures_are_refused_where_the_scene_is_read():
+    scene = load_scene("1032930-70C")
+    for raw, words in (
+        ({"model": "power-density", "over": "edge"}, r"models.damage\[0\].over: must be one of 'mean', 'maximum'"),
+        (["power-density", {"model": "pass-energy", "alowed": 1.0}], r"models.damage\[1\].alowed: unknown key, did"),
+        (3.0, "models.damage: a list is expected"),
+    ):
+        with pytest.raises(SceneError, match=words):
+            assemble(evolve(scene, {"models.damage": raw}))

@@ -1,0 +1,155 @@
+"""Study surface-damage: its sums against the losses of the bearing, where it is worst, and what it says."""
+
+import numpy as np
+import pytest
+
+from rollslip import evolve, get_model, load_scene, plan, run
+from rollslip.bearing.raceway import RINGS
+from rollslip.errors import DomainError, SceneError
+from rollslip.motion.losses import power_balance
+from rollslip.results.account import account_of
+from rollslip.results.dataset import open_result, save
+from rollslip.results.style import save_figures
+from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip.studies.surface_damage.figures import damage_figures
+from rollslip.studies.surface_damage.model import Contacts
+from rollslip_plugins.damage.sliding import PassEnergy
+
+SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.02, "accuracy.slices": 6})
+EVERY = ["power-density", "pass-energy", "film-parameter", "flash-temperature", "contact-temperature"]
+
+
+def measured(models=EVERY, **changes):
+    return run(evolve(SCENE, {"models.damage": models, **changes}), "surface-damage")
+
+
+@pytest.fixture(scope="module")
+def result():
+    return measured()
+
+
+@pytest.mark.parametrize("profile", ["none", "iso16281"])
+@pytest.mark.parametrize("slip", [0.03, 0.4])
+def test_power_over_all_contacts_is_what_the_bearing_loses_by_sliding(profile, slip):
+    """The power density over every area against another sum: F V of each roller, in rollslip.motion.losses."""
+    scene = evolve(SCENE, {"bearing.profile": profile, "cage.drag": ["petroff-land", "rolling-resistance"]})
+    assembly = plan(scene, "steady-slip").assembly.with_resistance()
+    balance = SteadySlip().balance(assembly)
+    orbit = balance.orbit(slip)
+    lost = {loss.source: loss.power for loss in power_balance(balance, orbit).losses}
+    model, rollers = get_model("damage", "power-density"), scene.bearing.rollers
+    for ring, loaded in zip(RINGS, balance.evaluated(orbit), strict=True):
+        density = model.evaluate(Contacts.of(assembly, ring, loaded.slices))
+        area = 2.0 * loaded.slices.half_width * loaded.width
+        power = rollers * float((density * area).sum()) / loaded.rollers
+        assert power == pytest.approx(lost[f"sliding, {ring} raceway"], rel=1e-9)
+
+
+def test_the_worst_is_the_worst_of_the_orbit(result):
+    assert result.status.item() == "found"
+    assert (result.worst_status == "found").all()
+    for name in EVERY:
+        one = result.sel(measure=name)
+        extreme = one.along.min("angle") if name == "film-parameter" else one.along.max("angle")
+        assert extreme.values == pytest.approx(one.worst.values)
+        for ring in RINGS:
+            at = one.along.sel(ring=ring).sel(angle=one.worst_angle.sel(ring=ring))
+            assert at.item() == one.worst.sel(ring=ring).item()
+    unloaded = np.isnan(result.along.sel(ring="inner").values)
+    assert unloaded.any()
+    assert (unloaded == unloaded[0]).all()  # the same rollers for all measures
+    flash = result.sel(measure="flash-temperature")
+    assert flash.across.max("place").values == pytest.approx(flash.worst.values, rel=1e-3)
+    assert np.isnan(result.across.sel(measure="film-parameter")).all()
+    assert result.slip.item() == pytest.approx(run(SCENE, "steady-slip").steady_slip.values[0], rel=0.02)
+
+
+def test_a_slip_that_is_named_is_taken_and_more_slip_heats_more():
+    small, large = (measured(["flash-temperature"], **{"study.surface-damage.cage_slip": slip}) for slip in (0.02, 0.2))
+    assert (small.slip.item(), large.slip.item()) == (0.02, 0.2)
+    assert (large.worst.sel(ring="inner") > small.worst.sel(ring="inner")).all()
+
+
+def test_without_drag_nothing_slides_and_nothing_is_heated():
+    still = measured(**{"cage.drag": []})
+    assert still.slip.item() == 0.0
+    assert still.worst.sel(measure=["power-density", "pass-energy", "flash-temperature"]).values == pytest.approx(
+        0.0, abs=1e-12
+    )
+    assert still.worst.sel(measure="contact-temperature").values == pytest.approx(343.15)
+
+
+def test_a_scene_that_names_no_measure_has_none_computed():
+    result = run(SCENE, "surface-damage")
+    assert result.sizes["measure"] == 0
+    assert result.attrs["evaluations"] == 0
+    assert account_of(result).sentences(result) == [
+        "models.damage names no measure, so none was taken; name one or several, 'rollslip models damage' lists them"
+    ]
+    parts = {part.part: part for part in plan(evolve(SCENE, {"models.damage": "pass-energy"}), "steady-slip").parts}
+    assert not parts["damage"].included
+    assert "damage" not in {part.part for part in plan(SCENE, "steady-slip").parts}
+
+
+def test_one_name_stands_for_a_list_of_one():
+    alone, listed = measured("power-density"), measured(["power-density"])
+    assert alone.worst.identical(listed.worst)
+    with pytest.raises(SceneError, match=r"models.damage: 'power-density' stands there twice; name each measure once"):
+        measured(["power-density", "power-density"])
+
+
+@pytest.mark.parametrize("refuses", [True, False], ids=["refused", "not a number"])
+def test_a_measure_that_has_no_value_does_not_keep_the_others_from_theirs(refuses, monkeypatch):
+    own = PassEnergy.evaluate
+
+    def evaluate(self, contacts):
+        if contacts.ring == "outer":
+            return own(self, contacts)
+        if refuses:
+            raise DomainError("pass-energy: no pass ends")
+        return np.full(len(contacts.slices), np.nan)
+
+    monkeypatch.setattr(PassEnergy, "evaluate", evaluate)
+    result = measured(["pass-energy", "power-density"])
+    status = result.worst_status.sel(measure="pass-energy")
+    words = "pass-energy: no pass ends" if refuses else "pass-energy has no value for"
+    assert status.sel(ring="inner").item().startswith(words)
+    assert status.sel(ring="outer").item() == "found"
+    assert np.isfinite(result.worst.sel(measure="power-density")).all()
+    told = account_of(result).topics(result)["sliding energy of a pass"]
+    assert [words in text for text in told] == [False, True, False]
+
+
+def test_a_bearing_that_runs_away_says_so():
+    gone = measured(["power-density"], **{"cage.drag": [{"model": "constant-torque", "size": "9 N m"}]})
+    assert np.isnan(gone.worst).all()
+    assert gone.status.item().startswith("the drag is larger than the cage can carry")
+    assert account_of(gone).sentences(gone) == [gone.status.item()]
+
+
+def test_limits_are_told_in_the_verdict(tmp_path):
+    hot = {"model": "contact-temperature", "allowed": "70 degC"}
+    result = measured(["film-parameter", hot])
+    account = account_of(result)
+    beyond = "the contact temperature is beyond its limit of 70 degC on the inner and outer ring"
+    assert account.headline(result) == beyond
+    told = account.topics(result)
+    assert told["contact temperature"][0].endswith(
+        "on the inner and outer ring that is beyond its limit of 70 degC (given in the scene)"
+    )
+    assert "that is within its limit of 1 (Hamrock and Anderson (1983)" in told["film parameter"][0]
+    assert all("does not say" in texts[-1] for texts in told.values())
+    record = account.record(result)["measures"]["film-parameter"]
+    assert record["limit"] == 1.0
+    assert record["worst"]["inner"] == result.worst.sel(measure="film-parameter", ring="inner").item()
+    names = [path.name for path in save_figures(damage_figures(result), "", tmp_path)]
+    assert names == ["damage-along.svg", "damage-across.svg"]
+    save(result, tmp_path / "kept.nc")
+    assert open_result(tmp_path / "kept.nc").identical(result)
+
+
+def test_the_unit_of_a_rise_is_no_temperature(result):
+    told = account_of(result).topics(result)["flash temperature"][0]
+    assert " K on the inner ring" in told
+    assert "degC" not in told
+    assert "degC on the inner ring" in account_of(result).topics(result)["contact temperature"][0]
