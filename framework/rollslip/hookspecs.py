@@ -48,6 +48,11 @@ def damage_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 
 @hookspec
+def torque_formulas() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Formulas of the friction torque: classes derived from `rollslip.studies.steady_slip.torque.TorqueFormula`."""
+
+
+@hookspec
 def engines() -> Iterable[type[Any]]:  # type: ignore[empty-body]
     """Engines of sweeps this plugin offers: classes derived from `rollslip.engine.Engine`."""
 

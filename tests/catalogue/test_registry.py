@@ -19,6 +19,7 @@ from rollslip.hookspecs import hookspec
 from rollslip.lubricant import Lubricant
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, TractionModel
 from rollslip.references import Reference
+from rollslip.studies.steady_slip.torque import TorqueFormula
 from rollslip.studies.study import Study
 from rollslip.studies.surface_damage.model import DamageModel
 from rollslip.studies.thermal_balance.model import ThermalModel
@@ -138,7 +139,8 @@ def test_listing_imports_no_model_and_asking_for_one_only_its_module():
 def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
     thing = get_class(kind, name)
     assert thing.name == name
-    classes = {**BASES, "engine": Engine, "study": Study, "thermal": ThermalModel, "damage": DamageModel}
+    beside = {"thermal": ThermalModel, "damage": DamageModel, "torque": TorqueFormula}
+    classes = {**BASES, **beside, "engine": Engine, "study": Study}
     if kind in classes:
         assert issubclass(thing, classes[kind])
         assert not inspect.isabstract(thing)

@@ -161,7 +161,9 @@ def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) ->
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("kind", ["integrator", "engine", "thermal", "damage", "lubricant", "bearing", "surface"])
+@pytest.mark.parametrize(
+    "kind", ["integrator", "engine", "thermal", "damage", "torque", "lubricant", "bearing", "surface"]
+)
 def test_what_has_no_compiled_form_is_refused_one(kind: str, tmp_path: Path) -> None:
     with pytest.raises(FieldError, match=f"{kind} has no compiled form, only contact, drag, film, traction have"):
         new("law", kind, True, tmp_path)

@@ -44,7 +44,8 @@ ELSEWHERE = {
                  "runaway_slip_along", "runaway_drag_along", "critical_slip_along", "largest_cage_slip",
                  "largest_cage_slip_time", "least_margin_to_runaway", "least_margin_time", "time_beyond_runaway",
                  "sliding_distance_inner", "sliding_distance_outer", "frictional_work_inner", "frictional_work_outer"},
-    "steady-slip": {f"{name}{rest}" for name in ("radial_load", "inner_speed", "temperature") for rest in (
+    "steady-slip": {"formula_torque", "formula_term", "formula_status"} | {
+        f"{name}{rest}" for name in ("radial_load", "inner_speed", "temperature") for rest in (
         "", "_slip", "_stable", "_fold", "_branch", "_limit", "_limit_slip", "_limit_status")},
 }  # fmt: skip
 

@@ -94,7 +94,7 @@ def test_a_scene_that_names_no_measure_has_none_computed():
 def test_one_name_stands_for_a_list_of_one():
     alone, listed = measured("power-density"), measured(["power-density"])
     assert alone.worst.identical(listed.worst)
-    with pytest.raises(SceneError, match=r"models.damage: 'power-density' stands there twice; name each measure once"):
+    with pytest.raises(SceneError, match=r"models.damage: 'power-density' stands there twice; name each once"):
         measured(["power-density", "power-density"])
 
 

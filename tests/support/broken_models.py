@@ -43,6 +43,7 @@ from rollslip.models import (
     Validity,
 )
 from rollslip.structure import FrozenTable
+from rollslip.studies.steady_slip.torque import TorqueFormula
 from rollslip.studies.surface_damage.model import DamageModel
 from rollslip.studies.thermal_balance.model import ROLES, ThermalModel
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
@@ -1256,6 +1257,65 @@ class _Hearsay(Rubbing):
 
 
 SOUND.append(Rubbing())
+
+
+# Formulas of the friction torque -------------------------------------------------------------------------------------
+
+
+@attrs.frozen(kw_only=True)
+class Bearing(TorqueFormula):
+    """One coefficient at the bore."""
+
+    name = "sound-torque"
+    equation = "M = mu F_r d/2"
+    references = SOURCE
+
+    coefficient: float = parameter(default=0.001, unit="1", doc="coefficient of friction", validator=positive)
+
+    def terms(self, duty):
+        return {"load": 0.5 * self.coefficient * duty.radial_load * duty.bore}
+
+
+@breaks("check_has_an_equation_and_references")
+class _UnsourcedTorque(Bearing):
+    """A formula without a source."""
+
+    references = ()
+
+
+@breaks("check_every_term_resists")
+class _Driving(Bearing):
+    """Its oil drives fast bearings."""
+
+    def terms(self, duty):
+        return {**super().terms(duty), "oil": 1e-3 - 1e-4 * duty.speed}
+
+
+@breaks("check_every_term_resists")
+class _Changing(Bearing):
+    """Slow bearings have another term."""
+
+    def terms(self, duty):
+        return super().terms(duty) if duty.speed > 10.0 else {"starting": 1.0}
+
+
+@breaks("check_more_load_resists_no_less")
+class _Floating(Bearing):
+    """Heavy loads are carried without friction."""
+
+    def terms(self, duty):
+        return {"load": 1.0 / duty.radial_load}
+
+
+@breaks("check_an_oil_without_density_is_refused_in_words_or_not_needed")
+class _Watery(Bearing):
+    """It takes an oil of unknown density for water."""
+
+    def terms(self, duty):
+        return {**super().terms(duty), "oil": 1e-6 * duty.viscosity / (duty.density or 1000.0)}
+
+
+SOUND.append(Bearing())
 
 
 # Packages that end the process ---------------------------------------------------------------------------------------

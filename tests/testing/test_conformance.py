@@ -95,6 +95,10 @@ class TestDamage(Conformance):
     )
 
 
+class TestTorque(Conformance):
+    models = (*box("torque"), get_model("torque", "skf", series="23", supply="grease or oil-air"))
+
+
 DATA = [kind for kind in kinds() if get_kind(kind).data]
 
 
@@ -103,7 +107,7 @@ class TestData(Conformance):
 
 
 def test_no_kind_is_left_out():
-    classes = {"contact", "film", "traction", "drag", "integrator", "engine", "study", "thermal", "damage"}
+    classes = {"contact", "film", "traction", "drag", "integrator", "engine", "study", "thermal", "damage", "torque"}
     assert set(kinds()) == {*classes, *DATA}
 
 

@@ -297,6 +297,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
     named, thermal = where.at("models"), scene.models.thermal
     beside = [] if thermal is None else [("thermal", named.at("thermal"), thermal)]
     beside += [("damage", named.at("damage").at(k), one) for k, one in enumerate(scene.models.damage)]
+    beside += [("torque", named.at("torque").at(k), one) for k, one in enumerate(scene.models.torque)]
     for kind, place, choice in beside:  # for studies that ask for them; their faults are those of the scene
         structure_model(kind, {"model": choice.name, **choice.parameters}, place, problems)
     kinematics = Kinematics(

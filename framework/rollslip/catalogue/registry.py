@@ -3,7 +3,7 @@
 Which names there are and what is behind them, `rollslip.catalogue.discovery` says; its functions are found here too.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import attrs
@@ -14,7 +14,7 @@ from rollslip.errors import PluginError, SceneError, in_words
 from rollslip.fields import FieldError
 from rollslip.structure import Location, structure
 
-__all__ = ["Offer", "available", "catalogue", "find", "get_class", "get_model", "structure_model"]
+__all__ = ["Offer", "available", "catalogue", "find", "get_class", "get_model", "structure_model", "structure_models"]
 
 
 def get_model(kind: str, name: str, **parameters: object) -> Any:
@@ -51,6 +51,28 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
     if problems:
         raise SceneError(problems)
     return model
+
+
+def structure_models(kind: str, named: Iterable[tuple[str, Mapping[str, object]]], where: Location) -> tuple[Any, ...]:
+    """Return models of a list in a scene, each by its name and parameters, in their order.
+
+    Raises
+    ------
+    SceneError
+        If a parameter of one is wrong, or two are called alike.
+    PluginError
+        If one does not exist or cannot be loaded.
+    """
+    problems, names = list[str](), list[str]()
+    models: list[Any] = []
+    for k, (name, parameters) in enumerate(named):
+        models.append(structure_model(kind, {"model": name, **parameters}, where.at(k), problems))
+        names.append(name)
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        problems.append(where.says(f"{' and '.join(map(repr, twice))} stands there twice; name each once"))
+    if problems:
+        raise SceneError(problems)
+    return tuple(models)
 
 
 def structure_model(kind: str, raw: object, where: Location, problems: list[str]) -> Any:

@@ -116,6 +116,9 @@ class Models:
     damage: tuple[ModelChoice, ...] = field(
         default=(), doc="what measures the damage that slip does: one model or several; by default none"
     )
+    torque: tuple[ModelChoice, ...] = field(
+        default=(), doc="formulas of the friction torque that stand beside the losses: one or several; by default none"
+    )
 
 
 #: What a scene without studies asks for.

@@ -15,8 +15,8 @@ import attrs
 
 from rollslip.errors import PluginError
 from rollslip.testing import (  # noqa: F401 - they put their rules on the list
+    bearings,
     checks,
-    heat_and_damage,
     integrators,
     laws,
     measurements,

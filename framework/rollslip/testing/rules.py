@@ -26,6 +26,7 @@ from rollslip.models import (
     TractionModel,
 )
 from rollslip.references import Reference
+from rollslip.studies.steady_slip.torque import TorqueFormula
 from rollslip.studies.study import Study
 from rollslip.studies.surface_damage.model import DamageModel
 from rollslip.studies.thermal_balance.model import ThermalModel
@@ -84,7 +85,7 @@ def rests_on_evaluation(check: Check) -> bool:
 def kinds_of(model: object) -> Iterator[type | str]:
     """Yield the kinds whose rules hold for a model, the general ones first."""
     yield "value"
-    beside = (Engine, Lubricant, Measurement, Study, ThermalModel, DamageModel)
+    beside = (Engine, Lubricant, Measurement, Study, ThermalModel, DamageModel, TorqueFormula)
     yield from (kind for kind in (*MODELS, *beside, *STAGES) if isinstance(model, kind))
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
         yield "deflection"

@@ -140,7 +140,36 @@ def _losses(dataset: "xr.Dataset") -> list[str]:
             f"{format_quantity(total, 'W', 3)} into heat, a friction torque of "
             f"{format_quantity(float(one['friction_torque']), 'N m', 3)}: {shares}"
         )
+    return said + _by_formula(dataset)
+
+
+def _by_formula(dataset: "xr.Dataset") -> list[str]:
+    """Say what each formula that the scene names gives, by its terms, or what it lacks."""
+    if "formula_torque" not in dataset:
+        return []
+    terms = dict(zip(dataset["formula_part"].to_numpy(), dataset["formula_term"].to_numpy(), strict=True))
+    said = []
+    for name, torque, status in zip(
+        dataset["formula"].to_numpy(), dataset["formula_torque"].to_numpy(), dataset["formula_status"].to_numpy(),
+        strict=True,
+    ):  # fmt: skip
+        if math.isnan(torque):
+            said.append(f"no friction torque by formula {str(name)!r}: it {status}")
+            continue
+        own = {part.partition(": ")[2]: value for part, value in terms.items() if part.partition(": ")[0] == name}
+        shares = ", ".join(f"{_percent(value / torque if torque else 0.0)} {term}" for term, value in own.items())
+        said.append(
+            f"by formula {str(name)!r} the friction torque is {format_quantity(float(torque), 'N m', 3)}"
+            f"{_times(dataset, torque)}: {shares}; it knows no slip, and no drag but its own terms"
+        )
     return said
+
+
+def _times(dataset: "xr.Dataset", torque: float) -> str:
+    """Say how a torque by formula compares with the one that is computed at the least steady slip that lasts."""
+    lasting = np.flatnonzero(dataset["stable"].to_numpy() == 1)
+    own = float(dataset["friction_torque"][lasting[0]]) if lasting.size else math.nan
+    return f", {torque / own:.2g} times the one here" if own > 0.0 else ""
 
 
 def _largest(dataset: "xr.Dataset") -> str:

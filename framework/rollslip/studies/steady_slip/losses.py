@@ -11,6 +11,7 @@ from rollslip.motion.losses import power_balance
 from rollslip.motion.torque_balance import Orbit, TorqueBalance
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Output
+from rollslip.studies.steady_slip.torque import by_formula
 
 #: What `losses` gives.
 LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
@@ -28,7 +29,10 @@ LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
 
 
 def losses(balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the losses at some states as variables, and the coordinate of their sources; NaN where none is steady."""
+    """Return the losses at some states as variables, and their coordinates; NaN where none is steady.
+
+    Beside them stand the friction torques by the formulas that the scene names, which know no slip.
+    """
     balances = [power_balance(balance, state) for state in (states if steady else states[:1])]
     power = np.array([[loss.power for loss in one.losses] for one in balances]).T
     turns = abs(balance.assembly.scene.operation.inner_speed - balance.assembly.scene.operation.outer_speed)
@@ -39,7 +43,9 @@ def losses(balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool) -> 
         "friction_torque": power.sum(axis=0) / turns,
     }
     sources = [loss.source for loss in balances[0].losses]
-    return {
+    variables = {
         name: LOSSES[name].variable(values if steady else np.full_like(values, np.nan))
         for name, values in found.items()
-    }, {"source": ("source", sources, about("1", "what loses power"))}
+    }
+    formulas, named = by_formula(balance.assembly)
+    return variables | formulas, {"source": ("source", sources, about("1", "what loses power")), **named}

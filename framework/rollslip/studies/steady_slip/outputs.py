@@ -8,6 +8,7 @@ from rollslip.studies.answers import Measurable, Output
 from rollslip.studies.raceways import REGIMES
 from rollslip.studies.steady_slip.losses import LOSSES
 from rollslip.studies.steady_slip.statuses import FASTER, VARIED
+from rollslip.studies.steady_slip.torque import BY_FORMULA
 
 
 def followed_outputs(name: str) -> dict[str, Output]:
@@ -67,6 +68,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "drag_torque": Output("cage_slip", "N m", "torque with which the drags resist the cage"),
         **{name: output for varied in VARIED for name, output in followed_outputs(varied).items()},
         **LOSSES,
+        **BY_FORMULA,
         **REGIMES,
     }
 )

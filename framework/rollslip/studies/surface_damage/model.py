@@ -9,16 +9,15 @@
 import abc
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, ClassVar, Final, Literal
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.catalogue.kinds import Kind, Template
-from rollslip.catalogue.registry import structure_model
+from rollslip.catalogue.registry import structure_models
 from rollslip.datasets import Material
-from rollslip.errors import SceneError
 from rollslip.references import Citation
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
@@ -141,17 +140,8 @@ def named_damage(scene: Scene) -> tuple[DamageModel, ...]:
     PluginError
         If one does not exist or cannot be loaded.
     """
-    where, problems = Location(scene.origins, ("models", "damage")), list[str]()
-    models: list[Any] = [
-        structure_model("damage", {"model": choice.name, **choice.parameters}, where.at(k), problems)
-        for k, choice in enumerate(scene.models.damage)
-    ]
-    names = [choice.name for choice in scene.models.damage]
-    if twice := sorted({name for name in names if names.count(name) > 1}):
-        problems.append(where.says(f"{' and '.join(map(repr, twice))} stands there twice; name each measure once"))
-    if problems:
-        raise SceneError(problems)
-    return tuple(models)
+    named = [(choice.name, choice.parameters) for choice in scene.models.damage]
+    return structure_models("damage", named, Location(scene.origins, ("models", "damage")))
 
 
 DAMAGE: Final = Kind(

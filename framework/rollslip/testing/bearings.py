@@ -1,6 +1,8 @@
-"""The rules of thermal models, whose heat is conserved and flows from warm to cold, and of damage models.
+"""The rules of models that see a whole bearing: thermal models, damage models and formulas of the friction torque.
 
-Damage models are held against slices that the laws of a bearing evaluated (`_contacts`), since they rest on these.
+- Heat is conserved and flows from warm to cold.
+- Damage models are held against slices that the laws of a bearing evaluated (`_contacts`), since they rest on these.
+- Each term of a friction torque resists, and more load no less.
 """
 
 import math
@@ -13,8 +15,10 @@ import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS
+from rollslip.errors import DomainError
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
+from rollslip.studies.steady_slip.torque import Duty, TorqueFormula
 from rollslip.studies.surface_damage.model import Contacts, DamageModel
 from rollslip.studies.thermal_balance.model import PLACES, ROLES, ThermalModel
 from rollslip.testing.rules import (
@@ -53,8 +57,8 @@ def _draws(start: Array) -> Iterator[tuple[Array, Mapping[str, float]]]:
         )
 
 
-@rule(ThermalModel, DamageModel)
-def check_has_an_equation_and_references(model: ThermalModel | DamageModel) -> None:
+@rule(ThermalModel, DamageModel, TorqueFormula)
+def check_has_an_equation_and_references(model: ThermalModel | DamageModel | TorqueFormula) -> None:
     """A name, an equation, and references."""
     refuse_unless(isinstance(model.equation, str) and model.equation.strip(), "it has no equation")
     refuse_unless(model.references and all(map(is_citation, model.references)), CITATIONS_WANTED)
@@ -218,3 +222,66 @@ def check_a_limit_has_a_source(model: DamageModel) -> None:
     value, source = limit
     refuse_unless(isinstance(value, int | float) and 0.0 < value < math.inf, f"the limit is {value!r}")
     refuse_unless(isinstance(source, str) and bool(source.strip()), f"the source of the limit is {source!r}")
+
+
+# Formulas of the friction torque -------------------------------------------------------------------------------------
+
+
+def _duties() -> Iterator[Duty]:
+    """Bearings from 10 mm of bore to 1 m at all loads and speeds, the same each time."""
+    random = np.random.default_rng(6)
+    for _ in range(_DRAWN):
+        bore = 10.0 ** random.uniform(-2.0, 0.0)
+        outside = bore * random.uniform(1.3, 2.5)
+        yield Duty(
+            bore=bore,
+            outside_diameter=outside,
+            pitch_diameter=0.5 * (bore + outside),
+            radial_load=10.0 ** random.uniform(1.0, 5.0),
+            speed=10.0 ** random.uniform(-1.0, 3.5),
+            viscosity=10.0 ** random.uniform(-3.0, 0.0),
+            density=random.uniform(700.0, 1000.0),
+        )
+
+
+def _torque(formula: TorqueFormula, duty: Duty) -> Mapping[str, float]:
+    terms = formula.terms(duty)
+    refuse_unless(
+        isinstance(terms, Mapping) and terms and all(isinstance(term, str) and term.strip() for term in terms),
+        f"terms() returned {terms!r}; return torques [N m] by what makes them",
+    )
+    return terms
+
+
+@rule(TorqueFormula)
+def check_every_term_resists(formula: TorqueFormula) -> None:
+    """Terms are finite and not below zero, and the same terms for all bearings."""
+    names = None
+    for duty in _duties():
+        terms = _torque(formula, duty)
+        bad = {term: torque for term, torque in terms.items() if not (math.isfinite(torque) and torque >= 0.0)}
+        refuse_unless(not bad, f"terms are {bad} at {duty}")
+        refuse_unless(names in (None, tuple(terms)), f"terms are {', '.join(terms)} here, {names} elsewhere")
+        names = tuple(terms)
+
+
+@rule(TorqueFormula)
+def check_more_load_resists_no_less(formula: TorqueFormula) -> None:
+    """The sum of the terms does not fall with load."""
+    for duty in _duties():
+        less, more = (
+            sum(_torque(formula, attrs.evolve(duty, radial_load=factor * duty.radial_load)).values())
+            for factor in (1.0, 2.0)
+        )
+        refuse_unless(more >= less * (1.0 - 1e-12), f"{less:.6g} N m at {duty}, {more:.6g} at twice the load")
+
+
+@rule(TorqueFormula)
+def check_an_oil_without_density_is_refused_in_words_or_not_needed(formula: TorqueFormula) -> None:
+    """What is not known is asked for by `Duty`, not guessed."""
+    for duty in _duties():
+        try:
+            known = sum(_torque(formula, attrs.evolve(duty, density=None)).values())
+        except DomainError:
+            continue
+        refuse_unless(known == sum(_torque(formula, duty).values()), "without a density the torque is another one")
