@@ -16,6 +16,7 @@ from pybtex.database import parse_string
 
 import rollslip_plugins.bibliography as plugins_bibliography
 import rollslip_plugins.damage.sources as damage_sources
+import rollslip_plugins.film.sources as film_sources
 from rollslip import references
 from rollslip.catalogue.discovery import available, families, get_class
 from rollslip.catalogue.kinds import kinds
@@ -29,7 +30,7 @@ ROOT = Path(__file__).parents[2]
 #: All that is written down, by its name.
 WRITTEN = {
     f"{module.__name__}.{name}": one
-    for module in (references, plugins_bibliography, damage_sources)
+    for module in (references, plugins_bibliography, damage_sources, film_sources)
     for name, one in vars(module).items()
     if isinstance(one, Reference)
 }

@@ -32,20 +32,12 @@ from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import film as compiled
 from rollslip_plugins.bibliography import GUPTA_1992, MURCH_1975, WILSON_1983, ZHOU_1991
 from rollslip_plugins.film.formulas import Moes
+from rollslip_plugins.film.sources import CHEVALIER_1998
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 Array = NDArray[np.float64]
-
-_CHEVALIER: Final = Reference(
-    authors=("Chevalier, F.", "Lubrecht, A. A.", "Cann, P. M. E.", "Colin, F.", "Dalmaz, G."),
-    title="Film thickness in starved EHL point contacts",
-    journal="J. Tribol.",
-    volume="120",
-    pages="126-133",
-    year=1998,
-)
 
 #: Share of the thinner of film and layer in the other, below which the other does not matter to the last bit.
 _LEAST_SHARE: Final = 1e-30
@@ -136,7 +128,7 @@ class InletCorrection(FilmModel):
         "h = h_ff h_oil/(h_ff^g + h_oil^g)^(1/g), h_ff = C_T C_S h_film; murch-wilson: C_T = 3.94/(3.94 + Lt^0.62); "
         "gupta: C_T = [1 - 13.2 (p_H/E') Lt^0.42]/[1 + 0.213 (1 + 2.23 S^0.83) Lt^0.64]"
     )
-    references: ClassVar[tuple[Reference, ...]] = (MURCH_1975, WILSON_1983, GUPTA_1992, ZHOU_1991, _CHEVALIER)
+    references: ClassVar[tuple[Reference, ...]] = (MURCH_1975, WILSON_1983, GUPTA_1992, ZHOU_1991, CHEVALIER_1998)
 
     film: FilmModel = submodel("film", factory=Moes, doc="film model of an isothermal, fully flooded inlet")
     thermal: str = parameter(
