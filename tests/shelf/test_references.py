@@ -261,6 +261,7 @@ REMARKS = {
     "Coulomb friction, regularised by a linear ramp.",
     "No law: the temperatures of the scene.",
     "The measurement that the file holds, as its own comments cite it.",
+    "SKF. General catalogue 6000 (2006), pages 88 to 101, tables 1, 2a, 3c and 5: model of the friction torque.",
 }
 
 
