@@ -314,32 +314,25 @@ def test_a_whole_run_finishes_with_models_of_all_packages(place: Place) -> None:
 
 
 def test_heat_harm_and_torque_of_packages_take_the_place_of_ours(place: Place) -> None:
-    """A scene swaps thermal and damage models as it swaps traction laws: by name, one of a package for one of the box."""
+    """A scene swaps thermal and damage models as it swaps traction laws: by name, one of a package for ours."""
     folder = place.folder / "swapped"
     folder.mkdir()
-    common = ["--set", "accuracy.tolerance=0.02", "--no-plots"]
-    balances = {}
-    for model in ("network", "own-thermal"):
-        named = f"models.thermal={model}"
-        place.run("rollslip", "run", "1032930-70C", "--study", "thermal-balance", "--set", named, "--out", model, *common,
-                  cwd=folder)  # fmt: skip
-        balances[model] = open_result(folder / model / "thermal-balance.nc")
-    assert balances["network"].sizes["node"] == 6
-    own = balances["own-thermal"]
+
+    def result(study: str, changed: str, out: str) -> Any:
+        place.run("rollslip", "run", "1032930-70C", "--study", study, "--set", changed, "--set",
+                  "accuracy.tolerance=0.02", "--no-plots", "--out", out, cwd=folder)  # fmt: skip
+        return open_result(folder / out / f"{study}.nc")
+
+    assert result("thermal-balance", "models.thermal=network", "network").sizes["node"] == 6
+    own = result("thermal-balance", "models.thermal=own-thermal", "own")
     # 10 W/K to surroundings of 20 degC
     assert float(own.temperature[0, 0]) - 293.15 == pytest.approx(float(own.loss.sum()) / 10.0, rel=1e-9)
-    named = 'models.damage=["power-density", "own-damage"]'
-    place.run("rollslip", "run", "1032930-70C", "--study", "surface-damage", "--set", named, "--out", "d", *common,
-              cwd=folder)  # fmt: skip
-    damage = open_result(folder / "d" / "surface-damage.nc")
+    damage = result("surface-damage", 'models.damage=["power-density", "own-damage"]', "damage")
     assert damage.measure.to_numpy().tolist() == ["power-density", "own-damage"]
     assert np.all(np.isfinite(damage.worst.to_numpy()))
-    named = 'models.torque=["constant-coefficient", "own-torque"]'
-    place.run("rollslip", "run", "1032930-70C", "--study", "steady-slip", "--set", named, "--out", "t", *common,
-              cwd=folder)  # fmt: skip
-    torque = open_result(folder / "t" / "steady-slip.nc").formula_torque.to_numpy()
+    torque = result("steady-slip", 'models.torque=["constant-coefficient", "own-torque"]', "torque").formula_torque
     # 0.0011 at the bore of 150 mm, and 0.001 at the pitch circle of 180 mm
-    assert torque[0] / torque[1] == pytest.approx(0.0011 * 0.15 / (0.001 * 0.18), rel=1e-12)
+    assert float(torque[0] / torque[1]) == pytest.approx(0.0011 * 0.15 / (0.001 * 0.18), rel=1e-12)
 
 
 def test_a_file_format_of_a_package_is_written_and_read(place: Place) -> None:
