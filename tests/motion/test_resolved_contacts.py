@@ -22,12 +22,16 @@ LEVELS = ["cage-set", "pocket", "planar", "planar, guided by its rollers", "plan
 
 
 @functools.cache
-def motion(level, film="metal", mass=5.0):
+def motion(level, film="metal", mass=5.0, drag=None):
     guidance = "roller" if "rollers" in level else "inner" if "inner" in level else "outer"
     changes = {"cage.guidance": guidance, "cage.pocket_contact": film}
     if guidance == "roller":
         held = {"mass": 0.4, "inertia": 3.3e-3, "guidance": guidance, "pocket_radial_clearance": 1e-4}
         changes = {"cage": held | {"pocket_contact": film}}
+    if drag and guidance == "roller":
+        changes["cage"]["drag"] = [drag]
+    elif drag:
+        changes["cage.drag"] = [drag]
     assembly = assemble(evolve(load_scene("1032930-50C"), SCENE | changes))
     if level.startswith("planar"):
         return planar_motion(assembly, PlanarSettings(inner_ring_mass=mass), FRICTION)
@@ -104,7 +108,8 @@ def test_a_step_of_leapfrog_moves_places_by_the_speeds_at_both_ends(level):
     solver = Leapfrog(moving.system.capsule, 0.0, y, 1.0, 1e-5)
     solver.step()
     before, after = (moving.system.rates(0.0, state)[places] for state in (y, solver.y))
-    h = min(0.2 / moving.system.frequencies[0], 0.8 / (moving.system.frequencies[1] or 1.0))
+    contact, swing = moving.system.frequencies
+    h = 1.4 / swing if swing else 0.2 / contact
     assert solver.t == pytest.approx(h, rel=1e-15)
     np.testing.assert_allclose((solver.y - y)[places], 0.5 * h * (before + after), rtol=1e-9, atol=1e-17)
 
@@ -136,9 +141,9 @@ def test_nothing_that_parts_is_waited_for():
 
 
 @functools.cache
-def impacts(name, tolerance, told=True):
+def impacts(name, tolerance, told=True, level="pocket"):
     """Root of the mean square of the pocket forces over the first impacts of rollers at some 20 mm/s."""
-    moving = motion("pocket")
+    moving = motion(level)
     absolute, relative = moving.tolerances if told else (moving.system.scale, None)
     times = np.linspace(0.0, 8e-3, 8001)
     found = integrate(
@@ -158,6 +163,12 @@ def impacts(name, tolerance, told=True):
 def test_impacts_are_resolved_at_the_usual_tolerance(name):
     """The first ones, before the motions part."""
     assert impacts(name, 1e-5) == pytest.approx(impacts("rodas5p", 1e-9), rel=0.01)
+
+
+@pytest.mark.parametrize("level", LEVELS[2:])
+def test_impacts_in_parts_of_a_step_are_resolved_too(level):
+    """Against the explicit method of order 5, whose steps shrink with the tolerance."""
+    assert impacts("leapfrog", 1e-5, level=level) == pytest.approx(impacts("rk45", 1e-9, level=level), rel=0.01)
 
 
 def test_an_explicit_method_that_is_told_of_no_contact_is_wrong_about_impacts():
@@ -217,6 +228,67 @@ def test_a_motion_with_impacts_goes_on_bit_by_bit_from_what_was_kept(level, name
     again = before.then(rest)
     assert np.array_equal(again.y, whole.y)
     assert (again.steps, again.events) == (whole.steps, whole.events)
+
+
+def rubbing(level, seed=2):
+    """Bars are pressed along the orbit and, where rollers guide, along the radius; a land is met, all with speeds."""
+    moving, rng = motion(level, drag="pocket-friction"), np.random.default_rng(seed)
+    y, cage = moved(moving, seed, 0.1), moving.assembly.cage
+    of = moving.split(y)
+    of["pocket_position"][[3, 11]] = cage.pocket_clearance / 2 + rng.uniform(2e-6, 4e-6, 2)
+    of["pocket_position"][20] = -cage.pocket_clearance / 2 - 3e-6
+    if cage.guidance == "roller":
+        of["cage_x"][...] = 6e-5
+    else:
+        of["cage_y"][...] = -cage.land_clearance - 3e-6
+    return moving, y
+
+
+@pytest.mark.parametrize("level", LEVELS[2:])
+def test_what_touches_and_all_else_are_the_whole(level):
+    """Kicks over a time in which nothing moves, and rates without what touches."""
+    moving, y = rubbing(level)
+    h, speeds = 1e-10, ~moving.system.places
+    kicks = (moving.system.go(0.0, h, 1, y) - y)[speeds] / h
+    rest, whole = (moving.system.held(0.0, y, 0.0, y, apart=apart)[speeds] for apart in (True, False))
+    size = np.abs(whole).max()
+    assert np.abs(kicks).max() > 1e-2 * size
+    np.testing.assert_allclose(kicks + rest, whole, rtol=1e-4, atol=1e-6 * size)
+
+
+@pytest.mark.parametrize("level", LEVELS[2:])
+def test_halving_the_parts_quarters_the_error_of_a_bar(level):
+    """With its damping and friction, over a sixth of a contact."""
+    moving, y = rubbing(level)
+    fine, coarse, half = (moving.system.go(0.0, 1e-5, parts, y) for parts in (4096, 32, 64))
+    for name in ("orbital_speed", "roller_spin", "cage_speed", "lost_pockets", "work_cage_elastic"):
+        fine_of, coarse_of, half_of = (moving.split(state)[name] for state in (fine, coarse, half))
+        ratio = np.abs(coarse_of - fine_of).max() / np.abs(half_of - fine_of).max()
+        assert 3.3 < ratio < 4.8, name
+
+
+def test_nothing_touched_is_a_drift():
+    moving = motion("planar")
+    y = moved(moving)
+    then = moving.system.go(0.0, 4e-6, 2, y)
+    assert np.array_equal(then[~moving.system.places], y[~moving.system.places])
+    np.testing.assert_allclose(then - y, 4e-6 * np.where(moving.system.places, moving.system.rates(0.0, y), 0.0),
+                               rtol=1e-9, atol=1e-17)  # fmt: skip
+    assert motion("pocket").system.go(0.0, 1e-6, 1, moved(motion("pocket"))) is None
+
+
+def test_two_rates_are_given_up_where_damping_asks_for_shorter_steps():
+    """Contacts that damp by 0.43 in the longer step, 0.21 in the shorter; it also goes on bit by bit from there."""
+    damped = attrs.evolve(motion("planar").settings, contact_damping=2.0)
+    moving = planar_motion(motion("planar").assembly, damped, FRICTION)
+    contact, swing = moving.system.frequencies
+    whole, first, rest = (Leapfrog(moving.system.capsule, 0.0, moved(moving), 1e-3, 1e-5) for _ in range(3))
+    first.advance(max_steps=77)
+    assert first.t == pytest.approx(77 * min(0.2 / contact, 0.8 / swing), rel=1e-12)
+    assert 0.3 * swing / 1.4 < first.damping < 0.3 * contact / 0.2
+    rest.state = first.state
+    assert (whole.advance()[0], rest.advance()[0]) == ("finished", "finished")
+    assert np.array_equal(whole.y, rest.y)
 
 
 @pytest.mark.parametrize("level", ["pocket", "planar"])

@@ -308,11 +308,12 @@ def test_a_load_that_turns_about_rings_that_tilt_is_refused():
     [("pocket", "rk45", 1e-10), ("planar", "rk45", 1e-10), ("planar", "leapfrog", 1e-5)],
 )
 def test_after_a_jump_rollers_in_their_pockets_go_on_as_under_the_new_operation_alone(level, integrator, rtol):
-    """Two runs of constant operations, the second from where the first ends; leapfrog's steps are as long in both."""
+    """Two runs of constant operations, the second from where the first ends; leapfrog's steps are as long in both, by
+    the heaviest load, which the second would come to later."""
     at, to, name = 4e-3, "400 N", "radial_load"
     bearing = assemble(scene(WITHIN[level], **{name: {"shape": "step", "to": to, "at": at}}))
     moving = Dynamics.of(bearing.scene).moving(bearing)
-    held = Dynamics.of(scene(WITHIN[level], **{name: {"shape": "step", "from": to, "to": to, "at": 1.0}}))
+    held = Dynamics.of(scene(WITHIN[level], **{name: {"shape": "step", "from": to, "to": "1037 N", "at": 3 * at}}))
     before = Dynamics.of(scene(WITHIN[level])).moving(bearing)
     after = held.moving(assemble(scene(WITHIN[level] | {"operation.radial_load": to})))
     run = get_model("integrator", integrator)

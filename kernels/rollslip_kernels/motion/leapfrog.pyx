@@ -10,21 +10,24 @@ swings goes on swinging: implicit methods of few stages take an impact for the e
 Step
     Fixed: h = min(0.2/omega_c, 0.8/omega_s) at a relative tolerance of 1e-5 and above, with the frequencies that the
     system tells, omega_c of what touches and parts and is to be resolved, omega_s of what swings all the time and need
-    be stable only (h omega_s < 2). Below, as the square root of the tolerance, of which the largest of all unknowns
-    counts. Where a system tells no frequency or no places all unknowns are kicked, and the step is held to tolerance
-    by a tenth of the difference from Euler's method: the error of the step is smaller by another power of it.
+    be stable only (h omega_s < 2). Where both are told, and the system keeps what touches apart, two rates: h =
+    1.4/omega_s, and in either half of a step what touches goes through its own swings in parts of at most 0.1/omega_c,
+    a kick by the forces in the middle of each; where nothing will touch until the next step has ended, there is
+    nothing to go through, and the places drift at once. Below that tolerance all go as the square root of it, the
+    largest of all unknowns counting. Where a system tells no frequency or no places all unknowns are kicked, and the
+    step is held to tolerance by a tenth of the difference from Euler's method: its error is smaller by another power.
     Where the system tells for how long nothing will touch, and nothing swings, a step goes nine tenths of that time.
 Friction
     Where the system can hold its friction, linear in the sliding speeds and in time or force, it is evaluated in the
     middle of a step where a time is over, and held for another. That is chosen: where friction is renewed, what was
     held is off by some share, which goes with the square of the time, and is led to 1e-3 at usual tolerances and in
-    proportion below; on average over the time it is a third of that. At most it is 32 steps.
+    proportion below; on average over the time it is a third of that. At most it is 32 of the steps that resolve all.
 Damping
     Extrapolated speeds damp as Adams and Bashforth's method of order 2 does, stable for D h < 1. The rate D of the
     strongest damping, the largest eigenvalue of what speeds do to speeds, is measured at the start and all 2048 steps.
     Beyond D h = 0.3 friction that is held is taken at the speeds in the middle of the step that it brings about, two
     unknowns of each roller, up to D h = 4: D of what is left counts, and where either is beyond the integration ends as
-    "failed".
+    "failed". With two rates they are given up for one first, whose steps bear twice as much.
 Output
     Cubic in the places, by Hermite; quadratic in the rest, by the speeds at both ends and the rates in the middle of
     this step and the one before. Neither takes an evaluation.
@@ -36,23 +39,36 @@ Source
 
 import numpy as np
 
-from libc.math cimport fabs, fmax, fmin, sqrt
+from libc.math cimport ceil, fabs, fmax, fmin, sqrt
 from libc.stddef cimport size_t
 from libc.string cimport memcpy, memset
 
 from rollslip_arrow cimport RS_NOT_FINITE, rs_differences, rs_finite, rs_raw
 from rollslip_kernels.motion.rosenbrock cimport DAMPED, STAGES, Stepper
 
+from rollslip_kernels.stages.simd import active
+
 cdef extern from *:
     """
     #include "motion/columns.h"
     /* to = y + factor kicked f; to may be y */
-    static void rs_kick(size_t n, const double *y, double factor, const double *kicked, const double *f, double *to) {
-        RS_EACH(i, n) to[i] = y[i] + factor * kicked[i] * f[i];
-    }
+    #define RS_KICK(name) static void name( \
+        size_t n, const double *y, double factor, const double *kicked, const double *f, double *to \
+    ) { RS_EACH(i, n) to[i] = y[i] + factor * kicked[i] * f[i]; }
+    typedef void (*rs_kick)(size_t, const double *, double, const double *, const double *, double *);
+    RS_KICK(rs_kick_baseline)
+    #ifdef RS_WIDER
+    RS_WIDER
+    RS_KICK(rs_kick_wider)
+    RS_AS_BEFORE
+    #else
+    #define rs_kick_wider rs_kick_baseline
+    #endif
     """
-    void rs_kick(
+    ctypedef void (*rs_kick)(
         size_t n, const double *y, double factor, const double *kicked, const double *f, double *to) noexcept nogil
+    rs_kick rs_kick_baseline
+    rs_kick rs_kick_wider
 
 cdef enum:
     LOOK = 2048       # steps between two looks at the damping
@@ -63,6 +79,9 @@ cdef enum:
 
 cdef double CONTACT = 0.2     # a step times the frequencies
 cdef double SWING = 0.8
+cdef double SWING_APART = 1.4   # the same where what touches is gone through apart
+cdef double CONTACT_APART = 0.1
+cdef double AHEAD = 1.7       # steps that must be clear from the middle of one to the end of the next
 cdef double MOST_DAMPED = 0.3   # a step times the rate of the strongest damping
 cdef double OF_EULER = 0.1
 cdef double USUAL = 1e-5      # tolerance at which the step is that of the frequencies
@@ -90,15 +109,17 @@ cdef class Leapfrog(Stepper):
     """
 
     cdef bint fixed, holds, implicit, clear
-    cdef double rule, lag, apart, allowed
+    cdef double rule, united, whole, of_contact, lag, apart, allowed
     cdef double known[2]
     cdef double held_at, interval, held_for, gone, most_gone
     cdef size_t count
     cdef readonly size_t renewals
+    cdef size_t parts   # of half a step, in which what touches is gone through; 0: with all else
     cdef readonly double damping
     cdef double *y_held
     cdef object held_memory
     cdef const double *kicked
+    cdef rs_kick kick
     cdef object ones
 
     def __init__(self, capsule, double t0, y0, double t_bound, rtol=1e-3, atol=1e-6, double max_step=np.inf,
@@ -108,6 +129,7 @@ cdef class Leapfrog(Stepper):
         self.y_held = <double *><size_t>self.held_memory.ctypes.data
         cdef double contact = self.c.contact_frequency, swing = self.c.swing_frequency, tolerance = 0.0
         cdef size_t i
+        self.kick = rs_kick_baseline if active() == "baseline" else rs_kick_wider
         self.ones = np.ones(self.n)
         self.kicked = <double *><size_t>self.ones.ctypes.data
         if self.c.kicked != NULL:
@@ -120,6 +142,11 @@ cdef class Leapfrog(Stepper):
             self.rule = fmin(CONTACT / contact if contact > 0.0 else np.inf, SWING / swing if swing > 0.0 else np.inf)
             self.rule = fmin(self.rule * fmin(1.0, sqrt(tolerance / USUAL)), self.max_step)
             self.holds = self.c.renew != NULL and self.direction > 0.0
+            self.united = self.rule
+            if self.holds and self.c.go != NULL and contact > 0.0 and swing > 0.0:
+                self.of_contact = CONTACT_APART / contact * fmin(1.0, sqrt(tolerance / USUAL))
+                self.whole = fmin(SWING_APART / swing * fmin(1.0, sqrt(tolerance / USUAL)), self.max_step)
+                self._part()
             self.allowed = GONE * fmin(1.0, tolerance / USUAL)
             self.h, self.interval = self.rule, FIRST * self.rule
 
@@ -130,6 +157,7 @@ cdef class Leapfrog(Stepper):
         Stepper.restart(self, t, y, h)
         self.lag, self.apart, self.count, self.damping, self.implicit = 0.0, 0.0, 0, 0.0, False
         self.clear = False
+        self._part()
         self.known[0] = self.known[1] = 0.0
         self.held_at, self.interval = t, FIRST * self.rule
         if self.fixed:
@@ -143,7 +171,7 @@ cdef class Leapfrog(Stepper):
         signs = [self.signs[i] for i in range(self.c.watched)]
         memory = [self.t, self.h, self.previous_step, self.previous_error, *signs, *self.y, *known]
         rates = self._array(self.f) if self.evaluated else np.zeros(self.n)
-        flags = 1.0 if self.implicit else 0.0, 1.0 if self.clear else 0.0
+        flags = 1.0 if self.implicit else 0.0, 1.0 if self.clear else 0.0, <double>self.parts
         held = [self.held_at, self.interval, self.damping, *flags, *self._array(self.y_held)]
         return np.array([*memory, *rates, *(held if self.holds else ())])
 
@@ -152,7 +180,7 @@ cdef class Leapfrog(Stepper):
         cdef double[::1] f, held
         values = np.array(values, dtype=float)
         before = 4 + self.c.watched + self.n
-        size = before + 3 + self.n + (5 + self.n if self.holds else 0)
+        size = before + 3 + self.n + (6 + self.n if self.holds else 0)
         if values.shape != (size,) or not np.all(np.isfinite(values)):
             raise ValueError(f"a state of this system is {size} finite numbers, got {values.shape}")
         Stepper.state.__set__(self, values[:before])
@@ -163,7 +191,9 @@ cdef class Leapfrog(Stepper):
             held = values[before + 3 + self.n:].copy()
             self.held_at, self.interval, self.damping = held[0], held[1], held[2]
             self.implicit, self.clear = held[3] != 0.0, held[4] != 0.0
-            memcpy(self.y_held, &held[5], self.n * sizeof(double))
+            if held[5] == 0.0:
+                self._unite()
+            memcpy(self.y_held, &held[6], self.n * sizeof(double))
 
     @property
     def told(self):
@@ -220,6 +250,15 @@ cdef class Leapfrog(Stepper):
             self.lag = 0.5 * fabs(self.taken)
         return status
 
+    cdef void _part(self) noexcept nogil:
+        """Take the steps of what swings, if they are longer, and in their halves what touches in parts."""
+        if self.whole > self.united:
+            self.parts, self.rule = <size_t>ceil(0.5 * self.whole / self.of_contact), self.whole
+
+    cdef void _unite(self) noexcept nogil:
+        """Take all that moves fast in the same steps."""
+        self.parts, self.rule, self.clear = 0, self.united, False
+
     cdef int _enter(self) noexcept nogil:
         """Have the system hold what it held, whoever has used it since."""
         if self.holds and self.evaluated:
@@ -235,7 +274,7 @@ cdef class Leapfrog(Stepper):
         self.held_at, self.interval, self.implicit = self.t, FIRST * self.rule, self._steep()
         memcpy(self.y_held, self.y_now, self.n * sizeof(double))
         self.evaluations += 1
-        return status if status != 0 else self.c.held(self.t, self.y_now, 0.0, NULL, self.f, self.c.state)
+        return status if status != 0 else self._ask(self.t, self.y_now, 0.0, self.f)
 
     cdef double _size(self) noexcept nogil:
         """The fixed step; while nothing touches or swings, up to where something does or friction is to be renewed.
@@ -271,12 +310,14 @@ cdef class Leapfrog(Stepper):
             status = self.c.renew(t, at, True, self.known, self.c.state)
             if status != 0:
                 return status
+            if self.parts and self.known[0] * self.rule > STEEPEST:
+                self._unite()
             if self.known[0] * self.rule > STEEPEST:
                 self.damping = self.known[0]
                 return DAMPED
             self.implicit, off = self._steep(), self.known[1]
             factor = 0.9 * sqrt(self.allowed / fmax(off, 1e-300))
-            self.interval = fmin(self.interval * fmin(fmax(factor, 0.03), 2.0), LONGEST * self.rule)
+            self.interval = fmin(self.interval * fmin(fmax(factor, 0.03), 2.0), LONGEST * self.united)
             self.interval = fmax(self.interval, self.rule)
             self.renewals += 1
             self.held_for += t - self.held_at
@@ -284,22 +325,37 @@ cdef class Leapfrog(Stepper):
             self.most_gone = fmax(self.most_gone, off)
             self.held_at = t
             memcpy(self.y_held, at, self.n * sizeof(double))
-        return self.c.held(t, y, half if self.implicit else 0.0, self.f, rates, self.c.state)
+        return self._ask(t, y, half if self.implicit else 0.0, rates)
+
+    cdef int _ask(self, double t, const double *y, double half, double *rates) noexcept nogil:
+        """Rates by friction that is held, without what touches where that goes in steps of its own."""
+        cdef int status
+        if self.parts == 0:
+            return self.c.held(t, y, half, self.f, rates, self.c.state)
+        self.c.apart[0] = 1
+        status = self.c.held(t, y, half, self.f, rates, self.c.state)
+        self.c.apart[0] = 0
+        return status
 
     cdef int _drift(self, double h, double *y) noexcept nogil:
         return self.c.drift(h, y, self.c.state) if self.c.drift != NULL else 0
+
+    cdef int _go(self, double t, double h, double *y, bint clear) noexcept nogil:
+        """Places after half a step from t on, and speeds by what touches, gone through in parts unless nothing does."""
+        return self._drift(h, y) if self.parts == 0 or clear else self.c.go(t, h, self.parts, y, self.c.state)
 
     cdef int _stages(self, double h, double t_new) noexcept nogil:
         """``y_new`` after a step of h, with its sign, the rates in its middle, and the difference from Euler's."""
         cdef double *error = self.k + (STAGES - 1) * self.n
         cdef double half = 0.5 * h
+        cdef bint clear = self.clear
         cdef size_t i
         cdef int status
         memcpy(self.y_new, self.y_now, self.n * sizeof(double))
-        status = self._drift(half, self.y_new)
+        status = self._go(self.t, half, self.y_new, clear)
         if status != 0:
             return status
-        rs_kick(self.n, self.y_new, half, self.kicked, self.f, self.u)
+        self.kick(self.n, self.y_new, half, self.kicked, self.f, self.u)
         if not self.fixed and not rs_finite(self.u, self.n):
             return RS_NOT_FINITE
         if self.holds:
@@ -308,8 +364,10 @@ cdef class Leapfrog(Stepper):
             status = self._rates(self.t + half, self.u, self.f_new)
         if status != 0:
             return status
-        rs_kick(self.n, self.y_new, h, self.kicked, self.f_new, self.y_new)
-        status = self._drift(half, self.y_new)
+        if self.parts:
+            self.clear = self.c.clear(AHEAD * self.rule, self.c.state)
+        self.kick(self.n, self.y_new, h, self.kicked, self.f_new, self.y_new)
+        status = self._go(self.t + half, half, self.y_new, clear and self.clear)
         if status == 0 and not rs_finite(self.y_new, self.n):
             status = RS_NOT_FINITE
         if not self.fixed:
@@ -335,6 +393,8 @@ cdef class Leapfrog(Stepper):
         self.c.still[0] = 1
         status = self._measure()
         self.c.still[0] = 0
+        if self.parts and self.damping * self.rule > MOST_DAMPED:
+            self._unite()
         if status != 0 or self.damping * self.rule > MOST_DAMPED:
             return status if status != 0 else DAMPED
         self.damping = all

@@ -44,12 +44,14 @@ import numpy as np
 
 from cpython.exc cimport PyErr_Occurred
 from cpython.pycapsule cimport PyCapsule_GetPointer
-from libc.math cimport INFINITY, M_PI, NAN, cos, fmax, fmin, sin, sqrt
+from libc.math cimport INFINITY, M_PI, NAN, cos, fabs, fmax, fmin, sin, sqrt
 from libc.string cimport memcpy, memset
 
 from rollslip_abi cimport ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
 from rollslip_errors cimport rs_raise_pending
-from rollslip_land cimport INNER_LAND, OUTER_LAND, ROLLERS, rs_land, rs_land_force, rs_land_forces
+from rollslip_land cimport (
+    ALL_OF_LAND, INNER_LAND, LAND_FILM, LAND_METAL, ROLLERS, rs_land, rs_land_force, rs_land_forces,
+)
 from rollslip_pocket cimport (
     RS_POCKET_SLIDING, RS_POCKET_TOUCH, rs_bars, rs_damping, rs_pocket, rs_pocket_bars,
 )
@@ -154,10 +156,13 @@ cdef extern from "motion/planar_columns.h" nogil:
         size_t deepest
 
     ctypedef struct rs_plane_loops:
+        void (*angles)(rs_plane *p, const double *head, const double *rollers) noexcept nogil
         void (*places)(rs_plane *p, const double *head, const double *rollers) noexcept nogil
         int (*forces)(rs_plane *p, int ring) noexcept nogil
         void (*damped)(rs_plane *p, int ring) noexcept nogil
-        void (*pockets)(rs_plane *p, const double *head, double reach, double radial_reach, int *touch) noexcept nogil
+        void (*pockets)(
+            rs_plane *p, const double *head, double time, double reach, double radial_reach, int *touch) noexcept nogil
+        int (*clear)(const rs_plane *p, double time, double reach, double radial_reach) noexcept nogil
         void (*tractions)(rs_plane *p, int ring, const rs_held *held, const double *sliding) noexcept nogil
         void (*implicit)(
             rs_plane *p, const double *head, const rs_held *inner, const rs_held *outer, double half,
@@ -167,6 +172,7 @@ cdef extern from "motion/planar_columns.h" nogil:
 
     const rs_plane_loops *rs_plane_loops_of(int wider)
     void rs_plane_one(const rs_plane *p, size_t j, double *sums)
+    void rs_turned(double by, double cosine, double sine, double *c, double *s)
     void rs_plane_blocks(const rs_plane *p, double *rates)
     double rs_plane_deepest(rs_plane *p, const double *head, const double *rollers)
 
@@ -257,10 +263,14 @@ ctypedef struct planar_t:
     double *load_of[2]     # per length, by roller and slice
     size_t *first[2]       # where the slices of a roller begin among those in contact
     int *touch             # whether a bar may touch the roller
+    size_t *near           # those it may
     rs_held held[2]        # friction
     int still              # the tractions do not follow the speeds
-    double *room           # [3 Z]
+    int apart              # what touches is left out where friction is held
+    double *room           # [5 Z]
+    double head[HEAD]      # where held was asked last, while what touches is apart
 
+cdef double SOON = 2.0    # times a part of a step in which a bar may be touched: forces change speeds in it
 cdef double FAR = 0.1     # displacement over the roller's radius, beyond which it is not small
 
 
@@ -433,52 +443,197 @@ cdef int held(
     cdef int status = contacts(y, y + HEAD, p, False, KEPT)
     if status != 0:
         return status
-    bars(y, p)
+    if p.apart:
+        free_of_bars(y, p)
+    else:
+        bars(y, p)
     if half > 0.0:
         p.loops.implicit(&p.c, y, &p.held[INNER], &p.held[OUTER], half, before + HEAD)
-    return summed(t, y, rates, p)
+    return summed(t, y, rates, LAND_FILM if p.apart else ALL_OF_LAND, p)
 
 
 cdef inline double rubbing(const planar_t *p, double force, double speed) noexcept nogil:
+    if force == 0.0:
+        return 0.0
     return p.pocket.friction * force * speed / sqrt(speed * speed + RS_POCKET_SLIDING * RS_POCKET_SLIDING)
 
 
-cdef inline void places_in_pockets(const double *head, planar_t *p) noexcept nogil:
-    """Places in the pockets, and whether a bar may touch: a film reaches across its gap."""
-    cdef double soft = RS_POCKET_TOUCH / p.pocket.stiffness
-    p.loops.pockets(&p.c, head, p.pocket.half_clearance - soft if p.pocket.film == 0.0 else -1.0,
-                    p.guide.half_clearance - soft, p.touch)
+cdef inline double reach(const planar_t *p) noexcept nogil:
+    """Place from the middle of a pocket up to which no bar touches a roller: a film reaches across its gap."""
+    return p.pocket.half_clearance - RS_POCKET_TOUCH / p.pocket.stiffness if p.pocket.film == 0.0 else -1.0
+
+
+cdef inline double radial_reach(const planar_t *p) noexcept nogil:
+    return p.guide.half_clearance - RS_POCKET_TOUCH / p.pocket.stiffness
+
+
+cdef inline void places_in_pockets(const double *head, double time, planar_t *p) noexcept nogil:
+    """Places in the pockets, and whether a bar may touch within a time."""
+    p.loops.pockets(&p.c, head, time, reach(p), radial_reach(p), p.touch)
+
+
+cdef inline void no_bars(planar_t *p) noexcept nogil:
+    memset(p.c.push, 0, 5 * p.c.rollers * sizeof(double))   # and the four columns behind it
+
+
+cdef void free_of_bars(const double *head, planar_t *p) noexcept nogil:
+    """Places in the pockets, without what the bars do."""
+    places_in_pockets(head, 0.0, p)
+    no_bars(p)
+    p.c.touched = False
+    memcpy(p.head, head, HEAD * sizeof(double))
+
+
+cdef inline void bars_of(planar_t *p, size_t j, double closing, double rising, double spin) noexcept nogil:
+    """What the bars do to a roller at its place, and its power; `spin` the speed of its rim against the cage."""
+    cdef rs_bars pocket = rs_pocket_bars(&p.pocket, p.c.place[j], closing)
+    cdef rs_bars guide = rs_pocket_bars(&p.guide, p.c.height[j], rising)
+    cdef double pushed = pocket.spring_ahead - pocket.spring_behind, lifted = guide.spring_ahead - guide.spring_behind
+    # every bar rubs on its own side of the roller, those opposite in opposite directions by the spin
+    cdef double fore = rubbing(p, pocket.ahead, rising + spin), aft = rubbing(p, pocket.behind, rising - spin)
+    cdef double top = rubbing(p, guide.ahead, closing - spin), bottom = rubbing(p, guide.behind, closing + spin)
+    p.c.push[j] = pocket.ahead - pocket.behind + top + bottom
+    p.c.lift[j] = guide.ahead - guide.behind + fore + aft
+    p.c.moment[j] = p.c.roller_radius * (fore - aft - top + bottom)
+    p.c.stored[j] = pushed * closing + lifted * rising
+    p.c.lost[j] = (
+        (pocket.ahead - pocket.behind - pushed) * closing
+        + (guide.ahead - guide.behind - lifted) * rising
+        + fore * (rising + spin) + aft * (rising - spin) + top * (closing - spin) + bottom * (closing + spin)
+    )
 
 
 cdef void bars(const double *head, planar_t *p) noexcept nogil:
     """What the bars of the cage do to the rollers, and its power."""
     cdef size_t j
-    cdef double closing, rising, spin, fore, aft, top, bottom, pushed, lifted
-    cdef rs_bars pocket, guide
-    places_in_pockets(head, p)
-    memset(p.c.push, 0, 5 * p.c.rollers * sizeof(double))   # and the four columns behind it
+    places_in_pockets(head, 0.0, p)
+    no_bars(p)
     if not p.c.touched:
         return
     for j in range(p.c.rollers):
+        if p.touch[j]:
+            bars_of(p, j, p.c.closing[j], p.c.rising[j],
+                    p.c.roller_radius * (p.c.unknown[SPIN][j] + head[CAGE_SPEED]))
+
+
+cdef inline bint land_is_touched(const planar_t *p, const double *head, double time) noexcept nogil:
+    """Whether the cage may meet the metal of its land within a time, at most at the present speeds."""
+    cdef double dx = head[CAGE_X], dy = head[CAGE_Y], vx = head[CAGE_VX], vy = head[CAGE_VY]
+    if p.land.guidance == ROLLERS:
+        return False
+    if p.land.guidance == INNER_LAND:
+        dx, dy, vx, vy = head[RING_X] - dx, head[RING_Y] - dy, head[RING_VX] - vx, head[RING_VY] - vy
+    return not sqrt(dx * dx + dy * dy) + time * sqrt(vx * vx + vy * vy) <= p.land.clearance
+
+
+cdef int clear(double h, void *state) noexcept nogil:
+    cdef planar_t *p = <planar_t *>state
+    return p.loops.clear(&p.c, h, reach(p), radial_reach(p)) and not land_is_touched(p, p.head, h)
+
+
+cdef void drift_near(const planar_t *p, double h, double *y, size_t near) noexcept nogil:
+    """As `drift`, of the head and of the rollers that a bar may touch."""
+    cdef double *roller
+    cdef size_t k
+    y[RING_X] += h * y[RING_VX]
+    y[RING_Y] += h * y[RING_VY]
+    y[CAGE_X] += h * y[CAGE_VX]
+    y[CAGE_Y] += h * y[CAGE_VY]
+    y[CAGE_ANGLE] += h * y[CAGE_SPEED]
+    for k in range(near):
+        roller = y + HEAD + p.near[k] * BLOCK
+        roller[POSITION] += h * p.c.orbit_radius * (roller[ORBIT] - y[CAGE_SPEED])
+        roller[RADIAL] += h * roller[RISE]
+
+
+cdef void touched(planar_t *p, double h, double *y, size_t near, double turned, bint metal) noexcept nogil:
+    """Add h times what bars and the metal of the land do at the speeds in its middle that they bring about.
+
+    The cage has turned since the columns of angles were made.
+    """
+    cdef double *ledger = y + HEAD + p.c.rollers * BLOCK
+    cdef double *pulled = p.room   # rates of orbit, spin and rise, cos and sin of the angle [5 Z]
+    cdef double *roller
+    cdef double *mine
+    cdef double head[HEAD]
+    cdef double rates[ROW]   # of head and ledger, by speeds alone
+    cdef double R = p.c.orbit_radius, r = p.c.roller_radius, m = p.c.roller_mass, per_J = 1.0 / p.c.roller_inertia
+    cdef double within = reach(p), radially_within = radial_reach(p)
+    cdef double c, s, w, v, radius, fx, fy, torque, along, across, part, cage_cos, cage_sin
+    cdef size_t j, k, time
+    for k in range(near):
+        j, mine = p.near[k], pulled + 5 * k
+        roller = y + HEAD + j * BLOCK
+        mine[0] = mine[1] = mine[2] = 0.0
+        rs_turned(turned + (roller[POSITION] - p.c.unknown[POSITION][j]) / R, p.c.cosine[j], p.c.sine[j], mine + 3,
+                  mine + 4)
+        p.c.place[j] = roller[POSITION] - (y[CAGE_Y] * mine[3] - y[CAGE_X] * mine[4])
+        p.c.height[j] = roller[RADIAL] - (y[CAGE_X] * mine[3] + y[CAGE_Y] * mine[4])
+    memset(rates, 0, ROW * sizeof(double))
+    rs_turned(turned, p.c.cage_cos, p.c.cage_sin, &cage_cos, &cage_sin)
+    for time in range(2):
+        part = 0.5 * h * <double>time
+        for k in range(HEAD):
+            head[k] = y[k] + part * rates[k]
+        memset(rates, 0, ROW * sizeof(double))
+        fx = fy = torque = 0.0
+        if metal:
+            of_land(p, head, LAND_METAL, rates, &fx, &fy, &torque)
+        for k in range(near):
+            j, mine = p.near[k], pulled + 5 * k
+            if fabs(p.c.place[j]) <= within and fabs(p.c.height[j]) <= radially_within:
+                continue   # not yet, or no longer
+            roller, c, s = y + HEAD + j * BLOCK, mine[3], mine[4]
+            w, v, radius = roller[ORBIT] + part * mine[0], roller[RISE] + part * mine[2], R + roller[RADIAL]
+            along, across = head[CAGE_X] * c + head[CAGE_Y] * s, head[CAGE_Y] * c - head[CAGE_X] * s
+            bars_of(p, j, R * (w - head[CAGE_SPEED]) + along * w - (head[CAGE_VY] * c - head[CAGE_VX] * s),
+                    v - (head[CAGE_VX] * c + head[CAGE_VY] * s) - across * w,
+                    r * (roller[SPIN] + part * mine[1] + head[CAGE_SPEED]))
+            mine[0] = (p.c.lift[j] * across - p.c.push[j] * (R + along)) / (m * radius * radius)
+            mine[1], mine[2] = -p.c.moment[j] * per_J, -p.c.lift[j] / m
+            fx += p.c.lift[j] * c - p.c.push[j] * s
+            fy += p.c.lift[j] * s + p.c.push[j] * c
+            torque += p.c.push[j] * R - p.c.moment[j]
+            rates[WORK_CAGE] -= p.c.stored[j]
+            rates[LOST_POCKETS] += p.c.lost[j]
+        cage_acceleration(p, cage_cos, cage_sin, fx, fy, torque, rates)
+    for k in range(HEAD):
+        y[k] += h * rates[k]
+    for k in range(LEDGER):
+        ledger[k] += h * rates[HEAD + k]
+    for k in range(near):
+        roller = y + HEAD + p.near[k] * BLOCK
+        roller[ORBIT] += h * pulled[5 * k]
+        roller[SPIN] += h * pulled[5 * k + 1]
+        roller[RISE] += h * pulled[5 * k + 2]
+
+
+cdef int go(double t, double h, size_t parts, double *y, void *state) noexcept nogil:
+    cdef planar_t *p = <planar_t *>state
+    cdef double *roller
+    cdef double part = h / <double>parts, turned = 0.0
+    cdef bint metal = land_is_touched(p, y, SOON * h)
+    cdef size_t near = 0, j, k
+    p.loops.angles(&p.c, y, y + HEAD)
+    places_in_pockets(y, SOON * h, p)
+    if not p.c.touched and not metal:
+        return drift(h, y, state)
+    for j in range(p.c.rollers):
+        if p.touch[j]:
+            p.near[near] = j
+            near += 1
+    for k in range(parts):
+        drift_near(p, part if k else 0.5 * part, y, near)
+        turned += (part if k else 0.5 * part) * y[CAGE_SPEED]
+        touched(p, part, y, near, turned, metal)
+    drift_near(p, 0.5 * part, y, near)
+    turned += 0.5 * part * y[CAGE_SPEED]
+    for j in range(p.c.rollers):   # the others, of constant speeds
         if not p.touch[j]:
-            continue
-        closing, rising = p.c.closing[j], p.c.rising[j]
-        pocket = rs_pocket_bars(&p.pocket, p.c.place[j], closing)
-        guide = rs_pocket_bars(&p.guide, p.c.height[j], rising)
-        pushed, lifted = pocket.spring_ahead - pocket.spring_behind, guide.spring_ahead - guide.spring_behind
-        # every bar rubs on its own side of the roller, those opposite in opposite directions by the spin
-        spin = p.c.roller_radius * (p.c.unknown[SPIN][j] + head[CAGE_SPEED])
-        fore, aft = rubbing(p, pocket.ahead, rising + spin), rubbing(p, pocket.behind, rising - spin)
-        top, bottom = rubbing(p, guide.ahead, closing - spin), rubbing(p, guide.behind, closing + spin)
-        p.c.push[j] = pocket.ahead - pocket.behind + top + bottom
-        p.c.lift[j] = guide.ahead - guide.behind + fore + aft
-        p.c.moment[j] = p.c.roller_radius * (fore - aft - top + bottom)
-        p.c.stored[j] = pushed * closing + lifted * rising
-        p.c.lost[j] = (
-            (pocket.ahead - pocket.behind - pushed) * closing
-            + (guide.ahead - guide.behind - lifted) * rising
-            + fore * (rising + spin) + aft * (rising - spin) + top * (closing - spin) + bottom * (closing + spin)
-        )
+            roller = y + HEAD + j * BLOCK
+            roller[POSITION] += p.c.orbit_radius * (h * roller[ORBIT] - turned)
+            roller[RADIAL] += h * roller[RISE]
+    return 0
 
 
 cdef inline void receive(const planar_t *p, double c, double s, const double *sums, double *row) noexcept nogil:
@@ -533,15 +688,15 @@ cdef int all_rates(double t, const double *y, double *rates, void *state) noexce
     if status != 0:
         return status
     bars(y, p)
-    return summed(t, y, rates, p)
+    return summed(t, y, rates, ALL_OF_LAND, p)
 
 
-cdef int summed(double t, const double *y, double *rates, planar_t *p) noexcept nogil:
+cdef int summed(double t, const double *y, double *rates, int land, planar_t *p) noexcept nogil:
     """All rates by the forces of the columns."""
     cdef double row[ROW]
     cdef double sums[ADDED]
     cdef size_t k, behind = HEAD + p.c.rollers * BLOCK
-    cdef int status = own_rates(t, y, p.c.cage_cos, p.c.cage_sin, row, p)
+    cdef int status = own_rates(t, y, p.c.cage_cos, p.c.cage_sin, row, land, p)
     if status != 0:
         return status
     p.loops.rates(&p.c, y)
@@ -555,19 +710,49 @@ cdef int summed(double t, const double *y, double *rates, planar_t *p) noexcept 
     return 0
 
 
+cdef inline void of_land(
+    const planar_t *p, const double *head, int what, double *rates, double *fx, double *fy, double *torque
+) noexcept nogil:
+    """Add what a land does to rates of the ring and of the ledger, and to force and torque on the cage."""
+    cdef rs_land_forces f
+    cdef double w = head[CAGE_SPEED]
+    if p.land.guidance == INNER_LAND:   # the ring is the journal
+        f = rs_land_force(
+            &p.land, head[RING_X] - head[CAGE_X], head[RING_Y] - head[CAGE_Y], head[RING_VX] - head[CAGE_VX],
+            head[RING_VY] - head[CAGE_VY], p.c.inner_speed, w, what)
+        rates[RING_VX] += f.x / p.ring_mass
+        rates[RING_VY] += f.y / p.ring_mass
+        fx[0] -= f.x
+        fy[0] -= f.y
+        torque[0] += f.bush
+        rates[WORK_RINGS] -= f.journal * p.c.inner_speed
+        rates[IMPULSE_RINGS] -= f.journal
+    else:   # the cage is
+        f = rs_land_force(
+            &p.land, head[CAGE_X], head[CAGE_Y], head[CAGE_VX], head[CAGE_VY], w, p.c.outer_speed, what)
+        fx[0] += f.x
+        fy[0] += f.y
+        torque[0] += f.journal
+        rates[WORK_RINGS] -= f.bush * p.c.outer_speed
+        rates[IMPULSE_RINGS] -= f.bush
+    rates[WORK_CAGE] += f.stored
+    rates[LOST_LAND] += f.lost
+
+
 cdef int head_rates(double t, const double *head, double *rates, void *state) noexcept nogil:
-    return own_rates(t, head, cos(head[CAGE_ANGLE]), sin(head[CAGE_ANGLE]), rates, <planar_t *>state)
+    return own_rates(t, head, cos(head[CAGE_ANGLE]), sin(head[CAGE_ANGLE]), rates, ALL_OF_LAND, <planar_t *>state)
 
 
-cdef int own_rates(double t, const double *head, double c, double s, double *rates, planar_t *p) noexcept nogil:
-    """Rates of head and ledger without rollers; (c, s) of the cage's angle."""
+cdef int own_rates(
+    double t, const double *head, double c, double s, double *rates, int land, planar_t *p
+) noexcept nogil:
+    """Rates of head and ledger without rollers; (c, s) of the cage's angle, what of the land acts."""
     cdef size_t k
     cdef double w = head[CAGE_SPEED]
     cdef double load = p.c.load * load_factor(p, t), drag = 0.0, load_x = load, load_y = 0.0
     # the cage's weight acts at its centre of mass
     cdef double fx = p.cage_mass * p.c.gravity_x, fy = p.cage_mass * p.c.gravity_y
     cdef double weight = p.unbalance * (p.c.gravity_y * c - p.c.gravity_x * s), torque = weight
-    cdef rs_land_forces f
     if p.c.load_direction != 0.0:
         load_x, load_y = load * cos(p.c.load_direction), load * sin(p.c.load_direction)
     for k in range(ROW):
@@ -593,27 +778,8 @@ cdef int own_rates(double t, const double *head, double c, double s, double *rat
     torque += drag
     rates[WORK_DRAG] = drag * w
     rates[IMPULSE_DRAG] = drag
-    if p.land.guidance == INNER_LAND:   # the ring is the journal
-        f = rs_land_force(
-            &p.land, head[RING_X] - head[CAGE_X], head[RING_Y] - head[CAGE_Y], head[RING_VX] - head[CAGE_VX],
-            head[RING_VY] - head[CAGE_VY], p.c.inner_speed, w)
-        rates[RING_VX] += f.x / p.ring_mass
-        rates[RING_VY] += f.y / p.ring_mass
-        fx -= f.x
-        fy -= f.y
-        torque += f.bush
-        rates[WORK_RINGS] = -f.journal * p.c.inner_speed
-        rates[IMPULSE_RINGS] = -f.journal
-    elif p.land.guidance == OUTER_LAND:   # the cage is
-        f = rs_land_force(&p.land, head[CAGE_X], head[CAGE_Y], head[CAGE_VX], head[CAGE_VY], w, p.c.outer_speed)
-        fx += f.x
-        fy += f.y
-        torque += f.journal
-        rates[WORK_RINGS] = -f.bush * p.c.outer_speed
-        rates[IMPULSE_RINGS] = -f.bush
     if p.land.guidance != ROLLERS:
-        rates[WORK_CAGE] = f.stored
-        rates[LOST_LAND] = f.lost
+        of_land(p, head, land, rates, &fx, &fy, &torque)
     fx += p.unbalance * w * w * c
     fy += p.unbalance * w * w * s
     cage_acceleration(p, c, s, fx, fy, torque, rates)
@@ -649,7 +815,7 @@ cdef double until_contact(double t, const double *y, void *state) noexcept nogil
     cdef double dx = y[CAGE_X], dy = y[CAGE_Y], vx = y[CAGE_VX], vy = y[CAGE_VY]
     cdef size_t j
     p.loops.places(&p.c, y, y + HEAD)
-    places_in_pockets(y, p)
+    places_in_pockets(y, 0.0, p)
     for j in range(p.c.rollers):
         place, rate = p.c.place[j], p.c.closing[j]
         soonest = fmin(soonest, rs_until(p.pocket.half_clearance - soft - place, rate))
@@ -671,11 +837,7 @@ cdef int drift(double h, double *y, void *state) noexcept nogil:
     cdef planar_t *p = <planar_t *>state
     cdef double *roller
     cdef size_t j
-    y[RING_X] += h * y[RING_VX]
-    y[RING_Y] += h * y[RING_VY]
-    y[CAGE_X] += h * y[CAGE_VX]
-    y[CAGE_Y] += h * y[CAGE_VY]
-    y[CAGE_ANGLE] += h * y[CAGE_SPEED]
+    drift_near(p, h, y, 0)
     for j in range(p.c.rollers):
         roller = y + HEAD + j * BLOCK
         roller[POSITION] += h * p.c.orbit_radius * (roller[ORBIT] - y[CAGE_SPEED])
@@ -777,10 +939,10 @@ cdef class Planar:
         stages = [chain.as_stage() for chain in self.deflections]
         tables = [bound(slices) for slices in contacts]
         self.kept = tuple(raceways), tuple(stages), tuple(tables), tuple(drags)
-        self.memory = np.zeros((10 + 2 * BLOCK + 2 * (8 + n) + 4 + ADDED + 14 + 3) * Z)
-        self.begins = np.zeros(2 * (Z + 1), dtype=np.uintp)
+        self.memory = np.zeros((10 + 2 * BLOCK + 2 * (8 + n) + 4 + ADDED + 14 + 5) * Z)
+        self.begins = np.zeros(2 * (Z + 1) + Z, dtype=np.uintp)
         self.touches = np.zeros(Z, dtype=np.intc)
-        p.touch, room = &self.touches[0], &self.memory[0]
+        p.touch, p.near, room = &self.touches[0], &self.begins[2 * (Z + 1)], &self.memory[0]
         p.c.push, p.c.lift, p.c.moment, p.c.stored, p.c.lost = (   # one after another, see `bars`
             room, room + Z, room + 2 * Z, room + 3 * Z, room + 4 * Z)
         room += 5 * Z
@@ -834,6 +996,7 @@ cdef class Planar:
         s.rates, s.kicked, s.drift = all_rates, &self.kicked[0], drift
         s.until_contact, s.swing_frequency = until_contact, swing_frequency
         s.renew, s.held, s.still = renew, held, &self.p.still
+        s.apart, s.go, s.clear = &self.p.apart, go, clear
         # one roller against the cage, which moves and turns; the cage against a ring
         s.contact_frequency = sqrt(p.pocket.stiffness * (
             1.0 / p.c.roller_mass + cage + p.c.orbit_radius * p.c.orbit_radius / p.cage_inertia))
@@ -904,7 +1067,7 @@ cdef class Planar:
                 rs_contact_outputs(
                     &p.raceway[ring], p.c.force[ring], p.c.traction[ring], p.c.sliding[ring], p.c.rolling[ring],
                     p.c.resistance[ring], &to[0, m, ring, 0], 2 * Z * <size_t>states.shape[0])
-            places_in_pockets(&states[m, 0], p)
+            places_in_pockets(&states[m, 0], 0.0, p)
             for j in range(Z):
                 f = rs_pocket_bars(&p.pocket, p.c.place[j], p.c.closing[j])
                 push[0, m, j] = f.ahead - f.behind
@@ -935,5 +1098,5 @@ def land(double x, double y, double vx, double vy, double journal_speed, double 
         numbers["radius"], numbers["clearance"], numbers["film"], numbers["shear"])
     l.floor, l.stiffness, l.damping, l.friction = (
         numbers["floor"], numbers["stiffness"], numbers["damping"], numbers["friction"])
-    cdef rs_land_forces f = rs_land_force(&l, x, y, vx, vy, journal_speed, bush_speed)
+    cdef rs_land_forces f = rs_land_force(&l, x, y, vx, vy, journal_speed, bush_speed, ALL_OF_LAND)
     return f.x, f.y, f.journal, f.bush, -f.stored, f.lost

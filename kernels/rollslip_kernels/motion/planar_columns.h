@@ -59,10 +59,13 @@ static inline int rs_plane_idle(const rs_plane *p, int k) {
 
 /* The loops, of one instruction set */
 typedef struct {
+    void (*angles)(rs_plane *p, const double *head, const double *rollers);
     void (*places)(rs_plane *p, const double *head, const double *rollers);
     int (*forces)(rs_plane *p, int ring);
     void (*damped)(rs_plane *p, int ring);
-    void (*pockets)(rs_plane *p, const double *head, double reach, double radial_reach, int *touch);
+    void (*pockets)(
+        rs_plane *p, const double *head, double time, double reach, double radial_reach, int *touch);
+    int (*clear)(const rs_plane *p, double time, double reach, double radial_reach);
     void (*tractions)(rs_plane *p, int ring, const rs_held *held, const double *sliding);
     void (*implicit)(
         rs_plane *p, const double *head, const rs_held *inner, const rs_held *outer, double half, const double *before);
@@ -99,6 +102,12 @@ static void rs_plane_one(const rs_plane *p, size_t j, double *sums) {
 static void rs_plane_blocks(const rs_plane *p, double *rates) {
     for (size_t j = 0; j < p->rollers; j++)
         for (int k = 0; k < BLOCK; k++) rates[j * BLOCK + k] = p->rate_of[k][j];
+}
+
+/* cos and sin of an angle a little on from one whose own are known. */
+static inline void rs_turned(double by, double cosine, double sine, double *c, double *s) {
+    const double one = 1.0, none = 0.0;
+    rs_angles(1, cosine, sine, &one, &none, &by, c, s);
 }
 
 /* A gap at the inner ring, less that of first touch: below zero where no roller carries it, and then the largest.  One

@@ -1,15 +1,11 @@
 /* The loops over rollers of planar_columns.h, which includes them once for each instruction set: RS_SET(name) is the name in
  * the set that is being compiled. */
-/* Columns of the rollers, their angles, gaps and speeds at the raceways. */
-static void RS_SET(rs_plane_places)(rs_plane *p, const double *head, const double *rollers) {
+/* Columns of the rollers, and their angles. */
+static void RS_SET(rs_plane_angles)(rs_plane *p, const double *head, const double *rollers) {
     const size_t n = p->rollers;
-    const double r = p->roller_radius, Ri = p->inner_radius, Ro = p->outer_radius, per_orbit = 1.0 / p->orbit_radius;
-    const double x = head[RING_X], y = head[RING_Y], vx = head[RING_VX], vy = head[RING_VY];
-    const double wi = p->inner_speed, wo = p->outer_speed, half = p->half_clearance;
+    const double per_orbit = 1.0 / p->orbit_radius;
     rs_column at = p->unknown[POSITION], w = p->unknown[ORBIT], spin = p->unknown[SPIN], rho = p->unknown[RADIAL];
-    rs_column v = p->unknown[RISE], c = p->cosine, s = p->sine, small = p->small;
-    rs_column di = p->gap[0], dn = p->gap[1], ri = p->rate[0], ro = p->rate[1];
-    rs_column Vi = p->sliding[0], Vo = p->sliding[1], ui = p->rolling[0], uo = p->rolling[1];
+    rs_column v = p->unknown[RISE], small = p->small;
     for (size_t j = 0; j < n; j++) {
         const double *block = rollers + j * BLOCK;
         at[j] = block[POSITION];
@@ -21,7 +17,20 @@ static void RS_SET(rs_plane_places)(rs_plane *p, const double *head, const doubl
     RS_EACH(j, n) small[j] = at[j] * per_orbit;
     p->cage_cos = cos(head[CAGE_ANGLE]);
     p->cage_sin = sin(head[CAGE_ANGLE]);
-    rs_angles(n, p->cage_cos, p->cage_sin, p->pitch_cos, p->pitch_sin, small, c, s);
+    rs_angles(n, p->cage_cos, p->cage_sin, p->pitch_cos, p->pitch_sin, small, p->cosine, p->sine);
+}
+
+/* The same, and gaps and speeds at the raceways. */
+static void RS_SET(rs_plane_places)(rs_plane *p, const double *head, const double *rollers) {
+    const size_t n = p->rollers;
+    const double r = p->roller_radius, Ri = p->inner_radius, Ro = p->outer_radius;
+    const double x = head[RING_X], y = head[RING_Y], vx = head[RING_VX], vy = head[RING_VY];
+    const double wi = p->inner_speed, wo = p->outer_speed, half = p->half_clearance;
+    rs_given w = p->unknown[ORBIT], spin = p->unknown[SPIN], rho = p->unknown[RADIAL], v = p->unknown[RISE];
+    rs_given c = p->cosine, s = p->sine;
+    rs_column di = p->gap[0], dn = p->gap[1], ri = p->rate[0], ro = p->rate[1];
+    rs_column Vi = p->sliding[0], Vo = p->sliding[1], ui = p->rolling[0], uo = p->rolling[1];
+    RS_SET(rs_plane_angles)(p, head, rollers);
     RS_EACH(j, n) {
         double along = x * c[j] + y * s[j], across = y * c[j] - x * s[j];
         double drive = vy * c[j] - vx * s[j] - along * w[j];
@@ -73,8 +82,10 @@ static void RS_SET(rs_plane_damped)(rs_plane *p, int ring) {
     }
 }
 
-/* Where the rollers are in their pockets; which of them a bar may touch, that is beyond the two reaches. */
-static void RS_SET(rs_plane_pockets)(rs_plane *p, const double *head, double reach, double radial_reach, int *touch) {
+/* Where the rollers are in their pockets; which of them a bar may touch within a time, that is beyond the two reaches. */
+static void RS_SET(rs_plane_pockets)(
+    rs_plane *p, const double *head, double time, double reach, double radial_reach, int *touch
+) {
     const double x = head[CAGE_X], y = head[CAGE_Y], vx = head[CAGE_VX], vy = head[CAGE_VY], R = p->orbit_radius;
     const double wc = head[CAGE_SPEED];
     rs_given at = p->unknown[POSITION], w = p->unknown[ORBIT], rho = p->unknown[RADIAL], v = p->unknown[RISE];
@@ -89,10 +100,21 @@ static void RS_SET(rs_plane_pockets)(rs_plane *p, const double *head, double rea
         height[j] = rho[j] - along;
     }
     for (size_t j = 0; j < p->rollers; j++) {
-        touch[j] = (!(fabs(place[j]) <= reach)) | (!(fabs(height[j]) <= radial_reach));
+        touch[j] = (!(fabs(place[j]) + time * fabs(closing[j]) <= reach))
+            | (!(fabs(height[j]) + time * fabs(rising[j]) <= radial_reach));
         any |= touch[j];
     }
     p->touched = any;
+}
+
+/* Whether all rollers stay within the two reaches of their pockets for a time. */
+static int RS_SET(rs_plane_clear)(const rs_plane *p, double time, double reach, double radial_reach) {
+    rs_given place = p->place, closing = p->closing, height = p->height, rising = p->rising;
+    int any = 0;
+    for (size_t j = 0; j < p->rollers; j++)
+        any |= (!(fabs(place[j]) + time * fabs(closing[j]) <= reach))
+            | (!(fabs(height[j]) + time * fabs(rising[j]) <= radial_reach));
+    return !any;
 }
 
 /* Tractions as they are in the middle of a step of 2 half, for which speed and spin had the rates `before` [block by
@@ -205,6 +227,7 @@ static void RS_SET(rs_plane_tractions)(rs_plane *p, int ring, const rs_held *hel
 }
 
 static const rs_plane_loops RS_SET(rs_plane_loops) = {
-    RS_SET(rs_plane_places), RS_SET(rs_plane_forces), RS_SET(rs_plane_damped), RS_SET(rs_plane_pockets),
-    RS_SET(rs_plane_tractions), RS_SET(rs_plane_implicit), RS_SET(rs_plane_rates), RS_SET(rs_plane_totals)
+    RS_SET(rs_plane_angles), RS_SET(rs_plane_places), RS_SET(rs_plane_forces), RS_SET(rs_plane_damped),
+    RS_SET(rs_plane_pockets), RS_SET(rs_plane_clear), RS_SET(rs_plane_tractions), RS_SET(rs_plane_implicit),
+    RS_SET(rs_plane_rates), RS_SET(rs_plane_totals)
 };

@@ -12,6 +12,11 @@ cdef enum:   # where the cage is guided
     INNER_LAND
     OUTER_LAND
 
+cdef enum:   # what of it acts
+    LAND_FILM = 1
+    LAND_METAL = 2
+    ALL_OF_LAND = 3
+
 cdef extern from *:
     """
     #define RS_SLOW 1e-3   /* speed below which Coulomb friction fades [m/s] */
@@ -39,7 +44,7 @@ ctypedef struct rs_land_forces:
 
 
 cdef inline rs_land_forces rs_land_force(
-    const rs_land *l, double x, double y, double vx, double vy, double journal_speed, double bush_speed
+    const rs_land *l, double x, double y, double vx, double vy, double journal_speed, double bush_speed, int what
 ) noexcept nogil:
     """What the land does to journal and bush, by place and speed of the journal in the bush and both angular speeds."""
     cdef double mean = 0.5 * (journal_speed + bush_speed), shearing = journal_speed - bush_speed
@@ -56,13 +61,13 @@ cdef inline rs_land_forces rs_land_force(
     cdef double fd = 0.0, ft = 0.0, half, q, c1, s1, c2, s2, arc, product, cc, cs, ss
     cdef double depth = distance - l.clearance, closing, elastic, normal, rub, rubbed
     cdef rs_land_forces f
-    if speed > 0.0:
+    if speed > 0.0 and what & LAND_FILM:
         # the film's half-circle about the direction of squeeze, in x of cos b = (eps + cos x)/(1 + eps cos x)
         q = speed - eps * across
         c1, s1 = (across - eps * speed) / q, -root * along / q
         q = speed + eps * across
         c2, s2 = -(across + eps * speed) / q, root * along / q
-        arc = atan2(s2, c2) - atan2(s1, c1)
+        arc = atan2(s2 * c1 - c2 * s1, c2 * c1 + s2 * s1)
         if arc < 0.0:
             arc += 2.0 * M_PI
         product = 0.5 * (s2 * c2 - s1 * c1)
@@ -72,12 +77,12 @@ cdef inline rs_land_forces rs_land_force(
         ss = (0.5 * arc - product) / q
         fd = -l.film * (along * cc + across * cs)
         ft = -l.film * (along * cs + across * ss)
-    q = l.shear / root * shearing
+    q = l.shear / root * shearing if what & LAND_FILM else 0.0
     half = 0.5 * distance * ft   # what the pressure's flow adds to both torques
     f.journal, f.bush = -q - half, q - half
     f.lost = q * shearing - fd * along - ft * across
     f.stored = 0.0
-    if depth > 0.0:
+    if depth > 0.0 and what & LAND_METAL:
         closing = vx * dx + vy * dy
         elastic = l.stiffness * depth
         normal = elastic * (1.0 + rs_damping(l.damping * closing))

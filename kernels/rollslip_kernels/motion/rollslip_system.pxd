@@ -68,6 +68,14 @@ cdef extern from *:
         int *still;
         /* time for which nothing touches if the rates stay what they are, at most `most`; NULL: not told */
         double (*flight)(double t, const double *y, const double *rates, double most, void *state);
+        /* What touches and parts, apart from all else, so that its swings are resolved in shorter steps than those
+           between which all else is evaluated; NULL: not told.
+           while *apart is not 0, held leaves out what touches. go drifts by h from t on, and in parts of h adds to
+           speeds and ledger what touches does, its damping as it is at the speeds in the middle. clear: whether
+           nothing will touch for a time h from where held was asked last, at the speeds there. */
+        int *apart;
+        int (*go)(double t, double h, size_t parts, double *y, void *state);
+        int (*clear)(double h, void *state);
     } rs_system;
     #endif
     """
@@ -89,6 +97,8 @@ cdef extern from *:
     ctypedef int (*rs_renew)(double, const double *, int, double *, void *) noexcept nogil
     ctypedef int (*rs_held_rates)(double, const double *, double, const double *, double *, void *) noexcept nogil
     ctypedef double (*rs_flight)(double, const double *, const double *, double, void *) noexcept nogil
+    ctypedef int (*rs_go)(double, double, size_t, double *, void *) noexcept nogil
+    ctypedef int (*rs_clear)(double, void *) noexcept nogil
 
     ctypedef struct rs_system:
         size_t head
@@ -113,13 +123,17 @@ cdef extern from *:
         rs_held_rates held
         int *still
         rs_flight flight
+        int *apart
+        rs_go go
+        rs_clear clear
 
 
 cdef inline void rs_tells_nothing(rs_system *s) noexcept nogil:
-    """Leave untold what moves fast, what is a place, all rates at once, and what may be held."""
+    """Leave untold what moves fast, what is a place, all rates at once, and what may be held or kept apart."""
     s.contact_frequency = s.swing_frequency = 0.0
     s.until_contact, s.kicked, s.drift, s.rates = NULL, NULL, NULL, NULL
     s.renew, s.held, s.still, s.flight = NULL, NULL, NULL, NULL
+    s.apart, s.go, s.clear = NULL, NULL, NULL
 
 
 cdef inline double rs_until(double gap, double closing) noexcept nogil:

@@ -78,19 +78,34 @@ cdef class System:
         cdef double[::1] given = self._unknowns(y), going = self._unknowns(rates)
         return self.c.flight(t, &given[0], &going[0], most, self.c.state) if self.c.flight != NULL else 0.0
 
-    def held(self, since, at, double t, y, double half=0.0, before=None):
+    def held(self, since, at, double t, y, double half=0.0, before=None, bint apart=False):
         """Return all rates at (t, y) with what is held as it is at (since, at); None where nothing is held.
 
-        With ``half``, of a step of 2 half whose rates were ``before``, friction is solved for.
+        With ``half``, of a step of 2 half whose rates were ``before``, friction is solved for; ``apart`` leaves out
+        what touches, where `go` goes through that.
         """
         cdef double[::1] then = self._unknowns(at), given = self._unknowns(y), rates = np.empty(1 + self.n)
         cdef double[::1] old = np.zeros(self.n) if before is None else self._unknowns(before)
         cdef double told[2]
+        cdef int status
         if self.c.renew == NULL:
             return None
         self._check(self.c.renew(since, &then[0], False, told, self.c.state), since)
-        self._check(self.c.held(t, &given[0], half, &old[0], &rates[0], self.c.state), t)
+        if apart:
+            self.c.apart[0] = 1
+        status = self.c.held(t, &given[0], half, &old[0], &rates[0], self.c.state)
+        if apart:
+            self.c.apart[0] = 0
+        self._check(status, t)
         return np.asarray(rates)[:self.n]
+
+    def go(self, double t, double h, size_t parts, y):
+        """Return places after h, and speeds by what touches alone, gone through in parts of h; None if not told."""
+        cdef double[::1] given = self._unknowns(y)
+        if self.c.go == NULL:
+            return None
+        self._check(self.c.go(t, h, parts, &given[0], self.c.state), t)
+        return np.asarray(given)
 
     @property
     def places(self):

@@ -286,6 +286,17 @@ cdef int _held(double t, const double *y, double half, const double *before, dou
     return status if status != 0 else s.held(t, y, half, before, rates, s.state)
 
 
+cdef int _go(double t, double h, size_t parts, double *y, void *state) noexcept nogil:
+    cdef const rs_system *s = (<varying_t *>state).stations[0].system
+    cdef int status = _look(<varying_t *>state, t)
+    return status if status != 0 else s.go(t, h, parts, y, s.state)
+
+
+cdef int _clear(double h, void *state) noexcept nogil:
+    cdef const rs_system *s = (<varying_t *>state).stations[0].system
+    return s.clear(h, s.state)
+
+
 cdef class Varying:
     """The system of one bearing whose operation varies; it belongs to one thread.
 
@@ -425,9 +436,11 @@ cdef class Varying:
         if s.flight != NULL:
             s.flight = _flight
         if self.v.axes or s.renew == NULL:   # what is held is of one system
-            s.renew, s.held, s.still = NULL, NULL, NULL
+            s.renew, s.held, s.still, s.go = NULL, NULL, NULL, NULL
         else:
             s.renew, s.held = _renew, _held
+            if s.go != NULL:
+                s.go, s.clear = _go, _clear
         return rs_new_system(&s, self)
 
     def values(self, t):

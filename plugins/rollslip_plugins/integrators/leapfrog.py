@@ -14,10 +14,11 @@ from rollslip_plugins.bibliography import HAIRER_2003
 class Leapfrog(IntegratorModel):
     """Leapfrog (Störmer and Verlet) with extrapolated speeds, of order 2, one evaluation of the rates a step.
 
-    Through the motion of a bearing its step is fixed, the smaller of 0.2 over the frequency of a roller on a bar of
-    its pocket and 0.8 over that of a roller between the rings [rad/s], at a relative tolerance of 1e-5 and above; below
-    it goes with the square root of the tolerance. Friction is evaluated every 1 to 32 steps and held linear between
-    them, so that it goes off by 1e-3 at usual tolerances; at level pocket steps are longer while nothing touches. Where
+    Through the motion of a bearing its step is fixed at a relative tolerance of 1e-5 and above, below it goes with the
+    square root of the tolerance. At level pocket it is 0.2 over the frequency of a roller on a bar of its pocket
+    [rad/s], and longer while nothing touches; at level planar 1.4 over the frequency of a roller between the rings,
+    while what touches is gone through in parts of 0.1 over its own. Friction is evaluated every 1 to 32 steps and held
+    linear between them, so that it goes off by 1e-3 at usual tolerances. Where
     friction is damped by more than 0.3 in a step it is solved for; where it is by more than 4, or anything else by more
     than 0.3, the run ends with a message. For any other function, and at level cage-set, the step is held to tolerance
     by a tenth of the difference from Euler's method.
