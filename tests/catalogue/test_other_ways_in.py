@@ -13,17 +13,19 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import Chain, Conditions, Slices, available, evolve, get_include, get_model, load_scene, run
+from rollslip import Chain, Conditions, Slices, available, evolve, get_include, get_model, load_scene, run, sweep
 from rollslip.catalogue import discovery
 from rollslip.catalogue.packages import packages, requirements
 from rollslip.catalogue.registry import catalogue, find, get_class
 from rollslip.catalogue.session import model, register
 from rollslip.datasets import SurfaceData
-from rollslip.errors import DomainError, PluginError
+from rollslip.errors import DomainError, PluginError, SceneError
+from rollslip.fields import parameter, positive
 from rollslip.foreign import EVALUATE, SlicesStruct, capsule_from_address, numba_slices
 from rollslip.models import FINITE, POSITIVE, ContactModel, FilmModel, TractionModel
 from rollslip.planning.plan import plan
 from rollslip.scene import Surface
+from rollslip.testing import conformance
 from rollslip_kernels.layout import layout
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_plugins.film.formulas import Moes
@@ -118,6 +120,55 @@ def test_an_error_of_a_function_says_that_it_is_of_this_session():
     with pytest.raises(LookupError, match="mine") as caught:
         filled(get_model("traction", "fails"))
     assert caught.value.__notes__ == ["raised by evaluate() of model 'fails'; it was registered in this process"]
+
+
+def test_a_function_has_parameters_that_scenes_sweeps_and_fits_set():
+    limit = parameter(default=0.05, unit="1", doc="largest friction", validator=positive, usual=(0.01, 0.2))
+    stress = parameter(default=4e6, unit="Pa", doc="limiting stress", validator=positive)
+
+    @model("traction", "limited", reads=(*READS, "pressure"), parameters={"limit": limit, "stress": stress})
+    def limited(slices, limit, stress):
+        most = np.minimum(limit, stress / slices.pressure)
+        return most * np.sign(slices.sliding_speed)
+
+    law = get_model("traction", "limited", stress="6 MPa")
+    assert (law.limit, law.stress) == (0.05, 6e6)
+    assert conformance(law)
+    with pytest.raises(SceneError, match=r"limited\.limit: must be above 0, not -1"):
+        get_model("traction", "limited", limit=-1.0)
+    scene = evolve(
+        load_scene("1032930-70C"), {"models.traction": {"model": "limited", "limit": 0.02, "stress": "1 GPa"}}
+    )
+    assert plan(scene, "friction-curve").assembly.traction.limit == 0.02
+    swept = sweep(
+        scene, {"models.traction.limit": "0.01:0.03:3"}, study="friction-curve", output=["friction"], engine="serial"
+    )
+    np.testing.assert_allclose(swept["friction"].max(("slip", "normal_force")), [0.01, 0.02, 0.03], rtol=1e-12)
+    slices = Slices(2, sliding_speed=[1.0, -1.0], rolling_speed=10.0, pressure=1e9)
+    np.testing.assert_allclose(limited(slices, 0.05, 1e6), [1e-3, -1e-3])  # the function is left as it is
+
+
+def two(slices, other):
+    """A function that takes another parameter."""
+
+
+@pytest.mark.parametrize(
+    ("parameters", "function", "sentence"),
+    [
+        (
+            {"limit": 0.05},
+            two,
+            "limit is no parameter with a default; declare it by rollslip.fields.parameter(default=",
+        ),
+        ({"limit": parameter(unit="1", doc="limit")}, two, "limit is no parameter with a default"),
+        ({"limit": parameter(default=1.0, unit="1", doc="limit")}, two, "two has to take the slices and limit, but "),
+        (None, two, "two has to take the slices alone, but missing a required argument: 'other'"),
+    ],
+)
+def test_parameters_that_a_function_does_not_take_are_refused(parameters, function, sentence):
+    with pytest.raises(PluginError) as error:
+        model("traction", "odd", reads=READS, parameters=parameters)(function)
+    assert str(error.value).startswith(f"traction 'odd' cannot be registered: {sentence}")
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@
 - A taken name is an error unless it is replaced on purpose: a scene must not change its meaning behind one's back.
 """
 
+import inspect
 import types
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, Final, TypeVar
@@ -20,11 +21,26 @@ from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 
 __all__ = ["model", "register"]
 
-F = TypeVar("F", bound=Callable[[Slices], Any])
+F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
 
 #: Kinds whose law is one function, and the column that it fills.
 _COLUMN: Final = {"film": "film_thickness", "traction": "friction"}
+
+
+def _types(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Types of parameters by their defaults; None for what is no field, or has no default of a plain value."""
+    found: dict[str, Any] = {}
+    for name, field in parameters.items():
+        try:
+            (attribute,) = attrs.fields(attrs.make_class("Own", {name: field}))
+        except (AttributeError, TypeError):  # attrs looks for what a field has
+            found[name] = None
+            continue
+        default = attribute.default
+        known = isinstance(default, float | int | str)
+        found[name] = float | None if default is None else type(default) if known else None
+    return found
 
 
 def register(thing: T, *, replace: bool = False) -> T:
@@ -65,6 +81,7 @@ def model(
     *,
     reads: Collection[str] | None = None,
     domain: Mapping[str, tuple[float, float]] | None = None,
+    parameters: Mapping[str, Any] | None = None,
     equation: str = "",
     references: Collection[Citation] = (),
     replace: bool = False,
@@ -83,6 +100,9 @@ def model(
     domain : mapping, optional
         What it is defined on: member -> (low, high), both included, SI; what it leaves out may be any finite number,
         and for a film what every film model takes.
+    parameters : mapping, optional
+        Its parameters, each declared by `rollslip.fields.parameter` with a default, unit, meaning and validator: the
+        function takes them by name, and scenes, sweeps and fits set them as those of any model.
     equation : str
         The law in one line.
     references : collection of Reference or str
@@ -99,11 +119,13 @@ def model(
     Raises
     ------
     PluginError
-        If the kind is another, a member does not exist, or the name is taken.
+        If the kind is another, a member does not exist, the function does not take the parameters, or the name is
+        taken.
 
     Examples
     --------
     >>> from rollslip import Chain, Conditions, Slices, get_model
+    >>> from rollslip.fields import parameter, positive
     >>> @model("traction", "ramp", reads=("rolling_speed", "sliding_speed"))
     ... def ramp(slices):
     ...     return 0.05 * (slices.sliding_speed / slices.rolling_speed).clip(-1, 1)
@@ -111,6 +133,16 @@ def model(
     >>> Chain(get_model("traction", "ramp"))(slices)
     >>> slices.friction
     array([ 0.005, -0.05 ])
+
+    One with a parameter:
+
+    >>> most = parameter(default=0.05, unit="1", doc="largest friction", validator=positive)
+    >>> @model("traction", "own-ramp", reads=("rolling_speed", "sliding_speed"), parameters={"most": most})
+    ... def own_ramp(slices, most):
+    ...     return most * (slices.sliding_speed / slices.rolling_speed).clip(-1, 1)
+    >>> Chain(get_model("traction", "own-ramp", most=0.02))(slices)
+    >>> slices.friction
+    array([ 0.002, -0.02 ])
     """
     if kind not in _COLUMN:
         raise PluginError(
@@ -127,10 +159,23 @@ def model(
         raise PluginError(f"{blame}: its domain limits {', '.join(unread)}, which reads does not name")
     if not limits:
         raise PluginError(f"{blame}: reads must name the columns and conditions that the function reads")
+    declared = {} if parameters is None else dict(parameters)
+    types_of = _types(declared)
+    if loose := [parameter for parameter, of in types_of.items() if of is None]:
+        raise PluginError(
+            f"{blame}: {', '.join(loose)} is no parameter with a default; declare it by "
+            "rollslip.fields.parameter(default=..., unit=..., doc=...)"
+        )
 
     def offer(function: F) -> F:
+        try:
+            inspect.signature(function).bind(None, **declared)
+        except TypeError as error:
+            taken = f"the slices and {', '.join(declared)}" if declared else "the slices alone"
+            raise PluginError(f"{blame}: {function.__name__} has to take {taken}, but {error}") from None
+
         def evaluate(self: object, slices: Slices) -> None:
-            values = function(slices)
+            values = function(slices, **{parameter: getattr(self, parameter) for parameter in declared})
             if values is not None:  # None: it has filled the column itself, as evaluate of a class does
                 getattr(slices, column)[...] = values
 
@@ -143,11 +188,13 @@ def model(
             "reads": frozenset(limits),
             "domain": types.MappingProxyType(limits),
             "evaluate": evaluate,
+            "__annotations__": types_of,
+            **declared,
         }
         if base is FilmModel:
             body["location"] = "not stated"
         cls = types.new_class(function.__name__, (base,), exec_body=lambda namespace: namespace.update(body))
-        discovery.add(kind, attrs.frozen(slots=False)(cls), replace=replace)
+        discovery.add(kind, attrs.frozen(slots=False, kw_only=True)(cls), replace=replace)
         return function
 
     return offer
