@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rollslip import evolve, get_model, load_scene, plan, run
+from rollslip import evolve, get_model, load_scene, plan, run, sweep
 from rollslip.bearing.raceway import RINGS
 from rollslip.errors import DomainError, SceneError
 from rollslip.motion.losses import power_balance
@@ -62,6 +62,30 @@ def test_the_worst_is_the_worst_of_the_orbit(result):
     assert flash.across.max("place").values == pytest.approx(flash.worst.values, rel=1e-3)
     assert np.isnan(result.across.sel(measure="film-parameter")).all()
     assert result.slip.item() == pytest.approx(run(SCENE, "steady-slip").steady_slip.values[0], rel=0.02)
+
+
+def test_a_tilted_roller_is_worst_towards_its_end():
+    straight = measured("power-density", **{"bearing.profile": "none"})
+    assert (straight.worst_place == 0.0).all()  # one slice stands for all
+    tilted = {"operation.misalignment": "1 mrad", "accuracy.slices": 20}
+    one = measured("power-density", **tilted)
+    other = measured("power-density", **{**tilted, "operation.misalignment": "-1 mrad"})
+    place = one.worst_place.sel(ring="inner").item()
+    assert abs(place) > 1e-3
+    assert other.worst_place.sel(ring="inner").item() == pytest.approx(-place)
+    (said, _) = account_of(one).topics(one)["sliding power density"]
+    assert f"{abs(place) * 1e3:.2g} mm from the middle of the roller" in said
+
+
+def test_a_sweep_maps_the_worst_over_load_and_slip():
+    scene = evolve(SCENE, {"models.damage": "flash-temperature"})
+    over = {"operation.radial_load": [1000.0, 4000.0], "study.surface-damage.cage_slip": [0.05, 0.2, 0.4]}
+    mapped = sweep(scene, study="surface-damage", over=over).worst.squeeze("measure").sel(ring="inner")
+    assert mapped.shape == (2, 3)
+    assert (mapped.diff("study.surface-damage.cage_slip") > 0.0).all()
+    assert (mapped.diff("operation.radial_load") > 0.0).all()
+    alone = measured("flash-temperature", **{"operation.radial_load": 4000.0, "study.surface-damage.cage_slip": 0.2})
+    assert mapped.values[1, 1] == pytest.approx(alone.worst.sel(ring="inner").item(), rel=0.02)
 
 
 def test_a_slip_that_is_named_is_taken_and_more_slip_heats_more():

@@ -69,9 +69,10 @@ class LoadedContacts:
     """
 
     def __init__(self, raceway: Raceway, load: Array, widths: Array, orbit: float, count: Array | None = None) -> None:
-        slices = load.shape[1]
+        slices, first = load.shape[1], 0
         if widths.ndim == 1 and np.array_equal(load, load[:, ::-1]):  # one half of a roller carries what the other does
-            load, widths = load[:, slices // 2 :], 2.0 * widths[slices // 2 :]
+            first = slices // 2
+            load, widths = load[:, first:], 2.0 * widths[first:]
             widths[0] /= 1.0 + slices % 2
         loaded = load > 0.0
         self.orbit = orbit
@@ -79,6 +80,8 @@ class LoadedContacts:
         self.rollers = load.shape[0]
         #: number of the roller that each slice belongs to
         self.owner, column = map(np.ascontiguousarray, np.nonzero(loaded))
+        #: number of each slice along its roller
+        self.column = column + first
         #: width [m] of all that each slice stands for
         own = widths[column] if widths.ndim == 1 else widths[loaded]
         self.width = own if count is None else own * count[self.owner]

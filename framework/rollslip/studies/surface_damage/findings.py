@@ -50,10 +50,12 @@ def _measure(one: "xr.Dataset") -> list[str]:
         if math.isnan(value := float(on["worst"])):
             missing.append(str(on["worst_status"].item()))
         else:
-            at = f"{from_load_line(float(on['worst_angle'])):.3g} degrees"
-            known.append(f"{told(value, unit)} on the {ring} ring, {at} from the line of load")
+            at = f"{from_load_line(float(on['worst_angle'])):.3g} degrees from the line of load"
+            beside = abs(float(on["worst_place"]))
+            at += f" and {format_quantity(beside, 'm', 2)} from the middle of the roller" if beside > 0.0 else ""
+            known.append(f"{told(value, unit)} on the {ring} ring, {at}")
     slip, meaning = f"at a cage slip of {100.0 * float(one['slip']):.3g} %", one["meaning"].item()
-    said = [f"{slip} the {meaning} is {most} {' and '.join(known)}; {_limit(one)}"] if known else []
+    said = [f"{slip} the {meaning} is {most} {', and '.join(known)}; {_limit(one)}"] if known else []
     return [
         *said,
         *(f"the {meaning}: {text}" for text in missing),
@@ -99,7 +101,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
             str(one["measure"].item()): {
                 **{name: str(one[name].item()) for name in ("meaning", "unit", "sense", "limit_source", "scope")},
                 "limit": number(one["limit"]),
-                **{name: by_ring(one, name) for name in ("worst", "worst_angle", "worst_status")},
+                **{name: by_ring(one, name) for name in ("worst", "worst_angle", "worst_place", "worst_status")},
             }
             for one in measures(dataset)
         },

@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Unit of variables that hold several measures, each in a unit of its own.
-_OWN: Final = "that of the measure"
+_OWN: Final = "own SI unit"
 #: Share of the largest slip at which a motion is timed, and how many of them a steady slip takes.
-_TRIED, _ORBITS = 0.3, 15
+_TRIED, _ORBITS = 0.3, 30
 #: What was found where everything was.
 _FOUND: Final = "found"
 
@@ -45,6 +45,7 @@ class SurfaceDamage(Study):
         {
             "worst": Output("measure ring", _OWN, "worst value of all contacts", status="worst_status", default=True),
             "worst_angle": Output("measure ring", "rad", "position of the roller there", status="worst_status"),
+            "worst_place": Output("measure ring", "m", "place along the roller there", status="worst_status"),
             "worst_status": Output("measure ring", "1", "what was found of the measure"),
             "limit": Output("measure", _OWN, "value beyond which harm was seen", status="limit_source"),
             "limit_source": Output("measure", "1", "where the limit comes from"),
@@ -135,10 +136,11 @@ class SurfaceDamage(Study):
         Returns
         -------
         xarray.Dataset
-            Dimensions (measure, ring): worst, worst_angle, worst_status; (measure,): limit, limit_source, unit,
-            meaning, sense, scope; (measure, ring, angle): along, NaN where a roller is not loaded; (measure, ring,
-            place): across, from the inlet at -1 to the outlet at 1, NaN where a measure has one value for a contact;
-            scalars slip, status. Values are in the SI unit that `unit` names. Without a measure there is no row.
+            Dimensions (measure, ring): worst, worst_angle, worst_place from the middle of the roller, worst_status;
+            (measure,): limit, limit_source, unit, meaning, sense, scope; (measure, ring, angle): along, NaN where a
+            roller is not loaded; (measure, ring, place): across, from the inlet at -1 to the outlet at 1, NaN where a
+            measure has one value for a contact; scalars slip, status. Values are in the SI unit that `unit` names.
+            Without a measure there is no row.
 
         Raises
         ------
@@ -172,7 +174,7 @@ class SurfaceDamage(Study):
         places = np.linspace(-1.0, 1.0, self.places)
         positions = 0 if evaluated is None else evaluated[0].rollers
         angle = 2.0 * np.pi * np.arange(positions) / positions if positions else np.zeros(0)
-        worst, where, said = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape, status, dtype=object)
+        (worst, where, beside), said = np.full((3, *shape), np.nan), np.full(shape, status, dtype=object)
         along, across = np.full((*shape, positions), np.nan), np.full((*shape, self.places), np.nan)
         for k, model in enumerate(measures):
             for i, (ring, loaded) in enumerate(zip(RINGS, evaluated or (), strict=False)):
@@ -185,11 +187,12 @@ class SurfaceDamage(Study):
                 except DomainError as error:  # of one measure; the others have values
                     said[k, i] = str(error)
                     continue
-                where[k, i] = angle[loaded.owner[at]]
+                where[k, i], beside[k, i] = angle[loaded.owner[at]], assembly.position[loaded.column[at]]
         limits = [model.limit or (np.nan, "no limit is published or given") for model in measures]
         variables = self.variables(
             worst=worst,
             worst_angle=where,
+            worst_place=beside,
             worst_status=said.astype(np.str_),
             limit=np.array([value for value, _ in limits]),
             limit_source=_texts(source for _, source in limits),
