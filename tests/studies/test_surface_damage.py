@@ -10,6 +10,7 @@ from rollslip.motion.losses import power_balance
 from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
+from rollslip.results.words import verdict
 from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.surface_damage.figures import damage_figures
 from rollslip.studies.surface_damage.model import Contacts
@@ -103,6 +104,40 @@ def test_without_drag_nothing_slides_and_nothing_is_heated():
     assert still.worst.sel(measure="contact-temperature").values == pytest.approx(343.15)
 
 
+def test_a_bearing_that_turns_the_other_way_fares_alike():
+    one, other = measured(), measured(**{"operation.inner_speed": "-6371 rpm"})
+    assert other.worst.values == pytest.approx(one.worst.values, rel=1e-9)
+    assert other.worst_angle.values == pytest.approx(one.worst_angle.values)  # in the sense of the orbit
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"study.surface-damage.cage_slip": 0.99},  # rollers that hardly go round
+        {"study.surface-damage.cage_slip": 1e-9},
+        {"operation.inner_speed": "0.01 rpm", "study.surface-damage.cage_slip": 0.3},
+        {"operation.outer_speed": "-1000 rpm"},
+        {"operation.radial_load": "100 kN"},
+    ],
+    ids=str,
+)
+def test_hard_cases_have_values(changes):
+    result = measured(**changes)
+    assert (result.worst_status == "found").all()
+    assert np.isfinite(result.worst).all()
+    assert (result.worst.sel(measure="contact-temperature") >= 343.15).all()
+
+
+def test_a_ring_without_a_load_has_a_status_in_words():
+    with pytest.raises(SceneError, match="no roller is loaded on the inner ring"):
+        measured("power-density", **{"operation.radial_load": 0.0})  # nothing drives a steady slip
+    at_slip = measured("power-density", **{"operation.radial_load": 0.0, "study.surface-damage.cage_slip": 0.1})
+    assert at_slip.worst_status.values.tolist() == [["no roller is loaded on the inner ring", "found"]]
+    assert np.isnan(at_slip.worst.values).tolist() == [[True, False]]
+    texts = account_of(at_slip).topics(at_slip)["sliding power density"]
+    assert "the sliding power density: no roller is loaded on the inner ring" in texts
+
+
 def test_a_scene_that_names_no_measure_has_none_computed():
     result = run(SCENE, "surface-damage")
     assert result.sizes["measure"] == 0
@@ -156,7 +191,13 @@ def test_limits_are_told_in_the_verdict(tmp_path):
     result = measured(["film-parameter", hot])
     account = account_of(result)
     beyond = "the contact temperature is beyond its limit of 70 degC on the inner and outer ring"
-    assert account.headline(result) == beyond
+    assert account.harm(result) == beyond
+    assert verdict([result])[0] == beyond
+    assert verdict([measured("power-density")]) == []
+    first, runs, harm, trust = verdict([run(SCENE, "steady-slip"), result])
+    assert first.startswith("the cage runs away at")
+    assert runs.startswith("with the drags of the scene the cage runs at a slip of")
+    assert (harm, trust[:20]) == (beyond, "how far to trust it:")
     told = account.topics(result)
     assert told["contact temperature"][0].endswith(
         "on the inner and outer ring that is beyond its limit of 70 degC (given in the scene)"

@@ -90,6 +90,10 @@ class Account:
         """Return how probably the cage does not run away where data scatter; nothing where it is not known."""
         return ""
 
+    def harm(self, dataset: "xr.Dataset") -> str:
+        """Return which limits of its surfaces a bearing passes, without its full stop; nothing where it passes none."""
+        return ""
+
     def untold(self, dataset: "xr.Dataset | None") -> str:
         """Return what its study would add to a verdict, with what to type, where it did not run or does not say it."""
         return ""

@@ -65,18 +65,19 @@ def runs_at(slip: float, drag: float, largest: float, at: float) -> str:
 
 
 def verdict(datasets: "Iterable[xr.Dataset]") -> list[str]:
-    """Return what has to be known first, one line each, no full stops; nothing where no result has a headline.
+    """Return what has to be known first, one line each, no full stops; nothing where no result has a headline or harm.
 
-    Where the cage runs away; how it runs, with what reserve and how surely; how far to trust that. Of several results
-    that know how it runs the one speaks whose account knows most.
+    Where the cage runs away; how it runs, with what reserve and how surely; which limits of the surfaces are passed;
+    how far to trust that. Of several results that know how it runs the one speaks whose account knows most.
     """
     every = list(datasets)
-    if not (first := headline_of(every)):
+    first, harms = headline_of(every), [account_of(dataset).harm(dataset) for dataset in every]
+    if not (first or any(harms)):
         return []
     told = sorted(((account_of(d), d) for d in every), key=lambda one: -one[0].knows_operation)
     runs = next(filter(None, (account.operation(dataset) for account, dataset in told)), "")
     chance = next(filter(None, (account.chance(dataset) for account, dataset in told)), "")
-    return [first, *filter(None, ["; ".join(filter(None, [runs, chance])), _trust(every)])]
+    return [*filter(None, [first, "; ".join(filter(None, [runs, chance])), *harms, _trust(every)])]
 
 
 def warned(datasets: "Iterable[xr.Dataset]") -> tuple[list[str], list[str]]:

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 class SurfaceDamageAccount(Account):
     """How measures of damage are told."""
 
-    def headline(self, dataset: "xr.Dataset") -> str:
+    def harm(self, dataset: "xr.Dataset") -> str:
         """Return which measures are beyond their limits."""
-        return findings.headline(dataset)
+        return findings.harm(dataset)
 
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, measure by measure."""

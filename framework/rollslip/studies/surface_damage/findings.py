@@ -73,7 +73,7 @@ def _limit(one: "xr.Dataset") -> str:
     return f"that is within its limit of {value} ({source})"
 
 
-def headline(dataset: "xr.Dataset") -> str:
+def harm(dataset: "xr.Dataset") -> str:
     """Say which measures are beyond their limits; nothing where none is."""
     said = [
         f"the {one['meaning'].item()} is beyond its limit of {told(float(one['limit']), str(one['unit'].item()))} on "
