@@ -75,7 +75,7 @@ def _drawn(axes: "Axes", one: "xr.Dataset", x: "np.ndarray[Any, Any]", rows: "np
         axes.set_ylim(0.0, _MOST * read(float(np.nanmax(np.nanmin(rows, axis=1)))))
     meaning = str(one["meaning"].item())
     axes.set_ylabel(f"{meaning[:1].upper()}{meaning[1:]}\n[{unit_label(shown) if shown else '–'}]")
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=1.0)  # above a power of ten at the axis
     return read
 
 
