@@ -502,7 +502,7 @@ def test_a_drag_beyond_the_fold_runs_away_in_words_and_is_stored(tmp_path):
     assert found.steady_slip.dims == ("steady",)
     assert np.isnan(found.steady_slip).all(), "an output that is declared is there"
     lost = {name for name in SteadySlip.outputs if name not in found}
-    asked = ("radial_load", "inner_speed", "temperature", "least_load", "makers")
+    asked = ("radial_load", "inner_speed", "temperature", "least_load", "makers", "formula")
     assert all(name.startswith(asked) for name in lost), "not asked for"
     assert record(found)["steady"] == []
     assert topics(found)["steady slip"] == [str(found.status.item())]
