@@ -11,6 +11,7 @@ from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.results.words import verdict
+from rollslip.scene.interchange import read_foreign, write_foreign
 from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.surface_damage.figures import damage_figures
 from rollslip.studies.surface_damage.model import Contacts
@@ -218,3 +219,13 @@ def test_the_unit_of_a_rise_is_no_temperature(result):
     assert " K on the inner ring" in told
     assert "degC" not in told
     assert "degC on the inner ring" in account_of(result).topics(result)["contact temperature"][0]
+
+
+def test_measures_are_kept_in_a_scene_whatever_form_it_has(tmp_path):
+    flash = {"model": "flash-temperature", "conduction": "fast"}
+    named = ["power-density", {"model": "contact-temperature", "allowed": "80 degC", "flash": flash}]
+    scene = evolve(SCENE, {"models.damage": named})
+    write_foreign(scene, tmp_path / "scene.json")
+    assert read_foreign(tmp_path / "scene.json")[0] == scene
+    lines = [part for part in plan(scene, "surface-damage").parts if part.part == "damage"]
+    assert [(part.choice, part.included) for part in lines] == [("power-density", True), ("contact-temperature", True)]
