@@ -79,7 +79,7 @@ class Contacts:
 
     @property
     def friction_power(self) -> Array:
-        """Power that sliding turns into heat on a length of contact, |mu w V| [W/m], (n,)."""
+        """Power that sliding turns into heat on a length of contact, the size of mu w V [W/m], (n,)."""
         slices = self.slices
         return np.abs(slices.friction * slices.load * slices.sliding_speed)
 
