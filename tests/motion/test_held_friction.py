@@ -105,6 +105,22 @@ STEEP = attrs.evolve(CONSTANT, transition=5e-3)
 
 
 @pytest.mark.parametrize("level", LEVELS)
+def test_it_resumes_bit_by_bit_also_where_nothing_touches(level):
+    moving, clear = motion(level, "curve"), []
+    for steps in (3, 40, 200, 700, 1500):
+        whole, first, rest = (Leapfrog(moving.system.capsule, 0.0, moving.initial(0.002), 0.01, 1e-5) for _ in range(3))
+        first.advance(max_steps=steps)
+        state = first.state
+        clear.append(bool(state[-(first.y.size + 2)]))
+        rest.state = state
+        for solver in (whole, rest):
+            while solver.status == "running":
+                solver.advance()
+        assert np.array_equal(whole.y, rest.y), steps
+    assert any(clear), "nowhere was a way clear, so nothing was tried"
+
+
+@pytest.mark.parametrize("level", LEVELS)
 def test_leapfrog_goes_on_where_friction_is_too_steep_for_its_step(level):
     """The energy closes, the slip is that of Rodas5P, and it goes on bit by bit."""
     moving = motion(level, STEEP)

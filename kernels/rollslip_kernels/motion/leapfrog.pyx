@@ -190,9 +190,9 @@ cdef class Leapfrog(Stepper):
         if self.holds:
             held = values[before + 3 + self.n:].copy()
             self.held_at, self.interval, self.damping = held[0], held[1], held[2]
-            self.implicit, self.clear = held[3] != 0.0, held[4] != 0.0
             if held[5] == 0.0:
                 self._unite()
+            self.implicit, self.clear = held[3] != 0.0, held[4] != 0.0
             memcpy(self.y_held, &held[6], self.n * sizeof(double))
 
     @property
