@@ -11,7 +11,6 @@ import os
 import re
 import shutil
 import stat
-import tempfile
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -223,10 +222,12 @@ def whole(
     OutputError
         If it cannot be written; what goes wrong in the block is its own to tell, see `blamed`.
     """
-    with blamed(target, remedy):
-        target.parent.mkdir(parents=True, exist_ok=True)
-        partial = Path(tempfile.mkdtemp(prefix=f".{target.name}.{sort}", dir=target.parent))
+    # named before it is made, so that an interrupt right after that finds it too
+    partial = target.parent / f".{target.name}.{sort}{os.urandom(4).hex()}"
     try:
+        with blamed(target, remedy):
+            target.parent.mkdir(parents=True, exist_ok=True)
+            partial.mkdir(mode=0o700)
         yield partial
         with blamed(target, remedy):
             partial.chmod(0o777 & ~umask())
