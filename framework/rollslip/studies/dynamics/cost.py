@@ -24,8 +24,9 @@ from rollslip.studies.timing import timed
 #: Evaluations of the rates that a look takes, its time of the processor [s] at most, and its first stretch [s].
 _ENOUGH: Final = 20_000
 _LOOK, _FIRST = 0.3, 3e-4
-#: Evaluations that tell what one costs.
+#: Evaluations that tell what one costs, and the time [s] from which that is told well.
 _CALLS: Final = 10
+_SHORT: Final = 0.01
 #: Evaluations a second over those of the stretch before: up to the first they fall, at least to the other.
 _FALLS, _FASTEST = 0.8, 0.5
 
@@ -42,7 +43,7 @@ def costs_of(study: Movable, assembly: Assembly) -> dict[str, float]:
     if last.outcome != "failed":  # a fault is for the run to tell
         if sliced:
             each += max(_evaluation(moving, last) - _evaluation(tried, last), 0.0)
-        stored = _stored(moving, last)
+        stored = _stored(moving, last, study.points)
     return {"tables": tables, "motion": each * evaluations + stored * study.points}
 
 
@@ -77,14 +78,16 @@ def _ahead(ends: list[float], counts: list[int], duration: float) -> float:
     return ahead
 
 
-def _stored(moving: MovingBearing, at: Trajectory) -> float:
-    """Time [s] of what goes with a stored instant."""
-    states = np.array([at.last_y] * _CALLS)
-    times = np.full(_CALLS, at.last_t)
-    moving.outputs(times[:1], states[:1])
-    begin = time.process_time()
-    moving.outputs(times, states)
-    return (time.process_time() - begin) / _CALLS
+def _stored(moving: MovingBearing, at: Trajectory, points: int) -> float:
+    """Time [s] of what goes with a stored instant, of which more cost less each."""
+    count, seconds = 1, 0.0
+    while count < points and seconds < _SHORT:
+        count = min(_CALLS * count, points)
+        states, times = np.array([at.last_y] * count), np.full(count, at.last_t)
+        begin = time.process_time()
+        moving.outputs(times, states)
+        seconds = time.process_time() - begin
+    return seconds / count
 
 
 def _evaluation(moving: MovingBearing, at: Trajectory) -> float:
