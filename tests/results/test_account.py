@@ -126,11 +126,10 @@ def test_a_study_without_an_account_is_told_by_what_it_says_of_itself():
         "heat given off: 12.5 W/m2 K",
         "verdict: sound",
     ]
-    assert console.findings(dataset).splitlines() == [
-        "grip-of-a-stranger:",
-        "  2 m/s: critical slip 10.00%, largest friction 0.03",
-        "  4 m/s: grip still rises",
-        *(f"  {text}" for text in account.sentences(dataset)[2:]),
+    assert console.findings(dataset) == [
+        "2 m/s: critical slip 10.00%, largest friction 0.03",
+        "4 m/s: grip still rises",
+        *account.sentences(dataset)[2:],
     ]
     assert account.topics(dataset)["time to failure"] == ["it does not fail"]
     record = account.record(dataset)
@@ -138,6 +137,25 @@ def test_a_study_without_an_account_is_told_by_what_it_says_of_itself():
     assert record["life_status"] == "it does not fail"
     assert record["4 m/s"] == {"critical_slip": None, "critical_friction": None, "status": "grip still rises"}
     json.dumps(record, allow_nan=False)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("found", [1e-4, 2e-3])
+def test_the_terminal_shows_what_matters_most_and_an_error_that_is_not_kept(capsys, found):
+    error = {"result": "grip", "tolerance": 1e-3, "estimated": 1e-4, "found": found, "how": "a posteriori"}
+    cost = {"actual": 1.0, "estimated": 1.0}
+    dataset = strangers(accuracy=json.dumps([error]), cost=json.dumps(cost))
+    lines, shown = console.findings(dataset), PlainAccount.most_important
+    left, kept = console.print_results([dataset], whole=False), found <= 1e-3
+    short = capsys.readouterr().out.splitlines()
+    assert short[0] == "grip-of-a-stranger:"
+    assert short[1 : 1 + shown] == [f"  {line}" for line in lines[:shown]]
+    assert ["not kept" in line for line in short[1 + shown :]] == [True] * (not kept)
+    assert left == len(lines) - shown + kept
+    assert console.print_results([dataset], whole=True) == 0
+    whole = capsys.readouterr().out.splitlines()
+    assert whole[1:-1] == [f"  {line}" for line in lines]
+    assert ("not kept" in whole[-1]) is not kept
 
 
 @pytest.mark.quick
@@ -198,7 +216,7 @@ def registered():
 def test_an_account_of_a_stranger_takes_the_place_of_the_plain_one(tmp_path):
     dataset = strangers(grade="steep", instants=3)
     account = account_of(dataset)
-    assert console.findings(dataset) == "grip-of-a-stranger:\n  there is grip"
+    assert console.findings(dataset) == ["there is grip"]
     assert account.paragraph(dataset) == "There is grip."
     assert account.record(dataset) == {}
     assert save_plots(dataset, tmp_path) == []

@@ -19,6 +19,7 @@ import click
 
 if TYPE_CHECKING:
     import xarray as xr
+    from rich.console import Console
 
     from rollslip.scene.values import Scene
 
@@ -393,6 +394,13 @@ def time_left(elapsed: float, since: float, share: float, left: float, seconds: 
     return seconds - elapsed if seconds > elapsed else math.nan
 
 
+def terminal(*, stderr: bool = False, width: int | None = None) -> "Console":
+    """Return the console of rich to which tables and bars are written; texts go there as they are."""
+    from rich.console import Console
+
+    return Console(stderr=stderr, width=width, highlight=False)
+
+
 @contextmanager
 def progress(what: str, seconds: float = math.nan) -> Iterator[Shown]:
     """Show how far something is and how long it will take: a bar on a terminal, else a line every half a minute.
@@ -428,7 +436,6 @@ def progress(what: str, seconds: float = math.nan) -> Iterator[Shown]:
 
         yield line
         return
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Task, TextColumn, TimeElapsedColumn
     from rich.text import Text
 
@@ -444,7 +451,7 @@ def progress(what: str, seconds: float = math.nan) -> Iterator[Shown]:
         Left(),
     )
     # what goes to a file or a pipe must not be drawn into the terminal of the bar
-    shown = Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=sys.stdout.isatty())
+    shown = Progress(*columns, console=terminal(stderr=True), transient=True, redirect_stdout=sys.stdout.isatty())
     with shown:
         task = shown.add_task(what, total=None)
 

@@ -15,6 +15,7 @@ import click
 from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
+from rollslip.cli.app import terminal
 from rollslip.results.account import account_of
 from rollslip.results.words import verdict
 from rollslip.scene.values import EXACT, Scene, scene_hash
@@ -114,15 +115,38 @@ def print_changed(pairs: "Sequence[tuple[Part | None, Part | None]]", this: str,
     print_table(("part", this, other, "reason"), rows)
 
 
-def findings(dataset: "xr.Dataset", told: Sequence[str] = ()) -> str:
-    """Return what a study found, in a few lines, but for those that were told before."""
-    lines = (line for line in account_of(dataset).lines(dataset) if not any(line in one for one in told))
-    return "\n  ".join((f"{dataset.attrs['study']}:", *lines))
+def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool) -> int:
+    """Print the verdict, and of each study what matters most, or all that it found with errors and times.
+
+    Return how many lines are left out.
+    """
+    every, left = list(datasets), 0
+    for line in (told := verdict(every)):
+        click.echo(line)
+    for dataset in every:
+        lines, missed = findings(dataset, told), missed_errors(dataset)
+        shown = len(lines) if whole else account_of(dataset).most_important
+        rest = lines[shown:]
+        left += len(rest) + (not whole and not missed)
+        texts = lines[:shown] + ([accuracy_and_time(dataset)] if whole or missed else [])
+        click.echo("\n  ".join((f"{dataset.attrs['study']}:", *texts)))
+    return left
 
 
-def kept(dataset: "xr.Dataset") -> str:
+def findings(dataset: "xr.Dataset", told: Sequence[str] = ()) -> list[str]:
+    """Return what a study found, line by line, but for those that were told before."""
+    return [line for line in account_of(dataset).lines(dataset) if not any(line in one for one in told)]
+
+
+def missed_errors(dataset: "xr.Dataset") -> set[str]:
+    """Return the results whose error was found to be more than was asked for."""
+    rows = json.loads(dataset.attrs["accuracy"])
+    return {row["result"] for row in rows if row["found"] is not None and row["found"] > row["tolerance"] > EXACT}
+
+
+def accuracy_and_time(dataset: "xr.Dataset") -> str:
     """Return what errors and time were estimated and found, in one line."""
-    texts = []
+    texts, missed = [], missed_errors(dataset)
     for row in json.loads(dataset.attrs["accuracy"]):
         name = row["result"].replace("_", " ")
         errors = [
@@ -131,11 +155,11 @@ def kept(dataset: "xr.Dataset") -> str:
             if row[which] is not None
         ]
         texts.append(f"{name} {' and '.join(errors) or 'unknown'} of {row['tolerance']:g}")
-        if row["found"] is not None and row["found"] > row["tolerance"] > EXACT:
+        if row["result"] in missed:
             texts[-1] += ", not kept"
     cost = json.loads(dataset.attrs["cost"])
     times = f"{format_quantity(cost['actual'], 's', 2)}, estimated {format_quantity(cost['estimated'], 's', 2)}"
-    return f"  relative errors: {'; '.join(texts) or 'not estimated'}; time of the processor {times}"
+    return f"relative errors: {'; '.join(texts) or 'not estimated'}; time of the processor {times}"
 
 
 def print_found(dataset: "xr.Dataset") -> None:
@@ -236,6 +260,7 @@ def _held(dataset: "xr.Dataset") -> Sections:
             ("dimensions", ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())),
             ("variables", ", ".join(map(str, dataset.data_vars))),
             *([("evaluations", f"{a['evaluations']} slices in {a['wall_time']:.2g} s")] if "evaluations" in a else []),
+            *([("accuracy", accuracy_and_time(dataset))] if "accuracy" in a else []),
             *((about, "; ".join(texts)) for about, texts in account_of(dataset).topics(dataset).items()),
         ],
         "packages": list(json.loads(a["packages"]).items()),
@@ -329,7 +354,6 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     A terminal that is too narrow for the words of all columns gets a wider table, not fewer columns.
     """
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
     rows = list(rows)
@@ -342,7 +366,7 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     for row in rows:
         table.add_row(*(cell.replace("[", "\\[") for cell in row))
     width = max(shutil.get_terminal_size((120, 24)).columns, needed)
-    Console(width=width, highlight=False).print(table)
+    terminal(width=width).print(table)
 
 
 def print_sections(sections: Sections) -> None:

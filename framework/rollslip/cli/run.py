@@ -91,15 +91,18 @@ def new(file: Path, **given: str | None) -> None:
 @set_option
 @results_options(resume=True)
 @click.option("--verify", is_flag=True, help="Run at the finest too, and tell whether the plan kept its word.")
+@verbose_option("All that was found, with errors and times.")
 @json_option
-def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, results: Results) -> None:
-    """Run the studies of SCENE, a shipped scene or a file, and write results, plots and on request a report."""
+def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, verbose: bool, results: Results) -> None:
+    """Run the studies of SCENE, a shipped scene or a file, and write results, plots and on request a report.
+
+    It prints what matters most, with -v all that was found.
+    """
     from rollslip.cli import console
     from rollslip.planning.execution import execute
     from rollslip.planning.plan import plan
     from rollslip.planning.verification import verify as verified
     from rollslip.results.dataset import save
-    from rollslip.results.words import verdict
 
     made = plan(scene_of(scene, changes), study)
     if not results.as_json:
@@ -129,11 +132,9 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, res
     if results.as_json:
         print_json(console.run_as_dict(made, datasets) | results.as_dict())
     else:
-        for first in (told := verdict(datasets.values())):
-            click.echo(first)
-        for dataset in datasets.values():
-            click.echo(console.findings(dataset, told))
-            click.echo(console.kept(dataset))
+        left = console.print_results(datasets.values(), whole=verbose)
+        if left:
+            click.echo(f"{left} more lines, with errors and times: run with -v, or rollslip info of the .nc files")
         results.tell(*datasets.values())
     if "interrupted" in outcomes:
         click.echo(go_on, err=True)

@@ -71,12 +71,15 @@ class Account:
         Whether sentences begin with names, which keep their small letters.
     knows_operation : int
         How much it knows of how the bearing runs: of several results that of the largest speaks.
+    most_important : int
+        How many of its `lines` a short form has, the first ones.
     """
 
     name: str
     numbers: ClassVar[Mapping[str, tuple[str, str]]] = {}
     names_first: ClassVar[bool] = False
     knows_operation: ClassVar[int] = 0
+    most_important: ClassVar[int] = 2
 
     def headline(self, dataset: "xr.Dataset") -> str:
         """Return what has to be known before all else, without its full stop; nothing where there is no such thing."""

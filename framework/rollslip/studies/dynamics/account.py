@@ -25,6 +25,7 @@ class DynamicsAccount(Account):
         "contacts_evaluated": ("contacts evaluated in the motion", ""),
         "real_time_factor": ("time of the motion over that of its integration", "1"),
     }
+    most_important: ClassVar[int] = 4
 
     def headline(self, dataset: "xr.Dataset") -> str:
         """Return where the cage runs away; along a history, how near it came to that."""

@@ -21,6 +21,7 @@ class SteadySlipAccount(Account):
     }
 
     knows_operation: ClassVar[int] = 2
+    most_important: ClassVar[int] = 3
 
     def headline(self, dataset: "xr.Dataset") -> str:
         """Return where the cage runs away."""

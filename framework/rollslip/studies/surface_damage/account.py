@@ -1,6 +1,6 @@
 """The account of damage."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Figures
@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 class SurfaceDamageAccount(Account):
     """How measures of damage are told."""
+
+    most_important: ClassVar[int] = 6
 
     def harm(self, dataset: "xr.Dataset") -> str:
         """Return which measures are beyond their limits."""
