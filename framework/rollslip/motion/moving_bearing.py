@@ -84,6 +84,11 @@ class MovingBearing(abc.ABC):
         k = self.assembly.kinematics
         return np.full(t.size, k.epicyclic_cage_speed), np.full(t.size, k.epicyclic_roller_speed)
 
+    def ring_speeds(self, t: Array) -> Array:
+        """Return the speeds of inner and outer ring at times [rad/s], in the sense of the cage's, (2, m)."""
+        k = self.assembly.kinematics
+        return np.outer([k.direction * k.inner_speed, k.direction * k.outer_speed], np.ones(t.size))
+
     @property
     def tables(self) -> dict[str, str]:
         """Attributes of a result that say how right the tables are that the motion rests on."""

@@ -108,6 +108,11 @@ def table(time: Array, value: Array) -> Course:
     return Course(time, powers, tuple(np.union1d(jumps, time[sharpest[bends[sharpest] > 0.0]]).tolist()))
 
 
+def through(time: Array, value: Array, slope: Array) -> Course:
+    """Return the smooth course through values with these slopes, which stays at the last."""
+    return Course(*_cubics(time, value, slope))
+
+
 def _cubics(time: Array, value: Array, slope: Array) -> tuple[Array, Array]:
     """Pieces through values and slopes, and a constant after them."""
     h, rise = np.diff(time), np.diff(value)

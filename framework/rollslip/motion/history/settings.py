@@ -29,16 +29,19 @@ from rollslip.motion.history.courses import (
     table,
     unordered,
 )
+from rollslip.motion.history.path import ThermalPath
 from rollslip.scene.values import Operation, Scene
 from rollslip.structure import Location
 from rollslip.units import format_quantity, quantity
 
 #: Temperatures that follow that of the operation where nothing else is said.
 OF_PARTS: Final = ("inner_ring_temperature", "roller_temperature", "outer_ring_temperature")
+#: All of them.
+TEMPERATURES: Final = ("temperature", *OF_PARTS)
 #: Values of the operation that may have a course.
-VARYING: Final = ("inner_speed", "outer_speed", "radial_load", "load_direction", "temperature", *OF_PARTS)
+VARYING: Final = ("inner_speed", "outer_speed", "radial_load", "load_direction", *TEMPERATURES)
 #: Those that tables of a bearing at rest depend on.
-CONDITIONS: Final = ("radial_load", "temperature", *OF_PARTS)
+CONDITIONS: Final = ("radial_load", *TEMPERATURES)
 _MOST_FAULTS: Final = 20
 
 
@@ -313,12 +316,16 @@ class History:
         Length of the run [s].
     sha256 : str
         Of the file; empty without one.
+    path : ThermalPath or None
+        What the bearing is put together along, where temperatures follow from its losses: tables then have one axis
+        for all of them.
     """
 
     courses: Mapping[str, Course]
     given: tuple[str, ...]
     end: float
     sha256: str = ""
+    path: ThermalPath | None = None
 
     def at(self, t: Any) -> dict[str, Array]:
         """Return the values at times [s], of any shape."""
@@ -336,8 +343,9 @@ class History:
 
     @property
     def conditions(self) -> tuple[str, ...]:
-        """What tables of a bearing at rest depend on: `CONDITIONS` that have a course."""
-        return tuple(name for name in CONDITIONS if name in self.courses)
+        """What tables of a bearing at rest depend on: `CONDITIONS` that have a course and are not those of a path."""
+        one_by_one = CONDITIONS if self.path is None else CONDITIONS[:1]
+        return tuple(name for name in one_by_one if name in self.courses)
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:

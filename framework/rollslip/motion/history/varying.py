@@ -10,6 +10,7 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.raceway import Array
 from rollslip.errors import DomainError, RollslipError
 from rollslip.motion.history.courses import Course, constant
+from rollslip.motion.history.path import ThermalPath
 from rollslip.motion.history.settings import History
 from rollslip.motion.history.stations import Axis, Stations, operated
 from rollslip.motion.moving_bearing import MovingBearing
@@ -24,6 +25,37 @@ STILL: Final = 0.05
 _LOOKS: Final = 9
 #: Share of the tolerance that loads and tables of a station may take.
 _TABLES: Final = 0.2
+
+
+@attrs.frozen
+class PathAxis(Axis):
+    """Places on a path through temperatures."""
+
+    path: ThermalPath
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the value: K only where loads stay, since bearings that differ by kelvins share theirs."""
+        return self.path.unit
+
+    def value(self, place: float) -> float:
+        """Return what tells a place [K, m]."""
+        return self.path.value(place)
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class PathStations(Stations):
+    """Stations of which the last axis is a path."""
+
+    def bearing(self, place: tuple[float, ...]) -> Assembly:
+        """Return the bearing at a place on the axes."""
+        known, axis = self._bearings, self.axes[-1]
+        if place not in known:
+            assert isinstance(axis, PathAxis)
+            here = axis.path.bearing(self.assembly, place[-1])
+            same = {of.name: getattr(self, of.name) for of in attrs.fields(Stations) if of.init}
+            known[place] = Stations(**(same | {"assembly": here, "axes": self.axes[:-1]})).bearing(place[:-1])
+        return known[place]
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -74,6 +106,11 @@ class VaryingMotion(MovingBearing):
         cage, roller = epicyclic(self.assembly, self.history, t)
         slow = np.abs(cage) <= STILL * _fastest(self.assembly, self.history)
         return np.where(slow, np.nan, cage), np.where(slow, np.nan, roller)
+
+    def ring_speeds(self, t: Array) -> Array:
+        """Return the speeds of inner and outer ring at times [rad/s], in the sense of the cage's, (2, m)."""
+        now = self.history.at(t)
+        return np.array([self.direction * now["inner_speed"], self.direction * now["outer_speed"]])
 
     def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
         """Return the state with these slips at the operation that the history begins with."""
@@ -180,6 +217,8 @@ def varying_motion(
                 "differently here: conventional friction takes that"
             )
         axes.append(Axis("speed", 0.0, abs(speeds[0] - speeds[1])))
+    if (path := history.path) is not None:
+        axes.append(PathAxis(path.name, 0.0, 1.0, path))
     if len(axes) > MOST_AXES:
         over = ", ".join(axis.name.replace("_", " ") for axis in axes)
         raise DomainError(
@@ -197,7 +236,7 @@ def varying_motion(
         plain = attrs.evolve(plain, tolerance=min(friction.table_tolerance(assembly), _TABLES * asked))
     if "radial_load" in history.varies and (planar is not None or friction.name == "conventional"):
         plain = attrs.evolve(plain, like=_held(assembly, {"radial_load": spans["radial_load"][1]}))
-    stations = Stations(
+    stations = (Stations if path is None else PathStations)(
         assembly=steady,
         speeds=speeds,
         top_speed=top,
@@ -212,7 +251,9 @@ def varying_motion(
     courses = [history.courses[name].scaled(k.direction) for name in ("inner_speed", "outer_speed", "load_direction")]
     courses.append(history.courses["radial_load"])
     courses.append(constant(float("nan")) if limit is None else limit)
-    courses += [constant(0.0) if axis.name == "speed" else history.courses[axis.name] for axis in axes]
+    for axis in axes:
+        of_axis = axis.path.along if isinstance(axis, PathAxis) else history.courses.get(axis.name)
+        courses.append(constant(0.0) if of_axis is None else of_axis)  # of a speed, which the rates know
     names = [axis.name for axis in axes]
     varying = Varying(
         [(course.begin, course.powers) for course in courses],

@@ -45,7 +45,7 @@ class DynamicsAccount(Account):
 
     def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the single values."""
-        return findings.record(dataset) | history_findings.record(dataset)
+        return {**findings.record(dataset), **history_findings.record(dataset), **history_findings.heat_record(dataset)}
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return the energy ledger and the events."""

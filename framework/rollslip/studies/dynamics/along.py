@@ -20,7 +20,8 @@ from rollslip.bearing.critical import Critical, slip_grid
 from rollslip.bearing.raceway import Array
 from rollslip.errors import RollslipError
 from rollslip.motion.history.courses import Course, table
-from rollslip.motion.history.settings import History, HistorySettings
+from rollslip.motion.history.path import CLEARANCE, changed
+from rollslip.motion.history.settings import TEMPERATURES, History, HistorySettings
 from rollslip.motion.history.stations import operated, shown
 from rollslip.motion.history.varying import STILL, VaryingMotion, epicyclic
 from rollslip.motion.moving_bearing import MovingBearing
@@ -125,15 +126,20 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
     fast = apart > STILL * apart.max(initial=0.0)
     if {"inner_speed", "outer_speed"} & {*history.varies}:
         names.append("speed")
+    spans, now = spans | {"speed": (STILL * apart.max(), apart.max())}, now | {"speed": apart}
+    if (path := history.path) is not None:
+        names.append(path.name)
+        spans[path.name], now[path.name] = (0.0, 1.0), path.along.at(times)
     for name in names:
-        low, high = (STILL * apart.max(), apart.max()) if name == "speed" else spans[name]
-        values.append(apart if name == "speed" else now[name])
+        low, high = spans[name]
+        values.append(now[name])
         grids.append(_grid(low, high, _GRID[len(names)]))
     ends = (*((name, spans[name]) for name in history.conditions), float(apart.max()))
     key = (
         "along",
         repr(study),
         assembly.resolution,
+        path,
         ends,
         *names,
         *(float(one) for grid in grids for one in grid[[0, -1]]),
@@ -151,7 +157,8 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
             speed = here.pop("speed", float(apart[top]))
             there = held | here | {name: float(share * speed) for name, share in speeds.items()}
             try:
-                raceways = study.loaded(operated(assembly, there), assembly.resolution.instants or INSTANTS)
+                bearing = assembly if path is None else path.bearing(assembly, there.pop(path.name))
+                raceways = study.loaded(operated(bearing, there), assembly.resolution.instants or INSTANTS)
                 away, critical = away_of(study, raceways), critical_of(study, raceways)
             except RollslipError as error:
                 statuses.add(str(error))
@@ -328,18 +335,24 @@ def settled(moving: Any, times: Array, status: tuple[float, str]) -> tuple[float
         return math.nan, "the rings all but stand at the end"
     last = times[times >= times[-1] - 0.375 * (times[-1] - times[0])]
     now: Mapping[str, Array] = moving.history.at(last)
-    changing = [name for name, values in now.items() if np.ptp(values) > 0.0]
+    path = moving.history.path
+    known_to = {} if path is None else dict.fromkeys(TEMPERATURES, path.error)
+    changing = [name for name, values in now.items() if np.ptp(values) > known_to.get(name, 0.0)]
     if not changing:
         return status
     return math.nan, f"the operation changes until the end ({', '.join(changing).replace('_', ' ')})"
 
 
-def at_the_end(assembly: Assembly, history: History | None, t: float) -> Assembly | None:
-    """Return the bearing at the operation of an instant; None where nothing rolls then."""
-    if history is None:
+def at_the_end(assembly: Assembly, dataset: "xr.Dataset") -> Assembly | None:
+    """Return the bearing at the operation of the last instant of a result; None where nothing rolls then."""
+    if not history_findings.along(dataset):
         return assembly
-    now = {name: float(value) for name, value in history.at(t).items()}
+    operation = assembly.scene.operation
+    now = {name: getattr(operation, name) for name in ("inner_speed", "outer_speed")}
+    now |= {name: float(dataset[name][-1]) for name in json.loads(dataset.attrs["history"])}
     now.pop("load_direction", None)  # turns what it loads, and changes no contact at rest
+    if "radial_clearance" in dataset:
+        assembly = changed(assembly, {CLEARANCE: float(dataset["radial_clearance"][-1])})
     if now["inner_speed"] == now["outer_speed"]:
         return None
     return operated(assembly, now)

@@ -38,6 +38,7 @@ from rollslip.studies.dynamics.findings import (
     unslipped_roller_speed,
 )
 from rollslip.studies.dynamics.history_figures import phase, slip_along
+from rollslip.studies.thermal_balance.figures import course
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,6 +78,9 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
         "roller was loaded or the value is not known; pocket forces are the largest."
     )
     yield f"{name}-orbit", caption, _orbit(dataset)
+    if history_findings.heats(dataset):
+        caption = f"Bulk temperatures that the losses of the motion lead to, {which}."
+        yield f"{name}-temperatures", caption, course(dataset)
     if history_findings.along(dataset):
         caption = (
             f"Cage slip along the history, {which}, with the slip of running away and the critical slip of the bearing "

@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 #: Units in which what varies is told, where they are not those of its kind.
 _TOLD_IN: Final = {"load_direction": "deg"}
+_HEAT: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")
 _WORK: Final = {"inner": "lost_inner", "outer": "lost_outer"}
 
 
@@ -71,6 +72,47 @@ def frictional_work(dataset: "xr.Dataset") -> dict[str, float]:
     return {ring: -float(dataset["work_done"][names.index(name), -1]) for ring, name in _WORK.items() if name in names}
 
 
+def heats(dataset: "xr.Dataset") -> bool:
+    """Whether temperatures of a motion follow from its losses."""
+    return "thermal" in dataset.attrs
+
+
+def heat_record(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return the single values of temperatures that follow from losses; nothing where they are given."""
+    if not heats(dataset):
+        return {}
+    last = dataset["course_temperature"].to_numpy()[-1].tolist()
+    return {
+        **{name: float(dataset.attrs[name]) for name in _HEAT},
+        **{name: str(dataset.attrs[name]) for name in ("thermal", "hottest_node", "thermal_status")},
+        "final_temperatures": dict(zip(map(str, dataset["node"].to_numpy()), last, strict=True)),
+    }
+
+
+def heat_in_words(dataset: "xr.Dataset") -> list[str]:
+    """Say what the losses did to the temperatures."""
+    a, nodes = dataset.attrs, [str(node) for node in dataset["node"].to_numpy()]
+    rows = dataset["course_temperature"].to_numpy()
+    ends = ", ".join(
+        f"{node} from {format_quantity(float(first), 'K', 4)} to {format_quantity(float(last), 'K', 4)}"
+        for node, first, last in zip(nodes, rows[0], rows[-1], strict=True)
+    )
+    made, stored, carried = (format_quantity(abs(float(a[name])), "J", 3) for name in _HEAT[1:])
+    warmed = "warmed the parts" if float(a["heat_stored"]) >= 0.0 else "came out of the parts"
+    left = "left the bearing" if float(a["heat_carried_away"]) >= 0.0 else "came into the bearing"
+    lasted = float(dataset["time"][-1])
+    said = [
+        f"temperatures follow from the losses by the model {a['thermal']} in {lasted:.4g} s: {ends}",
+        f"losses made {made} of heat, {stored} {warmed}, and {carried} {left}",
+        f"the highest temperature is {format_quantity(float(a['hottest_temperature']), 'K', 4)}, of the "
+        f"{a['hottest_node']}; they were {a['thermal_status']}",
+    ]
+    if "radial_clearance" in dataset:
+        first, last = (format_quantity(float(dataset["radial_clearance"][k]), "m", 3) for k in (0, -1))
+        said.append(f"the radial clearance goes with them from {first} to {last}")
+    return said
+
+
 def record(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return the single values of a history; nothing of a motion without one."""
     if not along(dataset):
@@ -93,15 +135,16 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
 
 def told(dataset: "xr.Dataset", topics: dict[str, list[str]]) -> dict[str, list[str]]:
     """Return what is told of a motion, with what a history says in place of what holds for a steady operation."""
-    if not along(dataset):
-        return topics
     first, *others = topics
-    own = {
+    warm = {"temperatures": heat_in_words(dataset)} if heats(dataset) else {}
+    if not along(dataset):
+        return {first: topics[first], **warm, **{name: topics[name] for name in others}}
+    own = warm | {
         "history": sentences(dataset),
         "running away": [f"at the operation of the scene: {topics['running away'][0]}", *running_away(dataset)],
         "largest slip": [largest_in_words(dataset)],
     }
-    return {name: own.get(name, topics.get(name, [])) for name in (first, "history", *others)}
+    return {name: own.get(name, topics.get(name, [])) for name in (first, "history", *warm, *others)}
 
 
 def sentences(dataset: "xr.Dataset") -> list[str]:

@@ -46,6 +46,8 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "inner_ring_temperature": Output("time", "K", "temperature of the inner ring, where a history gives it"),
         "roller_temperature": Output("time", "K", "temperature of the rollers, where a history gives it"),
         "outer_ring_temperature": Output("time", "K", "temperature of the outer ring, where a history gives it"),
+        "course_temperature": Output("time node", "K", "bulk temperature that the losses lead to"),
+        "radial_clearance": Output("time", "m", "radial clearance, where temperatures change it"),
         "epicyclic_cage_speed": Output("time", "rad/s", "speed of the cage without slip, along a history"),
         "runaway_slip_along": Output("time", "1", "cage slip of running away at the operation of the moment"),
         "runaway_drag_along": Output("time", "N m", "largest drag torque that the rollers carry at that operation"),
@@ -82,6 +84,16 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
                 ("frictional_work_outer", "J", "work of sliding at the outer ring"),
             )
         },
+        **{
+            name: Output("", unit, f"{meaning} by losses", status="thermal_status", attribute=True)
+            for name, unit, meaning in (
+                ("hottest_temperature", "K", "highest temperature of a part"),
+                ("heat_made", "J", "heat that losses made"),
+                ("heat_stored", "J", "heat that warmed the parts"),
+                ("heat_carried_away", "J", "heat that left the bearing"),
+            )
+        },
+        "thermal_status": Output("", "1", "what the temperatures rest on", attribute=True),
         "history_status": Output("", "1", "what the slips of running away along a history rest on", attribute=True),
         "steady_cage_slip": Output("", "1", "steady cage slip", status="steady_status", default=True, attribute=True),
         "steady_status": Output("", "1", "steady status", attribute=True),

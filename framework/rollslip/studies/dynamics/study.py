@@ -40,7 +40,7 @@ from rollslip.scene.values import Scene, resolved
 from rollslip.structure import Location
 from rollslip.studies import estimates
 from rollslip.studies.answers import Estimated, Evaluated, Keep, Output, Part
-from rollslip.studies.dynamics import along
+from rollslip.studies.dynamics import along, heating
 from rollslip.studies.dynamics.choice import choose_motion, with_few_slices
 from rollslip.studies.dynamics.cost import costs_of
 from rollslip.studies.dynamics.ending import (
@@ -96,9 +96,11 @@ class Dynamics(Study):
             "tables": "loads over the orbit and effective friction",
             "motion": "the study asks for cage and rollers in time",
             "running away": "whether the cage runs away is told with every motion",
+            "temperatures": "motions along temperatures, until these are those of their losses",
         }
     )
     with_cage: ClassVar[bool] = True
+    with_heat: ClassVar[bool] = True
     in_time: ClassVar[bool] = True
 
     level: str = parameter(
@@ -233,7 +235,8 @@ class Dynamics(Study):
         told = attrs.evolve(self.curved(assembly), map_points=0).cost(assembly.at(at))
         away, history = sum(told.values()), self.course(assembly)
         along_it = along.cost(history, lambda: self.moving(assembly), self.curved(assembly))
-        return {"running away": away, **along_it, **costs_of(self, assembly)}
+        motion = costs_of(self, assembly)
+        return {"running away": away, **along_it, **motion, **heating.cost(self, assembly, motion["motion"])}
 
     def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
         """Return steps, friction, level and integrator."""
@@ -254,6 +257,7 @@ class Dynamics(Study):
         return [
             *([steps] if "steps" in errors else []),
             *along.parts(self.course(assembly), lambda: self.moving(assembly), self.name, costs),
+            *heating.part(self, assembly, costs),
             Part(
                 part="friction of the raceways",
                 choice=self.friction,
@@ -293,7 +297,7 @@ class Dynamics(Study):
         return int(loaded) * int(evaluations * steps + self.points)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return the drags and the integrator.
+        """Return the drags, the integrator, and what temperatures follow from, if they do.
 
         Raises
         ------
@@ -301,7 +305,8 @@ class Dynamics(Study):
             If the scene has no cage, or they are not there.
         """
         drags = (("drag", model) for model in assembly.cage.drags)
-        return *drags, ("integrator", self.method(assembly))
+        heat = heating.model_of(assembly)
+        return *drags, ("integrator", self.method(assembly)), *(() if heat is None else (("thermal", heat),))
 
     @property
     def judged_at(self) -> str:
@@ -310,7 +315,7 @@ class Dynamics(Study):
 
     def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
         """Return the slices of the rollers at the last stored instant."""
-        then = along.at_the_end(assembly, self.course(assembly), float(dataset["time"][-1]))
+        then = along.at_the_end(assembly, dataset)
         return [] if then is None else last_slices(then, dataset)
 
     def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
@@ -342,11 +347,13 @@ class Dynamics(Study):
         integrator = self.method(assembly)
         if self.level == "planar":
             self._of_planar(assembly)
+        heat = heating.heated(self, assembly, kept.progress)
+        assembly, history = (assembly, self.course(assembly)) if heat is None else (heat.assembly, heat.history)
         settings, store = self.curved(assembly), kept.store
         raceways = settings.loaded(assembly, assembly.resolution.instants or along.INSTANTS)
         critical, away = along.critical_of(settings, raceways), along.away_of(settings, raceways)
-        limit = along.limit_of(settings, assembly, self.course(assembly))
-        moving = self.moving(assembly, critical_slip=away.slip, limit=limit)
+        limit = along.limit_of(settings, assembly, history)
+        moving = self.moving_along(history, assembly, critical_slip=away.slip, limit=limit)
         times, watch = np.linspace(0.0, self.duration, self.points), moving.system.watch
         before = None if store is None else store.load(times, moving.system.n)
         done, parts = (0, 0) if before is None or store is None else (before.t.size, len(store.parts()))
@@ -374,9 +381,15 @@ class Dynamics(Study):
         outputs, found = outputs_of(moving, found)
         slip = 1.0 - (moving.split(found.y)["cage_speed"] / moving.unslipped(found.t)[0])[[0, -1]]
         regimes, found = regimes_of(raceways, np.clip(np.nan_to_num(slip), 0.0, settings.max_cage_slip), found)
+        warmed, warmth = heating.told(heat, found.t)
+        names = [] if heat is None else [*heat.model.nodes]
+        nodes = {"node": ("node", names, about("1", "part of the bearing"))} if names else {}
         return (
             self._dataset(assembly, moving, found, outputs, integrator)
             .assign(regimes)
+            .assign(self.variables(**warmed))
+            .assign_coords(nodes)
+            .assign_attrs(warmth)
             .assign_attrs(
                 {
                     **{f"runaway_{name}": getattr(away, name) for name in ("slip", "drag", "status")},
@@ -425,12 +438,21 @@ class Dynamics(Study):
         """Return how the operation goes over time; None where it does not change."""
         return along.history_of(self.history, assembly, self.duration, self.table)
 
-    def moving(
-        self, assembly: Assembly, *, critical_slip: float = math.nan, limit: Course | None = None
+    def moving(self, assembly: Assembly) -> MovingBearing:
+        """Return the bearing in motion at the temperatures of its scene."""
+        return self.moving_along(self.course(assembly), assembly)
+
+    def moving_along(
+        self,
+        history: History | None,
+        assembly: Assembly,
+        *,
+        critical_slip: float = math.nan,
+        limit: Course | None = None,
     ) -> MovingBearing:
-        """Return the bearing in motion; ``limit`` is the slip that is watched along a history."""
+        """Return the bearing in motion along a history, in which ``limit`` is the slip that is watched."""
         friction = self._frictions(critical_slip)
-        if (history := self.course(assembly)) is not None:
+        if history is not None:
             planar = self._of_planar(assembly) if self.level == "planar" else None
             return varying_motion(assembly, friction, history, level=self.level, planar=planar, limit=limit)
         if self.level == "planar":

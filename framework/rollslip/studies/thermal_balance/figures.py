@@ -13,10 +13,12 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
-__all__ = ["thermal_figures"]
+__all__ = ["course", "thermal_figures"]
 
 _OPEN: dict[str, Any] = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 0.9}
 _ZERO = 273.15  # K
+#: Longest time that is shown in seconds.
+_SECONDS = 120.0
 
 
 def thermal_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
@@ -29,7 +31,7 @@ def thermal_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]
             _excess(dataset),
         )
     if "course_temperature" in dataset:
-        yield "thermal-course", "Bulk temperatures over time, from those of the scene.", _course(dataset)
+        yield "thermal-course", "Bulk temperatures over time, from those of the scene.", course(dataset)
 
 
 def _excess(dataset: "xr.Dataset") -> "Figure":
@@ -68,20 +70,23 @@ def _excess(dataset: "xr.Dataset") -> "Figure":
     return figure
 
 
-def _course(dataset: "xr.Dataset") -> "Figure":
+def course(dataset: "xr.Dataset") -> "Figure":
+    """Draw the temperatures of the nodes over time."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=ONE_COLUMN, layout="constrained")
     axes = figure.subplots()
-    minutes = dataset["time"].to_numpy() / 60.0
+    time = dataset["time"].to_numpy()
+    unit, second = ("min", 60.0) if time[-1] > _SECONDS else ("s", 1.0)
+    time = time / second
     handles: list[Artist] = []
     for k, node in enumerate(dataset["node"].to_numpy()):
         values = dataset["course_temperature"].to_numpy()[:, k] - _ZERO
         style: dict[str, Any] = {"color": MODEL_COLOURS[k % len(MODEL_COLOURS)], "linestyle": DASHES[k % len(DASHES)]}
-        handles += axes.plot(minutes, values, label=f"{node}, {values[-1]:.3g} °C at the end", **style)
-    axes.set_xlabel("Time [min]")
+        handles += axes.plot(time, values, label=f"{node}, {values[-1]:.3g} °C at the end", **style)
+    axes.set_xlabel(f"Time [{unit}]")
     axes.set_ylabel("Temperature [°C]")
-    axes.set_xlim(0.0, minutes[-1] or 1.0)
+    axes.set_xlim(0.0, time[-1] or 1.0)
     figure.legend(handles=handles, loc="outside upper left", ncols=1)
     figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
     return figure
