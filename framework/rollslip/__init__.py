@@ -4,6 +4,7 @@ Names are loaded when they are first used, so that ``rollslip --help`` imports n
 """
 
 import importlib
+import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -55,6 +56,8 @@ _HOMES = {
     "uncertainty": "rollslip.campaigns.uncertainty.margin",
 }
 __all__ = sorted(_HOMES)
+
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # who uses the library decides what becomes of its log
 
 
 def __getattr__(name: str) -> Any:

@@ -17,6 +17,7 @@
 """
 
 import itertools
+import logging
 import math
 from collections.abc import Callable, Mapping
 
@@ -29,6 +30,8 @@ from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
+
+_log = logging.getLogger(__name__)
 
 _FIRST_INSTANTS, _MOST_INSTANTS = 2, 256
 _MOST_FORCES = 1025
@@ -169,6 +172,7 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
     sides = ((raceway.deflection, raceway.conditions) for raceway in assembly.raceways)
     key = (assembly.slices, assembly.resolution.quadrature, tolerance, top_speed, *sides)
     known: LoadMap | None = assembly.known_maps.get(key)
+    _log.debug("loads over the orbit to %.1e: %s", tolerance, "built" if known is None else "known already")
     if known is None:
         known = assembly.known_maps[key] = _built(assembly, tolerance, top_speed)
     return known

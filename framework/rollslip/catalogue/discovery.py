@@ -15,6 +15,7 @@
 
 import difflib
 import importlib.metadata
+import logging
 import os
 import re
 import sys
@@ -30,6 +31,8 @@ import attrs
 from rollslip.catalogue.kinds import Kind, check_kind, get_kind, kinds
 from rollslip.errors import PluginError, UnknownNameError, in_words
 from rollslip.units import as_written
+
+_log = logging.getLogger(__name__)
 
 #: In place of the package and the version of what this process has registered.
 THIS_PROCESS: Final = "(this process)"
@@ -277,6 +280,7 @@ def load(offer: Offer) -> Any:
 @cache
 def _load(offer: Offer) -> Any:
     blame = f"{offer.kind} {offer.name!r} of package {offer.package} {offer.version}"
+    _log.debug("loads %s", blame)
     remedy = f"repair or uninstall {offer.package}"
     path, _, member = offer.module.partition(":")
     try:

@@ -4,12 +4,14 @@ import _thread
 import atexit
 import gc
 import io
+import logging
 import os
 import signal
 import sys
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack, redirect_stderr, redirect_stdout
+from functools import partial
 from typing import Any, Final, NoReturn
 
 import click
@@ -26,10 +28,33 @@ from rollslip.errors import ConvergenceError, PluginError, RollslipError, Unknow
 __all__ = ["cli", "main"]
 
 
+class _Log(logging.Handler):
+    """Writes the log to standard error, above a bar that is drawn there."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write one record."""
+        click.echo(self.format(record), err=True)
+
+
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="rollslip")
-def cli() -> None:
+@click.option(
+    "--log",
+    "level",
+    type=click.Choice(("warning", "info", "debug"), case_sensitive=False),
+    help="Tell on standard error what is done meanwhile: choices of the plan (info), steps, tables, plugins (debug).",
+)
+@click.pass_context
+def cli(context: click.Context, level: str | None) -> None:
     """Slip of rollers and cage in cylindrical roller bearings."""
+    if level is None:
+        return
+    logger, handler = logging.getLogger("rollslip"), _Log()
+    handler.setFormatter(logging.Formatter("%(levelname)s %(name)s: %(message)s"))
+    context.call_on_close(partial(logger.setLevel, logger.level))  # a host goes on with its own
+    context.call_on_close(partial(logger.removeHandler, handler))
+    logger.addHandler(handler)
+    logger.setLevel(level.upper())
 
 
 for _command in (

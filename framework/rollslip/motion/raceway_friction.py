@@ -8,6 +8,7 @@
 """
 
 import itertools
+import logging
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -23,6 +24,8 @@ from rollslip.errors import RollslipError
 from rollslip.motion.effective_table import EffectiveTable, effective_table
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.slices import Slices
+
+_log = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
@@ -252,6 +255,7 @@ def made_once(assembly: Assembly, key: tuple[object, ...], make: Callable[[], T]
         known = key in assembly.known_maps
     except TypeError:  # a model that is not to be told from others
         return make()
+    _log.debug("table of friction: %s", "known already" if known else "built")
     if not known:
         assembly.known_maps[key] = make()
     kept: T = assembly.known_maps[key]

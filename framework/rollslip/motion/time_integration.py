@@ -9,6 +9,7 @@
   are never asked for on the other side.
 """
 
+import logging
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -20,6 +21,8 @@ from numpy.typing import NDArray
 
 from rollslip.models import IntegratorModel
 from rollslip_kernels.motion.system import RefusedError, System
+
+_log = logging.getLogger(__name__)
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int_]
@@ -245,6 +248,11 @@ class _Run:
             message = f"{type(error).__name__} at t = {self.t:.6g} s: {error}"
         if outcome == "interrupted" and self.extra is not None:  # where it was to stop anyhow
             outcome, message = "stopped", f"stopped at t = {self.t:.6g} s"
+        steps, rejected, evaluations, _ = self.work
+        _log.debug(
+            "%s %s at t = %g s: %d steps, %d rejected, %d evaluations of the rates",
+            self.integrator.name, message or outcome, self.t, steps, rejected, evaluations,
+        )  # fmt: skip
         if self.keep is not None and outcome == "interrupted":
             self.keep(self.parts, self._since(*self.kept, outcome, message, None))
         return self._since(0, 0, np.zeros(4, dtype=int), outcome, message, raised)

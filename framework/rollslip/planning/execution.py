@@ -1,6 +1,7 @@
 """Run a plan: its studies one after the other, each result with its warnings and its origin."""
 
 import json
+import logging
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -25,6 +26,8 @@ from rollslip.studies.answers import Keep, total
 
 if TYPE_CHECKING:
     import xarray as xr
+
+_log = logging.getLogger(__name__)
 
 
 def run(scene: Scene | str, study: str | None = None) -> "xr.Dataset":
@@ -100,6 +103,7 @@ def execute(
             dataset = running.run(assembly, Keep(store=store, progress=progress))
         except BoundBrokenError as broken:
             taken_back.append(str(broken))
+            _log.info("%s begins again: %s", study, broken)
             plan = plan.taking_back(study, broken.bound)
             continue
         evaluated = assembly.inner.chain.evaluated - before
@@ -110,6 +114,7 @@ def execute(
         finer = None if exactly else again(running, unwatched, estimated, judgement)
         if finer is None:
             break
+        _log.info("%s runs again, finer: it was off by more than its tolerance", study)
         plan = plan.again(study, finer)
     cost = {"estimated": plan.seconds_of(study), "actual": spent}
     dataset.attrs |= {f"{part}_error": max(found.values()) for part, found in judgement.errors.items()}

@@ -9,6 +9,7 @@ result that does not fit into the memory of the machine is refused: it would end
 work, after minutes.
 """
 
+import logging
 import math
 import os
 import time
@@ -28,6 +29,8 @@ from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.study import Study, settings
+
+_log = logging.getLogger(__name__)
 
 #: Time that is told before it is spent [s].
 LONG: Final = 60.0
@@ -201,6 +204,9 @@ def plan(
             costs = {}
         parts += [attrs.evolve(part, study=name) for part in one.parts(assembly, estimated[name], costs)]
     parts += _cage(stated, studies) + _heat(scene, studies) + _damage(scene, studies)
+    for part in parts:
+        choice = part.choice if part.included else "left out"
+        _log.info(": ".join(filter(None, (part.part, choice, part.reason))))
     moving = [one for one in studies.values() if one.in_time] or list(studies.values())
     return Plan(
         scene=scene,

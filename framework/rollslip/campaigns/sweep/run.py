@@ -13,6 +13,7 @@
   time are not, and a sweep that died in this process before is not run in it again.
 """
 
+import logging
 import os
 import platform
 import signal
@@ -40,6 +41,8 @@ from rollslip.structure import Location
 from rollslip.studies.study import settings
 
 __all__ = ["Progress", "Settled", "asked_engine", "described", "run_sweep"]
+
+_log = logging.getLogger(__name__)
 
 #: Losses of an engine, one after the other without a result between them, before a run gives up.
 _PATIENCE: Final = 3
@@ -162,6 +165,7 @@ def _only_run(
     pending = _Pending(numbers, state, redo | {0})
     before = Counter(STATUSES[state[n] - 1] for n in numbers if state[n] and state[n] not in redo)
     run = _Run(sweep, len(numbers), before, report)
+    _log.info("%d of %d points are in %s already", before.total(), len(numbers), folder)
     chosen = engine if engine is not None else asked_engine(sweep)
     why = "asked for"
     if not pending:
@@ -180,6 +184,7 @@ def _only_run(
                 chosen, why = run.measured(pending, asked)
             if pending and not asked.times:
                 said(f"engine {chosen.name}: {why}")
+                _log.info("engine %s: %s", chosen.name, why)
                 run.journal.note({"engine": chosen.name})
                 run.compute(chosen, pending, asked)
             ended = "interrupted" if asked.times else "complete"
@@ -469,6 +474,7 @@ class _Run:
 
     def _count_loss(self, engine: Engine, error: BaseException) -> None:
         self.losses += 1
+        _log.warning("engine %s was lost: %s", engine.name, in_words(error))
         if self.losses > _PATIENCE:
             raise EngineError(f"engine {engine.name!r} was lost {self.losses} times in a row ({in_words(error)})")
 
