@@ -89,6 +89,13 @@ def test_of_very_many_kinks_the_sharpest_are_breaks():
     assert t[50_000] in of_many.breaks
 
 
+@pytest.mark.quick
+def test_a_load_may_fall_to_nothing_whatever_the_rounding():
+    for within in ("0.2 s", "0.3 s", "0.7 s"):
+        ramp = history({"radial_load": {"shape": "ramp", "to": "0 N", "at": "0.1 s", "within": within}})
+        assert abs(ramp.spans["radial_load"][0]) < 1e-12
+
+
 # What is refused ------------------------------------------------------------------------------------------------------
 
 

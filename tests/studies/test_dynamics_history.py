@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 
 import rollslip
 from rollslip.bearing.assembly import assemble
+from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
 from rollslip.bearing.load_map import build_load_map
 from rollslip.campaigns.sweep.point import compute
 from rollslip.campaigns.sweep.sweep import plan_sweep
@@ -76,11 +77,12 @@ def test_a_history_in_which_nothing_changes_leaves_the_bits(level, friction):
 # Another integration ------------------------------------------------------------------------------------------------
 
 
-def independent(bearing, ring_speed, loads, end, times):
+def independent(bearing, ring_speed, loads, end, times, slip=0.0):
     """Cage speed at times of an outer ring at rest and rollers at the cage's spacing, torques of every slice in Python.
 
     J s' = r (F_i - F_o), (I_c + Z m R_m^2) w' = T + sum (R_i + r) F_i + (R_o - r) F_o, with s the absolute spin in the
-    sense of rolling, T the drag, and F the sum of mu(Q', V, u) Q' dx over the slices of a contact.
+    sense of rolling, T the drag, and F the sum of mu(Q', V, u) Q' dx over the slices of a contact. ``loads(t, psi, C)``
+    are those per length on both rings at places and a centrifugal force. It begins with a slip of cage and rollers.
     """
     k, cage = bearing.kinematics, bearing.cage
     count, radius, mass = bearing.scene.bearing.rollers, k.roller_radius, bearing.roller_mass
@@ -96,7 +98,7 @@ def independent(bearing, ring_speed, loads, end, times):
     def rates(t, y):
         angle, speed, spin = y[0], y[1], y[2:]
         psi = angle + 2.0 * np.pi / count * np.arange(count)
-        inner, outer = loads.at(psi, mass * k.orbit_radius * speed**2)
+        inner, outer = loads(t, psi, mass * k.orbit_radius * speed**2)
         surface = radius * (spin + speed)
         ahead_i, ahead_o = k.inner_radius * (ring_speed(t) - speed), k.outer_radius * speed
         F_i = friction(bearing.inner, inner, ahead_i - surface, 0.5 * (ahead_i + surface))
@@ -108,7 +110,7 @@ def independent(bearing, ring_speed, loads, end, times):
     share = k.inner_radius / (k.inner_radius + k.outer_radius)
     start = share * ring_speed(0.0)
     spin = k.inner_radius * k.outer_radius / (k.inner_radius + k.outer_radius) * ring_speed(0.0) / radius - start
-    y = np.concatenate(([0.0, start], np.full(count, spin)))
+    y = np.concatenate(([0.0, start], np.full(count, spin))) * (1.0 - slip)
     found = solve_ivp(rates, (0.0, end), y, "DOP853", t_eval=times, rtol=1e-10, atol=1e-9)
     assert found.success
     return found.y[1]
@@ -135,9 +137,38 @@ def test_a_run_up_is_that_of_another_integration_with_torques_worked_out_directl
         return low + (high - low) * x * x * (3.0 - 2.0 * x)
 
     loads = build_load_map(bearing, FrictionSettings(name="conventional").table_tolerance(bearing), high)
-    theirs = independent(bearing, ring_speed, loads, end, times)
+    theirs = independent(bearing, ring_speed, lambda _, psi, pull: loads.at(psi, pull), end, times)
     assert np.abs(speed / theirs - 1.0).max() < 1e-8
     assert speed[-1] > 1.02 * speed[0]  # it did run up
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("within", [0.02, 0.002])
+def test_a_load_that_falls_to_nothing_is_followed_as_equilibria_at_every_moment_say(within):
+    """The reference knows no maps: it solves for the equilibrium under the load of the moment at every evaluation."""
+    of = rollslip.evolve(SCENE, {"bearing.rollers": 10, "accuracy.slices": 3, "cage.drag": ["petroff-land"]})
+    bearing, end, load = assemble(of), 0.03, of.operation.radial_load
+    raw = {"radial_load": {"shape": "ramp", "to": "0 N", "within": f"{within} s"}}
+    settings = structure(HistorySettings, raw, "study.dynamics.history", [])
+    way = settings.history(of, end, Location({}))
+    moving = varying_motion(bearing, FrictionSettings(name="conventional"), way, level="cage-set")
+    times = np.linspace(0.0, end, 13)
+    problem = InitialValueProblem(rates=moving.system, y=moving.initial(0.1, 0.1), atol=1e-9 * moving.system.scale)
+    ours = integrate(problem, get_model("integrator", "rk45"), times, rtol=1e-9)
+    assert ours.outcome == "finished"
+    b = of.bearing
+
+    def loads(t, psi, pull):
+        case = LoadCase(
+            psi[None], b.roller_length, bearing.drop, b.radial_clearance, max(load * (1.0 - t / within), 1e-6),
+            centrifugal_force=pull, position=bearing.position, widths=bearing.widths,
+        )  # fmt: skip
+        solved = solve_equilibrium(case, bearing.raceways)
+        return solved.inner_load[0], solved.outer_load[0]
+
+    theirs = independent(bearing, lambda _: of.operation.inner_speed, loads, end, times, slip=0.1)
+    assert np.abs(moving.split(ours.y)["cage_speed"] / theirs - 1.0).max() < 2e-8
+    assert len(moving.stations.motions) < 200
 
 
 # What is known of skidding ------------------------------------------------------------------------------------------

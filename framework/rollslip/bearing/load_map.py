@@ -37,6 +37,12 @@ _FIRST_INSTANTS, _MOST_INSTANTS = 2, 256
 _MOST_FORCES = 1025
 #: Up to how many halvings between forces a map is measured between positions: it errs there alike at forces alike.
 _MEASURED = 2
+#: Times the tolerance that the share of the load at the wrong place along a roller may be between forces, where its
+#: sum is right: friction feels less of it. Under little but centrifugal force a contact is linear in that, and its
+#: slices are not.
+_ALONG = 4.0
+#: Equilibria that a map keeps: what is read of it is tables, and few intervals are looked at at a time.
+_KEPT = 24
 
 
 @attrs.frozen(eq=False)
@@ -56,7 +62,6 @@ class LoadMap:
     orbits: "Orbits"
     widths: Array
     channels_of: Callable[[Array], Array] | None = None
-    _loads: dict[float, Array] = attrs.field(factory=dict, init=False, repr=False)
     _tables: dict[float, Array] = attrs.field(factory=dict, init=False, repr=False)
 
     @property
@@ -98,10 +103,8 @@ class LoadMap:
         (channels, K, n): loads per length on inner and outer ring [N/m]; in a map of forces [N], n = 1, followed by the
         rolling resistances on both [N] if there are any.
         """
-        if centrifugal not in self._loads:
-            loads = self.orbits.at(centrifugal)
-            self._loads[centrifugal] = loads if self.channels_of is None else self.channels_of(loads)
-        return self._loads[centrifugal]
+        loads = self.orbits.at(centrifugal)
+        return loads if self.channels_of is None else self.channels_of(loads)
 
     def table(self, centrifugal: float) -> Array:
         """Return loads and slopes at a node as the compiled motion reads them: (K + 1, 2, channels, n).
@@ -152,7 +155,7 @@ def fastest(kinematics: Kinematics) -> float:
     return max(abs(speed) for speed in speeds)
 
 
-def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None = None) -> LoadMap:
+def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None = None, least: float = 0.0) -> LoadMap:
     """Build the map of a bearing.
 
     Parameters
@@ -163,6 +166,9 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
         Largest share of the load of a ring that may be at the wrong place.
     top_speed : float, optional
         Cage speed up to which the map goes [rad/s]; by default that of the faster ring.
+    least : float
+        Mean force of a roller on a ring [N] that errors are relative to at least: of a ring that carries next to
+        nothing the place of what it carries does not matter.
 
     Raises
     ------
@@ -170,21 +176,21 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
         If the tolerance is not reached with the most nodes, or the bearing finds no equilibrium.
     """
     sides = ((raceway.deflection, raceway.conditions) for raceway in assembly.raceways)
-    key = (assembly.slices, assembly.resolution.quadrature, tolerance, top_speed, *sides)
+    key = (assembly.slices, assembly.resolution.quadrature, tolerance, top_speed, least, *sides)
     known: LoadMap | None = assembly.known_maps.get(key)
     _log.debug("loads over the orbit to %.1e: %s", tolerance, "built" if known is None else "known already")
     if known is None:
-        known = assembly.known_maps[key] = _built(assembly, tolerance, top_speed)
+        known = assembly.known_maps[key] = _built(assembly, tolerance, top_speed, least)
     return known
 
 
-def _built(assembly: Assembly, tolerance: float, top_speed: float | None) -> LoadMap:
+def _built(assembly: Assembly, tolerance: float, top_speed: float | None, least: float) -> LoadMap:
     per_square = assembly.roller_mass * assembly.kinematics.orbit_radius
     top = per_square * (fastest(assembly.kinematics) if top_speed is None else top_speed) ** 2
     roots = tuple(sorted({0.0, min(assembly.centrifugal_force, top), top}))
     instants, known = _FIRST_INSTANTS, dict[float, LoadDistribution]()
     while instants <= _MOST_INSTANTS:
-        orbits = Orbits(assembly, per_square, instants, roots, 0.5 * tolerance)
+        orbits = Orbits(assembly, per_square, instants, roots, 0.5 * tolerance, least)
         known = orbits.measured(known)
         if orbits.over_position <= orbits.tolerance:
             return LoadMap(orbits, assembly.widths)
@@ -210,29 +216,40 @@ class Orbits:
         Centrifugal forces [N] between which intervals are halved, ascending from 0.
     tolerance : float
         Largest share of the load at the wrong place, half-way between positions and half-way between forces.
+    least : float
+        Mean force of a roller on a ring [N] that this is a share of at least.
     """
 
     def __init__(
-        self, assembly: Assembly, per_square: float, instants: int, roots: tuple[float, ...], tolerance: float
+        self,
+        assembly: Assembly,
+        per_square: float,
+        instants: int,
+        roots: tuple[float, ...],
+        tolerance: float,
+        least: float,
     ) -> None:
         self.assembly, self.per_square, self.instants = assembly, per_square, instants
-        self.roots, self.tolerance = roots, tolerance
+        self.roots, self.tolerance, self.least = roots, tolerance, least
         self.positions = instants * assembly.scene.bearing.rollers
         self.solved: dict[float, Array] = {}
-        #: intervals that are right half-way
-        self.right: set[tuple[float, float]] = set()
+        #: whether intervals that were looked at are right half-way
+        self.right: dict[tuple[float, float], bool] = {}
         #: largest share of the load at the wrong place half-way between positions, and between forces
         self.over_position, self.over_force = 0.0, 0.0
 
     def at(self, force: float) -> Array:
         """Loads of one roller over its orbit at a centrifugal force, (2, K, n)."""
         if force not in self.solved:
-            if len(self.solved) > 2 * _MOST_FORCES:  # its nodes, and what was half-way between them
+            if len(self.right) > 2 * _MOST_FORCES:
                 raise ConvergenceError(
                     f"{_MOST_FORCES} centrifugal forces leave more than {self.tolerance:.1e} of the load at the wrong "
                     f"place near {force:g} N; {COARSER_TABLES}"
                 )
-            self.solved[force] = self._orbit(self.assembly.load_distribution(self.instants, self._speed(force)))
+            found = self._orbit(self.assembly.load_distribution(self.instants, self._speed(force)))
+            while len(self.solved) >= _KEPT:
+                del self.solved[next(iter(self.solved))]
+            self.solved[force] = found
         return self.solved[force]
 
     def interval(self, force: float) -> tuple[float, float]:
@@ -288,19 +305,25 @@ class Orbits:
     def _is_right(self, low: float, high: float) -> bool:
         """Whether loads are linear between two forces, half-way between them."""
         if (low, high) in self.right:
-            return True
-        error = self._misplaced(0.5 * (self.at(low) + self.at(high)), self.at(0.5 * (low + high)))
-        if error > self.tolerance:
-            return False
-        self.over_force = max(self.over_force, error)
-        self.right.add((low, high))
-        return True
+            return self.right[low, high]
+        off, true = 0.5 * (self.at(low) + self.at(high)), self.at(0.5 * (low + high))
+        off -= true
+        error = self._share(np.abs(off @ self.assembly.widths), true)
+        if error <= self.tolerance:
+            error = max(error, self._share(np.abs(off) @ self.assembly.widths, true) / _ALONG)
+        self.right[low, high] = error <= self.tolerance
+        if self.right[low, high]:
+            self.over_force = max(self.over_force, error)
+        return self.right[low, high]
 
     def _misplaced(self, interpolated: Array, true: Array) -> float:
         """Share of the load of a ring that is at the wrong place, the larger of both rings; loads (2, m, n)."""
-        widths = self.assembly.widths
-        off, whole = np.abs((interpolated - true) @ widths).sum(axis=1), (true @ widths).sum(axis=1)
-        return float((off / np.where(whole > 0.0, whole, 1.0)).max())
+        return self._share(np.abs((interpolated - true) @ self.assembly.widths), true)
+
+    def _share(self, off: Array, true: Array) -> float:
+        """Share of the load of a ring that forces (2, m) are, the larger of both rings."""
+        whole = np.maximum((true @ self.assembly.widths).sum(axis=1), self.least * true.shape[1])
+        return float((off.sum(axis=1) / np.where(whole > 0.0, whole, 1.0)).max())
 
 
 def _slopes(loads: Array) -> Array:

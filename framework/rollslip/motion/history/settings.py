@@ -43,6 +43,8 @@ VARYING: Final = ("inner_speed", "outer_speed", "radial_load", "load_direction",
 #: Those that tables of a bearing at rest depend on.
 CONDITIONS: Final = ("radial_load", *TEMPERATURES)
 _MOST_FAULTS: Final = 20
+#: Share of the largest value by which a course that ends at 0 may miss it.
+_ROUNDING: Final = 1e-12
 
 
 def _like(name: str) -> dict[str, Any]:
@@ -218,7 +220,8 @@ class HistorySettings:
             if one.shape == "table":
                 faults += _uncovered(np.array(one.time), duration, *2 * (where.at(name).at("time").says(""),))
         for name in CONDITIONS:
-            if name in courses and (least := courses[name].span(duration)[0]) < 0.0:
+            least, most = courses[name].span(duration) if name in courses else (0.0, 0.0)
+            if least < -_ROUNDING * most:
                 goes = format_quantity(least, _like(name)["unit"])
                 faults.append(where.at(name).says(f"goes down to {goes}: it may not fall below 0{_BACK.get(name, '')}"))
         if faults:

@@ -5,15 +5,15 @@
   rates know the load, and it is an axis of effective friction alone.
 - Along an axis rates are cubics through the ends of an interval and its thirds. Intervals come from halving: one is
   right where the rates at a sixth, half and five sixths of it are those of a bearing put together there, to the
-  tolerance, at some slips of the cage and with the other axes at each of their ends. Which intervals there are does not
-  depend on where a motion went before.
+  tolerance, at some slips of the cage, in the mean over a pitch, and with the other axes at each of their ends. Which
+  intervals there are does not depend on where a motion went before.
 - The load counts by its root: the width of a contact goes with that, and its traction down to no load.
 - Only stations around operations that a motion comes through are put together.
 """
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 import attrs
@@ -31,10 +31,12 @@ from rollslip.scene.changes import evolve
 from rollslip.units import format_quantity
 
 #: Cage slips at which rates are compared, with this share of the roller slip that rolls on the outer ring, so that both
-#: contacts slide; and shares of the largest speed.
+#: contacts slide; shares of the largest speed, where that varies; and places of a roller in a pitch, between which it
+#: meets and leaves the load: at one place alone, rollers do so in pairs.
 _SPIN: Final = 0.9
 _SLIPS: Final = (0.003, 0.03, 0.1, 0.3, 0.7)
 _SPEEDS: Final = (1.0, 0.3)
+_PLACES: Final = (0.0, 0.25, 0.5, 0.75)
 #: Shares of the largest speed at which the halving of that axis begins; below the least, tables are those of it.
 _FIRST_SPEEDS: Final = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 1.0)
 #: Halvings of an axis at most.
@@ -43,6 +45,8 @@ _DEEPEST: Final = 9
 #: where a kink would be furthest from all nodes. They are nodes of its halves.
 _SIXTHS: Final = (0, 2, 4, 6)
 _CHECKED: Final = (1, 3, 5)
+#: Sixths of the smallest interval in one between roots.
+_FINEST: Final = 6 * 2**_DEEPEST
 #: Share of the rates at the highest load, temperature and speed that errors are relative to at least: near no load
 #: there is next to nothing to be relative to, and drags move the cage.
 _LEAST: Final = 0.05
@@ -83,10 +87,18 @@ class Axis:
 
     @property
     def roots(self) -> tuple[float, ...]:
-        """Values between which it is halved."""
+        """Places between which it is halved."""
         if self.name == "speed":
             return tuple(share * self.high for share in _FIRST_SPEEDS)
         return self.low, self.high
+
+    def place(self, node: int) -> float:
+        """Return where one of the `_FINEST` nodes from root to root is, counted from the first."""
+        root, sixths = divmod(node, _FINEST)
+        if sixths == 0:
+            return self.roots[root]
+        low, high = self.roots[root : root + 2]
+        return low + sixths * (high - low) / _FINEST
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -111,6 +123,8 @@ class Stations:
         What level planar needs.
     tolerance : float
         Largest error of the rates between nodes, over all axes, relative to their largest.
+    speeds_vary : bool
+        Whether the rings turn slower at times.
     """
 
     assembly: Assembly
@@ -121,13 +135,15 @@ class Stations:
     level: str
     planar: PlanarSettings | None
     tolerance: float
+    speeds_vary: bool
     _made: dict[Place, MovingBearing] = attrs.field(factory=dict, init=False, repr=False)
     _kept: dict[str, Array] = attrs.field(factory=dict, init=False, repr=False)
-    #: Errors of the intervals that were looked at: shared by all motions of the bearing through this operation.
-    _errors: dict[tuple[int, float, float], float] = attrs.field(factory=dict, init=False, repr=False)
+    #: Errors of the intervals that were looked at, by axis and ends: shared by all motions of the bearing through this
+    #: operation.
+    _errors: dict[tuple[int, int, int], float] = attrs.field(factory=dict, init=False, repr=False)
 
     def __attrs_post_init__(self) -> None:
-        of = self.speeds, self.top_speed, self.axes, self.level, self.planar, self.tolerance
+        of = self.speeds, self.top_speed, self.axes, self.level, self.planar, self.tolerance, self.speeds_vary
         key = "stations", self.assembly.resolution, *of, self._friction_key
         object.__setattr__(self, "_errors", self.assembly.known_maps.setdefault(key, self._errors))
 
@@ -159,27 +175,32 @@ class Stations:
         ConvergenceError
             If the tolerance is not reached with the most halvings.
         """
-        nodes = [_nodes(*self.interval(axis, value)) for axis, value in enumerate(place)]
+        nodes = [
+            tuple(self.axes[axis].place(node) for node in _nodes(*self._interval(axis, value)))
+            for axis, value in enumerate(place)
+        ]
         corners = itertools.product(*reversed(nodes))  # the first axis changes fastest
         return nodes, [self.motion(tuple(reversed(corner))).system.owner for corner in corners]
 
-    def interval(self, axis: int, value: float) -> tuple[float, float]:
+    def _interval(self, axis: int, value: float) -> tuple[int, int]:
         """Return the interval of an axis in which a value lies, small enough for a cubic."""
-        low, high = next(pair for pair in itertools.pairwise(self.axes[axis].roots) if value <= pair[1])
+        at = self.axes[axis]
+        low = _FINEST * next(k for k, end in enumerate(at.roots[1:]) if value <= end)
+        high = low + _FINEST
         for _ in range(_DEEPEST):
             if self._off(axis, low, high) <= self._allowed:
                 return low, high
-            middle = _between(low, high, 3)
-            low, high = (low, middle) if value <= middle else (middle, high)
+            middle = (low + high) // 2
+            low, high = (low, middle) if value <= at.place(middle) else (middle, high)
         if self._off(axis, low, high) <= self._allowed:
             return low, high
         raise ConvergenceError(
-            f"between {shown(attrs.evolve(self.axes[axis], low=low, high=high))} rates are still off by "
+            f"between {shown(attrs.evolve(at, low=at.place(low), high=at.place(high)))} rates are still off by "
             f"{self._off(axis, low, high):.1e}, more than {self._allowed:.1e}; raise accuracy.tolerance"
         )
 
-    def _off(self, axis: int, low: float, high: float) -> float:
-        """Error of the rates between two values of an axis, with the others at each of their ends."""
+    def _off(self, axis: int, low: int, high: int) -> float:
+        """Error of the rates between two places of an axis, with the others at each of their ends."""
         if (axis, low, high) not in self._errors:
             others = [(a.roots[0], a.high) for k, a in enumerate(self.axes) if k != axis]
             self._errors[axis, low, high] = max(
@@ -187,25 +208,35 @@ class Stations:
             )
         return self._errors[axis, low, high]
 
-    def _off_at(self, axis: int, low: float, high: float, rest: Place) -> float:
-        def there(value: float) -> MovingBearing:
-            return self.motion((*rest[:axis], value, *rest[axis:]))
+    def _off_at(self, axis: int, low: int, high: int, rest: Place) -> float:
+        def there(node: int) -> MovingBearing:
+            return self.motion((*rest[:axis], self.axes[axis].place(node), *rest[axis:]))
 
         found = 0.0
         for share in _CHECKED:
             true = there(_between(low, high, share))
-            at_nodes = [rates_of(there(node), true) for node in _nodes(low, high)]
+            at_nodes = [self._rates(there(node), true) for node in _nodes(low, high)]
             cubic = sum(weight * rates for weight, rates in zip(_weights(share), at_nodes, strict=True))
-            found = max(found, off(np.asarray(cubic), rates_of(true, true), _LEAST * self._largest, self._rollers))
+            error = off(np.asarray(cubic), self._rates(true, true), _LEAST * self._largest, self._rollers)
+            found = max(found, error)
         return found
+
+    def _rates(self, motion: MovingBearing, like: MovingBearing) -> Array:
+        return rates_of(motion, like, _SPEEDS if self.speeds_vary else _SPEEDS[:1])
 
     @property
     def _largest(self) -> Array:
         """Largest rates at the highest end of all axes, as `off` takes them."""
         if "largest" not in self._kept:
             top = self.motion(tuple(axis.high for axis in self.axes))
-            self._kept["largest"] = sizes_of(rates_of(top, top), self._rollers)
+            self._kept["largest"] = sizes_of(self._rates(top, top), self._rollers)
         return self._kept["largest"]
+
+    @property
+    def _least_force(self) -> float:
+        """Mean force of a roller [N] that errors of loads are relative to at least, as those of rates are."""
+        load = max((axis.value(axis.high) for axis in self.axes if axis.name == "radial_load"), default=0.0)
+        return _LEAST * load / self._rollers
 
     @property
     def _rollers(self) -> int:
@@ -253,17 +284,16 @@ class Stations:
         of = "loads", self.assembly.resolution, self.axes, self.speeds, self.top_speed, tolerance
         shared = self.assembly.known_maps.setdefault(of, {})
         if (loads := shared.get(key)) is None:
-            loads = shared[key] = build_load_map(bearing, tolerance, self.top_speed)
+            loads = shared[key] = build_load_map(bearing, tolerance, self.top_speed, self._least_force)
         return carried_motion(bearing, self.friction, level=self.level, loads=loads)
 
 
-def _between(low: float, high: float, sixths: int) -> float:
-    """A place in an interval, to 12 digits: the same float from whichever interval it is seen."""
-    return (low, high)[sixths // 6] if sixths in (0, 6) else float(f"{low + sixths * (high - low) / 6.0:.12g}")
+def _between(low: int, high: int, sixths: int) -> int:
+    return low + sixths * (high - low) // 6
 
 
-def _nodes(low: float, high: float) -> Place:
-    return tuple(_between(low, high, sixths) for sixths in _SIXTHS)
+def _nodes(low: int, high: int) -> list[int]:
+    return [_between(low, high, sixths) for sixths in _SIXTHS]
 
 
 def _weights(sixths: int) -> list[float]:
@@ -292,20 +322,28 @@ def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
     return assemble(evolve(assembly.scene, written), assembly.resolution, like=assembly)
 
 
-def rates_of(motion: MovingBearing, like: MovingBearing) -> Array:
-    """Rates of a bearing at the speeds of another and some slips of its cage, (slips, spins and ledger)."""
-    k = like.assembly.kinematics
-    speeds, rows = motion.system.owner.operation[:2], list[Array]()
+def rates_of(motion: MovingBearing, like: MovingBearing, speed_shares: Sequence[float] = _SPEEDS[:1]) -> Array:
+    """Rates of a bearing at the speeds of another, some slips of its cage and places: (slips, places, rates).
+
+    The rates are those of the spins of its rollers and of the ledger. Friction that is tabulated at one speed is looked
+    at there only.
+    """
+    k, rollers = like.assembly.kinematics, like.assembly.scene.bearing.rollers
+    speeds, rows = motion.system.owner.operation[:2], list[list[Array]]()
     before, compared = speeds.copy(), _compared(like)
-    shares = _SPEEDS if motion.friction.settings.name == "conventional" else _SPEEDS[:1]
+    shares = speed_shares if motion.friction.settings.name == "conventional" else (1.0,)
     for share, slip in itertools.product(shares, _slips(like.assembly)):
         speeds[:] = share * k.direction * np.array([k.inner_speed, k.outer_speed])
         y = like.initial(slip, _SPIN * float(k.roller_slip_outer_rolling(slip)) if slip else 0.1)
-        for name, values in like.split(y).items():  # which are views
+        of_state = like.split(y)  # which are views
+        for name, values in of_state.items():
             if like.units[name] == "rad/s":
                 values *= share
-        of = motion.split(motion.system(0.0, y))
-        rows.append(np.concatenate((of["roller_spin"], [of[name] for name in compared])))
+        rows.append([])
+        for place in _PLACES:
+            of_state["cage_angle"][...] = 2.0 * np.pi / rollers * place
+            of = motion.split(motion.system(0.0, y))
+            rows[-1].append(np.concatenate((of["roller_spin"], [of[name] for name in compared])))
     speeds[:] = before
     return np.array(rows)
 
@@ -320,9 +358,9 @@ def _compared(motion: MovingBearing) -> list[str]:
 
 
 def sizes_of(rates: Array, rollers: int) -> Array:
-    """Largest rates over the slips: of the spins together, and of each entry of the ledger, (1 + entries,)."""
-    size, more = np.abs(rates), rates.shape[1] - rollers
-    return np.concatenate(([size[:, :-more].sum(axis=1).max()], size[:, -more:].max(axis=0)))
+    """Largest rates over the slips, the mean over places: of all spins, and of each entry of the ledger."""
+    size = np.abs(rates).mean(axis=1)
+    return np.concatenate(([size[:, :rollers].sum(axis=1).max()], size[:, rollers:].max(axis=0)))
 
 
 def off(rates: Array, true: Array, least: Array, rollers: int) -> float:

@@ -24,7 +24,7 @@ STILL: Final = 0.05
 #: Evenly spread instants of a history at which it is looked how fast a motion moves, and at most as many breaks.
 _LOOKS: Final = 9
 #: Share of the tolerance that loads and tables of a station may take.
-_TABLES: Final = 0.2
+_TABLES: Final = 0.3
 
 
 @attrs.frozen
@@ -245,6 +245,7 @@ def varying_motion(
         level=level,
         planar=planar,
         tolerance=asked,
+        speeds_vary=bool({"inner_speed", "outer_speed"} & {*history.varies}),
     )
     base = stations.motion(tuple(axis.high for axis in axes))
     stations.motion(tuple(axis.roots[0] for axis in axes))  # what cannot be put together is told before a run
