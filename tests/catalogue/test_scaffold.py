@@ -1,13 +1,19 @@
 """What ``rollslip plugins new`` writes: whole and valid for every kind, and nothing where a name cannot be used."""
 
 import ast
+import math
 import re
+import textwrap
 import tomllib
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
+import attrs
+import numpy as np
 import pytest
 
+from rollslip import Chain, Slices, available
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.catalogue.scaffold import new, package
 from rollslip.errors import OutputError, RollslipError
@@ -87,9 +93,10 @@ def test_the_files_are_python_and_nothing_is_left_to_fill_in(kind: str, compiled
                     assert any(one.startswith(imported[module]) for one in wanted), (path, module)
 
 
-def test_every_template_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_template_is_used(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     read = set()
     real = Path.read_text
+    law = law_file(tmp_path)
 
     def noted(path: Path, *arguments: object, **options: object) -> str:
         read.add(path.name)
@@ -98,8 +105,111 @@ def test_every_template_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Path, "read_text", noted)
     for kind, compiled in FORMS:
         package("quick", kind, compiled)
+    package("quick", "", False, law)
     monkeypatch.undo()
     assert {entry.name for entry in (files("rollslip.catalogue") / "templates").iterdir()} <= read
+
+
+# Of a file -----------------------------------------------------------------------------------------------------------
+
+PAGE = Path(__file__).parents[2] / "docs" / "start" / "first-model.rst"
+DECORATED = """from rollslip import model
+
+@model("traction", "mine", reads=("sliding_speed",))
+def mine(slices):
+    return 0.01 * slices.sliding_speed
+"""
+
+
+def law_file(folder: Path, text: str = "") -> Path:
+    """Write a file of laws: some text, or the one that the page "Your first model" makes a package of."""
+    if not text:
+        block = re.search(r":caption: notebook.py\n\n((?:(?:   .*)?\n)+)", PAGE.read_text(encoding="utf-8"))
+        assert block is not None
+        text = textwrap.dedent(block[1])
+    path = folder / "laws.py"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_function_becomes_a_class_that_computes_the_same(tmp_path: Path) -> None:
+    texts = package("rollslip-bair-winer", "", False, law_file(tmp_path))
+    points = tomllib.loads(texts["pyproject.toml"])["project"]["entry-points"]
+    assert points == {"rollslip.traction": {"bair-winer": "rollslip_bair_winer.traction"}}
+    assert "from rollslip_bair_winer.traction import BairWiner" in texts["tests/test_rollslip_bair_winer.py"]
+    module = texts["src/rollslip_bair_winer/traction.py"]
+    assert "@rollslip" not in module
+    assert "__main__" not in module
+    made: dict[str, Any] = {"__name__": "made"}
+    exec(module, made)
+    (cls,) = made["traction_models"]()
+    assert cls is made["BairWiner"]
+    assert attrs.fields_dict(cls)["limit"].metadata["unit"] == "1"
+    slices = Slices(3, pressure=1e8, film_thickness=1e-6, film_viscosity=0.01, sliding_speed=[0.0, 500.0, -1e6])
+    Chain(cls(limit=0.05))(slices)
+    np.testing.assert_allclose(slices.friction, [0.0, 0.05 * -math.expm1(-1.0), -0.05], rtol=1e-15, atol=0)
+    assert "bair-winer" not in available("traction")  # what the file offers in this process is taken back
+
+
+def test_several_functions_and_ways_to_say_it(tmp_path: Path) -> None:
+    text = """
+import math
+from rollslip import model
+from rollslip.fields import parameter
+
+GIVEN = {"most": parameter(default=0.1, unit="1", doc="largest friction")}
+SOURCES = ["a", "b"]
+
+@model("traction", "one", reads=("sliding_speed",), parameters=GIVEN, references=SOURCES)
+def one(slices, most):
+    slices.friction[...] = most * math.pi * slices.sliding_speed
+
+@model("traction", "two", reads=("sliding_speed",))
+def two(slices):
+    return slices.sliding_speed
+"""
+    texts = package("pair", "traction", False, law_file(tmp_path, text))
+    made: dict[str, Any] = {"__name__": "made"}
+    exec(texts["src/pair/traction.py"], made)
+    assert [cls.name for cls in made["traction_models"]()] == ["one", "two"]
+    assert made["One"].references == ("a", "b")
+    slices = Slices(1, sliding_speed=[2.0])
+    made["One"]().evaluate(slices)
+    assert slices.friction == 0.1 * math.pi * 2.0
+    made["Two"]().evaluate(slices)
+    assert slices.friction == 2.0
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x = (", "laws.py:1: is not Python"),
+        ("def law(slices):\n    return 1.0\n", "offers nothing; put @rollslip.model("),
+        (f"{DECORATED}\nprint(mine)\n", "laws.py:7: print(mine) would run whenever the package is imported"),
+        (DECORATED.replace("sliding_speed\",", "slidin\","), "it reads slidin, but slices have"),
+        (DECORATED + DECORATED.replace("mine", "other").replace("traction", "film"),
+         "offers models of kinds film and traction; make a file and a package of each"),
+        (f"{DECORATED}\nclass Mine:\n    pass\n", "has a Mine of its own"),
+        (DECORATED.replace('"mine"', '"muraki"'), "muraki"),
+        (f"{DECORATED}\nnothing_there\n", "laws.py:7: nothing_there would run"),
+        (f"{DECORATED}\nx = nothing_there\n", "cannot be run: NameError: name 'nothing_there' is not defined"),
+    ],
+)  # fmt: skip
+def test_a_file_that_cannot_become_a_package_is_refused(text: str, sentence: str, tmp_path: Path) -> None:
+    with pytest.raises(FieldError) as error:
+        new("law", "", False, tmp_path, law_file(tmp_path, text))
+    assert sentence in str(error.value)
+    assert not (tmp_path / "law").exists()
+
+
+def test_what_does_not_go_with_a_file_is_refused(tmp_path: Path) -> None:
+    path = law_file(tmp_path, DECORATED)
+    with pytest.raises(FieldError, match="offers models of kind 'traction', not 'film'"):
+        new("law", "film", False, tmp_path, path)
+    with pytest.raises(FieldError, match="is in Python alone"):
+        new("law", "traction", True, tmp_path, path)
+    with pytest.raises(FieldError, match="cannot be read: No such file"):
+        new("law", "", False, tmp_path, tmp_path / "none.py")
 
 
 # Faults ---------------------------------------------------------------------------------------------------------------

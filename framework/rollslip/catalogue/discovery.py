@@ -399,6 +399,18 @@ def add(kind: str, thing: Any, *, replace: bool = False) -> None:
     _registered[kind, thing.name] = thing
 
 
+@contextmanager
+def taken_back() -> Iterator[dict[tuple[str, str], Any]]:
+    """Give what is offered in this process meanwhile, by kind and name, and forget it at the end."""
+    before, offered = dict(_registered), dict[tuple[str, str], Any]()
+    try:
+        yield offered
+    finally:
+        offered |= {key: thing for key, thing in _registered.items() if before.get(key) is not thing}
+        _registered.clear()
+        _registered.update(before)
+
+
 def _with_session(installed: tuple[Offer, ...]) -> tuple[Offer, ...]:
     registered = dict(_registered)  # another thread may register
     replaced = [

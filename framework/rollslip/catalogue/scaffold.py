@@ -14,7 +14,7 @@ import importlib.util
 import keyword
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -23,6 +23,7 @@ from typing import Final
 from rollslip.catalogue.discovery import catalogue
 from rollslip.catalogue.kinds import Template as Texts
 from rollslip.catalogue.kinds import check_kind, get_kind, kinds
+from rollslip.catalogue.law_file import class_name, read_law_file
 from rollslip.errors import OutputError, PluginError
 from rollslip.fields import FieldError
 
@@ -30,7 +31,7 @@ from rollslip.fields import FieldError
 _TAKEN: Final = frozenset({"Chain", "ClassVar", "Conditions", "Conformance", "MappingProxyType", "Slices"})
 
 
-def new(name: str, kind: str, compiled: bool, folder: Path) -> Path:
+def new(name: str, kind: str, compiled: bool, folder: Path, law: Path | None = None) -> Path:
     """Write the package of a new plugin.
 
     Parameters
@@ -44,6 +45,8 @@ def new(name: str, kind: str, compiled: bool, folder: Path) -> Path:
         With a form compiled against ``rollslip.h`` beside the NumPy form; for contact, film, traction and drag.
     folder : Path
         Where the folder ``name`` is made.
+    law : Path, optional
+        A file whose functions `rollslip.model` offers, which the package is made of; they say its kind.
 
     Returns
     -------
@@ -59,7 +62,7 @@ def new(name: str, kind: str, compiled: bool, folder: Path) -> Path:
     """
     from rollslip.files import blamed, whole
 
-    texts = package(name, kind, compiled)
+    texts = package(name, kind, compiled, law)
     target = folder / name
     if target.exists() or target.is_symlink():
         raise OutputError(f"{target}: exists, and is left as it is; choose another name or folder, or remove it")
@@ -73,7 +76,7 @@ def new(name: str, kind: str, compiled: bool, folder: Path) -> Path:
     return target
 
 
-def package(name: str, kind: str, compiled: bool) -> dict[str, str]:
+def package(name: str, kind: str, compiled: bool, law: Path | None = None) -> dict[str, str]:
     """Return the files of a new package, path -> text, without writing any.
 
     Raises
@@ -81,15 +84,30 @@ def package(name: str, kind: str, compiled: bool) -> dict[str, str]:
     FieldError
         As `new`.
     """
-    _check(name, kind, compiled)
-    module, model, about = name.replace("-", "_"), name.removeprefix("rollslip-"), _texts(kind)
-    requirement = _requirement()
+    of = None if law is None else read_law_file(law)
+    if of is not None:
+        if kind not in ("", of.kind):
+            raise FieldError("kind", f"{law} offers models of kind {of.kind!r}, not {kind!r}; leave it out")
+        if compiled:
+            raise FieldError("compiled", f"the law of {law} is in Python alone; leave it out, and add it later")
+        kind = of.kind
+    own = name.removeprefix("rollslip-")
+    classes = {own: class_name(own)} if of is None else of.classes
+    _check(name, kind, compiled, classes)
+    module, model, about = name.replace("-", "_"), next(iter(classes)), _texts(kind)
+    requirement, points = _requirement(), [f'{one} = "{module}.{kind}"' for one in classes]
     values = {
         "name": name,
         "module": module,
         "model": model,
         "kind": kind,
-        "cls": _class_name(model),
+        "cls": classes[model],
+        "called": " and ".join(f"`{one}`" for one in classes),
+        "points": "\n".join(points),
+        "start": "What it starts with is real; put yours in its\nplace." if of is None else "Its law is yours.",
+        "numbers": ", and numbers that do not come from its code" if of is None else "",
+        "classes": ", ".join(classes.values()),
+        "tests": "\n\n\n".join(f"class Test{one}(Conformance):\n    models = [{one}()]" for one in classes.values()),
         "summary": about.summary,
         "contents": about.contents,
         "use": Template(about.use).substitute(model=model),
@@ -97,10 +115,11 @@ def package(name: str, kind: str, compiled: bool) -> dict[str, str]:
         "package_data": ", ".join(f'"{one}"' for one in _package_data(about, compiled)),
         "dependencies": ", ".join(f'"{one}"' for one in (*about.needs, requirement)),
     }
-    return {
+    found = {
         path: Template(_only(text, "compiled" if compiled else "python")).substitute(values)
-        for path, text in _templates(kind, module, compiled)
+        for path, text in _templates(kind, module, compiled, of is not None)
     }
+    return found if of is None else found | {f"src/{module}/{kind}.py": of.module}
 
 
 def _package_data(about: Texts, compiled: bool) -> list[str]:
@@ -108,7 +127,7 @@ def _package_data(about: Texts, compiled: bool) -> list[str]:
     return ["py.typed", *(["*.pyi"] if compiled else []), *(f"{folder}/*" for folder in folders)]
 
 
-def _templates(kind: str, module: str, compiled: bool) -> Iterator[tuple[str, str]]:
+def _templates(kind: str, module: str, compiled: bool, given: bool) -> Iterator[tuple[str, str]]:
     """Path in the package and template of every file."""
     source = f"src/{module}"
     wanted = {
@@ -118,7 +137,7 @@ def _templates(kind: str, module: str, compiled: bool) -> Iterator[tuple[str, st
         ".gitignore": "gitignore",
         f"{source}/__init__.py": "init.py",
         f"{source}/{kind}.py": f"{kind}.py",
-        f"tests/test_{module}.py": f"test_{kind}.py",
+        f"tests/test_{module}.py": "test_law.py" if given else f"test_{kind}.py",
     }
     wanted |= {f"{source}/{beside}.py": f"{beside}.py" for beside in _texts(kind).beside}
     wanted |= {f"{source}/{path}": template for path, template in _texts(kind).files.items()}
@@ -159,11 +178,7 @@ def _requirement() -> str:
     return f"rollslip>={major}.{minor},<{after}"
 
 
-def _class_name(model: str) -> str:
-    return "".join(word.capitalize() for word in model.split("-"))
-
-
-def _check(name: str, kind: str, compiled: bool) -> None:
+def _check(name: str, kind: str, compiled: bool, classes: Mapping[str, str]) -> None:
     """Refuse what would give a package that cannot be installed, imported or told apart."""
     try:
         check_kind(kind)
@@ -178,8 +193,7 @@ def _check(name: str, kind: str, compiled: bool) -> None:
         raise FieldError(
             "name", f"{name!r} is not made of lower-case letters and digits with single hyphens, a letter first{hint}"
         )
-    module, model = name.replace("-", "_"), name.removeprefix("rollslip-")
-    cls = _class_name(model)
+    module = name.replace("-", "_")
     if keyword.iskeyword(module) or keyword.issoftkeyword(module):
         raise FieldError("name", f"{name!r} is a word of Python's own and cannot name a module; choose another")
     if module in sys.stdlib_module_names or module in ("tests", "test", "setup"):
@@ -188,16 +202,22 @@ def _check(name: str, kind: str, compiled: bool) -> None:
         raise FieldError(
             "name", f"a module {module!r} is installed already, and one would hide the other; choose another name"
         )
-    if not cls.isidentifier():
-        raise FieldError("name", f"{name!r} would make a class {cls!r}, which begins with a digit; choose another")
-    if cls.startswith("Test"):
-        raise FieldError("name", f"pytest would take a class {cls!r} for tests; choose a name that begins otherwise")
-    if cls in _TAKEN.union(_texts(kind).classes):
-        raise FieldError("name", f"{name!r} would make a class {cls!r} beside rollslip's own; choose another")
-    for offer in catalogue():
-        if (offer.kind, offer.name) == (kind, model):
+    for model, cls in classes.items():
+        called = name if name.endswith(model) else model
+        if not cls.isidentifier():
             raise FieldError(
-                "name",
-                f"package {offer.package} offers a {kind} called {model!r} already, and of two of one name rollslip "
-                "takes none; choose another",
+                "name", f"{called!r} would make a class {cls!r}, which begins with a digit; choose another"
             )
+        if cls.startswith("Test"):
+            raise FieldError(
+                "name", f"pytest would take a class {cls!r} for tests; choose a name that begins otherwise"
+            )
+        if cls in _TAKEN.union(_texts(kind).classes):
+            raise FieldError("name", f"{called!r} would make a class {cls!r} beside rollslip's own; choose another")
+        for offer in catalogue():
+            if (offer.kind, offer.name) == (kind, model):
+                raise FieldError(
+                    "name",
+                    f"package {offer.package} offers a {kind} called {model!r} already, and of two of one name "
+                    "rollslip takes none; choose another",
+                )

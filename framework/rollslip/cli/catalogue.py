@@ -244,10 +244,20 @@ def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool)
 
 @plugins.command("new")
 @click.argument("name")
-@click.option("--kind", required=True, metavar="KIND", help="What it offers: traction, film, contact ...")
+@click.option("--kind", metavar="KIND", help="What it offers: traction, film, contact ...")
 @click.option("--compiled", is_flag=True, help="With a compiled form in Cython.")
-def plugins_new(name: str, kind: str, compiled: bool) -> None:
+@click.option(
+    "--from",
+    "law",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="Python file with functions under @rollslip.model, which become the models of the package.",
+)
+def plugins_new(name: str, kind: str | None, compiled: bool, law: Path | None) -> None:
     """Write a complete, tested package called NAME into a new folder."""
     from rollslip.catalogue.scaffold import new
 
-    click.echo(f"written to {new(name, kind, compiled, Path.cwd())}; its README says what comes next")
+    if kind is None and law is None:
+        raise click.UsageError("say --kind KIND, or --from FILE; rollslip plugins new --help")
+    made = new(name, kind or "", compiled, Path.cwd(), law)
+    click.echo(f"written to {made}; its README says what comes next")
