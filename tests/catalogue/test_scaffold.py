@@ -12,10 +12,11 @@ from typing import Any
 import attrs
 import numpy as np
 import pytest
+from Cython.Compiler.Main import CompilationOptions, compile_single
 
-from rollslip import Chain, Slices, available
+from rollslip import Chain, Slices, available, get_include
 from rollslip.catalogue.kinds import get_kind, kinds
-from rollslip.catalogue.scaffold import new, package
+from rollslip.catalogue.scaffold import compile_too, new, package
 from rollslip.errors import OutputError, RollslipError
 from rollslip.fields import FieldError
 
@@ -210,6 +211,51 @@ def test_what_does_not_go_with_a_file_is_refused(tmp_path: Path) -> None:
         new("law", "traction", True, tmp_path, path)
     with pytest.raises(FieldError, match="cannot be read: No such file"):
         new("law", "", False, tmp_path, tmp_path / "none.py")
+
+
+# A compiled form added ------------------------------------------------------------------------------------------------
+
+
+def test_the_frame_of_a_compiled_form_holds_all_but_the_law(tmp_path: Path) -> None:
+    made = new("own-frame", "film", False, tmp_path)
+    before = {path: path.read_text(encoding="utf-8") for path in made.rglob("*") if path.is_file()}
+    left = compile_too(made)
+    assert "return _kernel.capsule(self.factor)" in left[2]
+    metadata = tomllib.loads((made / "pyproject.toml").read_text(encoding="utf-8"))
+    whole = tomllib.loads(package("own-other", "film", True)["pyproject.toml"])
+    assert metadata["build-system"] == whole["build-system"]
+    assert metadata["tool"]["setuptools"]["package-data"] == {"own_frame": ["py.typed", "*.pyi"]}
+    assert {path for path in before if path.read_text(encoding="utf-8") != before[path]} == {made / "pyproject.toml"}
+    frame = made / "src" / "own_frame" / "_kernel.pyx"
+    assert "s.film_thickness[i] = NAN" in frame.read_text(encoding="utf-8")
+    options = CompilationOptions(include_path=[get_include()], output_file=str(tmp_path / "k.c"), language_level=3)
+    assert compile_single(str(frame), options, full_module_name="own_frame._kernel").num_errors == 0
+    with pytest.raises(FieldError, match=r"setup\.py is there already, and is left as it is"):
+        compile_too(made)
+
+
+@pytest.mark.parametrize(
+    ("kind", "spoil", "sentence"),
+    [
+        ("", "", "is no package that can be read"),
+        ("study", "", "offers rollslip.study; a form is added to one module of contact, drag, film, traction"),
+        ("traction", "pyproject.toml", "does not hold requires"),
+        ("traction", "traction.py", "cannot be used (ZeroDivisionError"),
+    ],
+)
+def test_a_package_that_takes_no_compiled_form_is_left_as_it_is(
+    kind: str, spoil: str, sentence: str, tmp_path: Path
+) -> None:
+    made = new("own-spoilt", kind, False, tmp_path) if kind else tmp_path
+    if spoil:
+        (path,) = made.rglob(spoil)
+        text = path.read_text(encoding="utf-8")
+        path.write_text(text.replace('"setuptools>=77"', '"setuptools"') if spoil[0] == "p" else f"{text}1 / 0\n")
+    before = sorted(made.rglob("*.*"))
+    with pytest.raises(FieldError) as error:
+        compile_too(made)
+    assert sentence in str(error.value)
+    assert sorted(path for path in made.rglob("*.*") if "__pycache__" not in path.parts) == before
 
 
 # Faults ---------------------------------------------------------------------------------------------------------------

@@ -20,6 +20,7 @@ from pathlib import Path
 from string import Template
 from typing import Final
 
+from rollslip.catalogue.compiled_form import add_compiled
 from rollslip.catalogue.discovery import catalogue
 from rollslip.catalogue.kinds import Template as Texts
 from rollslip.catalogue.kinds import check_kind, get_kind, kinds
@@ -74,6 +75,11 @@ def new(name: str, kind: str, compiled: bool, folder: Path, law: Path | None = N
     except OutputError as error:  # its remedy is that of a run
         raise OutputError(f"{str(error).partition(';')[0]}; nothing was written; choose another folder") from error
     return target
+
+
+def compile_too(folder: Path) -> list[str]:
+    """Add the frame of a compiled form to a package, and return what is left to do; see `add_compiled`."""
+    return add_compiled(folder, _requirement())
 
 
 def package(name: str, kind: str, compiled: bool, law: Path | None = None) -> dict[str, str]:

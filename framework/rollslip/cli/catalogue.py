@@ -253,11 +253,19 @@ def plugins_check(name: str, kind: str | None, time_limit: float, as_json: bool)
     type=click.Path(path_type=Path),
     help="Python file with functions under @rollslip.model, which become the models of the package.",
 )
-def plugins_new(name: str, kind: str | None, compiled: bool, law: Path | None) -> None:
+@click.option(
+    "--add-compiled", is_flag=True, help="To the package in folder NAME, add the frame of a compiled form in Cython."
+)
+def plugins_new(name: str, kind: str | None, compiled: bool, law: Path | None, add_compiled: bool) -> None:
     """Write a complete, tested package called NAME into a new folder."""
-    from rollslip.catalogue.scaffold import new
+    from rollslip.catalogue.scaffold import compile_too, new
 
+    if add_compiled:
+        if kind is not None or compiled or law is not None:
+            raise click.UsageError("--add-compiled is for a package that is there; leave the other options out")
+        click.echo("\n".join(compile_too(Path(name))))
+        return
     if kind is None and law is None:
-        raise click.UsageError("say --kind KIND, or --from FILE; rollslip plugins new --help")
+        raise click.UsageError("say --kind KIND, or --from FILE")
     made = new(name, kind or "", compiled, Path.cwd(), law)
     click.echo(f"written to {made}; its README says what comes next")
