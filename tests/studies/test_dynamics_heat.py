@@ -148,8 +148,18 @@ def test_temperatures_that_are_given_and_follow_are_refused():
 
 def test_temperatures_beyond_the_data_of_the_oil_are_refused_in_words():
     hot = scene(2.0, oil_inlet_temperature="900 degC")
-    with pytest.raises(ConvergenceError, match=r"after pass 1 it fails: .*temperature.*models.thermal=given"):
+    with pytest.raises(ConvergenceError, match=r"after pass \d it fails: .*temperature.*models.thermal=given"):
         heated(hot)
+
+
+@pytest.mark.slow
+def test_losses_of_cold_oil_that_lead_beyond_its_data_are_approached_by_halves():
+    many = {"cage.drag": ["petroff-land", "rolling-resistance", {"model": "churning", "density": "930 kg/m3"}]}
+    result = ran(scene(2.0, many, oil_flow="30 g/s"))
+    assert result.attrs["heat_made"] == pytest.approx(
+        result.attrs["heat_stored"] + result.attrs["heat_carried_away"], rel=1e-12
+    )
+    assert 273.15 + 110.0 < result.attrs["hottest_temperature"] < 273.15 + 200.0  # where the data of the oil end
 
 
 def test_passes_that_do_not_settle_are_refused_in_words(monkeypatch):

@@ -43,6 +43,8 @@ _INSTANTS: Final = 257
 _PER_KELVIN: Final = 0.1
 #: Passes at most, and passes before from which one starts.
 _MOST, _BEFORE = 25, 3
+#: Halvings of the way to temperatures at which a motion fails: the losses of cold oil may lead beyond the data of it.
+_HALVINGS: Final = 6
 #: Passes and bearings put together for each that a plan expects.
 _USUAL, _BEARINGS = 4, 13
 #: Step of temperature by which the thermal model is made linear, and to a bearing whose price is measured [K].
@@ -186,12 +188,18 @@ def heated(study: Warming, assembly: Assembly, progress: Callable[[str, float], 
         times = np.union1d(times, given.breaks)
     shares, most = _rolling_shares(study, bearing), allowed(assembly)
     at = np.tile(start, (times.size, 1))
-    tried, moved = list[Array](), list[Array]()
+    tried, moved, halved = list[Array](), list[Array](), 0
     for count in range(1, _MOST + 1):
         history = _history(study, bearing, model, given, times, at, most)
         if progress is not None:
             progress(f"temperatures, pass {count}", min(count / (_USUAL + 1.0), 0.95))
-        moving, found = _moved(study, bearing, history, times, count)
+        try:
+            moving, found = _moved(study, bearing, history, times, count)
+        except ConvergenceError:
+            if not tried or (halved := halved + 1) > _HALVINGS:
+                raise
+            at = 0.5 * (tried[-1] + at)
+            continue
         heat = _heat(moving, found, shares)
         temperatures, carried = _temperatures(model, start, times, heat)
         step = temperatures - at
