@@ -28,6 +28,7 @@ from rollslip.studies.dynamics import along, history_findings
 from rollslip.studies.dynamics.account import DynamicsAccount
 from rollslip.studies.dynamics.study import Dynamics
 from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.surface_damage.over_motion import OVER_MOTION
 
 HISTORY = "study.dynamics.history"
 SHORT = {
@@ -462,10 +463,10 @@ def test_words_say_when_an_operation_changes(values, said):
 def test_a_run_along_a_history_has_the_outputs_that_are_declared(dropped):
     given = {"inner_speed", "outer_speed", "load_direction", "temperature", *OF_PARTS}  # by other histories
     elsewhere = {"ring_displacement", "cage_displacement", "land_eccentricity", "pocket_force", "pocket_displacement"}
-    warm = {"course_temperature", "radial_clearance"}  # where they follow from losses
+    others = {"course_temperature", "radial_clearance", *OVER_MOTION}  # of scenes with models of heat and damage
     curves = {f"{ring}_{what}" for ring in ("inner", "outer") for what in ("sliding", "friction")}
     single = {name for name, output in Dynamics.outputs.items() if output.attribute}
-    assert {*map(str, dropped.data_vars)} == Dynamics.outputs.keys() - single - given - elsewhere - warm - curves
+    assert {*map(str, dropped.data_vars)} == Dynamics.outputs.keys() - single - given - elsewhere - others - curves
     assert single <= set(dropped.attrs)
     for name in dropped.data_vars:
         assert dropped[name].attrs["units"] == Dynamics.outputs[name].unit

@@ -16,6 +16,7 @@ from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
 from rollslip.studies.estimates import by_doubling
 from rollslip.studies.study import settings, study_class
+from rollslip.studies.surface_damage.over_motion import OVER_MOTION
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.05, "accuracy.slices": 5})
 SHORT = {
@@ -40,10 +41,11 @@ ELSEWHERE = {
                         "limit_status", "jumps", "course_temperature", "course_slip", "course_status"},
     "dynamics": {"inner_speed", "outer_speed", "radial_load", "load_direction", "temperature",
                  "inner_ring_temperature", "roller_temperature", "outer_ring_temperature", "epicyclic_cage_speed",
-                 "roller_sliding_distance", "roller_frictional_work",
+                 "roller_sliding_distance", "roller_frictional_work", "course_temperature", "radial_clearance",
                  "runaway_slip_along", "runaway_drag_along", "critical_slip_along", "largest_cage_slip",
                  "largest_cage_slip_time", "least_margin_to_runaway", "least_margin_time", "time_beyond_runaway",
-                 "sliding_distance_inner", "sliding_distance_outer", "frictional_work_inner", "frictional_work_outer"},
+                 "sliding_distance_inner", "sliding_distance_outer", "frictional_work_inner", "frictional_work_outer",
+                 *OVER_MOTION},
     "steady-slip": {"formula_torque", "formula_term", "formula_status"} | {
         f"{name}{rest}" for name in ("radial_load", "inner_speed", "temperature") for rest in (
         "", "_slip", "_stable", "_fold", "_branch", "_limit", "_limit_slip", "_limit_status")},

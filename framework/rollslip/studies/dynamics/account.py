@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from rollslip.hookspecs import hookimpl
 from rollslip.results.account import Account, Contact, Figures, Table
 from rollslip.studies.dynamics import findings, history_findings
+from rollslip.studies.surface_damage import findings as damage
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,11 +42,20 @@ class DynamicsAccount(Account):
 
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
-        return history_findings.told(dataset, findings.topics(dataset))
+        return history_findings.told(dataset, findings.topics(dataset)) | damage.over_motion(dataset)
+
+    def harm(self, dataset: "xr.Dataset") -> str:
+        """Return which measures of damage are beyond their limits on the way."""
+        return damage.harm(dataset)
 
     def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
         """Return the single values."""
-        return {**findings.record(dataset), **history_findings.record(dataset), **history_findings.heat_record(dataset)}
+        return {
+            **findings.record(dataset),
+            **history_findings.record(dataset),
+            **history_findings.heat_record(dataset),
+            **damage.record(dataset),
+        }
 
     def tables(self, dataset: "xr.Dataset") -> list[Table]:
         """Return the energy ledger and the events."""

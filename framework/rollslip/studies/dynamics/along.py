@@ -356,3 +356,9 @@ def at_the_end(assembly: Assembly, dataset: "xr.Dataset") -> Assembly | None:
     if now["inner_speed"] == now["outer_speed"]:
         return None
     return operated(assembly, now)
+
+
+def at_temperatures(assembly: Assembly, dataset: "xr.Dataset", instant: int) -> Assembly:
+    """Return the bearing at the temperatures of a stored instant of a result, by its number."""
+    given = json.loads(dataset.attrs.get("history", "[]"))
+    return operated(assembly, {name: float(dataset[name][instant]) for name in given if name in TEMPERATURES})

@@ -38,6 +38,7 @@ from rollslip.studies.dynamics.findings import (
     unslipped_roller_speed,
 )
 from rollslip.studies.dynamics.history_figures import phase, slip_along
+from rollslip.studies.surface_damage.figures import over_time
 from rollslip.studies.thermal_balance.figures import course
 
 if TYPE_CHECKING:
@@ -78,6 +79,9 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
         "roller was loaded or the value is not known; pocket forces are the largest."
     )
     yield f"{name}-orbit", caption, _orbit(dataset)
+    if "measure" in dataset.dims and np.isfinite(dataset["worst"]).any():
+        caption = f"Worst value of each measure of damage over the contacts at a moment, {which}; dashed are limits."
+        yield f"{name}-damage", caption, over_time(dataset)
     if history_findings.heats(dataset):
         caption = f"Bulk temperatures that the losses of the motion lead to, {which}."
         yield f"{name}-temperatures", caption, course(dataset)

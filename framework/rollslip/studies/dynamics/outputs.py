@@ -6,6 +6,7 @@ from typing import Final
 
 from rollslip.studies.answers import Output
 from rollslip.studies.raceways import REGIMES
+from rollslip.studies.surface_damage.over_motion import OVER_MOTION
 
 _CONTACT, _ROLLER = "ring time roller", "time roller"
 
@@ -110,6 +111,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         ),
         "critical_status": Output("", "1", "critical status", attribute=True),
         "outcome": Output("", "1", "outcome", attribute=True),
+        **OVER_MOTION,
         **REGIMES,
     }
 )  # fmt: skip

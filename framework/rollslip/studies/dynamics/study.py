@@ -13,6 +13,7 @@
 import json
 import math
 from collections.abc import Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -55,6 +56,8 @@ from rollslip.studies.dynamics.ending import (
 from rollslip.studies.dynamics.outputs import OUTPUTS
 from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip.studies.study import CONTACT_CHOICES, Study
+from rollslip.studies.surface_damage.model import named_damage, parts
+from rollslip.studies.surface_damage.over_motion import over_motion
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -101,6 +104,7 @@ class Dynamics(Study):
     )
     with_cage: ClassVar[bool] = True
     with_heat: ClassVar[bool] = True
+    with_damage: ClassVar[bool] = True
     in_time: ClassVar[bool] = True
 
     level: str = parameter(
@@ -258,6 +262,7 @@ class Dynamics(Study):
             *([steps] if "steps" in errors else []),
             *along.parts(self.course(assembly), lambda: self.moving(assembly), self.name, costs),
             *heating.part(self, assembly, costs),
+            *parts(assembly.scene),
             Part(
                 part="friction of the raceways",
                 choice=self.friction,
@@ -297,7 +302,7 @@ class Dynamics(Study):
         return int(loaded) * int(evaluations * steps + self.points)
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
-        """Return the drags, the integrator, and what temperatures follow from, if they do.
+        """Return the drags, the integrator, what temperatures follow from, and what measures damage.
 
         Raises
         ------
@@ -305,8 +310,9 @@ class Dynamics(Study):
             If the scene has no cage, or they are not there.
         """
         drags = (("drag", model) for model in assembly.cage.drags)
-        heat = heating.model_of(assembly)
-        return *drags, ("integrator", self.method(assembly)), *(() if heat is None else (("thermal", heat),))
+        heat, measures = heating.model_of(assembly), named_damage(assembly.scene)
+        more = [*([] if heat is None else [("thermal", heat)]), *(("damage", model) for model in measures)]
+        return *drags, ("integrator", self.method(assembly)), *more
 
     @property
     def judged_at(self) -> str:
@@ -341,7 +347,9 @@ class Dynamics(Study):
         DomainError, ConvergenceError
             If loads or friction cannot be tabulated.
         """
-        return along.told(self.at(assembly.resolution)._run(assembly, keep or Keep()))
+        dataset = along.told(self.at(assembly.resolution)._run(assembly, keep or Keep()))
+        damage, measures = over_motion(assembly, dataset, partial(along.at_temperatures, assembly, dataset))
+        return dataset.assign_coords(measures).assign(self.variables(**damage))
 
     def _run(self, assembly: Assembly, kept: Keep) -> "xr.Dataset":
         integrator = self.method(assembly)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["damage_figures"]
+__all__ = ["damage_figures", "over_time"]
 
 #: Largest value that is shown where small ones are the worst, over that of the better ring.
 _MOST: Final = 4.0
@@ -37,14 +37,29 @@ def _along(known: "list[xr.Dataset]") -> "Figure":
     shown = (angle[centred] + 180.0) % 360.0 - 180.0
     figure, panels = _panels(known)
     for one, axes in zip(known, panels, strict=True):
-        values = one["along"].to_numpy()[:, centred]
-        drawn = _drawn(axes, one, shown, values)
-        if np.isfinite(limit := float(one["limit"])) and (beyond(one) or abs(limit) < 3.0 * np.nanmax(np.abs(values))):
-            axes.axhline(drawn(limit), color="black", linewidth=0.8, linestyle="dashed")
+        _with_limit(axes, one, shown, one["along"].to_numpy()[:, centred])
         axes.set_xlim(-180.0, 180.0)
         axes.set_xticks(range(-180, 181, 90))
     panels[-1].set_xlabel("Position from the line of load [°]")
     return figure
+
+
+def over_time(dataset: "xr.Dataset") -> "Figure":
+    """Draw the worst value of each measure at the instants of a motion, by ring."""
+    known = [one for one in measures(dataset) if np.isfinite(one["worst"]).any()]
+    figure, panels = _panels(known)
+    time = dataset["measured_time"].to_numpy()
+    for one, axes in zip(known, panels, strict=True):
+        _with_limit(axes, one, time, one["worst_over_time"].to_numpy())
+        axes.set_xlim(time[0], time[-1] if time.size > 1 else time[0] + 1.0)
+    panels[-1].set_xlabel("Time [s]")
+    return figure
+
+
+def _with_limit(axes: "Axes", one: "xr.Dataset", x: "np.ndarray[Any, Any]", rows: "np.ndarray[Any, Any]") -> None:
+    drawn = _drawn(axes, one, x, rows)
+    if np.isfinite(limit := float(one["limit"])) and (beyond(one) or abs(limit) < 3.0 * np.nanmax(np.abs(rows))):
+        axes.axhline(drawn(limit), color="black", linewidth=0.8, linestyle="dashed")
 
 
 def _across(known: "list[xr.Dataset]") -> "Figure":

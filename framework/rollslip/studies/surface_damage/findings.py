@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 #: Unit of a difference of temperatures, which is told in K.
 _RISE = "K, a difference"
+_WORST = ("worst", "worst_angle", "worst_place", "worst_status")
 
 
 def measures(dataset: "xr.Dataset") -> "list[xr.Dataset]":
@@ -42,6 +43,15 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     return {str(one["meaning"].item()): _measure(one) for one in measures(dataset)}
 
 
+def over_motion(dataset: "xr.Dataset") -> dict[str, list[str]]:
+    """Say what was found along a motion, by what it is about; nothing where nothing was measured."""
+    if "measure" not in dataset.dims:
+        return {}
+    seen = sorted({str(status) for status in dataset["worst_status"].to_numpy().ravel() if "found at" in str(status)})
+    more = [f"the worst values were {one}; between instants they may be worse" for one in seen[:1]]
+    return {"damage": more} | {str(one["meaning"].item()): _measure(one) for one in measures(dataset)}
+
+
 def _measure(one: "xr.Dataset") -> list[str]:
     unit, known, missing = str(one["unit"].item()), [], []
     most = "at most" if one["sense"].item() == "largest" else "down to"
@@ -53,9 +63,11 @@ def _measure(one: "xr.Dataset") -> list[str]:
             at = f"{from_load_line(float(on['worst_angle'])):.3g} degrees from the line of load"
             beside = abs(float(on["worst_place"]))
             at += f" and {format_quantity(beside, 'm', 2)} from the middle of the roller" if beside > 0.0 else ""
+            at += f", at t = {float(on['worst_time']):.3g} s" if "worst_time" in on else ""
             known.append(f"{told(value, unit)} on the {ring} ring, {at}")
-    slip, meaning = f"at a cage slip of {100.0 * float(one['slip']):.3g} %", one["meaning"].item()
-    said = [f"{slip} the {meaning} is {most} {', and '.join(known)}; {_limit(one)}"] if known else []
+    meaning = one["meaning"].item()
+    when = f"at a cage slip of {100.0 * float(one['slip']):.3g} %" if "slip" in one else "along the motion"
+    said = [f"{when} the {meaning} is {most} {', and '.join(known)}; {_limit(one)}"] if known else []
     return [
         *said,
         *(f"the {meaning}: {text}" for text in missing),
@@ -75,6 +87,8 @@ def _limit(one: "xr.Dataset") -> str:
 
 def harm(dataset: "xr.Dataset") -> str:
     """Say which measures are beyond their limits; nothing where none is."""
+    if "measure" not in dataset.dims:
+        return ""
     said = [
         f"the {one['meaning'].item()} is beyond its limit of {told(float(one['limit']), str(one['unit'].item()))} on "
         f"the {' and '.join(rings)} ring"
@@ -94,14 +108,16 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         values = zip(map(str, one["ring"].to_numpy()), one[name].to_numpy().tolist(), strict=True)
         return {ring: value if isinstance(value, str) else number(value) for ring, value in values}
 
-    return {
-        "slip": number(dataset["slip"]),
-        "status": str(dataset["status"].item()),
+    if "measure" not in dataset.dims:
+        return {}
+    steady = {"slip": number(dataset["slip"]), "status": str(dataset["status"].item())} if "slip" in dataset else {}
+    names = [*_WORST, *(["worst_time"] if "worst_time" in dataset else [])]
+    return steady | {
         "measures": {
             str(one["measure"].item()): {
                 **{name: str(one[name].item()) for name in ("meaning", "unit", "sense", "limit_source", "scope")},
                 "limit": number(one["limit"]),
-                **{name: by_ring(one, name) for name in ("worst", "worst_angle", "worst_place", "worst_status")},
+                **{name: by_ring(one, name) for name in names},
             }
             for one in measures(dataset)
         },

@@ -7,9 +7,9 @@
 """
 
 import abc
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
 
 import attrs
 import numpy as np
@@ -18,16 +18,29 @@ from numpy.typing import NDArray
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.catalogue.registry import structure_models
 from rollslip.datasets import Material
+from rollslip.errors import DomainError
 from rollslip.references import Citation
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
+from rollslip.studies.answers import Output, Part
 from rollslip_kernels.slices import Slices
 
 if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly
     from rollslip.bearing.raceway import Ring
 
-__all__ = ["DAMAGE", "Contacts", "DamageModel", "named_damage"]
+__all__ = [
+    "DAMAGE",
+    "DESCRIBED",
+    "OWN",
+    "Contacts",
+    "DamageModel",
+    "described",
+    "named_damage",
+    "parts",
+    "texts",
+    "values_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -82,6 +95,21 @@ class Contacts:
         """Power that sliding turns into heat on a length of contact, the size of mu w V [W/m], (n,)."""
         slices = self.slices
         return np.abs(slices.friction * slices.load * slices.sliding_speed)
+
+
+#: Unit of variables that hold several measures, each in a unit of its own.
+OWN: Final = "own SI unit"
+#: What results say of each measure.
+DESCRIBED: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "limit": Output("measure", OWN, "value beyond which harm was seen", status="limit_source"),
+        "limit_source": Output("measure", "1", "where the limit comes from"),
+        "unit": Output("measure", "1", "unit of the measure"),
+        "meaning": Output("measure", "1", "what is measured"),
+        "sense": Output("measure", "1", "which value is the worst"),
+        "scope": Output("measure", "1", "what the measure does not say"),
+    }
+)
 
 
 class DamageModel(abc.ABC):
@@ -142,6 +170,46 @@ def named_damage(scene: Scene) -> tuple[DamageModel, ...]:
     """
     named = [(choice.name, choice.parameters) for choice in scene.models.damage]
     return structure_models("damage", named, Location(scene.origins, ("models", "damage")))
+
+
+def values_of(model: DamageModel, contacts: Contacts) -> Array:
+    """Return a measure of every slice, (n,).
+
+    Raises
+    ------
+    DomainError
+        If a slice has none.
+    """
+    values = np.asarray(model.evaluate(contacts), dtype=float)
+    if not np.isfinite(values).all():
+        raise DomainError(f"{model.name} has no value for {np.count_nonzero(~np.isfinite(values))} slices")
+    return values
+
+
+def described(measures: tuple[DamageModel, ...]) -> dict[str, NDArray[Any]]:
+    """Return what results say of measures, by the names of `DESCRIBED`, (measures,) each."""
+    limits = [model.limit or (np.nan, "no limit is published or given") for model in measures]
+    return {
+        "limit": np.array([value for value, _ in limits]),
+        "limit_source": texts(source for _, source in limits),
+        "unit": texts("K, a difference" if model.difference else model.unit for model in measures),
+        "meaning": texts(model.measure for model in measures),
+        "sense": texts(model.worst for model in measures),
+        "scope": texts(model.scope for model in measures),
+    }
+
+
+def parts(scene: Scene) -> list[Part]:
+    """Return the lines of a plan about what is measured."""
+    return [
+        Part(part="damage", choice=model.name, resolution=model.equation, reason="models.damage names it")
+        for model in named_damage(scene)
+    ]
+
+
+def texts(words: Iterable[object]) -> NDArray[Any]:
+    """Return words as an array."""
+    return np.array([*words], dtype=np.str_)
 
 
 DAMAGE: Final = Kind(

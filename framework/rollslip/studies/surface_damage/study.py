@@ -22,14 +22,23 @@ from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Outpu
 from rollslip.studies.steady_slip.shared import estimate_torques, evaluated_slices, least_steady
 from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.study import CONTACT_CHOICES, Study
-from rollslip.studies.surface_damage.model import Array, Contacts, DamageModel, named_damage
+from rollslip.studies.surface_damage.model import (
+    DESCRIBED,
+    OWN,
+    Array,
+    Contacts,
+    DamageModel,
+    described,
+    named_damage,
+    parts,
+    texts,
+    values_of,
+)
 from rollslip.studies.timing import timed
 
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Unit of variables that hold several measures, each in a unit of its own.
-_OWN: Final = "own SI unit"
 #: Share of the largest slip at which a motion is timed, and how many of them a steady slip takes.
 _TRIED, _ORBITS = 0.3, 30
 #: What was found where everything was.
@@ -43,18 +52,13 @@ class SurfaceDamage(Study):
     name: ClassVar[str] = "surface-damage"
     outputs: ClassVar[Mapping[str, Output]] = MappingProxyType(
         {
-            "worst": Output("measure ring", _OWN, "worst value of all contacts", status="worst_status", default=True),
+            "worst": Output("measure ring", OWN, "worst value of all contacts", status="worst_status", default=True),
             "worst_angle": Output("measure ring", "rad", "position of the roller there", status="worst_status"),
             "worst_place": Output("measure ring", "m", "place along the roller there", status="worst_status"),
             "worst_status": Output("measure ring", "1", "what was found of the measure"),
-            "limit": Output("measure", _OWN, "value beyond which harm was seen", status="limit_source"),
-            "limit_source": Output("measure", "1", "where the limit comes from"),
-            "unit": Output("measure", "1", "unit of the measure"),
-            "meaning": Output("measure", "1", "what is measured"),
-            "sense": Output("measure", "1", "which value is the worst"),
-            "scope": Output("measure", "1", "what the measure does not say"),
-            "along": Output("measure ring angle", _OWN, "worst value on a roller", status="worst_status"),
-            "across": Output("measure ring place", _OWN, "value across the worst contact", status="worst_status"),
+            **DESCRIBED,
+            "along": Output("measure ring angle", OWN, "worst value on a roller", status="worst_status"),
+            "across": Output("measure ring place", OWN, "value across the worst contact", status="worst_status"),
             "slip": Output("", "1", "cage slip at which all this is so", status="status"),
             "status": Output("", "1", "what was found"),
         }
@@ -102,10 +106,7 @@ class SurfaceDamage(Study):
 
     def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
         """Return what is measured."""
-        return [
-            Part(part="damage", choice=model.name, resolution=model.equation, reason="models.damage names it")
-            for model in named_damage(assembly.scene)
-        ]
+        return parts(assembly.scene)
 
     def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
         """Return the worst value of each measure on each ring."""
@@ -188,25 +189,19 @@ class SurfaceDamage(Study):
                     said[k, i] = str(error)
                     continue
                 where[k, i], beside[k, i] = angle[loaded.owner[at]], assembly.position[loaded.column[at]]
-        limits = [model.limit or (np.nan, "no limit is published or given") for model in measures]
         variables = self.variables(
             worst=worst,
             worst_angle=where,
             worst_place=beside,
             worst_status=said.astype(np.str_),
-            limit=np.array([value for value, _ in limits]),
-            limit_source=_texts(source for _, source in limits),
-            unit=_texts("K, a difference" if model.difference else model.unit for model in measures),
-            meaning=_texts(model.measure for model in measures),
-            sense=_texts(model.worst for model in measures),
-            scope=_texts(model.scope for model in measures),
+            **described(measures),
             along=along,
             across=across,
             slip=slip,
             status=status,
         )
         coords = {
-            "measure": ("measure", _texts(model.name for model in measures), about("1", "damage model")),
+            "measure": ("measure", texts(model.name for model in measures), about("1", "damage model")),
             "ring": ("ring", np.array(RINGS), about("1", "ring")),
             "angle": ("angle", angle, about("rad", "position from the line of load, in the sense of the orbit")),
             "place": ("place", places, about("1", "place in half widths, from the inlet to the outlet")),
@@ -214,17 +209,11 @@ class SurfaceDamage(Study):
         return xr.Dataset(variables, coords, attrs=self.attributes)
 
 
-def _texts(texts: Any) -> "np.ndarray[Any, Any]":
-    return np.array([*texts], dtype=np.str_)
-
-
 def _measured(
     model: DamageModel, contacts: Contacts, loaded: LoadedContacts, places: Array
 ) -> tuple[Array, float, int, Array]:
     """Return the worst value of each roller, NaN where it is not loaded, of all, its slice, and across that."""
-    values = np.asarray(model.evaluate(contacts), dtype=float)
-    if not np.all(np.isfinite(values)):
-        raise DomainError(f"{model.name} has no value for {np.count_nonzero(~np.isfinite(values))} slices")
+    values = values_of(model, contacts)
     sign = 1.0 if model.worst == "largest" else -1.0
     along = np.full(loaded.rollers, -np.inf)
     np.maximum.at(along, loaded.owner, sign * values)

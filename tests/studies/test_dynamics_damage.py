@@ -1,0 +1,101 @@
+"""Measures of damage along a motion: against the ledger and a steady slip, what is told, and what has no value."""
+
+import numpy as np
+import pytest
+
+import rollslip
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.raceway import RINGS
+from rollslip.results.account import account_of
+from rollslip.results.words import verdict
+from rollslip.studies.dynamics.figures import motion_figures
+from rollslip.studies.dynamics.study import Dynamics
+from rollslip.studies.surface_damage import over_motion
+
+EVERY = ["power-density", "pass-energy", "film-parameter", "flash-temperature", "contact-temperature"]
+SCENE = rollslip.evolve(
+    rollslip.load_scene("1032930-70C"),
+    {
+        "accuracy.slices": 4,
+        "accuracy.tolerance": 0.01,
+        "models.damage": EVERY,
+        "study.effective-friction.runaway_range": 0,
+        "study.dynamics": {"duration": "0.4 s", "points": 9, "friction": "conventional", "level": "cage-set"},
+    },
+)
+
+
+@pytest.fixture(scope="module")
+def bearing():
+    return assemble(SCENE)
+
+
+@pytest.fixture(scope="module")
+def motion(bearing):
+    return Dynamics.of(SCENE).run(bearing)
+
+
+def test_heat_on_all_slices_is_that_of_the_tractions_of_the_motion(bearing, motion):
+    """The sum of mu w V over evaluated slices against force times sliding, which the compiled motion stored."""
+    for i in range(len(RINGS)):
+        now = motion.isel(time=-1, ring=i)
+        contacts, _, column = over_motion._contacts(bearing, now, i)
+        power = float((contacts.friction_power * bearing.widths[column]).sum())
+        stored = float(np.abs(now["traction_force"] * now["sliding_speed"]).sum())
+        assert power == pytest.approx(stored, rel=1e-3)
+
+
+def test_speeds_of_the_slices_are_those_of_the_kinematics(bearing, motion):
+    last = motion.isel(time=-1)
+    speeds = bearing.kinematics.surface_speeds(float(last["cage_slip"]), last["roller_slip"].to_numpy())
+    for i, rolling in enumerate((speeds.inner_rolling, speeds.outer_rolling)):
+        contacts, owner, _ = over_motion._contacts(bearing, last.isel(ring=i), i)
+        assert contacts.slices.rolling_speed == pytest.approx(np.asarray(rolling)[owner], rel=1e-12)
+
+
+def test_the_worst_of_all_is_the_worst_of_its_instant(motion):
+    for k, name in enumerate(EVERY):
+        rows = motion["worst_over_time"][k].to_numpy()
+        extreme = np.nanmin(rows, axis=1) if name == "film-parameter" else np.nanmax(rows, axis=1)
+        assert motion["worst"][k].to_numpy().tolist() == extreme.tolist()
+        for i in range(len(RINGS)):
+            at = motion["measured_time"].to_numpy().tolist().index(float(motion["worst_time"][k, i]))
+            assert rows[i, at] == extreme[i]
+
+
+def test_the_verdict_says_what_is_beyond_its_limit_and_when(motion):
+    told = account_of(motion).topics(motion)
+    assert "along the motion the sliding power density is at most" in told["sliding power density"][0]
+    assert "at t = " in told["sliding power density"][0]
+    assert told["damage"] == ["the worst values were found at all stored instants; between instants they may be worse"]
+    assert account_of(motion).harm(motion) == ""
+    limited = motion.assign(limit=motion["limit"].copy(data=[1e3, *motion["limit"].to_numpy()[1:]]))
+    assert "the sliding power density is beyond its limit of 1 kW/m2 on the inner" in " ".join(verdict([limited]))
+
+
+def test_a_measure_without_a_value_at_some_instants_says_so(motion, bearing):
+    stuck = motion.assign(roller_speed=motion["roller_speed"] * 0.0)  # rollers that stand while they slide
+    found, _ = over_motion.over_motion(bearing, stuck, lambda _: bearing)
+    k = EVERY.index("pass-energy")
+    assert "no pass ends" in found["worst_status"][k, 0]
+
+
+@pytest.mark.slow
+def test_a_settled_motion_has_the_damage_of_its_steady_slip():
+    long = rollslip.evolve(SCENE, {"study.dynamics.duration": "3 s", "study.dynamics.points": 201})
+    motion = Dynamics.of(long).run(assemble(long))
+    at = {"study.surface-damage.cage_slip": float(motion["cage_slip"][-1])}
+    steady = rollslip.run(rollslip.evolve(long, at), "surface-damage")["worst"].to_numpy()
+    late = motion["worst_over_time"].to_numpy()[:, :, -20:]
+    late = np.where(np.array(EVERY)[:, None] == "film-parameter", late.min(axis=2), late.max(axis=2))
+    assert late == pytest.approx(steady, rel=0.01)
+    assert any(name.endswith("-damage") for name, _, _ in motion_figures(motion))
+
+
+@pytest.mark.slow
+def test_warm_instants_are_measured_at_their_temperatures():
+    warm = rollslip.evolve(
+        SCENE, {"study.dynamics.history": {"temperature": {"shape": "ramp", "to": "110 degC", "within": "0.4 s"}}}
+    )
+    found = Dynamics.of(warm).run(assemble(warm)).sel(measure="contact-temperature")["worst_over_time"].to_numpy()
+    assert found[0, -1] - found[0, 0] == pytest.approx(40.0, abs=0.5)
