@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import attrs
 
+from rollslip.cards import Card
 from rollslip.errors import DomainError
 from rollslip.references import Citation
 
@@ -243,7 +244,7 @@ def _from_scene(cls: "type[Any]") -> "list[attrs.Attribute[Any]]":
     return [a for a in attrs.fields(cls) if "from_scene" in a.metadata]
 
 
-class SliceModel(abc.ABC):
+class SliceModel(Card, abc.ABC):
     """A stage: fills the ``writes`` columns of all slices from the members named in ``reads``."""
 
     name: ClassVar[str]
@@ -516,7 +517,7 @@ class TractionModel(SliceModel):
         return self
 
 
-class Drag(abc.ABC):
+class Drag(Card, abc.ABC):
     """What resists the cage or the rollers beside the traction of the raceways: one of the three sorts below."""
 
     name: ClassVar[str]
@@ -572,7 +573,7 @@ class PocketFriction(Drag):
     coefficient: float
 
 
-class IntegratorModel(abc.ABC):
+class IntegratorModel(Card, abc.ABC):
     """A factory of ``scipy.integrate.OdeSolver``, so that SciPy's solvers come as they are."""
 
     #: Rule of the conformance kit that the solver breaks for a reason -> that reason.
