@@ -3,6 +3,7 @@
 import csv
 import doctest
 import importlib.util
+import itertools
 import json
 import math
 import random
@@ -671,6 +672,16 @@ def test_a_linear_law_has_the_textbook_errors_and_both_intervals_agree():
         np.testing.assert_allclose(
             profile.rise, (profile.x - found.best.x[k]) ** 2 / found.covariance[k, k], rtol=1e-5, atol=1e-6
         )
+
+
+def test_how_far_a_fit_is_is_told_and_rises():
+    told = []
+    design = np.array([[1.0, 0.2], [0.1, 1.0], [0.5, 0.5]])
+    estimate(lambda x: design @ x - 0.1, *WIDE, known=True, report=lambda text, share: told.append((text, share)))
+    texts, shares = zip(*told, strict=True)
+    assert texts == (*(f"search {n} of 9" for n in range(1, 10)), "profile 1 of 2", "profile 2 of 2")
+    assert shares[0] == 0.0
+    assert all(low < high < 1.0 for low, high in itertools.pairwise(shares))
 
 
 def test_known_variances_have_the_quantiles_of_the_normal_distribution():

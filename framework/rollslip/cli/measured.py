@@ -40,8 +40,8 @@ def fit(
 
     results.go_to(f"{data.stem}-fit")
     with results.folder() as folder:
-        with progress("fit"):
-            dataset = fit(data, parameters=parameters, traction=traction, film=film, rig=rig)
+        with progress("fit") as show:
+            dataset = fit(data, parameters=parameters, traction=traction, film=film, rig=rig, report=show)
         save(dataset, folder / "fit.nc")
         write_oil(dataset, folder / f"{data.stem}.toml")
         results.show({"fit": dataset}, folder)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from rollslip.campaigns.fit.least_squares import estimate
+from rollslip.campaigns.fit.least_squares import Report, estimate
 from rollslip.campaigns.fit.problem import Array, Parameter, Raw, RigProblem, friction_at, parameters_named, rig_problem
 from rollslip.campaigns.fit.result import Fit, dataset_of
 from rollslip.errors import DomainError
@@ -35,6 +35,7 @@ def fit(
     traction: Raw | None = None,
     film: Raw | None = None,
     rig: str | os.PathLike[str] | Rig | None = None,
+    report: Report = lambda text, share: None,
 ) -> "xr.Dataset":
     """Fit parameters of an oil and of a traction model to the data of a traction rig.
 
@@ -50,6 +51,8 @@ def fit(
         Models, by default those of the rig file.
     rig : str, path or Rig, optional
         Rig file, by default ``rig.toml`` beside the data.
+    report : callable
+        Told how far it is, in words and as a share.
 
     Returns
     -------
@@ -74,16 +77,16 @@ def fit(
         rig = load_rig(Path(read.source).with_name("rig.toml") if rig is None else rig)
     problem = rig_problem(read, rig, traction, film)
     wanted = parameters_named(problem, parameters)
-    fitted = _fit(problem, wanted)
+    fitted = _fit(problem, wanted, report)
     return dataset_of(problem, fitted, wanted, time.perf_counter() - begin)
 
 
-def _fit(problem: RigProblem, wanted: list[Parameter]) -> Fit:
+def _fit(problem: RigProblem, wanted: list[Parameter], report: Report) -> Fit:
     """Fit, and again without the parameters that turn out not to matter, one by one."""
     free, kept = wanted, dict[str, str]()
     largest = float(np.abs(problem.data.columns["friction"]).max())
     while True:
-        fitted = fit_parameters(problem, free, kept)
+        fitted = fit_parameters(problem, free, kept, report=report)
         unlimited = [
             k for k, profile in enumerate(fitted.estimate.profiles) if not np.isfinite(profile.limits[-1]).any()
         ]
@@ -100,7 +103,12 @@ def _fit(problem: RigProblem, wanted: list[Parameter]) -> Fit:
 
 
 def fit_parameters(
-    problem: RigProblem, free: list[Parameter], kept: Mapping[str, str] = {}, *, profiles: bool = True
+    problem: RigProblem,
+    free: list[Parameter],
+    kept: Mapping[str, str] = {},
+    *,
+    profiles: bool = True,
+    report: Report = lambda text, share: None,
 ) -> Fit:
     """Fit some parameters, all of them, with or without their profiles."""
     measured = problem.data.columns["friction"]
@@ -116,7 +124,7 @@ def fit_parameters(
             return np.full(measured.size, np.nan)
 
     low, high = np.array([p.x(p.low) for p in free]), np.array([p.x(p.high) for p in free])
-    estimated = estimate(residuals, low, high, known=uncertainty is not None, profiles=profiles)
+    estimated = estimate(residuals, low, high, known=uncertainty is not None, profiles=profiles, report=report)
     return Fit(problem=problem, parameters=free, weight=weight, kept=dict(kept), estimate=estimated)
 
 

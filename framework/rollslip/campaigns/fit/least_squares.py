@@ -26,6 +26,8 @@ from rollslip.errors import ConvergenceError
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Residuals = Callable[[Array], Array]
+#: Told how far something is, in words and as a share.
+Report: TypeAlias = Callable[[str, float], None]
 Stop: TypeAlias = tuple[int, ...] | None
 
 #: Of the intervals: one standard deviation of a normal distribution, and 95 %.
@@ -121,7 +123,13 @@ class _LowerFoundError(Exception):
 
 
 def estimate(
-    residuals: Residuals, low: Array, high: Array, *, known: bool, profiles: bool = True
+    residuals: Residuals,
+    low: Array,
+    high: Array,
+    *,
+    known: bool,
+    profiles: bool = True,
+    report: Report = lambda text, share: None,
 ) -> LeastSquaresEstimate:
     """Minimise the sum of squared residuals from the origin and from eight starts around it, and tell the uncertainty.
 
@@ -135,6 +143,8 @@ def estimate(
         Whether the residuals are weighted, so that their standard deviation is 1.
     profiles : bool
         Whether to follow the profiles, which is most of the work.
+    report : callable
+        Told how far it is, in words and as a share.
 
     Raises
     ------
@@ -148,7 +158,18 @@ def estimate(
         root = (1.0 + root) ** (1.0 / (count + 1))
     points = np.outer(np.arange(1, _OTHER_STARTS + 1), root ** -np.arange(1.0, count + 1)) % 1.0
     around = np.clip(_SPREAD * (2.0 * points - 1.0), low, high) if count else np.zeros((0, 0))
-    minima = tuple(minimise(residuals, x, low, high) for x in (np.zeros(count), *around))
+    searches, each = 1 + len(around), count  # following a profile takes about as many searches as there are parameters
+    total = searches + count * each * profiles
+
+    def searched(number: int, start: Array) -> Minimum | None:
+        report(f"search {number + 1} of {searches}", number / total)
+        return minimise(residuals, start, low, high)
+
+    def followed(k: int) -> LikelihoodProfile:
+        report(f"profile {k + 1} of {count}", (searches + k * each) / total)
+        return _profile(residuals, best, k, low, high, scale, quantiles, math.sqrt(covariance[k, k]))
+
+    minima = tuple(searched(number, x) for number, x in enumerate((np.zeros(count), *around)))
     best = min((one for one in minima if one is not None), key=lambda one: one.chi2)
     while True:
         if not best.converged:
@@ -161,10 +182,7 @@ def estimate(
         covariance, spread, directions = _uncertainty(best.jacobian, scale)
         quantiles = _quantiles(freedom, known=known)
         try:
-            followed = [
-                _profile(residuals, best, k, low, high, scale, quantiles, math.sqrt(covariance[k, k]))
-                for k in range(count if profiles else 0)
-            ]
+            curves = tuple(followed(k) for k in range(count if profiles else 0))
         except _LowerFoundError as lower:
             better = minimise(residuals, lower.x, low, high)
             assert better is not None  # the profile has been there
@@ -179,7 +197,7 @@ def estimate(
             spread=spread,
             directions=directions,
             quantiles=quantiles,
-            profiles=tuple(followed),
+            profiles=curves,
         )
 
 
