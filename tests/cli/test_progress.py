@@ -4,14 +4,17 @@ import io
 import math
 import re
 import sys
+import types
 
 import click
 import pytest
 
+import rollslip
 from rollslip import load_scene
 from rollslip.campaigns.comparison.comparison import plan_comparison, run_comparison
-from rollslip.cli import app
-from rollslip.cli.app import progress, time_left
+from rollslip.cli.app import progress
+from rollslip.planning import progress as watch
+from rollslip.planning.progress import progress_in_notebook, time_left
 
 NAN = math.nan
 
@@ -76,7 +79,7 @@ def test_results_in_a_file_are_not_drawn_into_the_terminal(monkeypatch):
 
 def test_without_a_terminal_a_line_comes_every_half_a_minute(monkeypatch):
     now = [0.0]
-    monkeypatch.setattr(app.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(watch.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(sys, "stderr", io.StringIO())
     with progress("sweep") as show:
         for second in range(0, 100, 5):
@@ -93,3 +96,57 @@ def test_a_comparison_tells_how_far_it_is():
     run_comparison(made, lambda text, share: told.append((text, share)))
     assert [share for _, share in told] == [0.0, 0.25, 0.5, 0.75]
     assert {text for text, _ in told} == set(made.combinations)
+
+
+# In a notebook --------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def shown(monkeypatch):
+    """What a notebook would show one after the other, with the display of a kernel that is not here."""
+    texts = []
+    place = types.SimpleNamespace(update=texts.append)
+
+    def display(text, display_id):
+        assert display_id is True
+        texts.append(text)
+        return place
+
+    for name, module in (
+        ("ipykernel", types.SimpleNamespace()),
+        ("IPython", types.SimpleNamespace()),
+        ("IPython.display", types.SimpleNamespace(HTML=str, display=display)),
+    ):
+        monkeypatch.setitem(sys.modules, name, module)
+    return texts
+
+
+def test_a_notebook_shows_how_far_a_sweep_is_and_nothing_at_the_end(shown):
+    rollslip.sweep(
+        "1032930-70C", {"operation.radial_load": "500:1500:3"}, study="friction-curve",
+        output=["critical_slip"], engine="serial",
+    )  # fmt: skip
+    assert shown[0] == "sweep"
+    assert shown[-1] == ""
+    form = re.compile(r'<progress value="([\d.]+)"></progress> sweep: (\d) of 3 points(, .*)?')
+    told = [form.fullmatch(one) for one in shown[1:-1]]
+    assert all(told)
+    assert [float(one[1]) for one in told] == pytest.approx([int(one[2]) / 3 for one in told], abs=1e-3)
+    assert told[-1][2] == "3"
+
+
+def test_what_a_notebook_shows_is_escaped_and_vanishes_with_a_fault(shown):
+    def fails():
+        with progress_in_notebook("a < b") as show:
+            show("<script>")
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fails()
+    assert shown == ["a &lt; b", "a &lt; b: &lt;script&gt;", ""]
+
+
+def test_outside_of_a_notebook_nothing_is_shown(capsys):
+    with progress_in_notebook("sweep") as show:
+        show("3 of 10 points", 0.3, 70.0)
+    assert capsys.readouterr() == ("", "")

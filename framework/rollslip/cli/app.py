@@ -9,11 +9,10 @@ import math
 import shlex
 import shutil
 import sys
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from rich.console import Console
 
+    from rollslip.planning.progress import Shown
     from rollslip.scene.values import Scene
 
 #: What the shell sees.
@@ -367,33 +367,6 @@ def at_a_terminal() -> bool:
     return sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
 
 
-class Shown(Protocol):
-    """Shows how far something is: in words, the share that is done, and the time left [s] where it is known."""
-
-    def __call__(self, text: str, share: float = math.nan, left: float = math.nan) -> None:
-        """Show it."""
-        ...
-
-
-def time_left(elapsed: float, since: float, share: float, left: float, seconds: float) -> float:
-    """Return the time left [s]; NaN where nothing is known of it.
-
-    Parameters
-    ----------
-    elapsed, since : float
-        Time since the begin, and since it was last told how far it is [s].
-    share, left : float
-        The share that was done then, and the time left that was told then [s].
-    seconds : float
-        How long all of it was estimated to take [s].
-    """
-    if math.isnan(left) and share > 0.01:
-        left = (elapsed - since) * (1.0 - share) / share
-    if not math.isnan(left):
-        return max(left - since, 0.0)
-    return seconds - elapsed if seconds > elapsed else math.nan
-
-
 def terminal(*, stderr: bool = False, width: int | None = None) -> "Console":
     """Return the console of rich to which tables and bars are written; texts go there as they are."""
     from rich.console import Console
@@ -402,7 +375,7 @@ def terminal(*, stderr: bool = False, width: int | None = None) -> "Console":
 
 
 @contextmanager
-def progress(what: str, seconds: float = math.nan) -> Iterator[Shown]:
+def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
     """Show how far something is and how long it will take: a bar on a terminal, else a line every half a minute.
 
     Messages that are printed meanwhile stand above the bar. The bar vanishes at the end.
@@ -414,25 +387,18 @@ def progress(what: str, seconds: float = math.nan) -> Iterator[Shown]:
     seconds : float
         How long it was estimated to take [s], for a time left where nothing better is told.
     """
-    from rollslip.planning.plan import duration
+    from rollslip.planning.progress import Watch
 
-    begin = time.monotonic()
-    told = {"at": begin, "share": math.nan, "left": math.nan}
-
-    def left_in_words() -> str:
-        now = time.monotonic()
-        left = time_left(now - begin, now - told["at"], told["share"], told["left"], seconds)
-        return "" if math.isnan(left) else f"{duration(left)} left" if left >= 1.0 else "soon done"
-
+    watch = Watch(seconds)
     if not sys.stderr.isatty():
-        said = begin
+        said = watch.begin
 
         def line(text: str, share: float = math.nan, left: float = math.nan) -> None:
             nonlocal said
-            told.update(at=time.monotonic(), share=share, left=left)
-            if told["at"] - said >= 30.0:
-                said = told["at"]
-                click.echo(": ".join([what, ", ".join(filter(None, [text, left_in_words()]))]), err=True)
+            watch.tell(share, left)
+            if watch.at - said >= 30.0:
+                said = watch.at
+                click.echo(": ".join([what, ", ".join(filter(None, [text, watch.left_in_words()]))]), err=True)
 
         yield line
         return
@@ -441,7 +407,7 @@ def progress(what: str, seconds: float = math.nan) -> Iterator[Shown]:
 
     class Left(ProgressColumn):
         def render(self, task: Task) -> Text:
-            return Text(left_in_words())
+            return Text(watch.left_in_words())
 
     columns = (
         SpinnerColumn(),
@@ -456,7 +422,7 @@ def progress(what: str, seconds: float = math.nan) -> Iterator[Shown]:
         task = shown.add_task(what, total=None)
 
         def show(text: str, share: float = math.nan, left: float = math.nan) -> None:
-            told.update(at=time.monotonic(), share=share, left=left)
+            watch.tell(share, left)
             known = not math.isnan(share)
             shown.update(
                 task, description=f"{what}: {text}", total=1.0 if known else None, completed=share if known else 0.0

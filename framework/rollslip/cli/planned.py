@@ -2,7 +2,6 @@
 
 import importlib.metadata
 import json
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -108,14 +107,7 @@ def sweep_planned(sweep: "Sweep") -> list[str]:
 def sweep_progress(of: "Progress") -> str:
     """Return how far a sweep is, in one line."""
     left = f", {duration(of.left)} left" if of.left is not None else ""
-    return f"{sweep_share(of)[0]}{left}"
-
-
-def sweep_share(of: "Progress") -> tuple[str, float, float]:
-    """Return how far a sweep is in words, the share that is done, and the time left [s]; NaN where it is not known."""
-    failed = f", {of.failed} failed" if of.failed else ""
-    text = f"{of.done} of {of.total} points{failed}"
-    return text, of.done / of.total if of.total else math.nan, math.nan if of.left is None else of.left
+    return f"{of.told[0]}{left}"
 
 
 def sweep_pieces(folder: Path, pieces: "Sequence[Status]") -> str:

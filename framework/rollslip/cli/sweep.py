@@ -191,7 +191,7 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Resul
                 folder,
                 again=tuple(again),
                 said=lambda text: click.echo(f"  {text}", err=results.as_json),
-                report=lambda now: show(*planned.sweep_share(now)),
+                report=lambda now: show(*now.told),
             )
     except KeyboardInterrupt:
         click.echo(f"interrupted at once; what was done is kept; {go_on}", err=True)

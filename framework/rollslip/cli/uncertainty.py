@@ -92,7 +92,7 @@ def uncertainty(
                 made,
                 results.target,
                 said=lambda text: click.echo(f"  {text}", err=results.as_json),
-                report=lambda now: show(*planned.sweep_share(now)),
+                report=lambda now: show(*now.told),
             )
     except KeyboardInterrupt:
         click.echo(f"interrupted; what was done is kept; {go_on}", err=True)

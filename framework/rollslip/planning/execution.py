@@ -16,6 +16,7 @@ from rollslip.errors import RollslipError
 from rollslip.motion.checkpoints import Checkpoints
 from rollslip.planning.plan import Plan, plan
 from rollslip.planning.plausibility import implausible
+from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.provenance import run_origin
 from rollslip.planning.verification import accuracy_rows, again, judge, told
 from rollslip.results.dataset import about
@@ -59,7 +60,9 @@ def run(scene: Scene | str, study: str | None = None) -> "xr.Dataset":
     0.5
     """
     made = plan(scene, study)
-    return execute(made, next(iter(made.studies)))
+    name = next(iter(made.studies))
+    with progress_in_notebook(name, made.seconds_of(name)) as show:
+        return execute(made, name, progress=show)
 
 
 def execute(

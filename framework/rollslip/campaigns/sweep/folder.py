@@ -30,6 +30,7 @@ from rollslip.campaigns.sweep.result import collect
 from rollslip.campaigns.sweep.run import asked_engine, run_sweep
 from rollslip.campaigns.sweep.sweep import FILE, open_sweep, plan_sweep, store_sweep
 from rollslip.errors import BusyError, OutputError
+from rollslip.planning.progress import progress_in_notebook
 from rollslip.results.dataset import save
 from rollslip.scene.values import Scene
 
@@ -105,7 +106,8 @@ def sweep(
     asked_engine(planned)
     with tempfile.TemporaryDirectory() if out is None else nullcontext(out) as folder:
         kept = begin(planned, Path(folder))
-        run_sweep(planned, kept)
+        with progress_in_notebook("sweep") as show:
+            run_sweep(planned, kept, report=lambda now: show(*now.told))
         return finish(planned, kept)
 
 

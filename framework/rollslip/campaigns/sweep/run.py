@@ -14,6 +14,7 @@
 """
 
 import logging
+import math
 import os
 import platform
 import signal
@@ -87,6 +88,13 @@ class Progress:
     def done(self) -> int:
         """Points that are done."""
         return sum(self.counts.values())
+
+    @property
+    def told(self) -> tuple[str, float, float]:
+        """How far it is in words, the share that is done, and the time left [s]; NaN where it is not known."""
+        failed = f", {self.failed} failed" if self.failed else ""
+        text = f"{self.done} of {self.total} points{failed}"
+        return text, self.done / self.total if self.total else math.nan, math.nan if self.left is None else self.left
 
     @property
     def failed(self) -> int:

@@ -44,6 +44,7 @@ from rollslip.campaigns.uncertainty.estimators import Estimate, fewest, indices,
 from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.errors import OutputError, SceneError
 from rollslip.planning.plausibility import implausible
+from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.provenance import citations_told, origin, scene_told
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
@@ -178,8 +179,9 @@ def uncertainty(
         engine=engine,
         time_limit=time_limit,
     )
-    with tempfile.TemporaryDirectory() if out is None else nullcontext(out) as folder:
-        return run_margin(made, Path(folder))
+    place = tempfile.TemporaryDirectory() if out is None else nullcontext(out)
+    with place as folder, progress_in_notebook("uncertainty") as show:
+        return run_margin(made, Path(folder), report=lambda now: show(*now.told))
 
 
 def plan_margin(

@@ -1,0 +1,94 @@
+"""How far something is, and the time left: shown in notebooks by Python's functions, by the commands on a terminal."""
+
+import importlib
+import math
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from html import escape
+from typing import Any, Protocol
+
+from rollslip.planning.plan import duration
+
+__all__ = ["Shown", "Watch", "progress_in_notebook", "time_left"]
+
+
+class Shown(Protocol):
+    """Shows how far something is: in words, the share that is done, and the time left [s] where it is known."""
+
+    def __call__(self, text: str, share: float = math.nan, left: float = math.nan) -> None:
+        """Show it."""
+        ...
+
+
+def time_left(elapsed: float, since: float, share: float, left: float, seconds: float) -> float:
+    """Return the time left [s]; NaN where nothing is known of it.
+
+    Parameters
+    ----------
+    elapsed, since : float
+        Time since the begin, and since it was last told how far it is [s].
+    share, left : float
+        The share that was done then, and the time left that was told then [s].
+    seconds : float
+        How long all of it was estimated to take [s].
+    """
+    if math.isnan(left) and share > 0.01:
+        left = (elapsed - since) * (1.0 - share) / share
+    if not math.isnan(left):
+        return max(left - since, 0.0)
+    return seconds - elapsed if seconds > elapsed else math.nan
+
+
+class Watch:
+    """The time since something began, and what was last told of it.
+
+    Parameters
+    ----------
+    seconds : float
+        How long all of it was estimated to take [s].
+    """
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds, self.begin = seconds, time.monotonic()
+        self.at, self._share, self._left = self.begin, math.nan, math.nan
+
+    def tell(self, share: float, left: float) -> None:
+        """Take the share that is done, and the time left [s] where it is known."""
+        self.at, self._share, self._left = time.monotonic(), share, left
+
+    def left_in_words(self) -> str:
+        """Return the time left in words; nothing where it is not known."""
+        now = time.monotonic()
+        left = time_left(now - self.begin, now - self.at, self._share, self._left, self._seconds)
+        return "" if math.isnan(left) else f"{duration(left)} left" if left >= 1.0 else "soon done"
+
+
+@contextmanager
+def progress_in_notebook(what: str, seconds: float = math.nan) -> Iterator[Shown]:
+    """Show in a notebook how far something is, and nothing elsewhere; what is shown vanishes at the end.
+
+    Parameters
+    ----------
+    what : str
+        What is done.
+    seconds : float
+        How long it was estimated to take [s].
+    """
+    if "ipykernel" not in sys.modules:
+        yield lambda text, share=math.nan, left=math.nan: None
+        return
+    page: Any = importlib.import_module("IPython.display")
+    watch, place = Watch(seconds), page.display(page.HTML(escape(what)), display_id=True)
+
+    def show(text: str, share: float = math.nan, left: float = math.nan) -> None:
+        watch.tell(share, left)
+        bar = "" if math.isnan(share) else f'<progress value="{share:.3f}"></progress> '
+        told = ", ".join(filter(None, (f"{what}: {text}", watch.left_in_words())))
+        place.update(page.HTML(bar + escape(told)))
+
+    try:
+        yield show
+    finally:
+        place.update(page.HTML(""))
