@@ -1,5 +1,6 @@
 """Temperatures as states of a motion: conservation, limits of capacity and time, solutions by hand, and refusals."""
 
+import json
 import math
 
 import attrs
@@ -11,9 +12,12 @@ import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError, SceneError
+from rollslip.motion import time_integration
+from rollslip.motion.checkpoints import Checkpoints
 from rollslip.motion.history.path import ThermalPath
 from rollslip.results.account import account_of
 from rollslip.results.style import save_figures
+from rollslip.studies.answers import Keep
 from rollslip.studies.dynamics import heating
 from rollslip.studies.dynamics.figures import motion_figures
 from rollslip.studies.dynamics.study import Dynamics
@@ -86,6 +90,79 @@ def test_after_a_long_time_temperatures_are_those_of_the_thermal_balance(tmp_pat
     names = [name for name, _, _ in motion_figures(result)]
     assert any(name.endswith("-temperatures") for name in names)
     save_figures(motion_figures(result), "", tmp_path)
+
+
+@pytest.mark.slow
+def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeypatch):
+    bearing = assemble(scene(2.0, {"study.dynamics.duration": "0.3 s"}))
+    study, store, looks = Dynamics.of(bearing.scene), Checkpoints(tmp_path, "of the scene", "dynamics"), []
+    whole = study.run(bearing)
+
+    def interrupted(run):
+        if run.keep is not None:  # not in the passes, which are gone through again
+            looks.append(run.t)
+            if len(looks) == 4:
+                raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(time_integration, "_MANY", 4)
+        patched.setattr(time_integration._Run, "_pause", interrupted)
+        first = study.run(bearing, Keep(store=store))
+    assert first.attrs["outcome"] == "interrupted"
+    assert 0.0 < looks[-1] < 0.25
+    assert first.attrs["heat_made"] == pytest.approx(
+        first.attrs["heat_stored"] + first.attrs["heat_carried_away"], rel=1e-9
+    )
+    rest = study.run(assemble(bearing.scene), Keep(store=store))
+    assert rest.attrs["outcome"] == "finished"
+    for name in ("cage_speed", "course_temperature", "work_done"):
+        assert np.array_equal(rest[name], whole[name]), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", ["pocket", "planar"])
+def test_levels_that_resolve_contacts_conserve_heat_too(level):
+    within = {
+        "study.dynamics.level": level,
+        "study.dynamics.integrator": "leapfrog",
+        "study.dynamics.duration": "0.03 s",
+        "study.dynamics.planar": {"inner_ring_mass": "5 kg"},
+        "cage.drag": ["petroff-land", "rolling-resistance"],
+    }
+    result = ran(scene(2.0, within))
+    works = dict(zip(result["work"].to_numpy().tolist(), result["work_done"].to_numpy()[:, -1], strict=True))
+    lost = -sum(work for name, work in works.items() if name.startswith("lost_")) - works["work_drag"]
+    assert result.attrs["heat_made"] == pytest.approx(lost, rel=1e-9)
+    assert lost == pytest.approx(result.attrs["heat_stored"] + result.attrs["heat_carried_away"], rel=1e-12)
+
+
+@pytest.mark.slow
+def test_temperatures_follow_along_a_history():
+    """Half the time under another load: each half stores and loses what it does, and the wider contacts lose more."""
+    step = {"study.dynamics.history": {"radial_load": {"shape": "step", "to": "5 kN", "at": "0.5 s"}}}
+    result, without = ran(scene(2.0, step)), ran(scene(2.0))
+    assert json.loads(result.attrs["history"])[:2] == ["radial_load", "temperature"]
+    assert result.attrs["heat_made"] == pytest.approx(
+        result.attrs["heat_stored"] + result.attrs["heat_carried_away"], rel=1e-12
+    )
+    warm, other = (one["course_temperature"].to_numpy() for one in (result, without))
+    k = int(np.searchsorted(result["time"].to_numpy(), 0.45))
+    assert np.abs(warm[:k] - other[:k]).max() < 0.02  # no effect before its cause, but for where tables have nodes
+    assert not np.array_equal(warm[-1], other[-1])
+
+
+@pytest.mark.slow
+def test_the_clearance_goes_with_the_temperatures_of_parts_that_expand():
+    result, expansion = ran(scene(2.0, expansion="12e-6 1/K")), 12e-6
+    b = SCENE.bearing
+    _, inner, rollers, outer = (result["course_temperature"].to_numpy()[-1] - SCENE.operation.temperature).tolist()
+    grown = expansion * (
+        b.outer_raceway_diameter * outer - b.inner_raceway_diameter * inner - 2.0 * b.roller_diameter * rollers
+    )
+    allowed = heating.allowed(assemble(SCENE))  # of the last pass
+    clearance = float(result["radial_clearance"][-1]) - b.radial_clearance
+    assert clearance == pytest.approx(grown, abs=2.0 * expansion * b.outer_raceway_diameter * allowed)
+    assert grown > 1e-6
 
 
 @pytest.mark.slow

@@ -45,8 +45,8 @@ _PER_KELVIN: Final = 0.1
 _MOST, _BEFORE = 25, 3
 #: Halvings of the way to temperatures at which a motion fails: the losses of cold oil may lead beyond the data of it.
 _HALVINGS: Final = 6
-#: Passes and bearings put together for each that a plan expects.
-_USUAL, _BEARINGS = 4, 13
+#: What a plan expects: passes, bearings put together for each, and by how much rates between them take longer.
+_USUAL, _BEARINGS, _ALONG = 4, 30, 5
 #: Step of temperature by which the thermal model is made linear, and to a bearing whose price is measured [K].
 _STEP: Final = 1.0
 #: Difference of two linear parts that is rounding.
@@ -192,7 +192,7 @@ def heated(study: Warming, assembly: Assembly, progress: Callable[[str, float], 
     for count in range(1, _MOST + 1):
         history = _history(study, bearing, model, given, times, at, most)
         if progress is not None:
-            progress(f"temperatures, pass {count}", min(count / (_USUAL + 1.0), 0.95))
+            progress(f"temperatures, pass {count}", (count - 1) / max(_USUAL + 1, count + 1))
         try:
             moving, found = _moved(study, bearing, history, times, count)
         except ConvergenceError:
@@ -215,6 +215,12 @@ def heated(study: Warming, assembly: Assembly, progress: Callable[[str, float], 
         f"more than {most:.2g} K; shorten study.{study.name}.duration, raise accuracy.tolerance, or hold "
         "temperatures with --set models.thermal=given"
     )
+
+
+def share(heating: Heating | None, done: float) -> float:
+    """Return what of a run is done, with passes before it, where of its motion that share is."""
+    before = 0 if heating is None else heating.passes
+    return (before + done) / (before + 1)
 
 
 def _accelerated(tried: list[Array], moved: list[Array]) -> Array:
@@ -386,4 +392,4 @@ def cost(study: Warming, assembly: Assembly, motion: float) -> dict[str, float]:
         return {}
     warmer = changed(assembly, model.changes(model.start(assembly.scene) + _STEP, assembly.scene))
     one = timed(lambda: study.moving_along(study.course(warmer), warmer), 1)
-    return {"temperatures": _USUAL * (motion + _BEARINGS * one)}
+    return {"temperatures": _USUAL * (_ALONG * motion + _BEARINGS * one)}

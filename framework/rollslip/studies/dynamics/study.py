@@ -371,7 +371,7 @@ class Dynamics(Study):
                 store.write(parts + number, trajectory)
             if kept.progress is not None:
                 t = trajectory.last_t
-                kept.progress(f"{t:.4g} of {self.duration:.4g} s", t / self.duration)
+                kept.progress(f"{t:.4g} of {self.duration:.4g} s", heating.share(heat, t / self.duration))
 
         found = integrate(
             self._ivp(moving, self.relative_tolerance, before, watch=watch if moving.system.watched else None),
