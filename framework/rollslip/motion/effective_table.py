@@ -138,7 +138,9 @@ class EffectiveTable:
         )
 
 
-def effective_table(assembly: Assembly, raceway: Raceway, load: Array, tolerance: float, slips: bool) -> EffectiveTable:
+def effective_table(
+    assembly: Assembly, raceway: Raceway, load: Array, tolerance: float, slips: bool, between_nodes: float = 1.0
+) -> EffectiveTable:
     """Tabulate the effective friction of a raceway.
 
     Parameters
@@ -153,6 +155,8 @@ def effective_table(assembly: Assembly, raceway: Raceway, load: Array, tolerance
         Largest error, relative to the largest friction at a rolling speed.
     slips : bool
         Over both speeds instead of the sliding speed alone.
+    between_nodes : float
+        Share of what cubics over the sliding speed alone may leave between nodes that is aimed at, up to 1.
 
     Raises
     ------
@@ -166,7 +170,10 @@ def effective_table(assembly: Assembly, raceway: Raceway, load: Array, tolerance
     distinct, times = np.unique(load[load > 0.0], return_counts=True)  # mirror images are equal to the bit
     law, left = _gathered(raceway, distinct, times.astype(float), rolling, _CLASSES_SHARE * tolerance)
     cells = _CELLS_SHARE * tolerance
-    table = map_table(law, epicyclic, cells) if slips else curve_table(partial(law, epicyclic), epicyclic, cells)
+    if slips:
+        table = map_table(law, epicyclic, cells)
+    else:
+        table = curve_table(partial(law, epicyclic), epicyclic, cells, between_nodes * cells)
     return attrs.evolve(
         table,
         error=table.error + left[0],
@@ -188,7 +195,7 @@ def table_records(tables: Sequence[_Recorded], name: str = "effective_tables") -
     return {name: json.dumps(records)} if records else {}
 
 
-def curve_table(friction: Law, rolling: float, tolerance: float) -> EffectiveTable:
+def curve_table(friction: Law, rolling: float, tolerance: float, aim: float | None = None) -> EffectiveTable:
     """Tabulate friction over the sliding speed.
 
     Parameters
@@ -199,6 +206,8 @@ def curve_table(friction: Law, rolling: float, tolerance: float) -> EffectiveTab
         Rolling speed [m/s], of which the table reaches eight times.
     tolerance : float
         Largest error at the quarters of cells, relative to the largest friction.
+    aim : float, optional
+        Error down to which nodes are added as long as there are not the most of them, by default the tolerance.
 
     Raises
     ------
@@ -217,7 +226,8 @@ def curve_table(friction: Law, rolling: float, tolerance: float) -> EffectiveTab
         values = fine[::4]
         slopes = _slopes(limit, values, scale * shape.slope, share if shape.has_critical else 0.0)
         error = _missed(fine, slopes)
-        if error <= tolerance and (cells >= _MOST_CELLS or _rises(limit, slopes, scale * shape.slope)):
+        enough = error <= (tolerance if aim is None else aim) and _rises(limit, slopes, scale * shape.slope)
+        if enough or (cells >= _MOST_CELLS and error <= tolerance):
             break
         if cells >= _MOST_CELLS:
             raise _too_coarse(error, tolerance)
@@ -366,21 +376,21 @@ def _mapping(laws: Sequence[tuple[float, Law]], shape: _Shape, rolling: float) -
     """
     reach, node = _REACH * rolling, shape.critical.slip if shape.has_critical else shape.half
     rises = [_slope(law, _NEAR * shape.half * longer)[0] for longer, law in laws]
+    shares = [share for share in _SHARES if share * reach > node]
     for cells in (_FIRST_CELLS, _CLEARER, _CLEAR_CELLS):
-        least, best = math.inf, (0.0, 0.0, 0.0)
-        for share in _SHARES:
-            if share * reach <= node:
-                continue
+        found = list[tuple[float, float, float, float]]()
+        for share in shares:
             scale = node * reach * (1.0 - share) / (share * reach - node)
             limit, error = reach / (reach + scale), 0.0
             for (longer, law), rise in zip(laws, rises, strict=True):
                 fine = law(_speed(_halves(limit, 4 * cells), scale * longer))
                 error = max(error, _missed(fine, _slopes(limit, fine[::4], scale * longer * rise)))
-            if error < least:
-                least, best = error, (scale, limit, share)
-        if least <= _UNCLEAR:
+            found.append((error, scale, limit, share))
+        found.sort(key=lambda one: one[0])
+        if found[0][0] <= _UNCLEAR:
             break
-    return best
+        shares = [share for *_, share in found[: (len(found) + 1) // 2]]  # what is worse is not the best with more
+    return found[0][1:]
 
 
 def _first_cells(share: float) -> int:

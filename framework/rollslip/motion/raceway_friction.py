@@ -76,6 +76,8 @@ class FrictionSettings:
         Error of loads and tables, by default that of the resolution.
     critical_slip, film_limit : float
         Cage slip and film parameter that are watched; NaN for none. Only conventional friction knows the film.
+    between_nodes : float
+        Share, up to 1, of what tables of effective friction may leave between their nodes that is aimed at.
     like : Assembly, optional
         The bearing under its largest load: tables of conventional friction are made for its forces and kept with it, so
         that bearings that differ by their load alone share them, and so are those of plane motion. By default the
@@ -90,6 +92,7 @@ class FrictionSettings:
     tolerance: float | None = None
     critical_slip: float = math.nan
     film_limit: float = math.nan
+    between_nodes: float = 1.0
     like: Assembly | None = None
 
     @property
@@ -244,7 +247,7 @@ def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: Load
         return RacewayFriction(settings, (inner, outer), slices=slices, by_force=tables, way=way)
     tolerance = settings.table_tolerance(assembly)
     loads = build_load_map(assembly, tolerance) if loads is None else loads
-    effective = tuple(_table(assembly, ring, loads, tolerance, settings.effective_over == "slips") for ring in (0, 1))
+    effective = tuple(_table(assembly, ring, loads, settings) for ring in (0, 1))
     inner, outer = (table.raceway(rollers) for table in effective)
     return RacewayFriction(settings, (inner, outer), tables=effective)
 
@@ -262,11 +265,12 @@ def made_once(assembly: Assembly, key: tuple[object, ...], make: Callable[[], T]
     return kept
 
 
-def _table(assembly: Assembly, ring: int, loads: LoadMap, tolerance: float, slips: bool) -> EffectiveTable:
+def _table(assembly: Assembly, ring: int, loads: LoadMap, settings: FrictionSettings) -> EffectiveTable:
     """Return the effective friction of a ring at the epicyclic speed, made once for a bearing."""
     raceway, load = assembly.raceways[ring], loads.loads(min(assembly.centrifugal_force, loads.top))[ring]
-    key = ring, loads.orbits, raceway.conditions, raceway.chain.models, raceway.chain.bounds, tolerance, slips
-    return made_once(assembly, key, lambda: effective_table(assembly, raceway, load, tolerance, slips))
+    of = settings.table_tolerance(assembly), settings.effective_over == "slips", settings.between_nodes
+    key = ring, loads.orbits, raceway.conditions, raceway.chain.models, raceway.chain.bounds, *of
+    return made_once(assembly, key, lambda: effective_table(assembly, raceway, load, *of))
 
 
 def _by_force(assembly: Assembly, settings: FrictionSettings) -> tuple[tuple[FrictionTable, ...], str]:

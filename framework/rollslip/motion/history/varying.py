@@ -25,6 +25,9 @@ STILL: Final = 0.05
 _LOOKS: Final = 9
 #: Share of the tolerance that loads and tables of a station may take.
 _TABLES: Final = 0.3
+#: Share of that between nodes of effective friction: how many there are differs from station to station, and the errors
+#: are relative to the largest friction, which at low speed is ten times that of most slips.
+_BETWEEN_NODES: Final = 0.1
 
 
 @attrs.frozen
@@ -233,7 +236,9 @@ def varying_motion(
     asked = assembly.scene.accuracy.of("cage_speed")
     plain = attrs.evolve(friction, critical_slip=float("nan"))
     if axes:  # tables differ by their errors, of which interpolation can make nothing better
-        plain = attrs.evolve(plain, tolerance=min(friction.table_tolerance(assembly), _TABLES * asked))
+        plain = attrs.evolve(
+            plain, tolerance=min(friction.table_tolerance(assembly), _TABLES * asked), between_nodes=_BETWEEN_NODES
+        )
     if "radial_load" in history.varies and (planar is not None or friction.name == "conventional"):
         plain = attrs.evolve(plain, like=_held(assembly, {"radial_load": spans["radial_load"][1]}))
     stations = (Stations if path is None else PathStations)(
