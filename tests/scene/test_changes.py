@@ -8,10 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rollslip.bearing.assembly import assemble
 from rollslip.errors import PluginError, SceneError
+from rollslip.planning.quantities import quantities
 from rollslip.scene import FrozenTable, ModelChoice, Scene, resolved, scene_hash
 from rollslip.scene.changes import evolve, parse_set
-from rollslip.scene.reading import parse_scene
+from rollslip.scene.reading import load_scene, parse_scene
 from rollslip.scene.schema import schema
 from rollslip.structure import structure
 from scene_samples import SCENE, scene_with
@@ -164,3 +166,57 @@ def test_a_setting_of_the_command_line_is_toml_or_text(text: str, key: str, valu
 def test_a_setting_needs_key_and_value(text: str) -> None:
     with pytest.raises(SceneError, match="write KEY=VALUE"):
         parse_set(text)
+
+
+def test_a_parameter_of_one_of_several_models_is_set_by_its_name() -> None:
+    several = evolve(
+        load_scene("1032930-70C"), {"models.torque": ["skf", {"model": "constant-coefficient", "coefficient": 0.002}]}
+    )
+    changed = evolve(
+        several, {"models.torque.skf.series": "22", "models.torque.constant-coefficient.coefficient": 0.003}
+    )
+    assert [(one.name, dict(one.parameters)) for one in changed.models.torque] == [
+        ("skf", {"series": "22"}),
+        ("constant-coefficient", {"coefficient": 0.003}),
+    ]
+    assert several.models.torque[1].parameters["coefficient"] == 0.002
+    alone = evolve(
+        load_scene("1032930-70C"), {"models.damage": "power-density", "models.damage.power-density.allowed": "5 MW/m2"}
+    )
+    (one,) = alone.models.damage
+    assert (one.name, dict(one.parameters)) == ("power-density", {"allowed": "5 MW/m2"})
+
+
+@pytest.mark.parametrize(
+    ("key", "sentence"),
+    [
+        ("models.torque.palmgren.load_factor", "'torque' names skf, constant-coefficient, not 'palmgren'"),
+        ("models.torque.skf", "'torque' is a list; add a parameter of one, or set all of the list"),
+        ("models.damage.power-density.allowed", "'damage' names nothing, not 'power-density'"),
+        ("models.torque.skf.series.x", "'series' is not a table"),
+    ],
+)
+def test_a_key_that_leads_to_none_of_several_models_is_refused(key: str, sentence: str) -> None:
+    several = evolve(
+        load_scene("1032930-70C"), {"models.torque": [{"model": "skf", "series": "22"}, "constant-coefficient"]}
+    )
+    with pytest.raises(SceneError) as error:
+        evolve(several, {key: 1})
+    assert f"changes: '{key}' leads nowhere: {sentence}" in str(error.value)
+
+
+def test_a_fault_of_one_of_several_models_names_the_change() -> None:
+    several = evolve(load_scene("1032930-70C"), {"models.torque": ["skf", "constant-coefficient"]})
+    with pytest.raises(SceneError, match=r"changes: models.torque\[1\].coefficient: must be at least 0, not -1"):
+        assemble(evolve(several, {"models.torque.constant-coefficient.coefficient": -1}))
+
+
+def test_parameters_of_several_models_can_be_swept() -> None:
+    several = evolve(
+        load_scene("1032930-70C"),
+        {"models.torque": ["skf", "constant-coefficient"], "models.damage": ["film-parameter"]},
+    )
+    known = quantities(assemble(several), {})
+    assert known["models.torque.constant-coefficient.coefficient"].unit == "1"
+    assert known["models.torque.skf.series"].value == "10"
+    assert "models.damage.film-parameter.allowed" in known

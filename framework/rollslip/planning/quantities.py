@@ -1,7 +1,8 @@
 """The values of a scene that can be varied: by dotted key, each with unit, meaning and what it is now.
 
 They are taken from the fields of the bound bearing, so that defaults, the parameters of the models chosen and those of
-the models in them are among them. Lists and tables are not: they are no single value.
+the models in them are among them. Lists and tables are not: they are no single value; of a list of models the
+parameters of each are.
 """
 
 import contextlib
@@ -12,10 +13,12 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import attrs
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.catalogue.registry import structure_model
 from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.changes import Quantity
 from rollslip.scene.values import ModelChoice, Scene
+from rollslip.structure import Location
 from rollslip.units import UnitError, quantity
 
 __all__ = ["quantities"]
@@ -32,10 +35,14 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
         *_of_oil(assembly),
     ]
     for attribute in attrs.fields(type(scene.models)):
-        kind = attribute.name
-        if isinstance(choice := getattr(scene.models, kind), ModelChoice):
+        kind, choice = attribute.name, getattr(scene.models, attribute.name)
+        if isinstance(choice, ModelChoice):
             found.append(_choice(f"models.{kind}", attribute, choice.name, kind))
             found += _of(assembly.models.get(kind) or _thermal(scene), f"models.{kind}")
+        elif isinstance(choice, tuple):  # of several each is told by its name
+            for one in choice:
+                made = structure_model(kind, {"model": one.name, **one.parameters}, Location({}), [])
+                found += _of(made, f"models.{kind}.{one.name}")
     if scene.cage is not None:
         with contextlib.suppress(RollslipError):  # the study that needs a cage says so
             found += _of(assembly.cage, "cage")

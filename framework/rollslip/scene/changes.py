@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any, Final, get_args, get_origin
 
 import attrs
 
@@ -12,7 +12,7 @@ from rollslip.files import readable
 from rollslip.scene.reading import checked_scene
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import attributes, bare_key, key_of, thawed, types_of
-from rollslip.toml import DEEPEST, split_key
+from rollslip.toml import DEEPEST, KeyPath, split_key
 from rollslip.units import as_written, quantity, unit_given
 
 __all__ = ["Quantity", "evolve", "parse_set", "unknown"]
@@ -123,11 +123,11 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
     problems, changed = [], set[str]()
     for key, value in changes.items():
         try:
-            path = tuple(split_key(key.strip()))
-            if path[0] not in changed and path[0] in raw:
-                raw[path[0]] = thawed(raw[path[0]])
-            changed.add(path[0])
-            before = _set(raw, path, thawed(value))
+            asked = tuple(split_key(key.strip()))
+            if asked[0] not in changed and asked[0] in raw:
+                raw[asked[0]] = thawed(raw[asked[0]])
+            changed.add(asked[0])
+            before, path = _set(raw, asked, thawed(value))
         except (ValueError, RecursionError) as error:
             reason = "is nested too deeply" if isinstance(error, RecursionError) else str(error)
             problems.append(f"{_CHANGES}: {as_written(key)} {reason}")
@@ -144,17 +144,36 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
     return checked_scene(raw, origins, scene.source, scene.text, kept)
 
 
-def _set(table: dict[Any, Any], path: tuple[str, ...], value: object) -> object:
-    """Set a value deep in a raw scene and return the one before; a table left out or a bare name is written out."""
+def _set(table: Any, path: tuple[str, ...], value: object) -> tuple[object, KeyPath]:
+    """Set a value deep in a raw scene; return the one before, and where it stands.
+
+    A table left out or a bare name is written out. In a list of models one is found by its name.
+    """
     kind: Any = Scene
+    where = list[str | int]()
     for part in path[:-1]:
+        if isinstance(table, list):
+            name, bare = where[-1], str(bare_key(kind))
+            entries = [one if isinstance(one, dict) else {bare: one} for one in table]
+            names = [str(one.get(bare)) for one in entries]
+            if part not in names:
+                raise ValueError(f"leads nowhere: {name!r} names {', '.join(names) or 'nothing'}, not {part!r}")
+            where.append(names.index(str(part)))
+            table[:] = entries
+            table = table[int(where[-1])]
+            continue
         attribute = next((a for a in attributes(kind) if key_of(a) == part), None) if attrs.has(kind) else None
         kind = types_of(kind)[attribute.name] if attribute is not None else None
         below = table.get(part)
-        if not isinstance(below, dict):
-            bare = bare_key(kind) if attrs.has(kind) else None
-            if isinstance(below, str) and bare is not None:
-                below = {bare: below}
+        several = get_args(kind)[0] if get_origin(kind) is tuple else None
+        if several is not None and attrs.has(several) and bare_key(several) is not None:
+            kind = several
+            below = [below] if isinstance(below, str | dict) else list(below or ())
+            table[part] = below
+        elif not isinstance(below, dict):
+            bare_of = bare_key(kind) if attrs.has(kind) else None
+            if isinstance(below, str) and bare_of is not None:
+                below = {bare_of: below}
             elif below is not None:
                 raise ValueError(f"leads nowhere: {part!r} is not a table")
             else:
@@ -162,10 +181,13 @@ def _set(table: dict[Any, Any], path: tuple[str, ...], value: object) -> object:
                 choice = attrs.has(type(default)) and bare_key(type(default)) is not None
                 below = resolved(default) if choice else {}  # of other tables, defaults come when they are read
             table[part] = below
+        where.append(part)
         table = below
+    if isinstance(table, list):
+        raise ValueError(f"leads nowhere: {path[-2]!r} is a list; add a parameter of one, or set all of the list")
     before = table.get(path[-1])
     table[path[-1]] = value
-    return before
+    return before, (*where, path[-1])
 
 
 def parse_set(text: str) -> tuple[str, object]:
