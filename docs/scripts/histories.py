@@ -1,7 +1,10 @@
 """Write the table and the figures of docs/howto/history.rst: four histories of bearing 1032930, a minute or two.
 
-- histories.csv: of each the largest slip and when, time beyond the slip of running away, sliding, frictional work;
-- history_run_up.svg, history_load_drop.svg: the slip of two of them within its band.
+- histories.csv: of each the largest slip and when, time beyond the slip of running away, sliding, frictional work, and
+  the largest power density of sliding;
+- history_run_up.svg, history_load_drop.svg: the slip of two of them within its band;
+- history_damage.svg: what the run-up does to the surfaces;
+- history_warm_up.svg: temperatures of a cold bearing that follow from its losses and from the oil that flows in.
 """
 
 from output import percent, save_figure, write_table
@@ -9,6 +12,8 @@ from output import percent, save_figure, write_table
 from rollslip import evolve, load_scene, run
 from rollslip.studies.dynamics.history_figures import slip_along
 from rollslip.studies.dynamics.history_findings import record
+from rollslip.studies.surface_damage.figures import over_time
+from rollslip.studies.thermal_balance.figures import course
 
 SCENE = evolve(
     load_scene("1032930-50C"),
@@ -17,8 +22,16 @@ SCENE = evolve(
         "operation.radial_load": "3000 N",
         "study.dynamics.friction": "conventional",
         "study.dynamics.duration": "1.5 s",
+        "models.damage": ["power-density", "film-parameter"],
     },
 )
+WARM_UP = {
+    "accuracy.tolerance": 0.01,
+    "operation.temperature": "10 degC",
+    "models.damage": [],
+    "models.thermal": {"model": "network", "oil_flow": "15 g/s", "oil_inlet_temperature": "50 degC"},
+    "study.dynamics": {"friction": "effective", "level": "cage-set", "duration": "120 s"},
+}
 HISTORIES = {
     "run-up in 0.3 s": {"inner_speed": {"shape": "run-up", "from": "1000 rpm", "within": "0.3 s"}},
     "run-up in 1.2 s": {"inner_speed": {"shape": "run-up", "from": "1000 rpm", "within": "1.2 s"}},
@@ -28,7 +41,7 @@ HISTORIES = {
 DRAWN = {"run-up in 0.3 s": "history_run_up", "load drops to 600 N": "history_load_drop"}
 HEADER = (
     "history", "largest slip [%]", "at [s]", "beyond running away [s]", "slid on the inner ring [m]",
-    "work there [J]",
+    "work there [J]", "power density there [MW/m2]",
 )  # fmt: skip
 
 
@@ -40,6 +53,8 @@ def rows():
         told = record(result)
         if name in DRAWN:
             save_figure(slip_along(result), DRAWN[name])
+            if name.startswith("run-up"):
+                save_figure(over_time(result), "history_damage")
         beyond = told["time_beyond_runaway"]
         yield (
             name,
@@ -48,8 +63,10 @@ def rows():
             "unknown" if beyond is None else f"{beyond:.2f}",
             f"{told['sliding_distance_inner']:.1f}",
             f"{told['frictional_work_inner']:.0f}",
+            f"{1e-6 * float(result['worst'].sel(measure='power-density', ring='inner')):.1f}",
         )
 
 
 if __name__ == "__main__":
     write_table("histories", HEADER, rows())
+    save_figure(course(run(evolve(SCENE, WARM_UP), "dynamics")), "history_warm_up")

@@ -58,10 +58,10 @@ def figure(columns: int = 1, *, height: float = 2.9, width: float = 3.4, **optio
 
 
 def save_figure(made: Figure, name: str) -> None:
-    """Write docs/figures/NAME.svg, without a date and of at most `LARGEST` bytes."""
+    """Write docs/figures/NAME.svg, without date and version of Matplotlib, of at most `LARGEST` bytes."""
     path = DOCS / "figures" / f"{name}.svg"
     path.parent.mkdir(exist_ok=True)
-    made.savefig(path, metadata={"Date": None})
+    made.savefig(path, metadata={"Date": None, "Creator": None})
     path.write_text(rounded(path.read_text(encoding="utf-8")), encoding="utf-8")
     if (size := path.stat().st_size) > LARGEST:
         raise ValueError(f"{path.name} has {size} bytes, more than {LARGEST}; draw fewer marks or letters")

@@ -178,7 +178,8 @@ def ledger_table(dataset: "xr.Dataset") -> tuple[tuple[str, ...], list[list[str]
     entries = {name: float(work[-1]) for name, work in ledger(dataset).items()}
     entries |= {"kept in the motion": float(energy[-1] - energy[0]), "residual": float(dataset["energy_residual"][-1])}
     return ("energy since the start", "", "of what was turned over"), [
-        [name, _energy(value), f"{100 * value / size:+.3g} %" if size > 0.0 else "–"] for name, value in entries.items()
+        [name, energy_in_words(value), f"{100 * value / size:+.3g} %" if size > 0.0 else "–"]
+        for name, value in entries.items()
     ]
 
 
@@ -238,7 +239,8 @@ def _time(seconds: float) -> str:
     return f"t = {seconds:.3g} s"
 
 
-def _energy(joules: float) -> str:
+def energy_in_words(joules: float) -> str:
+    """Return an energy as people read it."""
     return f"{joules:.4g} J" if abs(joules) < 1e3 else f"{1e-3 * joules:.4g} kJ"
 
 
@@ -372,7 +374,7 @@ def _cage(dataset: "xr.Dataset") -> list[str]:
 def _ledger(dataset: "xr.Dataset") -> str:
     size, momentum = turnover(dataset), momentum_closure(dataset)
     if size > 0.0:
-        said = f"the energy ledger closes to {energy_closure(dataset):.1e} of the {_energy(size)} turned over"
+        said = f"the energy ledger closes to {energy_closure(dataset):.1e} of the {energy_in_words(size)} turned over"
     else:
         said = "no energy was turned over"
     return said if math.isnan(momentum) else f"{said}, angular momentum to {momentum:.1e} of its largest"

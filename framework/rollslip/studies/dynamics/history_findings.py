@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.studies.dynamics.findings import energy_in_words
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def heat_in_words(dataset: "xr.Dataset") -> list[str]:
         f"{node} from {format_quantity(float(first), 'K', 4)} to {format_quantity(float(last), 'K', 4)}"
         for node, first, last in zip(nodes, rows[0], rows[-1], strict=True)
     )
-    made, stored, carried = (format_quantity(abs(float(a[name])), "J", 4) for name in _HEAT[1:])
+    made, stored, carried = (energy_in_words(abs(float(a[name]))) for name in _HEAT[1:])
     warmed = "warmed the parts" if float(a["heat_stored"]) >= 0.0 else "came out of the parts"
     left = "left the bearing" if float(a["heat_carried_away"]) >= 0.0 else "came into the bearing"
     lasted = float(dataset["time"][-1])
