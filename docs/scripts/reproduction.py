@@ -165,7 +165,7 @@ class MurakiLogarithm(Muraki):
 def logarithm():
     """Effective friction of the inner ring with asinh(sigma) and with log(2 sigma)."""
     rows = []
-    study = EffectiveFriction(max_cage_slip=0.95, points=41, map_points=0)
+    study = EffectiveFriction(closure="epicyclic", max_cage_slip=0.95, points=41, map_points=0)
     slips = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
     for name, shipped in FIGURES.items():
         assembly = assemble(load_scene(shipped))
