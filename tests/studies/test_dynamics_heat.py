@@ -93,6 +93,22 @@ def test_after_a_long_time_temperatures_are_those_of_the_thermal_balance(tmp_pat
 
 
 @pytest.mark.slow
+def test_heat_of_rolling_and_of_a_land_on_a_turning_ring_is_made_where_the_balance_has_it():
+    """Places by the ledger against those by `rollslip.motion.losses`, at a slip of 26 %."""
+    changes = {
+        "operation.outer_speed": "-1000 rpm",
+        "cage.drag": ["petroff-land", "rolling-resistance"],
+        "study.dynamics.friction": "conventional",
+        "study.dynamics.duration": "4 s",
+    }
+    of = scene(2.0, changes, oil_flow="30 g/s")
+    result, balance = ran(of), rollslip.run(of, "thermal-balance")
+    settled, steady = result["course_temperature"].to_numpy()[-1], balance["temperature"].to_numpy()[:, 0]
+    assert np.abs(settled - steady).max() < 0.1  # of rises up to 53 K
+    assert float(result["cage_slip"][-1]) == pytest.approx(float(balance["steady_slip"][0]), rel=0.005)
+
+
+@pytest.mark.slow
 def test_a_run_that_was_interrupted_goes_on_with_the_same_bits(tmp_path, monkeypatch):
     bearing = assemble(scene(2.0, {"study.dynamics.duration": "0.3 s"}))
     study, store, looks = Dynamics.of(bearing.scene), Checkpoints(tmp_path, "of the scene", "dynamics"), []

@@ -14,6 +14,7 @@
 import itertools
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any, ClassVar, Final, Protocol
 
 import attrs
@@ -51,8 +52,8 @@ _USUAL, _BEARINGS, _ALONG = 4, 30, 5
 _STEP: Final = 1.0
 #: Difference of two linear parts that is rounding.
 _SAME: Final = 1e-9
-#: Instants of an orbit for what rings and rollers share of the resistance to rolling.
-_ORBIT: Final = 4
+#: Instants of an orbit, and cage slips, for what the rings share of the resistance to rolling.
+_ORBIT, _SLIPS = 4, (0.0, 0.05, 0.15, 0.3, 0.6, 0.9)
 
 
 class Warming(Movable, Protocol):
@@ -186,7 +187,7 @@ def heated(study: Warming, assembly: Assembly, progress: Callable[[str, float], 
     times = np.linspace(0.0, study.duration, _INSTANTS)
     if given is not None:
         times = np.union1d(times, given.breaks)
-    shares, most = _rolling_shares(study, bearing), allowed(assembly)
+    rolling, most = _rolling_shares(bearing), allowed(assembly)
     at = np.tile(start, (times.size, 1))
     tried, moved, halved = list[Array](), list[Array](), 0
     for count in range(1, _MOST + 1):
@@ -200,7 +201,7 @@ def heated(study: Warming, assembly: Assembly, progress: Callable[[str, float], 
                 raise
             at = 0.5 * (tried[-1] + at)
             continue
-        heat = _heat(moving, found, shares)
+        heat = _heat(moving, found, rolling)
         temperatures, carried = _temperatures(model, start, times, heat)
         step = temperatures - at
         if (change := float(np.abs(step).max())) <= most:
@@ -287,16 +288,20 @@ def _failed(count: int, message: str) -> ConvergenceError:
     )
 
 
-def _heat(moving: MovingBearing, found: Trajectory, shares: tuple[float, float]) -> dict[str, Array]:
+def _heat(moving: MovingBearing, found: Trajectory, rolling: tuple[Array, Array]) -> dict[str, Array]:
     """Heat made since the start by place [J], (m,), from the ledger.
 
     A torque T on the cage makes the heat -int T (w_c - w_b) dt with the body b that bears its reaction; the ledger has
     int T w_c dt and int T dt, and w_b is that of the middle of an interval.
     """
     of, t = moving.split(found.y), found.t
+    with np.errstate(divide="ignore", invalid="ignore"):  # a cage whose epicyclic speed is none
+        slip = np.nan_to_num(1.0 - of["cage_speed"] / moving.unslipped(t)[0])
+    inner = np.interp(0.5 * (slip[1:] + slip[:-1]), *rolling) * np.diff(of["lost_rolling"])
+    rolled = np.concatenate(([0.0], np.cumsum(inner)))
     heat = {
-        f"{ring} contact": of[f"lost_{ring}"] + share * of["lost_rolling"] + 0.5 * of.get("lost_damping", 0.0)
-        for ring, share in zip(RINGS, shares, strict=True)
+        f"{ring} contact": of[f"lost_{ring}"] + resisted + 0.5 * of.get("lost_damping", 0.0)
+        for ring, resisted in zip(RINGS, (rolled, of["lost_rolling"] - rolled), strict=True)
     }
     heat["pocket"] = of["lost_pockets"]
     cage = moving.assembly.cage
@@ -328,19 +333,22 @@ def _shares(moving: MovingBearing, torques: Any, cage: Array, rings: Array) -> l
     return list(np.divide(values, whole, out=np.full(values.shape, 1.0 / len(torques)), where=whole != 0.0))
 
 
-def _rolling_shares(study: Warming, assembly: Assembly) -> tuple[float, float]:
-    """What of the heat of resistance to rolling is made at each ring, as without slip."""
+def _rolling_shares(assembly: Assembly) -> tuple[Array, Array]:
+    """Cage slips, and what of the heat of resistance to rolling is made at the inner ring there."""
     if assembly.cage.drags.resistance is None:
-        return 0.5, 0.5
+        return np.zeros(1), np.full(1, 0.5)
     there = assembly.with_resistance()
     balance = TorqueBalance(there, there.cage.drags, instants=assembly.resolution.instants or _ORBIT)
-    losses = power_balance(balance, balance.orbit(0.0)).losses
-    rolled = [
-        sum(one.power for one in losses if one.place == f"{ring} contact" and not one.source.startswith("sliding"))
-        for ring in RINGS
-    ]
-    inner = rolled[0] / (sum(rolled) or 1.0)
-    return inner, 1.0 - inner
+    found = dict[float, float]()
+    for slip in _SLIPS:
+        with suppress(DomainError, ConvergenceError):  # a slip that the motion need not come to
+            losses = power_balance(balance, balance.orbit(slip)).losses
+            inner, outer = (
+                sum(one.power for one in losses if one.place == f"{ring} contact" and "sliding" not in one.source)
+                for ring in RINGS
+            )
+            found[slip] = inner / (inner + outer) if inner + outer > 0.0 else 0.5
+    return np.array([*found] or [0.0]), np.array([*found.values()] or [0.5])
 
 
 def _temperatures(model: ThermalModel, start: Array, times: Array, heat: Mapping[str, Array]) -> tuple[Array, Array]:
