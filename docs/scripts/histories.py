@@ -1,8 +1,8 @@
-"""Write the table and the figures of docs/howto/history.rst: four histories of bearing 1032930, a minute or two.
+"""Write the table and the figures of docs/howto/history.rst: five histories of bearing 1032930, a minute or two.
 
 - histories.csv: of each the largest slip and when, time beyond the slip of running away, sliding, frictional work, and
   the largest power density of sliding;
-- history_run_up.svg, history_load_drop.svg: the slip of two of them within its band;
+- history_run_up.svg, history_load_drop.svg, history_emergency_stop.svg: the slip of three of them within its band;
 - history_damage.svg: what the run-up does to the surfaces;
 - history_warm_up.svg: temperatures of a cold bearing that follow from its losses and from the oil that flows in.
 """
@@ -36,9 +36,14 @@ HISTORIES = {
     "run-up in 0.3 s": {"inner_speed": {"shape": "run-up", "from": "1000 rpm", "within": "0.3 s"}},
     "run-up in 1.2 s": {"inner_speed": {"shape": "run-up", "from": "1000 rpm", "within": "1.2 s"}},
     "load drops to 600 N": {"radial_load": {"shape": "step", "to": "600 N", "at": "0.3 s"}},
+    "stop in 1 s": {"inner_speed": {"shape": "emergency-stop", "at": "0.2 s", "within": "1 s"}},
     "oil from 10 degC": {"temperature": {"shape": "ramp", "from": "10 degC", "to": "50 degC", "within": "1.5 s"}},
 }
-DRAWN = {"run-up in 0.3 s": "history_run_up", "load drops to 600 N": "history_load_drop"}
+DRAWN = {
+    "run-up in 0.3 s": "history_run_up",
+    "load drops to 600 N": "history_load_drop",
+    "stop in 1 s": "history_emergency_stop",
+}
 HEADER = (
     "history", "largest slip [%]", "at [s]", "beyond running away [s]", "slid on the inner ring [m]",
     "work there [J]", "power density there [MW/m2]",
@@ -46,7 +51,7 @@ HEADER = (
 
 
 def rows():
-    """Rows of the table; two of them are drawn."""
+    """Rows of the table; three of them are drawn."""
     for name, history in HISTORIES.items():
         scene = evolve(SCENE, {"study.dynamics.history": history})
         result = run(scene, "dynamics")

@@ -229,6 +229,25 @@ def states(motion):
     return [motion.initial(slip, 0.9 * float(k.roller_slip_outer_rolling(slip))) for slip in (0.01, 0.07, 0.4)]
 
 
+@pytest.mark.quick
+def test_a_bearing_rests_where_rings_cage_and_rollers_stand_or_spin_freely():
+    way = history({"inner_speed": {"shape": "emergency-stop", "at": "0.1 s", "within": "0.4 s"}})
+    moving = varying_motion(assemble(SCENE), friction(), way, level="cage-set")
+    assert way.rings_rest(0.5, 1.0)
+    assert not way.rings_rest(0.499, 1.0)
+    assert moving.breaks[:2] == (0.1, 0.5)
+    still = moving.state_at(0.0, 0.0, 1037.0, 0.0)
+    assert moving.at_rest(0.5, 0.6, still)
+    assert not moving.at_rest(0.4, 0.45, still)
+    turning, spinning, free = still.copy(), still.copy(), still.copy()
+    moving.split(turning)["cage_speed"][...] = 1.0
+    assert not moving.at_rest(0.5, 0.6, turning)
+    moving.split(spinning)["roller_spin"][0] = 100.0  # in the line of load
+    assert not moving.at_rest(0.5, 0.6, spinning)
+    moving.split(free)["roller_spin"][14] = 100.0  # opposite
+    assert moving.at_rest(0.5, 0.6, free)
+
+
 def test_two_axes_are_followed_together():
     way = history(
         {

@@ -144,6 +144,18 @@ def test_a_run_up_is_that_of_another_integration_with_torques_worked_out_directl
 
 
 @pytest.mark.slow
+def test_a_stopped_bearing_is_not_followed_on_once_it_stands():
+    """Without that the last third alone takes millions of evaluations: contacts at rest are stiffer than 1e7/s."""
+    stop = {"shape": "emergency-stop", "at": "0.05 s", "within": "0.2 s"}
+    found = ran({"study.dynamics.duration": "1 s", "operation.radial_load": "3 kN"}, inner_speed=stop)
+    assert found.attrs["outcome"] == "finished"
+    after = found.sel(time=slice(0.5, None))
+    assert np.abs(after.cage_speed).max() < 1e-4 * float(found.cage_speed[0])
+    assert np.ptp(after.cage_speed.to_numpy()) == 0.0
+    assert found.attrs["rate_evaluations"] < 4e6
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("within", [0.02, 0.002])
 def test_a_load_that_falls_to_nothing_is_followed_as_equilibria_at_every_moment_say(within):
     """The reference knows no maps: it solves for the equilibrium under the load of the moment at every evaluation."""

@@ -79,6 +79,10 @@ class MovingBearing(abc.ABC):
         """Times at which the rates have a kink or jump [s]."""
         return ()
 
+    def at_rest(self, t: float, end: float, y: Array) -> bool:
+        """Return whether the bearing rests in a state, and does so up to a later time [s]."""
+        return False
+
     def unslipped(self, t: Array) -> tuple[Array, Array]:
         """Return the speeds of cage and rollers without slip at times [rad/s], to which slips refer."""
         k = self.assembly.kinematics

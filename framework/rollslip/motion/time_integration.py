@@ -143,6 +143,8 @@ class InitialValueProblem:
         (t, y) -> watched values.
     breaks : sequence of float
         Times at which the rates are not smooth, or jump to what they are from then on; no step passes over one.
+    at_rest : callable, optional
+        (t, end, y) -> whether the state stays as it is until the next break; asked at breaks.
     """
 
     rates: Any
@@ -153,6 +155,7 @@ class InitialValueProblem:
     jacobian: Callable[[float, Floats], Floats] | None = None
     watch: Callable[[float, Floats], Floats] | None = None
     breaks: tuple[float, ...] = ()
+    at_rest: Callable[[float, float, Floats], bool] | None = None
 
 
 def integrate(
@@ -289,6 +292,11 @@ class _Run:
 
         Return why it was not reached.
         """
+        if self.problem.at_rest is not None and self.problem.at_rest(self.t, end, self.y):
+            upto = int(np.searchsorted(self.times, end, side="right"))
+            self.stored[self.count : upto] = self.y
+            self.t, self.count = end, upto
+            return ""
         options: dict[str, Any] = {"rtol": self.rtol, "atol": self.problem.atol}
         if 0.0 < self.h < bound - self.t:
             options["first_step"] = self.h

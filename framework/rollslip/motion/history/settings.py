@@ -356,6 +356,15 @@ class History:
         every = {one for course in self.courses.values() for one in course.breaks}
         return tuple(sorted(one for one in every if 0.0 < one < self.end))
 
+    def rings_rest(self, begin: float, end: float) -> bool:
+        """Whether both rings stand still between two times [s]."""
+        for name in ("inner_speed", "outer_speed"):
+            course = self.courses[name]
+            first = max(int(np.searchsorted(course.begin, begin, side="right")) - 1, 0)
+            if course.powers[first : max(int(np.searchsorted(course.begin, end, side="left")), first + 1)].any():
+                return False
+        return True
+
     def speeds_in_proportion(self) -> bool:
         """Whether the ratio of the rings' speeds is that of one instant all the time, or one ring stands still."""
         inner, outer = self.courses["inner_speed"], self.courses["outer_speed"]

@@ -1,6 +1,7 @@
 """The motion of a bearing whose operation varies: `Varying` with its stations, and what studies ask of any motion."""
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any, Final
 
 import attrs
@@ -21,6 +22,10 @@ from rollslip_kernels.motion.varying import MOST_AXES, Varying
 
 #: Share of the largest epicyclic speed of the cage below which no slip is told: it would refer to next to nothing.
 STILL: Final = 0.05
+#: Speeds over their typical ones below which a motion rests, at how many times it is looked for that, and the first of
+#: them in the time that the rings rest.
+_REST: Final = 1e-4
+_STOPS, _SOON = 25, 1e-3
 #: Evenly spread instants of a history at which it is looked how fast a motion moves, and at most as many breaks.
 _LOOKS: Final = 9
 #: Share of the tolerance that loads and tables of a station may take.
@@ -84,10 +89,29 @@ class VaryingMotion(MovingBearing):
         """Unknowns of the head, of each roller and of the ledger, in order -> their unit."""
         return self.base.names
 
-    @property
+    @cached_property
     def breaks(self) -> tuple[float, ...]:
-        """Times of jumps and kinks of the history [s]."""
-        return self.history.breaks
+        """Times of jumps and kinks of the history, and those at which it is looked whether it came to rest [s]."""
+        known, end = self.history.breaks, self.history.end
+        last = max(known, default=end)
+        if not self.history.rings_rest(last, end):
+            return known
+        return *known, *(last + (end - last) * np.geomspace(_SOON, 1.0, _STOPS)[:-1]).tolist()
+
+    def at_rest(self, t: float, end: float, y: Array) -> bool:
+        """Return whether the bearing rests in a state, and does so up to a later time [s].
+
+        So it does where rings and cage stand, and each roller stands too or is free. A stiff contact at rest makes an
+        integrator take one step of less than a microsecond after the other.
+        """
+        if self.stations.level != "cage-set" or not self.history.rings_rest(t, end):
+            return False
+        now, scale = self.split(y), self.split(self.system.scale)
+        spins = np.abs(now["roller_spin"]) <= _REST * scale["roller_spin"]
+        if not (spins.any() and abs(now["cage_speed"]) <= _REST * scale["cage_speed"]):
+            return False
+        lost = (end - t) * np.abs(self.split(self.system(t, y))["roller_spin"])
+        return bool((spins | (lost <= _REST * scale["roller_spin"])).all())
 
     @property
     def tables(self) -> dict[str, str]:

@@ -435,6 +435,7 @@ class Dynamics(Study):
             relative=relative,
             jacobian=moving.system.jacobian,
             breaks=moving.breaks,
+            at_rest=moving.at_rest,
             **own,
         )
 
