@@ -341,6 +341,8 @@ class Interrupted(Rosenbrock):
 @pytest.mark.parametrize("stop", [frozenset(), frozenset({0})])
 def test_an_interrupt_loses_no_event(stop):
     class Model:
+        name = "interrupted"
+
         def compiled(self):
             return Interrupted
 
@@ -446,6 +448,8 @@ def test_an_event_at_the_edge_of_a_step_is_found(limit, shift):
     """Even if the dense output puts it just outside: it lies in that step then, at its edge."""
 
     class Model:
+        name = "wandering"
+
         def compiled(self):
             return None
 
