@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 import pytest
 
+import rollslip
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
@@ -198,6 +199,23 @@ def test_the_evaluations_of_a_motion_are_foreseen_within_a_factor_of_two(level, 
     assert 0.5 < foreseen / found.attrs["rate_evaluations"] < 2.0
     assert each > 0.0
     assert set(study.cost(assembly)) == {"tables", "motion", "running away"}
+
+
+@pytest.mark.slow
+def test_a_run_up_from_rest_is_foreseen_by_later_instants_too():
+    """By its beginning alone, the stiffest part of it, it was foreseen to take a hundred times as much."""
+    up = {"inner_speed": {"shape": "run-up", "within": "0.3 s"}}
+    scene = rollslip.evolve(
+        rollslip.load_scene("1032930-50C"),
+        {
+            "accuracy.slices": 7,
+            "study.dynamics": {"level": "cage-set", "friction": "conventional", "duration": "0.5 s", "history": up},
+        },
+    )
+    assembly = assemble(scene)
+    study = Dynamics.of(scene)
+    foreseen, _, _ = costs._foreseen(study, study.moving(assembly))
+    assert 0.5 < foreseen / study.run(assembly).attrs["rate_evaluations"] < 2.0
 
 
 def test_integrators_say_whether_they_are_explicit():

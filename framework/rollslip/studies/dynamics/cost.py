@@ -2,17 +2,20 @@
 
 - The motion is gone through for some thousands of steps, in stretches of which each is as long as all before: impacts
   begin late, and a beginning is abrupt. The rest is taken to go on as the last stretch, or, where that took clearly
-  fewer evaluations a second than the one before, to take fewer yet with every doubling of the time: a start from rest
-  is the stiffest part of a motion.
+  fewer evaluations a second than the one before, to take fewer yet with every doubling of the time.
+- A start from rest is the stiffest part of a motion, and tells nothing of the rest of it: where much is to come, later
+  instants of a history are looked at too, from states without slip.
 - Conventional friction that asks for slices is tried with few. Its evaluations are those of many slices; what these
   cost more is measured apart. So is what the stored instants cost, whose films are those of all slices.
 - Loads and tables are built for it as the run will need them, and kept: of them the run pays what finding them costs.
 """
 
+import math
 import time
 from functools import partial
 from typing import Final
 
+import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
@@ -24,6 +27,8 @@ from rollslip.studies.timing import timed
 #: Evaluations of the rates that a look takes, its time of the processor [s] at most, and its first stretch [s].
 _ENOUGH: Final = 20_000
 _LOOK, _FIRST = 0.3, 3e-4
+#: Evaluations that a look at a later instant of a history takes.
+_FEW: Final = 200
 #: Evaluations that tell what one costs, and the time [s] from which that is told well.
 _CALLS: Final = 10
 _SHORT: Final = 0.01
@@ -61,7 +66,32 @@ def _foreseen(study: Movable, moving: MovingBearing) -> tuple[float, float, Traj
     # again, now that the loads there are known
     assert found is not None
     seconds = timed(partial(study.tried, moving, np.array(ends[-1:]), study.relative_tolerance, before), 1)
-    return sum(counts) + _ahead(ends, counts, study.duration), seconds / max(counts[-1], 1), found
+    ahead = _ahead(ends, counts, study.duration)
+    if found.outcome == "finished" and ahead > _ENOUGH:
+        ahead = min(ahead, _on_the_way(study, moving, found, counts[-1] / (ends[-1] - ends[-2])))
+    return sum(counts) + ahead, seconds / max(counts[-1], 1), found
+
+
+def _on_the_way(study: Movable, moving: MovingBearing, at: Trajectory, pace: float) -> float:
+    """Evaluations to come by those of short motions from later instants of a history, a power of time between."""
+    times, states = moving.looks()
+    ahead, before = 0.0, at.last_t
+    for t, y in zip(times.tolist(), states, strict=True):
+        if not before < t < study.duration:
+            continue
+        begin = attrs.evolve(at, last_t=t, last_y=y, last_step=0.0, last_state=np.zeros(0))
+        span, evaluations = _FIRST, 0
+        while evaluations < _FEW and t + span < study.duration:
+            span *= 2.0
+            tried = study.tried(moving, np.array([min(t + span, study.duration)]), study.relative_tolerance, begin)
+            evaluations = tried.evaluations
+            if tried.outcome != "finished":
+                return math.inf
+        here = max(evaluations, 1) / min(span, study.duration - t)
+        power = 1.0 + math.log(here / pace) / math.log(t / before)
+        ahead += before * pace * (math.log(t / before) if power == 0.0 else ((t / before) ** power - 1.0) / power)
+        before, pace = t, here
+    return ahead + pace * (study.duration - before) if before > at.last_t else math.inf
 
 
 def _ahead(ends: list[float], counts: list[int], duration: float) -> float:
