@@ -77,7 +77,7 @@ class Lagrange:
 
     def load(self, t):
         """Load on the inner ring (2,)."""
-        return np.array([self.assembly.scene.operation.radial_load * self.planar.planar.load_factor(t), 0.0])
+        return np.array([self.assembly.scene.operation.radial_load, 0.0])
 
     def coordinates(self, y):
         head, rollers, _ = self.planar.parts(y)
@@ -388,7 +388,7 @@ CASES = {
     ),
     "conventional, resisting": (
         scene_of(4, drag=("rolling-resistance", "pocket-friction"), cage=(("unbalance", 1e-3),)),
-        {"load_times": (0.0, 1.0), "load_factors": (1.0, 3.0), "gravity": 50.0},
+        {"gravity": 50.0},
     ),
     "conventional, mirrored, clearance": (
         scene_of(
@@ -896,29 +896,6 @@ def test_rolling_resistance_is_read_off_every_cell_and_beyond_along_the_last(mon
         assert found["rolling_resistance"][:, ring] == pytest.approx(expected * sign, rel=1e-13, abs=1e-13)
 
 
-# The load in time ----------------------------------------------------------------------------------------------------
-
-
-def test_the_load_follows_its_table_on_lines_or_in_steps():
-    history = {"load_times": (0.01, 0.02, 0.05), "load_factors": (1.0, 0.0, 2.0)}
-    lines = motion(scene_of(5), **history)
-    found = [lines.planar.load_factor(t) for t in (0.0, 0.01, 0.015, 0.02, 0.035, 0.05, 1.0)]
-    assert found == pytest.approx([1.0, 1.0, 0.5, 0.0, 1.0, 2.0, 2.0], abs=1e-15)
-    assert lines.settings.breakpoints == (0.01, 0.02, 0.05)
-    steps = motion(scene_of(5), load_between="held", **history)
-    found = [steps.planar.load_factor(t) for t in (0.0, 0.01, 0.015, 0.02, 0.0200005, 0.020001, 0.035, 0.05, 0.0501)]
-    assert found == pytest.approx([1.0, 1.0, 1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 2.0], abs=1e-9)
-    assert steps.settings.breakpoints == pytest.approx((0.01, 0.02, 0.020001, 0.05, 0.050001), rel=1e-15)
-
-
-def test_the_load_pushes_the_ring_by_its_factor():
-    planar = motion(scene_of(5), load_times=(0.0, 1.0), load_factors=(1.0, 3.0), gravity=0.0, coefficient=0.0)
-    system, y = planar.system, planar.initial()
-    load = planar.assembly.scene.operation.radial_load
-    pushed = system.rates(0.5, y)[2] - system.rates(0.0, y)[2]
-    assert pushed == pytest.approx(load / planar.settings.inner_ring_mass, rel=1e-12)
-
-
 # In motion -----------------------------------------------------------------------------------------------------------
 
 
@@ -1136,21 +1113,12 @@ def test_what_tilts_is_refused():
     ("given", "message"),
     [
         ({"inner_ring_mass": 0.0}, "inner_ring_mass: must be above 0"),
-        ({"load_times": (0.0, 1.0)}, "load_factors: needs one value for each of 2 times, not 0"),
-        ({"load_times": (1.0, 1.0), "load_factors": (1.0, 2.0)}, "load_times: must ascend"),
-        ({"load_times": (float("nan"), 1.0), "load_factors": (1.0, 2.0)}, "load_times: must be from .*, not nan s"),
-        ({"load_times": (0.0,), "load_factors": (-1.0,)}, "load_factors: must be at least 0"),
-        (
-            {"load_times": (1.0, 1.0 + 1e-7), "load_factors": (1.0, 2.0), "load_between": "held"},
-            "load_times: must be more",
-        ),
-        ({"load_between": "cubic"}, "load_between: must be one of"),
         ({"contact_damping": -1.0}, "contact_damping: must be at least 0"),
     ],
 )
 def test_settings_that_cannot_be_are_refused(given, message):
     with pytest.raises(FieldError, match=message):
-        _ = PlanarSettings(**{"inner_ring_mass": 3.0} | given).breakpoints
+        PlanarSettings(**{"inner_ring_mass": 3.0} | given)
 
 
 def test_a_contact_that_its_law_refuses_says_which():

@@ -327,18 +327,6 @@ def test_a_run_from_rest_ends_as_one_that_always_turned():
 
 
 @pytest.mark.quick
-def test_a_load_is_given_over_time_in_one_way_only():
-    planar = {"inner_ring_mass": "5 kg", "load_times": [0.0, 1.0], "load_factors": [1.0, 2.0]}
-    with pytest.raises(
-        SceneError, match=r"planar.load_times: there is a history too: give the load over time as study."
-    ):
-        ran(
-            WITHIN["planar"] | {"study.dynamics.planar": planar},
-            temperature={"shape": "step", "to": 320, "at": "0.2 s"},
-        )
-
-
-@pytest.mark.quick
 def test_a_load_that_turns_about_rings_that_tilt_is_refused():
     turning = {"shape": "rotation", "speed": "100 rpm"}
     with pytest.raises(

@@ -1,7 +1,7 @@
 """Bearing, rollers and cage in plane motion: what the compiled system of `rollslip_kernels.motion.planar` is made of.
 
-- The loads follow from the motion, by the deflection law of the contact model. So the clearance, the mass of the inner
-  ring and the history of the load matter, and a map of loads does not exist.
+- The loads follow from the motion, by the deflection law of the contact model. So the clearance and the mass of the
+  inner ring matter, and a map of loads does not exist.
 - Along a history the systems read load and direction of the moment; tables reach as far as its largest load asks.
 - Rollers do not tilt, so that the force of one follows from its gap alone: it is tabulated over the root of the gap,
   over which it is smooth but for a bend where each slice first touches. The error is that against all slices half-way
@@ -25,7 +25,7 @@ from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equi
 from rollslip.bearing.load_map import resistances
 from rollslip.bearing.raceway import RINGS, Array, Raceway
 from rollslip.errors import DomainError, RollslipError
-from rollslip.fields import FieldError, field, non_negative, one_of, positive
+from rollslip.fields import field, non_negative, positive
 from rollslip.models import DragModel
 from rollslip.motion.effective_table import table_records
 from rollslip.motion.moving_bearing import MovingBearing, pocket_contact
@@ -34,7 +34,6 @@ from rollslip_kernels.motion.planar import LEDGER_UNITS, Planar
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.slices import Slices
 
-_STEP: Final = 1e-6  # s, in which a step of the load is made: a fiftieth of the period of a roller on its contacts
 _SWING: Final = 30.0  # deflections by which the motion of rollers along the radius is measured, see _scale
 _CELLS: Final = 64  # of the table of rolling resistance over sqrt(Q)
 #: Error of the table of forces, relative to a force or to this share of the usual one, and its first and most cells.
@@ -112,50 +111,6 @@ class PlanarSettings:
     land_friction: float = field(
         default=0.1, unit="1", doc="friction coefficient of cage and land where they touch (D)", validator=non_negative
     )
-    load_times: tuple[float, ...] = field(
-        default=(),
-        unit="s",
-        doc="times, ascending, at which the radial load has these factors",
-        usual=(0, 1e4),
-        possible=(-1e9, 1e9),
-    )
-    load_factors: tuple[float, ...] = field(
-        default=(),
-        unit="1",
-        doc="factors of the radial load at these times; held before the first and after the last",
-        validator=attrs.validators.deep_iterable(non_negative),
-    )
-    load_between: str = field(
-        default="linear",
-        doc="the load between these times: on a straight line, or held, until it steps within a microsecond",
-        validator=one_of("linear", "held"),
-    )
-
-    def __attrs_post_init__(self) -> None:
-        if len(self.load_factors) != len(self.load_times):
-            raise FieldError(
-                "load_factors",
-                f"needs one value for each of {len(self.load_times)} times, not {len(self.load_factors)}",
-            )
-        if any(not later > earlier for earlier, later in zip(self.load_times, self.load_times[1:], strict=False)):
-            raise FieldError("load_times", "must ascend")
-
-    @property
-    def history(self) -> tuple[Array, Array]:
-        """Times and factors of the radial load, linear between them."""
-        times, factors = np.array(self.load_times), np.array(self.load_factors)
-        if self.load_between == "held" and times.size > 1:
-            steps = times[1:]
-            if np.any(np.diff(times) <= _STEP):
-                raise FieldError("load_times", f"must be more than {_STEP:g} s apart, in which a step is made")
-            times = np.concatenate((times[:1], np.stack((steps, steps + _STEP), axis=-1).ravel()))
-            factors = np.concatenate((np.repeat(factors[:-1], 2), factors[-1:]))
-        return times, factors
-
-    @property
-    def breakpoints(self) -> tuple[float, ...]:
-        """Times at which the load has a kink, where an integrator must start anew [s]."""
-        return tuple(self.history[0].tolist())
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -193,7 +148,7 @@ class PlanarMotion(MovingBearing):
     Attributes
     ----------
     settings : PlanarSettings
-        Masses, damping, gravity and load.
+        Masses, damping and gravity.
     contacts : tuple of Slices
         Tables of inner and outer raceway that the deflection law works in.
     planar : Planar
@@ -206,11 +161,6 @@ class PlanarMotion(MovingBearing):
     contacts: tuple[Slices, ...]
     planar: Planar
     forces: tuple[ForceTable, ...] = ()
-
-    @property
-    def breaks(self) -> tuple[float, ...]:
-        """Times at which the load has a kink [s]."""
-        return self.settings.breakpoints
 
     @property
     def tables(self) -> dict[str, str]:
@@ -250,7 +200,7 @@ class PlanarMotion(MovingBearing):
             If there is a cage slip and the epicyclic cage speed, to which it refers, is zero.
         """
         speeds = self.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
-        load = self.planar.load_factor(0.0) * self.assembly.scene.operation.radial_load
+        load = self.assembly.scene.operation.radial_load
         return self.state_at(float(speeds.cage_speed), float(speeds.roller_speed), load)
 
     def state_at(self, cage_speed: float, roller_speed: float, load: float, direction: float = 0.0) -> Array:
@@ -337,7 +287,7 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
     assembly : Assembly
         The bearing. A drag of its cage that describes the film of the land is left out: the land itself is here.
     settings : PlanarSettings
-        Masses, damping, gravity and load.
+        Masses, damping and gravity.
     friction : FrictionSettings
         Which friction, what is watched, and whether forces may come from a table.
 
@@ -369,9 +319,8 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
     roughness = a.inner.conditions.roughness
     guidance = ("roller", "inner", "outer").index(cage.guidance)
     torques = zip(cage.drags.torques, cage.drags.capsules(), strict=True)
-    times, factors = settings.history
     heaviest = a if friction.like is None else friction.like
-    most = DEEP * usual_force(heaviest, max(factors, default=1.0))
+    most = DEEP * usual_force(heaviest)
     forces = _force_tables(a, most) if friction.tabulated and not of_raceways.by_slices else ()
     planar = Planar(
         of_raceways.capsules,
@@ -383,8 +332,6 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
         b.rollers,
         guidance,
         _scale(heaviest, cage),
-        times=times,
-        factors=factors,
         forces=[(table.deepest, table.coefficients) for table in forces],
         resistances=None if friction.name == "conventional" else _resistances(a, most),
         critical_slip=friction.critical_slip,
@@ -519,7 +466,7 @@ def _swing_frequency(a: Assembly, settings: PlanarSettings) -> float:
     rollers over the mass of the inner ring, which swings against them. The stiffness rises but slowly with the load.
     """
     weight = settings.inner_ring_mass * settings.gravity
-    most = a.scene.operation.radial_load * max(settings.load_factors, default=1.0) + weight + a.centrifugal_force
+    most = a.scene.operation.radial_load + weight + a.centrifugal_force
     approach = np.geomspace(1e-9, 1e-3, 601)
     stiffness = []
     for ring in RINGS:

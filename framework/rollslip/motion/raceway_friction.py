@@ -193,9 +193,9 @@ class RacewayFriction:
         return self.settings.name == "conventional" and not self.by_force
 
 
-def usual_force(assembly: Assembly, factor: float = 1.0) -> float:
-    """Return a roller's share of the load times a factor, and its centrifugal force [N]; at least 0.1 N."""
-    share = factor * assembly.scene.operation.radial_load / assembly.scene.bearing.rollers
+def usual_force(assembly: Assembly) -> float:
+    """Return a roller's share of the load, and its centrifugal force [N]; at least 0.1 N."""
+    share = assembly.scene.operation.radial_load / assembly.scene.bearing.rollers
     return share + assembly.centrifugal_force + 0.1
 
 

@@ -22,8 +22,6 @@ class Planar:
         rollers: int,
         guidance: int,
         scale: ArrayLike,
-        times: ArrayLike = ...,
-        factors: ArrayLike = ...,
         forces: Sequence[tuple[float, ArrayLike]] | None = ...,
         resistances: Sequence[tuple[float, ArrayLike]] | None = ...,
         critical_slip: float = ...,
@@ -33,7 +31,6 @@ class Planar:
     def system(self, swing_frequency: float = ...) -> object: ...
     @property
     def operation(self) -> NDArray[np.float64]: ...
-    def load_factor(self, t: float) -> float: ...
     def refusal(self) -> tuple[str, Refusal | None] | None: ...
     def outputs(self, t: ArrayLike, y: ArrayLike) -> dict[str, NDArray[np.float64]] | None: ...
     @property

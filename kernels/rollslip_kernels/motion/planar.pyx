@@ -237,10 +237,6 @@ ctypedef struct planar_t:
     const rs_plane_loops *loops
     size_t slices
     double ring_mass, cage_mass, cage_inertia, unbalance
-    # factors of the load at times, linear between them
-    size_t points
-    const double *times
-    const double *factors
     rs_pocket pocket
     rs_pocket guide        # along the radius; its play is infinite where a land holds the cage
     rs_land land
@@ -272,17 +268,6 @@ ctypedef struct planar_t:
 
 cdef double SOON = 2.0    # times a part of a step in which a bar may be touched: forces change speeds in it
 cdef double FAR = 0.1     # displacement over the roller's radius, beyond which it is not small
-
-
-cdef inline double load_factor(const planar_t *p, double t) noexcept nogil:
-    cdef size_t k = 0
-    if p.points == 0:
-        return 1.0
-    while k + 1 < p.points and t >= p.times[k + 1]:
-        k += 1
-    if k + 1 == p.points or t <= p.times[0]:
-        return p.factors[k]
-    return p.factors[k] + (p.factors[k + 1] - p.factors[k]) * ((t - p.times[k]) / (p.times[k + 1] - p.times[k]))
 
 
 cdef inline double tabulated_resistance(const planar_t *p, size_t ring, double force) noexcept nogil:
@@ -749,7 +734,7 @@ cdef int own_rates(
     """Rates of head and ledger without rollers; (c, s) of the cage's angle, what of the land acts."""
     cdef size_t k
     cdef double w = head[CAGE_SPEED]
-    cdef double load = p.c.load * load_factor(p, t), drag = 0.0, load_x = load, load_y = 0.0
+    cdef double load = p.c.load, drag = 0.0, load_x = load, load_y = 0.0
     # the cage's weight acts at its centre of mass
     cdef double fx = p.cage_mass * p.c.gravity_x, fy = p.cage_mass * p.c.gravity_y
     cdef double weight = p.unbalance * (p.c.gravity_y * c - p.c.gravity_x * s), torque = weight
@@ -866,8 +851,6 @@ cdef class Planar:
         and where friction is that of every slice, it comes from the slices.
     resistances : sequence of two (step, values), optional
         Rolling resistance [N] at equal steps of sqrt(Q) [N^0.5], where friction is not conventional.
-    times, factors : array_like
-        Factors of the radial load at times [s], and on lines between them.
     critical_slip, film_limit : float
         Cage slip and smallest film parameter whose passing is an event; NaN for none.
     scale : array_like
@@ -878,14 +861,14 @@ cdef class Planar:
 
     cdef planar_t p
     cdef readonly size_t n
-    cdef double[::1] scale, drop, widths, times, factors, memory, kicked
+    cdef double[::1] scale, drop, widths, memory, kicked
     cdef size_t[::1] begins
     cdef int[::1] touches
     cdef tuple kept, deflections, forces, resistances
 
     def __init__(
         self, raceways, deflections, contacts, drop, widths, drags, Py_ssize_t rollers, int guidance, scale,
-        times=(), factors=(), forces=None, resistances=None, double critical_slip=NAN, double film_limit=NAN, **numbers,
+        forces=None, resistances=None, double critical_slip=NAN, double film_limit=NAN, **numbers,
     ):
         cdef planar_t *p = &self.p
         cdef size_t Z = rollers, n = len(drop), ring, k
@@ -895,8 +878,6 @@ cdef class Planar:
             raise TypeError(f"planar motion needs the numbers {', '.join(NUMBERS)}; given {', '.join(numbers)}")
         if any(len(slices) != Z * n for slices in contacts):
             raise ValueError(f"tables must have room for {n} slices of {Z} rollers")
-        if len(times) != len(factors):
-            raise ValueError(f"{len(times)} times and {len(factors)} factors of the load")
         p.c.rollers, p.slices, p.land.guidance = Z, n, guidance
         p.loops = rs_plane_loops_of(active() != "baseline")
         p.critical_slip, p.film_limit = critical_slip, film_limit
@@ -914,10 +895,6 @@ cdef class Planar:
         if <size_t>self.widths.shape[0] != n:
             raise ValueError(f"{self.widths.shape[0]} widths for {n} slices of a roller")
         p.drop, p.widths, p.c.lowest_drop = &self.drop[0], &self.widths[0], np.min(drop)
-        self.times, self.factors = np.array(times, dtype=float), np.array(factors, dtype=float)
-        p.points = len(times)
-        if p.points:
-            p.times, p.factors = &self.times[0], &self.factors[0]
         if len(drags) > MOST_DRAGS:
             raise ValueError(f"at most {MOST_DRAGS} drags act on a cage, got {len(drags)}")
         p.n_drags = len(drags)
@@ -991,7 +968,7 @@ cdef class Planar:
         s.head, s.rollers, s.block, s.ledger = HEAD, self.p.c.rollers, BLOCK, LEDGER
         s.roller_rates, s.head_rates, s.jacobian = roller_rates, head_rates, NULL
         s.watched, s.watch = 3, watch
-        s.scale, s.autonomous, s.state = &self.scale[0], self.p.points == 0, &self.p
+        s.scale, s.autonomous, s.state = &self.scale[0], 1, &self.p
         rs_tells_nothing(&s)
         s.rates, s.kicked, s.drift = all_rates, &self.kicked[0], drift
         s.until_contact, s.swing_frequency = until_contact, swing_frequency
@@ -1013,10 +990,6 @@ cdef class Planar:
         To be changed by who varies them.
         """
         return np.asarray(<double[:4]>&self.p.c.inner_speed)  # which the others follow
-
-    def load_factor(self, double t):
-        """Return the factor of the radial load at a time."""
-        return load_factor(&self.p, t)
 
     def refusal(self):
         """Return who refused an evaluation last, and why; None if nobody.

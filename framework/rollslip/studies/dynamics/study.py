@@ -490,16 +490,6 @@ class Dynamics(Study):
                     )
                 ]
             )
-        if self.history is not None and self.planar.load_times:
-            where = Location(assembly.scene.origins, (*self.table.split("."), "planar"))
-            raise SceneError(
-                [
-                    where.at("load_times").says(
-                        f"there is a history too: give the load over time as {self.table}.history.radial_load, and "
-                        "leave load_times, load_factors and load_between out"
-                    )
-                ]
-            )
         return self.planar
 
     def method(self, assembly: Assembly) -> IntegratorModel:
