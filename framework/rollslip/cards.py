@@ -39,6 +39,6 @@ class Card:
 def _in_unit(value: Any, unit: str | None) -> str:
     if value is None:
         return ""
-    if isinstance(value, float):
+    if type(value) in (int, float):
         return f"{value:g}" if unit in (None, "1") else f"{value:g} {unit}"
     return str(getattr(value, "name", value))

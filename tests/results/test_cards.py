@@ -38,18 +38,20 @@ def test_a_plan_shows_each_part_and_what_is_left_out() -> None:
     ]
 
 
-@pytest.mark.parametrize("kind", ["contact", "film", "traction", "drag", "integrator"])
+@pytest.mark.parametrize("kind", ["contact", "film", "traction", "drag", "integrator", "thermal", "damage", "torque"])
 def test_every_model_shows_its_law_parameters_and_sources(kind: str) -> None:
+    shown = 0
     for name in rollslip.available(kind):
         try:
             model = rollslip.get_model(kind, name)
         except (TypeError, rollslip.errors.RollslipError):  # parameters without default, or a library that is not here
             continue
-        told = rows(model)
+        told, shown = rows(model), shown + 1
         assert f"<strong>{name}</strong>" in model._repr_html_()
         assert told.get("equation", "") == model.equation
         values = {a.name: getattr(model, a.name) for a in attrs.fields(type(model))}
         assert {a for a, value in values.items() if value not in (None, "", ())} <= told.keys()
+    assert shown > 0
 
 
 def test_what_a_person_wrote_is_escaped_and_nothing_has_a_colour_of_its_own() -> None:

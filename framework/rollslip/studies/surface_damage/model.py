@@ -15,6 +15,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.cards import Card
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.catalogue.registry import structure_models
 from rollslip.datasets import Material
@@ -112,7 +113,7 @@ DESCRIBED: Final[Mapping[str, Output]] = MappingProxyType(
 )
 
 
-class DamageModel(abc.ABC):
+class DamageModel(Card, abc.ABC):
     """One measure of what slip does to surfaces; its parameters are its attrs fields."""
 
     name: ClassVar[str]

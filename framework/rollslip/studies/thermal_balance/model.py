@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.cards import Card
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.catalogue.registry import structure_model
 from rollslip.errors import SceneError
@@ -41,7 +42,7 @@ ROLES: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
-class ThermalModel(abc.ABC):
+class ThermalModel(Card, abc.ABC):
     """How heat flows between the parts of a bearing and leaves it; its parameters are its attrs fields."""
 
     name: ClassVar[str]
