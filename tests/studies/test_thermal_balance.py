@@ -4,6 +4,7 @@ import attrs
 import mpmath
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from rollslip import evolve, get_model, load_scene, plan, run
 from rollslip.bearing.assembly import assemble
@@ -15,6 +16,7 @@ from rollslip.results.style import save_figures
 from rollslip.studies.study import settings
 from rollslip.studies.thermal_balance.balance import Curve, Heated, State
 from rollslip.studies.thermal_balance.figures import thermal_figures
+from rollslip.studies.thermal_balance.model import ThermalModel
 
 SCENE = evolve(
     load_scene("1032930-70C"),
@@ -122,6 +124,75 @@ def test_a_network_of_three_nodes_is_that_of_its_linear_equations():
     scaled = mpmath.diag([-1 / mpmath.mpf(c) for c in (50, 400, 900)]) * matrix
     assert found.growth == pytest.approx(max(float(mpmath.re(one)) for one in mpmath.eig(scaled)[0]), rel=1e-6)
     assert found.error < 1e-12
+
+
+#: Ghiaus, "Dynamic models for building energy management", tutorial "simple wall" (github.com/cghiaus/dm4bem,
+#: 02SimpleWall.ipynb at 0314393; theory in Energy 50 (2013), doi:10.1016/j.energy.2012.10.024): a wall of 3 m by 3 m of
+#: concrete in four slices and insulation in two, between a room that 1 W heats and the air outside. As printed there.
+WALL_RISES = [0.013, 0.017, 0.021, 0.025, 0.083, 0.194, 0.277]  # from outside, the room last [K]
+WALL_TIMES = [208.1, 441.0, 1051.0, 1731.8, 62794.2, 4925.9, 9141.6]  # [s]
+_CONCRETE, _INSULATION = 0.2 / (1.4 * 9), 0.08 / (0.04 * 9)  # resistances [K/W]
+WALL = np.array([1 / (10 * 9) + _CONCRETE / 8, *[_CONCRETE / 4] * 3, _CONCRETE / 8 + _INSULATION / 4, _INSULATION / 2,
+                 _INSULATION / 4 + 1 / (4 * 9)])  # fmt: skip
+WALL_CAPACITIES = np.array([*[2300 * 880 * 0.2 * 9 / 4] * 4, *[16 * 1210 * 0.08 * 9 / 2] * 2, 1.2 * 1000 * 27])
+
+
+@attrs.frozen(kw_only=True)
+class Chain(ThermalModel):
+    """Nodes in a row, the last of which meets what is at 300 K; heat is made in the first."""
+
+    name, equation, references = "chain", "C dT/dt = H + K dT", ()
+    resistances: tuple[float, ...]
+    sizes: tuple[float, ...]
+
+    nodes = property(lambda self: tuple(f"node {k}" for k in range(len(self.sizes))))
+
+    def start(self, scene):
+        return np.full(len(self.sizes), 300.0)
+
+    def capacities(self):
+        return np.array(self.sizes)
+
+    def inflows(self, temperatures, losses):
+        heat = -np.diff([*temperatures, 300.0]) / self.resistances
+        return np.array([losses["oil"], *heat[:-1]]) - heat
+
+    def carried_away(self, temperatures):
+        return {"wall": float(temperatures[-1] - 300.0) / self.resistances[-1]}
+
+    def changes(self, temperatures, scene):
+        return {}
+
+
+def test_a_published_network_of_a_wall_has_its_temperatures_and_times():
+    heated = Made(Chain(resistances=tuple(WALL[::-1]), sizes=tuple(WALL_CAPACITIES[::-1])), {"oil": lambda T: 100.0})
+    curve, places = heated.curve(300.0, 400.0, 9)
+    [found] = [heated.balance(places[x]) for x in heated.zeros(curve, places)]
+    assert (found.temperatures[::-1] - 300.0) / 100.0 == pytest.approx(WALL_RISES, abs=5e-4)  # as far as printed
+    assert -1.0 / found.growth == pytest.approx(max(WALL_TIMES), rel=1e-6)
+    times, rows, _, _ = heated.course(4e5, 5, get_model("integrator", "bdf").solver())
+    rates = [-1.0 / t for t in WALL_TIMES]
+    matrix = np.array([heated.inflows(np.full(7, 300.0) + step) - heated.inflows(np.full(7, 300.0))
+                       for step in np.eye(7)]).T / WALL_CAPACITIES[::-1, None]  # fmt: skip
+    assert np.sort(np.linalg.eigvals(matrix).real) == pytest.approx(np.sort(rates), rel=3e-4)
+    exact = [found.temperatures + expm(matrix * t) @ (300.0 - found.temperatures) for t in times]
+    assert rows == pytest.approx(np.array(exact), abs=0.02)
+
+
+def test_the_network_of_a_bearing_has_the_temperatures_of_a_published_wall():
+    """Five of its nodes are five of the seven of the wall; what is between them is one resistance."""
+    links = CUT | dict(zip(("housing_ambient", "outer_ring_housing", "outer_ring_rollers", "inner_ring_rollers",
+                            "oil_inner_ring"), 1 / np.array([WALL[:2].sum(), WALL[2:4].sum(), *WALL[4:]]),
+                           strict=True))  # fmt: skip
+    model = get_model("thermal", "network", ambient_temperature=300.0, **links, **dict.fromkeys(
+        ("oil_capacity", "inner_ring_capacity", "rollers_capacity", "outer_ring_capacity", "housing_capacity"), 1.0))  # fmt: skip
+    heated = Made(model, {"oil": lambda T: 1000.0})
+    curve, places = heated.curve(300.0, 900.0, 9)
+    [found] = [heated.balance(places[x]) for x in heated.zeros(curve, places)]
+    rises = dict(zip(model.nodes, (found.temperatures - 300.0) / 1000.0, strict=True))
+    wall = dict(zip(("housing", "outer ring", "rollers", "inner ring", "oil"), np.delete(WALL_RISES, [0, 2]), strict=True))
+    assert rises == pytest.approx(wall, abs=5e-4)
+    assert model.carried_away(found.temperatures)["housing"] == pytest.approx(1000.0, rel=1e-9)
 
 
 def test_a_jump_of_the_losses_past_zero_is_no_balance():
