@@ -7,7 +7,7 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import evolve, get_model, load_scene
+from rollslip import evolve, get_model, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.datasets import Material
 from rollslip.errors import DomainError, SceneError
@@ -16,6 +16,7 @@ from rollslip.studies.surface_damage.model import Contacts
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.damage.flash import ContactTemperature, FlashTemperature
 from rollslip_plugins.damage.moving_source import FAST, largest_rise, rise
+from rollslip_plugins.damage.scuffing import ScuffingAgma, ScuffingIso
 from rollslip_plugins.damage.sliding import FilmParameter, PassEnergy, PowerDensity
 
 pytestmark = pytest.mark.quick
@@ -25,7 +26,8 @@ ROWS = list(csv.DictReader(WRITTEN.splitlines()))
 STEEL = Material()
 EFFUSIVITY = (STEEL.thermal_conductivity * STEEL.density * STEEL.specific_heat) ** 0.5
 DIFFUSIVITY = STEEL.thermal_conductivity / (STEEL.density * STEEL.specific_heat)
-EVERY = ("power-density", "pass-energy", "film-parameter", "flash-temperature", "contact-temperature")
+EVERY = ("power-density", "pass-energy", "film-parameter", "flash-temperature", "contact-temperature",
+         "scuffing-iso", "scuffing-agma")  # fmt: skip
 
 
 def reference(what):
@@ -193,6 +195,68 @@ def test_limits_are_those_that_are_given_or_published():
     assert FilmParameter(allowed=None).limit is None
     with pytest.raises(FieldError, match="flash: must be model 'flash-temperature', not 'power-density'"):
         ContactTemperature(flash=PowerDensity())
+
+
+def degrees(model):
+    return model.limit[0] - 273.15
+
+
+def test_scuffing_temperatures_are_those_of_the_standards():
+    # 20^-0.05 = 0.860891; 80 + 2.25 x 0.860891 x 36, then with 0.8 for a polyalphaolefin, then 0.85 + 1.4 x 1.5 nitrided
+    assert degrees(ScuffingIso(fzg_stage=6, viscosity=0.02)) == pytest.approx(149.732, abs=1e-3)
+    assert degrees(ScuffingIso(fzg_stage=6, viscosity=0.02, oil="polyalphaolefin")) == pytest.approx(135.786, abs=1e-3)
+    assert degrees(ScuffingIso(fzg_stage=6, viscosity=0.02, structural_factor=1.5)) == pytest.approx(171.427, abs=1e-3)
+    # ln 68 = 4.219508; a tenth of a normal distribution lies below -1.2815516
+    for risk, part in ((0.5, 1.0), (0.1, 1.0 - 0.15 * 1.2815516)):
+        plain = ScuffingAgma(viscosity_40=68e-6, risk=risk)
+        assert degrees(plain) == pytest.approx((63.0 + 33.0 * 4.219508) * part, abs=1e-4)
+        treated = attrs.evolve(plain, oil="mineral, antiscuff additives")
+        assert degrees(treated) - degrees(plain) == pytest.approx(55.0 * part)
+        assert degrees(ScuffingAgma(oil="MIL-PRF-7808", risk=risk)) == pytest.approx(205.0 * part, abs=1e-4)
+    assert ScuffingIso(fzg_stage=6).limit is None
+    assert ScuffingAgma().limit is None
+
+
+def test_scuffing_is_judged_by_the_contact_temperature():
+    for model in (ScuffingIso(fzg_stage=6, viscosity=0.02), ScuffingAgma(oil="MIL-PRF-7808")):
+        assert value(model) == value(ContactTemperature())
+        assert "gears" in model.scope
+        assert "grade" in model.limit[1]
+
+
+def test_scuffing_temperatures_take_the_oil_of_the_scene():
+    assembly = assemble(evolve(load_scene("1032930-70C"), {"lubricant.density": "930 kg/m3"}))
+    oil = assembly.lubricant
+    assert ScuffingIso(fzg_stage=8).of(assembly).viscosity == oil.at(343.15).viscosity
+    assert ScuffingIso(fzg_stage=8, viscosity=0.02).of(assembly).viscosity == 0.02
+    assert ScuffingAgma().of(assembly).viscosity_40 == pytest.approx(oil.at(313.15).viscosity / 930.0)
+    assert ScuffingAgma(viscosity_40=5e-5).of(assembly).viscosity_40 == 5e-5
+    assert ScuffingAgma(oil="MIL-PRF-23699").of(assembly).viscosity_40 is None
+
+
+@pytest.mark.parametrize(
+    ("raw", "words"),
+    [
+        ("scuffing-iso", r"models.damage: scuffing-iso needs fzg_stage, .* take it from the oil's data sheet"),
+        ({"model": "scuffing-iso", "fzg_stage": 20}, r"models.damage\[0\].fzg_stage: must be from 1 to 14, not 20"),
+        ({"model": "scuffing-agma", "oil": "ester"}, r"models.damage\[0\].oil: must be one of 'mineral'"),
+        ({"model": "scuffing-agma", "risk": 1.0}, r"models.damage\[0\].risk: "),
+    ],
+)
+def test_what_a_scuffing_temperature_lacks_is_told(raw, words):
+    with pytest.raises(SceneError, match=words):
+        run(evolve(load_scene("1032930-70C"), {"models.damage": raw}), "surface-damage")
+
+
+def test_an_oil_without_density_or_data_at_40_degrees_is_told_by_what_needs_it():
+    assembly = assemble(load_scene("1032930-70C"))
+    for oil, words in (
+        ({"density": None}, "at 40 degC: the density of the oil is not known; give lubricant.density"),
+        ({"minimum_temperature": 333.15}, "its data hold from 60 degC .*; or give its viscosity_40"),
+    ):
+        other = attrs.evolve(assembly, lubricant=attrs.evolve(assembly.lubricant, **oil))
+        with pytest.raises(SceneError, match=words):
+            ScuffingAgma().of(other)
 
 
 def test_contacts_of_a_bearing_have_the_temperatures_and_speeds_of_its_scene():

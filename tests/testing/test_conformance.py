@@ -92,6 +92,8 @@ class TestDamage(Conformance):
         get_model("damage", "power-density", over="maximum", allowed="50 MW/m2"),
         get_model("damage", "flash-temperature", conduction="fast", roller_conductivity=25.0),
         get_model("damage", "contact-temperature", flash={"model": "flash-temperature", "conduction": "fast"}),
+        get_model("damage", "scuffing-iso", fzg_stage=10, viscosity="15 mPa s", oil="polyglycol"),
+        get_model("damage", "scuffing-agma", oil="MIL-PRF-23699", risk=0.01),
     )
 
 

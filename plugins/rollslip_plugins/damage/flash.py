@@ -15,7 +15,7 @@ from rollslip_plugins.bibliography import CARSLAW_1959
 from rollslip_plugins.damage.moving_source import FAST, largest_rise, rise
 from rollslip_plugins.damage.sources import BLOK_1937, JAEGER_1942
 
-__all__ = ["ContactTemperature", "FlashTemperature"]
+__all__ = ["BulkAndFlash", "ContactTemperature", "FlashTemperature"]
 
 #: Flux in the middle of the contact over the mean, times b over the width 2 b.
 _MIDDLE: Final = 2.0 / math.pi
@@ -121,7 +121,37 @@ class FlashTemperature(DamageModel):
 
 
 @attrs.frozen(kw_only=True)
-class ContactTemperature(DamageModel):
+class BulkAndFlash(DamageModel):
+    """What measures of the contact temperature share: the bulk that two surfaces come to, and the flash over it.
+
+    Raises
+    ------
+    FieldError
+        If ``flash`` is no flash temperature.
+    """
+
+    flash: FlashTemperature = submodel("damage", factory=FlashTemperature, doc="the flash temperature over the bulk")
+
+    def __attrs_post_init__(self) -> None:
+        if not isinstance(self.flash, FlashTemperature):
+            raise FieldError("flash", f"must be model 'flash-temperature', not {self.flash.name!r}")
+
+    def _bulk(self, contacts: Contacts) -> Array:
+        ring, roller = (np.sqrt(K * capacity * speed) for K, capacity, speed in self.flash.conductors(contacts))
+        share = ring / (ring + roller)
+        return np.asarray(share * contacts.ring_temperature + (1.0 - share) * contacts.roller_temperature)
+
+    def evaluate(self, contacts: Contacts) -> Array:
+        """Return the largest temperature in every contact [K]."""
+        return np.asarray(self._bulk(contacts) + self.flash.evaluate(contacts))
+
+    def across(self, contacts: Contacts, places: Array) -> Array:
+        """Return the temperature across the contacts [K]."""
+        return np.asarray(self._bulk(contacts)[:, None] + self.flash.across(contacts, places))
+
+
+@attrs.frozen(kw_only=True)
+class ContactTemperature(BulkAndFlash):
     """Largest temperature of the surfaces in a contact: what the bulk gives, and the flash over it, after Blok.
 
     T = (m_1 T_1 + m_2 T_2)/(m_1 + m_2) + dT,   m_i = e_i sqrt(v_i)
@@ -141,11 +171,6 @@ class ContactTemperature(DamageModel):
     gears and discs, for one oil and finish each: ``allowed`` is none until the scene gives it.
 
     Range: that of the flash temperature; the common temperature holds for fast surfaces.
-
-    Raises
-    ------
-    FieldError
-        If ``flash`` is no flash temperature.
     """
 
     name: ClassVar[str] = "contact-temperature"
@@ -158,7 +183,6 @@ class ContactTemperature(DamageModel):
         "in general"
     )
 
-    flash: FlashTemperature = submodel("damage", factory=FlashTemperature, doc="the flash temperature over the bulk")
     allowed: float | None = parameter(
         default=None,
         unit="K",
@@ -167,23 +191,6 @@ class ContactTemperature(DamageModel):
         usual=(323.15, 773.15),
         possible=(123.15, 2273.15),
     )
-
-    def __attrs_post_init__(self) -> None:
-        if not isinstance(self.flash, FlashTemperature):
-            raise FieldError("flash", f"must be model 'flash-temperature', not {self.flash.name!r}")
-
-    def _bulk(self, contacts: Contacts) -> Array:
-        ring, roller = (np.sqrt(K * capacity * speed) for K, capacity, speed in self.flash.conductors(contacts))
-        share = ring / (ring + roller)
-        return np.asarray(share * contacts.ring_temperature + (1.0 - share) * contacts.roller_temperature)
-
-    def evaluate(self, contacts: Contacts) -> Array:
-        """Return the largest temperature in every contact [K]."""
-        return np.asarray(self._bulk(contacts) + self.flash.evaluate(contacts))
-
-    def across(self, contacts: Contacts, places: Array) -> Array:
-        """Return the temperature across the contacts [K]."""
-        return np.asarray(self._bulk(contacts)[:, None] + self.flash.across(contacts, places))
 
     @property
     def limit(self) -> tuple[float, str] | None:

@@ -56,7 +56,7 @@ from rollslip.studies.dynamics.ending import (
 from rollslip.studies.dynamics.outputs import OUTPUTS
 from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
 from rollslip.studies.study import CONTACT_CHOICES, Study
-from rollslip.studies.surface_damage.model import named_damage, parts
+from rollslip.studies.surface_damage.model import damage_of, parts
 from rollslip.studies.surface_damage.over_motion import over_motion
 
 if TYPE_CHECKING:
@@ -310,7 +310,7 @@ class Dynamics(Study):
             If the scene has no cage, or they are not there.
         """
         drags = (("drag", model) for model in assembly.cage.drags)
-        heat, measures = heating.model_of(assembly), named_damage(assembly.scene)
+        heat, measures = heating.model_of(assembly), damage_of(assembly)
         more = [*([] if heat is None else [("thermal", heat)]), *(("damage", model) for model in measures)]
         return *drags, ("integrator", self.method(assembly)), *more
 

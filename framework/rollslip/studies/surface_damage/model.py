@@ -9,7 +9,7 @@
 import abc
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Self
 
 import attrs
 import numpy as np
@@ -36,6 +36,7 @@ __all__ = [
     "OWN",
     "Contacts",
     "DamageModel",
+    "damage_of",
     "described",
     "named_damage",
     "parts",
@@ -131,6 +132,16 @@ class DamageModel(Card, abc.ABC):
     #: Rule of the conformance kit that the model breaks for a reason -> that reason.
     expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
+    def of(self, assembly: "Assembly") -> Self:
+        """Return the measure with what its limit takes of the oil and the bearing.
+
+        Raises
+        ------
+        SceneError
+            If the scene does not give what is needed.
+        """
+        return self
+
     @abc.abstractmethod
     def evaluate(self, contacts: Contacts) -> Array:
         """Return the measure of every slice in its unit, (n,), without changing the slices.
@@ -171,6 +182,17 @@ def named_damage(scene: Scene) -> tuple[DamageModel, ...]:
     """
     named = [(choice.name, choice.parameters) for choice in scene.models.damage]
     return structure_models("damage", named, Location(scene.origins, ("models", "damage")))
+
+
+def damage_of(assembly: "Assembly") -> tuple[DamageModel, ...]:
+    """Return the models that a scene names, each with what it takes of the bearing.
+
+    Raises
+    ------
+    SceneError
+        As `named_damage`, or if the scene does not give what one needs.
+    """
+    return tuple(model.of(assembly) for model in named_damage(assembly.scene))
 
 
 def values_of(model: DamageModel, contacts: Contacts) -> Array:

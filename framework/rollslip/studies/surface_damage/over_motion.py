@@ -19,7 +19,7 @@ from rollslip.errors import DomainError
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Output
 from rollslip.studies.friction_curve.study import balanced_load
-from rollslip.studies.surface_damage.model import DESCRIBED, OWN, Contacts, described, named_damage, texts, values_of
+from rollslip.studies.surface_damage.model import DESCRIBED, OWN, Contacts, damage_of, described, texts, values_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,7 +65,7 @@ def over_motion(
     SceneError
         If a measure is wrong.
     """
-    measures = named_damage(assembly.scene)
+    measures = damage_of(assembly)
     if not measures:
         return {}, {}
     stored = dataset.sizes["time"]

@@ -28,8 +28,8 @@ from rollslip.studies.surface_damage.model import (
     Array,
     Contacts,
     DamageModel,
+    damage_of,
     described,
-    named_damage,
     parts,
     texts,
     values_of,
@@ -93,7 +93,7 @@ class SurfaceDamage(Study):
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags and the damage models; none where nothing is measured."""
-        measures = named_damage(assembly.scene)
+        measures = damage_of(assembly)
         return (*self._steady.models(assembly), *(("damage", model) for model in measures)) if measures else ()
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
@@ -150,7 +150,7 @@ class SurfaceDamage(Study):
         DomainError
             If a law has no value at the slip.
         """
-        measures = named_damage(assembly.scene)
+        measures = damage_of(assembly)
         if not measures:
             return self._told(assembly, (), np.nan, "models.damage names no measure, so none was taken; name one or "
                               "several, 'rollslip models damage' lists them", None)  # fmt: skip
