@@ -161,7 +161,7 @@ class Kinematics:
         if Sc.shape != Sr.shape:
             Sc, Sr = np.broadcast_arrays(Sc, Sr)
         u = self.roller_radius * self.epicyclic_roller_speed
-        cage_lag = self._slip_reference() * Sc if np.any(Sc) else np.zeros_like(Sc)  # no slip refers to nothing
+        cage_lag = self._lag(Sc)
         inner, outer, spin = self.inner_radius * cage_lag, self.outer_radius * cage_lag, u * Sr
         return SurfaceSpeeds(
             inner_sliding=inner + spin,
@@ -171,6 +171,31 @@ class Kinematics:
             cage_speed=self.epicyclic_cage_speed - cage_lag,
             roller_speed=self.epicyclic_roller_speed * (1.0 - Sr),
         )
+
+    def leads(self, cage_slip: ArrayLike) -> tuple[Floats, Floats]:
+        """Sliding speeds of inner and outer contact without roller slip [m/s], as `surface_speeds` has them.
+
+        Parameters
+        ----------
+        cage_slip : array_like
+            S_c [-].
+
+        Returns
+        -------
+        tuple of ndarray
+            V_i and V_o at S_r = 0, of the same shape.
+
+        Raises
+        ------
+        DomainError
+            There is a cage slip, and the epicyclic cage speed that it refers to is zero.
+        """
+        lag = self._lag(np.asarray(cage_slip, dtype=float))
+        return self.inner_radius * lag, self.outer_radius * lag
+
+    def _lag(self, cage_slip: Floats) -> Floats:
+        """By how much the cage is slower than at its epicyclic speed [rad/s]; no slip refers to nothing."""
+        return self._slip_reference() * cage_slip if np.any(cage_slip) else np.zeros_like(cage_slip)
 
     def roller_slip_outer_rolling(self, cage_slip: ArrayLike) -> Floats:
         """Roller slip at which the outer contact rolls without sliding, V_o = 0: S_r = R_o w_ce S_c / (r w_re).

@@ -361,8 +361,9 @@ def _start(slips: Array, torques: Array) -> float:
     best = int(np.argmax(torques))
     if not 0 < best < slips.size - 1:
         return float(slips[best])
-    near = slice(best - 1, best + 2)
-    return _vertex(slips[near], torques[near])[0]
+    (left, at, right), (before, top, after) = (of[best - 1 : best + 2].tolist() for of in (slips, torques))
+    fall, rise = (after - top) / (right - at), (top - before) / (at - left)
+    return at + 0.5 * (rise * (right - at) + fall * (at - left)) / (rise - fall)  # of the parabola through them
 
 
 def _shared(balance: TorqueBalance, start: float, end: float) -> tuple[float, float] | None:

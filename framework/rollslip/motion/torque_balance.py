@@ -23,6 +23,7 @@
 
 import itertools
 import math
+import operator
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
@@ -343,8 +344,8 @@ class TorqueBalance:
         if far or not alike([orbits[slip] for slip in sorted(known)]):
             known = known[:1]
         shares = [orbits[slip].roller_slip / slip for slip in known]
-        weights = [np.prod([(cage_slip - two) / (one - two) for two in known if two != one]) for one in known]
-        return np.asarray(cage_slip * np.einsum("i,ik->k", weights, shares))
+        weights = [math.prod((cage_slip - two) / (one - two) for two in known if two != one) for one in known]
+        return np.asarray(cage_slip * sum(map(operator.mul, weights, shares)))
 
 
 class Spins:
@@ -442,9 +443,7 @@ class Spin:
         #: bounds have to be looked at by whom compiled code does not know
         self._compiled = not (callable(of) or any(one.raceway.chain.bounds for one in of))
         self._spins = Spins(k, self._positions, of, slow=SLOW, pocket=pocket, tables=balance.tables_of)
-        ahead = k.surface_speeds(cage_slip, np.zeros_like(cage_slip))
-        inner, outer = (np.full(self._positions, lead) for lead in (ahead.inner_sliding, ahead.outer_sliding))
-        self._spins.kernel.at(inner, outer)
+        self._spins.kernel.at(*(np.full(self._positions, lead) for lead in k.leads(cage_slip)))
 
     def forces(self, roller_slip: Array) -> tuple[Array, Array]:
         """Tractions and resistances of both contacts [N], (2, K)."""

@@ -98,7 +98,8 @@ cdef class Spin:
         cdef const double[::1] load, force, width
         cdef const Py_ssize_t[::1] first
         cdef ring_t *ring
-        cdef Py_ssize_t n, k
+        cdef Py_ssize_t n, k, i
+        cdef bint ascend
         if rollers < 1:
             raise ValueError(f"{rollers} positions: there must be at least one")
         self.rollers, self.rolling, self.slow, self.pocket = rollers, rolling, slow, pocket
@@ -115,7 +116,10 @@ cdef class Spin:
             gathered, n = bound(table), load.shape[0]
             if not (force.shape[0] == width.shape[0] == n <= len(table)) or first.shape[0] != rollers + 1:
                 raise ValueError(f"loads, forces, widths and a table of {n} slices of {rollers} rollers are expected")
-            if first[0] != 0 or first[rollers] != n or np.any(np.diff(first) < 0):
+            ascend = first[0] == 0 and first[rollers] == n
+            for i in range(rollers):
+                ascend = ascend and first[i] <= first[i + 1]
+            if not ascend:
                 raise ValueError(f"first slices that ascend from 0 to {n} are expected")
             self.kept.append((gathered, load, force, width, first))
             ring.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
