@@ -15,7 +15,7 @@ pytestmark = pytest.mark.quick
 #: Module -> names that version 0.1 offered there.
 PROMISED = {
     "rollslip": """Chain Conditions RollslipDeprecationWarning Slices available compare evolve explore fit
-        get_include get_model load_distribution load_scene model open_result pareto plan plot register
+        get_include get_model limit load_distribution load_scene model open_result pareto plan plot register
         run sweep uncertainty""",
     "rollslip.cli": "main",
     "rollslip.datasets": "BearingData Family SurfaceData",

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from rollslip.campaigns.comparison.comparison import compare as compare
     from rollslip.campaigns.explorer.explorer import explore as explore
     from rollslip.campaigns.fit.fit import fit as fit
+    from rollslip.campaigns.limit.limit import limit as limit
     from rollslip.campaigns.pareto.pareto import pareto as pareto
     from rollslip.campaigns.sweep.folder import sweep as sweep
     from rollslip.campaigns.uncertainty.margin import uncertainty as uncertainty
@@ -43,6 +44,7 @@ _HOMES = {
     "fit": "rollslip.campaigns.fit.fit",
     "get_include": "rollslip_kernels",
     "get_model": "rollslip.catalogue.registry",
+    "limit": "rollslip.campaigns.limit.limit",
     "load_distribution": "rollslip.planning.execution",
     "load_scene": "rollslip.scene.reading",
     "model": "rollslip.catalogue.session",

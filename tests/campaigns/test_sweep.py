@@ -865,14 +865,14 @@ def test_what_has_no_value_says_why_most_of_them_have_none():
     ]
 
 
-def test_the_first_samples_of_a_design_are_asked_for_at_every_point_of_its_grid():
+def test_a_run_may_be_asked_for_some_points_of_a_design_only():
     uncertain = {"distribution": "uniform", "scatter": 0.2}
     scene = rollslip.evolve(
         SCENE, {"uncertainty": {"lubricant": {"viscosity_factor": uncertain}}, "accuracy.slices": 5}
     )
     sweep = plan_sweep(scene, {"operation.radial_load": ["1 kN", "2 kN"]}, samples=8)
-    assert attrs.evolve(sweep, first=3).numbers == [0, 1, 2, 8, 9, 10]
-    assert list(attrs.evolve(sweep, first=3, shard=(2, 2)).numbers) == [1, 9]
+    assert attrs.evolve(sweep, only=(0, 1, 9)).numbers == [0, 1, 9]
+    assert list(attrs.evolve(sweep, only=range(3), shard=(2, 2)).numbers) == [1]
     assert list(attrs.evolve(sweep, shard=(2, 3)).numbers) == [1, 4, 7, 10, 13]
 
 

@@ -320,7 +320,7 @@ def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, mon
     again = run_margin(plan_margin(uncertain(**ALPHA), **options, engine="serial"), tmp_path / "cut")
     assert again.drop_attrs().identical(whole.drop_attrs())
     assert list(whole.batch_samples.values) == [32, 48]
-    with pytest.raises(OutputError, match="holds samples of another scene"):
+    with pytest.raises(OutputError, match="holds points of another scene"):
         run_margin(plan_margin(uncertain(**ALPHA), **options | {"seed": 1}), tmp_path / "cut")
 
 

@@ -21,7 +21,8 @@ MOST_MODULES, MOST_LINES = 12, 600
 #: A validation holds what the others compute against what was measured: points and samples, scatter, models that take
 #: their place, contacts of a rig. None of them knows of it.
 CAMPAIGNS = {
-    ("uncertainty", "sweep"), ("explorer", "sweep"), ("pareto", "comparison"), ("validation", "comparison"),
+    ("uncertainty", "sweep"), ("explorer", "sweep"), ("limit", "sweep"), ("pareto", "comparison"),
+    ("validation", "comparison"),
     ("validation", "fit"), ("validation", "sweep"), ("validation", "uncertainty"),
 }  # fmt: skip
 #: Package -> the folder, or the module, that alone may import it.

@@ -22,7 +22,7 @@ from rollslip.cli.compare import compare, pareto
 from rollslip.cli.measured import fit, rank, validate
 from rollslip.cli.run import new, plan, report, run
 from rollslip.cli.sweep import explore, sweep
-from rollslip.cli.uncertainty import uncertainty
+from rollslip.cli.uncertainty import limit, uncertainty
 from rollslip.errors import ConvergenceError, PluginError, RollslipError, UnknownNameError
 
 __all__ = ["cli", "main"]
@@ -58,8 +58,8 @@ def cli(context: click.Context, level: str | None) -> None:
 
 
 for _command in (
-    cite, compare, doctor, explore, export, fit, info, models, new, pareto, plan, plugins, rank, report, run, schema,
-    sweep, uncertainty, validate,
+    cite, compare, doctor, explore, export, fit, info, limit, models, new, pareto, plan, plugins, rank, report, run,
+    schema, sweep, uncertainty, validate,
 ):  # fmt: skip
     cli.add_command(_command)
 

@@ -152,8 +152,8 @@ class Sweep:
         Digest of the files that the study reads beside the scene; empty if there are none.
     shard : tuple of int
         Which piece of how many this is, (1, 1) for all.
-    first : int or None
-        How many of the samples are computed in this run, None for all; the design has the others all the same.
+    only : sequence of int or None
+        Numbers of the points that are computed in this run, None for all; the design has the others all the same.
     """
 
     scene: Scene
@@ -170,7 +170,7 @@ class Sweep:
     unusual: tuple[str, ...] = ()
     files: str = ""
     shard: tuple[int, int] = (1, 1)
-    first: int | None = None
+    only: Sequence[int] | None = None
 
     @property
     def work(self) -> SweepWork:
@@ -188,9 +188,7 @@ class Sweep:
     def numbers(self) -> Sequence[int]:
         """Numbers of the points of this piece."""
         own = range(self.shard[0] - 1, self.design.size, self.shard[1])
-        if self.first is None:
-            return own
-        return [number for number in own if number % len(self.design.samples) < self.first]
+        return own if self.only is None else [number for number in self.only if number in own]
 
     @property
     def facts(self) -> dict[str, Any]:

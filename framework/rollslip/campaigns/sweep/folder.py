@@ -37,7 +37,7 @@ from rollslip.scene.values import Scene
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RESULT", "Status", "begin", "finish", "merge", "pieces", "status", "sweep"]
+__all__ = ["RESULT", "Status", "begin", "finish", "merge", "pieces", "status", "sweep", "taken_up"]
 
 RESULT = "sweep.nc"
 
@@ -137,6 +137,28 @@ def begin(sweep: Sweep, target: Path) -> Path:
     except OSError as error:
         raise OutputError(f"{folder}: cannot be written ({error.strerror}); name another --out") from error
     store_sweep(sweep, folder)
+    return folder
+
+
+def taken_up(sweep: Sweep, folder: Path) -> Path:
+    """Return the folder of a sweep, made if it is not there, for who goes on with what it holds.
+
+    Raises
+    ------
+    OutputError
+        If it holds another sweep or cannot be read.
+    """
+    if not (folder / FILE).exists():
+        return begin(sweep, folder)
+    try:
+        stored = json.loads((folder / FILE).read_text(encoding="utf-8"))["hash"]
+    except (OSError, ValueError, KeyError) as error:
+        raise OutputError(f"{folder / FILE}: cannot be read ({error}); name another --out") from error
+    if stored != sweep.hash:
+        raise OutputError(
+            f"{folder}: holds points of another scene, of other options or packages; ask for the same, or name "
+            "another --out"
+        )
     return folder
 
 

@@ -215,7 +215,8 @@ class _Point:
         resolution = self.work.resolutions.of(self.changes)
         self.key = self.task.key(scene, resolution)
         self.assembly = _assembled(self.work, scene, resolution)
-        self.study = self.task.study(scene)
+        study = self.task.study(scene)
+        self.study = study if resolution is None else study.at(resolution)
         if digest := self.study.digest(self.assembly):
             self.key = hashlib.sha256(f"{self.key} {digest}".encode()).hexdigest()
 

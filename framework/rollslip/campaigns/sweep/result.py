@@ -173,8 +173,8 @@ def _left(sweep: Sweep, numbers: list[int]) -> list[str]:
     if more := [f"{worst[key].short} at {count[key]} of them" for key in ranked[len(first) :]]:
         found.append(counted(more))
     if found:
-        which = f"only {len(numbers)} of {sweep.design.size} points were judged, which lie far apart"
-        whole = "all points were judged" if len(numbers) == sweep.design.size else which
+        which = f"only {len(numbers)} of {len(sweep.numbers)} points were judged, which lie far apart"
+        whole = "all points were judged" if len(numbers) == len(sweep.numbers) else which
         found[-1] += f"; {whole}; rollslip run of the scene with the values of a point tells all of it"
     return [*found, *others[:1]]
 

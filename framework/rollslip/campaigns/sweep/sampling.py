@@ -40,6 +40,7 @@ __all__ = [
     "parse_overs",
     "parse_shard",
     "probabilities",
+    "range_parts",
     "read_axis",
 ]
 
@@ -216,7 +217,7 @@ def _checked(quantity: Quantity, value: object, which: str, given: str | None = 
 
 def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
     key, unit = quantity.key, quantity.unit or "1"
-    ends, count, logarithmic = _parted(key, text)
+    ends, count, logarithmic = range_parts(key, text)
     low, high = evenly(*ends, 2, unit)
     given = unit_given(ends[0], unit)
     if not low < high:
@@ -243,7 +244,7 @@ def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
     return Axis(quantity, tuple(checked), given=given)
 
 
-def _parted(key: str, text: str) -> tuple[tuple[str, str], str, bool]:
+def range_parts(key: str, text: str) -> tuple[tuple[str, str], str, bool]:
     """Return both ends of a range as they are written, its count or "", and whether it is logarithmic."""
     parts = [part.strip() for part in text.split(":")]
     logarithmic = parts[-1] == "log"

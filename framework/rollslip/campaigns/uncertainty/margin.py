@@ -34,15 +34,15 @@ import numpy as np
 from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.campaigns.sweep.definition import Sweep
-from rollslip.campaigns.sweep.folder import begin
+from rollslip.campaigns.sweep.folder import taken_up
 from rollslip.campaigns.sweep.point import compute
 from rollslip.campaigns.sweep.result import collect
 from rollslip.campaigns.sweep.run import Progress, run_sweep
 from rollslip.campaigns.sweep.sampling import REPLICATES
-from rollslip.campaigns.sweep.sweep import FILE, plan_sweep
+from rollslip.campaigns.sweep.sweep import plan_sweep
 from rollslip.campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
 from rollslip.campaigns.uncertainty.scatter import with_scatter
-from rollslip.errors import OutputError, SceneError
+from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.provenance import citations_told, origin, scene_told
@@ -320,10 +320,10 @@ def run_margin(
 
     folder.mkdir(parents=True, exist_ok=True)
     sweeps = made.sweeps
-    places = {name: _place(one, folder / name) for name, one in sweeps.items()}
+    places = {name: taken_up(one, folder / name) for name, one in sweeps.items()}
 
     def computed(name: str, count: int | None = None) -> "xr.Dataset":
-        sweep = attrs.evolve(sweeps[name], first=count)
+        sweep = attrs.evolve(sweeps[name], only=None if count is None else range(count))
         if run_sweep(sweep, places[name], said=lambda text: said(f"{name}: {text}"), report=report).interrupted:
             raise KeyboardInterrupt
         return collect(sweep, places[name]).isel(sample=slice(count))
@@ -363,22 +363,6 @@ def _so_far(allowed: Estimate) -> str:
         low = "beyond the range" if allowed.low == math.inf else low
         return f"allowable slip {value}, 95 %: from {low} on"
     return f"allowable slip {value}, 95 %: {low} to {high}"
-
-
-def _place(sweep: Sweep, folder: Path) -> Path:
-    """Return the folder of a sweep, made if it is not there; refuse that of another one."""
-    if not (folder / FILE).exists():
-        return begin(sweep, folder)
-    try:
-        stored = json.loads((folder / FILE).read_text(encoding="utf-8"))["hash"]
-    except (OSError, ValueError, KeyError) as error:
-        raise OutputError(f"{folder / FILE}: cannot be read ({error}); name another --out") from error
-    if stored != sweep.hash:
-        raise OutputError(
-            f"{folder}: holds samples of another scene, of other options or packages; ask for the same, or name "
-            "another --out"
-        )
-    return folder
 
 
 # What the samples say ------------------------------------------------------------------------------------------------

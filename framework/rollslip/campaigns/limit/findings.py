@@ -1,0 +1,193 @@
+"""What a search for a limit has found, in sentences and plain values, from the dataset alone."""
+
+import json
+import math
+from collections import Counter
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.units import format_quantity
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["headline", "kept_spans", "record", "sentences", "topics"]
+
+#: Changes of the result below this share of its range are no change of its course.
+_FLAT: Final = 1e-6
+
+
+def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
+    """Return what was found, by what it is about."""
+    found = {"limit": [headline(dataset)]}
+    others = {
+        "width": _unknown(dataset), "course": _course(dataset), "values missing": _without(dataset),
+        "points failed": _failed(dataset),
+    }  # fmt: skip
+    return found | {name: lines for name, lines in others.items() if lines}
+
+
+def sentences(dataset: "xr.Dataset") -> list[str]:
+    """Return what was found, line by line."""
+    return [line for lines in topics(dataset).values() for line in lines]
+
+
+def record(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return what was found as plain values, in SI units; what has no value is null."""
+    a = dataset.attrs
+    rows = ("searched", "result", "status")
+    return {
+        "requirement": a["requirement"],
+        "key": a["searched_key"],
+        "unit": dataset["searched"].attrs["units"],
+        "output": {"name": a["output"], "unit": dataset["result"].attrs["units"], "limit": float(a["limit"])},
+        "found": headline(dataset),
+        "kept": [{"from": low, "to": high} for low, high, *_ in kept_spans(dataset)],
+        "edges": [
+            {name: float(dataset[f"edge_{name}"][k]) for name in ("kept", "passed")}
+            | {"points_failed_between": bool(dataset["edge_unknown"][k])}
+            for k in range(dataset.sizes["edge"])
+        ],
+        "one_way": _turns(dataset) == 0,
+        "points": [
+            {name: _plain(dataset[name].to_numpy()[k]) for name in rows} for k in range(dataset.sizes["point"])
+        ],
+    }
+
+
+def kept_spans(dataset: "xr.Dataset") -> list[tuple[float, float, bool, bool]]:
+    """Return the spans of values at which the limit is kept: both ends, and whether each is an end of the range."""
+    ok = dataset["status"].to_numpy() == "ok"
+    values, keeps = dataset["searched"].to_numpy()[ok], dataset["keeps"].to_numpy()[ok] > 0.0
+    spans, begin = list[tuple[float, float, bool, bool]](), None
+    for k in range(values.size):
+        begin = k if keeps[k] and begin is None else begin
+        if begin is not None and (k + 1 == values.size or not keeps[k + 1]):
+            spans.append((float(values[begin]), float(values[k]), begin == 0, k + 1 == values.size))
+            begin = None
+    return spans
+
+
+def headline(dataset: "xr.Dataset") -> str:
+    """Say where the limit is kept."""
+    what, key = dataset.attrs["requirement"], dataset.attrs["searched_key"]
+    ok = dataset["status"].to_numpy() == "ok"
+    values = dataset["searched"].to_numpy()[ok]
+    if not values.size:
+        return f"whether {what} is kept is not known: none of {ok.size} values of {key} has a result"
+    spans = kept_spans(dataset)
+    if len(spans) == 1 and spans[0][2] and spans[0][3]:
+        return f"{what} is kept at all {values.size} values of {key} from {_ends(dataset, values)}{_nearest(dataset)}"
+    if not spans:
+        return f"{what} is kept at none of {values.size} values of {key} from {_ends(dataset, values)}{_nearest(dataset)}"
+    said = ", and ".join(_span(dataset, *span) for span in spans)
+    beyond = "; ".join(
+        f"at {_value(dataset, float(dataset['edge_passed'][k]))} {_result(dataset, float(dataset['edge_passed'][k]))}"
+        for k in range(dataset.sizes["edge"])
+    )
+    return f"{what} is kept with {key} {said}; {beyond}"
+
+
+def _span(dataset: "xr.Dataset", low: float, high: float, first: bool, last: bool) -> str:
+    below, above = _value(dataset, low), _value(dataset, high)
+    if first:
+        return f"from {below}, where the range begins, up to {above}"
+    if last:
+        return f"from {below} on, up to {above}, where the range ends"
+    return f"from {below} to {above}"
+
+
+def _ends(dataset: "xr.Dataset", values: NDArray[Any]) -> str:
+    return f"{_value(dataset, float(values[0]))} to {_value(dataset, float(values[-1]))}"
+
+
+def _nearest(dataset: "xr.Dataset") -> str:
+    """Say at which value the result is nearest to the limit, and what would have to be looked at beyond."""
+    results = dataset["result"].to_numpy()
+    if not np.isfinite(results).any():
+        return ", and at none of them has the study a value"
+    k = int(np.nanargmin(np.abs(results - float(dataset.attrs["limit"]))))
+    at = float(dataset["searched"][k])
+    return f"; nearest to the limit is {_value(dataset, at)}, where {_result(dataset, at)}"
+
+
+def _unknown(dataset: "xr.Dataset") -> list[str]:
+    """Say which passages could not be narrowed down."""
+    return [
+        f"between {_value(dataset, float(dataset['edge_kept'][k]))} and "
+        f"{_value(dataset, float(dataset['edge_passed'][k]))} the limit could not be narrowed down, as points there "
+        "failed"
+        for k in range(dataset.sizes["edge"])
+        if dataset["edge_unknown"][k]
+    ]
+
+
+def _turns(dataset: "xr.Dataset") -> int:
+    """How often the result turns back along the values that have one."""
+    results = dataset["result"].to_numpy()
+    steps = np.diff(results[np.isfinite(results)])
+    signs = np.sign(steps[np.abs(steps) > _FLAT * np.ptp(results[np.isfinite(results)], axis=0)]) if steps.size else steps
+    return int((np.diff(signs) != 0.0).sum())
+
+
+def _course(dataset: "xr.Dataset") -> list[str]:
+    """Say whether the result goes one way, on which the search relies between the values."""
+    name, n = dataset.attrs["output"], int(np.isfinite(dataset["result"].to_numpy()).sum())
+    if n < 2:
+        return []
+    turns = _turns(dataset)
+    if not turns:
+        return [f"{name} goes one way over the {n} values with a result: none of them speaks for further passages"]
+    more = f"--over {dataset.attrs['searched_key']}=LOW:HIGH:{2 * int(dataset.attrs['first']) - 1} looks at more"
+    return [
+        f"{name} turns back {turns} time{'s' * (turns != 1)} over the {n} values with a result: between two of the "
+        f"first {int(dataset.attrs['first'])} it may pass the limit and come back unseen; {more}"
+    ]
+
+
+def _without(dataset: "xr.Dataset") -> list[str]:
+    ok, results = dataset["status"].to_numpy() == "ok", dataset["result"].to_numpy()
+    missing = ok & ~np.isfinite(results)
+    if not missing.any():
+        return []
+    words = Counter(filter(None, dataset["result_status"].to_numpy()[missing].astype(str).tolist()))
+    why = f" ({words.most_common(1)[0][0]})" if words else ""
+    return [
+        f"at {int(missing.sum())} of {int(ok.sum())} values the study has no {dataset.attrs['output']}{why}; they "
+        "count as not keeping the limit"
+    ]
+
+
+def _failed(dataset: "xr.Dataset") -> list[str]:
+    lost = np.flatnonzero(dataset["status"].to_numpy() != "ok")
+    if not lost.size:
+        return []
+    k = int(lost[0])
+    return [
+        f"{lost.size} of {dataset.sizes['point']} points failed, which says nothing of the limit there; the first, at "
+        f"{_value(dataset, float(dataset['searched'][k]))}, is {dataset['status'].to_numpy()[k]}: "
+        f"{dataset['message'].to_numpy()[k]}"
+    ]
+
+
+def _value(dataset: "xr.Dataset", value: float) -> str:
+    """Return a value of what is searched as it was given."""
+    return format_quantity(value, dataset["searched"].attrs["units"], 4, dataset.attrs["searched_given"] or None)
+
+
+def _result(dataset: "xr.Dataset", at: float) -> str:
+    """Say what the result is at a value."""
+    k = int(np.argmin(np.abs(dataset["searched"].to_numpy() - at)))
+    result, name = float(dataset["result"][k]), dataset.attrs["output"]
+    if math.isnan(result):
+        return f"{name} has no value"
+    unit, given = dataset["result"].attrs["units"], dataset.attrs["limit_given"] or None
+    return f"{name} is {format_quantity(result, unit, 4, given)}"
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, str):
+        return value
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,123 @@
+"""Which values of a quantity to compute next, so that it is known between which two of them a limit is passed.
+
+- The values stand in a row, so closely that two neighbours tell the limit exactly enough. Some of them, evenly spread,
+  come first: they show how often the limit is passed.
+- Each passage is then narrowed down, in turn by the straight line through its ends and by halving. The line alone may
+  creep along a curved result, halving alone takes more points where the result is smooth.
+- What to compute follows from what is known alone, so that a search that was interrupted goes on alike.
+"""
+
+import math
+import re
+from collections.abc import Collection, Mapping
+from itertools import pairwise
+from typing import Final
+
+import attrs
+
+from rollslip.errors import SceneError
+from rollslip.studies.outputs import named_outputs
+from rollslip.studies.study import Study
+from rollslip.units import UnitError, format_quantity, quantity, unit_given
+
+__all__ = ["Requirement", "next_places", "passages", "read_requirement"]
+
+_FORM: Final = re.compile(r"\s*([A-Za-z_]\w*)\s*(<=|>=)\s*(\S.*)")
+
+
+@attrs.frozen
+class Requirement:
+    """A limit that a result is to keep.
+
+    Attributes
+    ----------
+    output, unit : str
+        Variable of the study, and its SI unit.
+    sense : {"<=", ">="}
+        On which side of the limit it has to stay; the limit itself is kept.
+    limit : float
+        The limit, in SI units.
+    given : str
+        The unit in which it was given.
+    """
+
+    output: str
+    unit: str
+    sense: str
+    limit: float
+    given: str
+
+    @property
+    def told(self) -> str:
+        """The requirement in words."""
+        return f"{self.output} {self.sense} {format_quantity(self.limit, self.unit, 6, self.given)}"
+
+    def worst(self, values: Collection[float]) -> float:
+        """Return of several values, of both rings for example, the one that keeps it least; NaN if none is known."""
+        known = [value for value in values if not math.isnan(value)]
+        return (max if self.sense == "<=" else min)(known, default=math.nan)
+
+    def slack(self, value: float) -> float:
+        """Return how far a value is within the limit, negative beyond it."""
+        return self.limit - value if self.sense == "<=" else value - self.limit
+
+
+def read_requirement(text: str, study: type[Study]) -> Requirement:
+    """Return the requirement that a text such as "largest_cage_slip <= 5 %" makes of the result of a study.
+
+    Raises
+    ------
+    SceneError
+        If it cannot be read, or the study has no such number.
+    """
+    form = _FORM.fullmatch(text)
+    if form is None:
+        raise SceneError([f"keep: {text!r} is no limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"])
+    name, sense, value = form.groups()
+    named_outputs(study, [name])  # who knows it by another name is told
+    unit = study.outputs[name].unit
+    try:
+        return Requirement(name, unit, sense, quantity(value, unit), unit_given(value, unit))
+    except UnitError as error:
+        raise SceneError([f"keep: {name}: {error}"]) from error
+
+
+def passages(slacks: Mapping[int, float]) -> list[tuple[int, int]]:
+    """Return the neighbours of which one keeps the limit and the other does not, by their places in the row.
+
+    Parameters
+    ----------
+    slacks : mapping of int to float
+        Place -> how far its result is within the limit; NaN where it has none, which does not keep it.
+    """
+    row = sorted(slacks)
+    return [(a, b) for a, b in pairwise(row) if (slacks[a] >= 0.0) != (slacks[b] >= 0.0)]
+
+
+def next_places(slacks: Mapping[int, float], failed: Collection[int], spacing: int) -> list[int]:
+    """Return the places to compute next: one in each passage that is wider than two neighbours; none at the end.
+
+    Parameters
+    ----------
+    slacks : mapping of int to float
+        What is known, as in `passages`.
+    failed : collection of int
+        Places whose computation failed; a passage with one of them in it is left as it is.
+    spacing : int
+        Distance of the places that came first.
+    """
+    places = []
+    for a, b in passages(slacks):
+        if b - a < 2 or any(a < place < b for place in failed):
+            continue
+        first = a // spacing * spacing
+        inside = sum(first < place < first + spacing for place in slacks)
+        places.append(_between(a, b, slacks[a], slacks[b], halve=inside % 2 == 1))
+    return places
+
+
+def _between(a: int, b: int, at_a: float, at_b: float, *, halve: bool) -> int:
+    """Return a place between two: where a line would pass zero, or the middle."""
+    if halve or not (math.isfinite(at_a) and math.isfinite(at_b)) or at_a * at_b == 0.0:
+        return (a + b) // 2
+    return min(max(round(a + (b - a) * at_a / (at_a - at_b)), a + 1), b - 1)
