@@ -1,5 +1,7 @@
 """Study surface-damage: its sums against the losses of the bearing, where it is worst, and what it says."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -88,6 +90,25 @@ def test_a_sweep_maps_the_worst_over_load_and_slip():
     assert (mapped.diff("operation.radial_load") > 0.0).all()
     alone = measured("flash-temperature", **{"operation.radial_load": 4000.0, "study.surface-damage.cage_slip": 0.2})
     assert mapped.values[1, 1] == pytest.approx(alone.worst.sel(ring="inner").item(), rel=0.02)
+
+
+def test_a_sweep_tells_each_measure_in_its_own_unit_and_draws_it_on_both_rings():
+    scene = evolve(SCENE, {"models.damage": ["power-density", "flash-temperature", "film-parameter"]})
+    over = {"operation.radial_load": [1000.0, 4000.0], "study.surface-damage.cage_slip": [0.05, 0.2]}
+    found = sweep(scene, study="surface-damage", over=over)
+    said = account_of(found).sentences(found)
+    for words in (r"worst, power-density, inner ring: .* MW/m2 to .* MW/m2, ", r"worst, flash-temperature, outer ring: "
+                  r"[\d.]+ K to [\d.]+ K, median", r"worst, film-parameter, inner ring: [\d.]+ to [\d.]+, "):  # fmt: skip
+        assert any(re.match(words, line) for line in said), words
+    drawn = {name: figure for name, _, figure in account_of(found).figures(found)}
+    assert [*drawn] == [f"sweep-map-worst-{name}" for name in ("power-density", "flash-temperature", "film-parameter")]
+    *panels, bar = drawn["sweep-map-worst-flash-temperature"].axes
+    assert [axes.get_title(loc="left") or axes.get_title() for axes in panels] == ["inner ring", "outer ring"]
+    assert bar.get_ylabel().endswith("[K]")
+    # one that has no value says why
+    held = evolve(scene, {"cage.drag": [{"model": "constant-torque", "size": "9 N m"}]})
+    ran = sweep(held, study="surface-damage", over={"operation.radial_load": [500.0]})
+    assert sum("without one (the drag" in line for line in account_of(ran).sentences(ran)) == 6
 
 
 def test_a_slip_that_is_named_is_taken_and_more_slip_heats_more():

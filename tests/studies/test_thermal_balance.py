@@ -1,12 +1,14 @@
 """Thermal balance: against solutions by hand and mpmath, conservation, limits, and cases without a balance."""
 
+import re
+
 import attrs
 import mpmath
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from rollslip import evolve, get_model, load_scene, plan, run
+from rollslip import evolve, get_model, load_scene, plan, run, sweep
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import SceneError
 from rollslip.motion.losses import Loss, PowerBalance
@@ -298,6 +300,8 @@ def test_runaways_of_film_and_of_bulk_are_told_apart():
     assert bulk.status.item().endswith("and the oil heats on: a runaway of the bulk")
     assert np.isnan(bulk.steady_slip).all()
     assert bulk.limit_status.item() == "no balance lasts"
+    assert np.isnan(bulk.settled_temperature).all()
+    assert bulk.settled_status.item() == bulk.status.item()
 
 
 def test_a_limit_beyond_the_data_of_the_oil_is_not_known():
@@ -399,6 +403,23 @@ def test_a_balance_is_told_drawn_and_kept(tmp_path):
     assert [name for name in names if name.endswith(".svg")] == ["thermal-balance.svg", "thermal-course.svg"]
     save(result, tmp_path / "kept.nc")
     assert open_result(tmp_path / "kept.nc").identical(result)
+
+
+def test_a_sweep_keeps_what_a_bearing_settles_at_and_draws_it_in_degrees():
+    scene = evolve(SCENE, {"models.thermal": network(oil_flow="15 g/s"), "study.thermal-balance.points": 8})
+    asked = ["settled_temperature", "settled_slip", "heat_margin", "temperature", "steady_slip"]
+    over = {"models.thermal.oil_flow": ["5 g/s", "50 g/s"]}
+    found = sweep(scene, study="thermal-balance", over=over, output=asked, engine="serial")
+    assert (found.settled_temperature == found.temperature.squeeze("balance")).all()
+    assert (found.settled_slip == found.steady_slip.squeeze("balance")).all()
+    said = account_of(found).sentences(found)
+    assert any(re.match(r"settled_temperature, inner ring: [\d.]+ degC to [\d.]+ degC, ", line) for line in said)
+    assert "heat_margin: none; 0 values, 2 without one (no limit up to 150 degC" in "\n".join(said)
+    drawn = {name: figure for name, _, figure in account_of(found).figures(found)}
+    (axes,) = drawn["sweep-line-settled-temperature"].axes
+    assert [line.get_label() for line in axes.lines] == [*found.node.values]
+    shown = axes.lines[0].get_ydata()
+    assert shown == pytest.approx(found.settled_temperature.sel(node="oil").values - 273.15)
 
 
 def test_a_plan_says_which_studies_a_network_does_not_act_in():

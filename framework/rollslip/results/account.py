@@ -288,7 +288,7 @@ def with_unit(value: float, unit: str) -> str:
     try:
         return format_quantity(value, unit, 4)
     except UnitError:  # a unit for which there is no other way to write it
-        return f"{value:.4g} {unit}"
+        return f"{value:.4g} {unit.partition(',')[0]}"
 
 
 #: The kind of an account; packages that offer studies offer theirs.

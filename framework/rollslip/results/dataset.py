@@ -52,6 +52,12 @@ _MARK: Final = ("sealed", "a SHA-256 of all before it follows at the end of the 
 _SEALED: Final = re.compile(rb"\nrollslip result (\d+) sha256 ([0-9a-f]{64})\n\Z")
 
 
+#: Attribute of a coordinate of names: the unit of what has each, where they differ, as JSON.
+UNITS: Final = "units_by_name"
+#: Attribute of a variable: which other one says in words why it has no value.
+TOLD_BY: Final = "told_by"
+
+
 def about(unit: str, long_name: str) -> dict[str, Any]:
     """Return the attributes that every variable of a result has."""
     return {"units": unit, "long_name": long_name}

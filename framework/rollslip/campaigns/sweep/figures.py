@@ -8,13 +8,14 @@ models. Quantities have the unit in which the sweep was asked for.
 
 import json
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.campaigns.sweep.findings import resting
+from rollslip.campaigns.sweep.findings import by_name, named_dims, resting
 from rollslip.results.style import (
     DASHES,
     MM,
@@ -58,31 +59,41 @@ def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
             yield "sweep-models", models_apart(dataset), _models(values, choices[0])
         return
     few = all(dataset.sizes[key] <= _PANELS for key in choices)
-    for name, values in _results(dataset, keys)[:_FIGURES]:
-        ending = "" if name == _RESULT else f"-{name.replace('_', '-')}"
-        whose = ""
+    for name, values in _results(dataset, keys, curves=len(numbers) == 1 and not choices)[:_FIGURES]:
+        ending = "" if name == _RESULT else f"-{name.replace('_', '-').replace(' ', '-')}"
+        whose, panels = "", choices
         if "ring" in values.dims and (choices or len(numbers) == 2):
-            values, whose = values.sel(ring="inner"), " of the inner ring"
+            if choices or name in dataset:
+                values, whose = values.sel(ring="inner"), " of the inner ring"
+            else:  # what has several names may be worse on either ring
+                panels = ["ring"]
         said = f"{_name(values)}{whose}{resting(dataset) if name.startswith('critical_') else ''} over "
         if len(numbers) == 2 and few:
             if "steady" in values.dims:
                 values, said = values.isel(steady=0), said.replace(" over ", ", the smallest, over ")
             caption = f"{said}{numbers[0]} and {numbers[1]}; {_HATCHED}."
-            yield f"sweep-map{ending}", caption, _map(values, numbers, choices)
+            yield f"sweep-map{ending}", caption, _map(values, numbers, panels)
         elif len(numbers) == 1:
             caption = f"{said}{numbers[0]}{f', by {choices[0]}' if choices else ''}."
             yield f"sweep-line{ending}", caption, _line(values, numbers[0], choices)
 
 
-def _results(dataset: "xr.Dataset", keys: Sequence[str]) -> "list[tuple[str, xr.DataArray]]":
-    """Outputs that have one number for a point, for each ring or for each steady slip, and a value anywhere."""
+def _results(dataset: "xr.Dataset", keys: Sequence[str], *, curves: bool) -> "list[tuple[str, xr.DataArray]]":
+    """Outputs that have one number for a point, for each name or for each steady slip, and a value anywhere.
+
+    One that has names beside the rings is taken apart by them, unless they are curves of one figure.
+    """
     found = []
     for name, values in dataset.data_vars.items():
-        inner = {str(dim) for dim in values.dims} - set(keys)
-        single = inner <= {"ring"} or inner == {"steady"}
-        if single and values.dtype.kind == "f" and name != "seconds" and np.isfinite(values.to_numpy()).any():
+        if values.dtype.kind != "f" or name == "seconds":
+            continue
+        inner, apart = {str(dim) for dim in values.dims} - set(keys), [*named_dims(values, [*keys, "ring"])]
+        if len(apart) == 1 and inner <= {*apart, "ring"} and not (curves and inner == {*apart}):
+            found += [(f"{name}-{one}", piece) for one, piece in by_name(values, apart[0])]
+        elif inner <= {"ring"} or inner == {"steady"} or (len(apart) == 1 and inner == {*apart}):
             found.append((str(name), values))
-    return sorted(found, key=lambda one: one[0] != _RESULT)
+    known = [(name, values) for name, values in found if np.isfinite(values.to_numpy()).any()]
+    return sorted(known, key=lambda one: one[0] != _RESULT)
 
 
 def models_apart(dataset: "xr.Dataset") -> str:
@@ -137,8 +148,8 @@ def _line(values: "xr.DataArray", key: str, choices: Sequence[str]) -> "Figure":
 
     figure = Figure(figsize=ONE_COLUMN, layout="constrained")
     axes = figure.subplots()
-    (x, across), (size, unit) = _axis(values[key]), _shown(values)
-    over = choices[0] if choices else "ring" if "ring" in values.dims else None
+    (x, across), (read, unit) = _axis(values[key]), _shown(values)
+    over = choices[0] if choices else next(iter(named_dims(values, [key])), None)
     named = [(str(one), values.sel({over: one})) for one in values[over].to_numpy()] if over else [("", values)]
     missing = np.zeros(x.size, dtype=bool)
     for k, (name, piece) in enumerate(named):
@@ -148,7 +159,7 @@ def _line(values: "xr.DataArray", key: str, choices: Sequence[str]) -> "Figure":
             style = {"color": RING_COLOURS[name], "linestyle": DASHES[k % 2]}
         if piece.sizes.get("steady", 1) > 1:  # which of them go together is not known
             style["linestyle"] = "none"
-        y = size * piece.transpose(key, ...).to_numpy()
+        y = read(piece.transpose(key, ...).to_numpy())
         shown = axes.plot(x, y, marker="o", markersize=3, **style)
         if label:
             shown[0].set_label(label)
@@ -175,15 +186,15 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str])
     pieces = pieces or [("", values)]
     figure = Figure(figsize=((32 + 46 * len(pieces)) * MM, 58 * MM), layout="constrained")
     panels = figure.subplots(1, len(pieces), sharey=True, squeeze=False)[0]
-    size, unit = _shown(values)
-    known = size * values.to_numpy()
+    read, unit = _shown(values)
+    known = read(values.to_numpy())
     known = known[np.isfinite(known)]
     colours = against_zero(float(known.min(initial=np.inf)), float(known.max(initial=-np.inf)))
     mesh: Any = None
     for axes, (name, piece) in zip(panels, pieces, strict=True):
         axes.set_facecolor("0.9")
         (x, across), (y, up) = _axis(piece[numbers[0]]), _axis(piece[numbers[1]])
-        shown = size * piece.transpose(numbers[1], numbers[0]).to_numpy()
+        shown = read(piece.transpose(numbers[1], numbers[0]).to_numpy())
         mesh = axes.pcolormesh(x, y, shown, shading="nearest", **colours)
         mesh.set_edgecolor("face")
         _hatch(axes)
@@ -193,7 +204,7 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str])
         if _by_factors(y):
             axes.set_yscale("log")
             plain_decades(axes.yaxis)
-        axes.set_title(name)
+        axes.set_title(f"{name} ring" if choices == ["ring"] else name)
         axes.set_xlabel(across)
         if axes is panels[0]:
             axes.set_ylabel(up)
@@ -233,13 +244,13 @@ def _named(values: "xr.DataArray", unit: str) -> str:
     return textwrap.fill(f"{_name(values)} [{unit}]".replace("N m]", "N\u00a0m]"), 36)
 
 
-def _shown(values: "xr.DataArray") -> tuple[float, str]:
-    """What results are multiplied with, and the unit that they have then: slips in percent, others as people do."""
+def _shown(values: "xr.DataArray") -> tuple[Callable[[Array], Array], str]:
+    """What reads results in the unit that they are shown in, and that: slips in percent, others as people do."""
     unit = str(values.attrs.get("units", "1"))
     if unit == "1":
-        return (100.0, "%") if "slip" in str(values.name) else (1.0, "–")
+        return (partial(np.multiply, 100.0), "%") if "slip" in str(values.name) else (np.asarray, "–")
     try:
         given = shown_unit(float(np.nanmax(np.abs(values.to_numpy()))), unit)
-        return converted(1.0, unit, given), unit_label(given)
+        return partial(converted, unit=unit, given=given), unit_label(given)
     except UnitError:  # a unit for which there is no other way to write it
-        return 1.0, unit_label(unit)
+        return np.asarray, unit_label(unit.partition(",")[0])

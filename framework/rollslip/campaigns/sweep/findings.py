@@ -1,17 +1,19 @@
 """What a sweep has found, in sentences and plain values, from the dataset alone."""
 
 import json
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.results.account import with_unit
+from rollslip.results.dataset import TOLD_BY, UNITS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["record", "sentences", "topics"]
+__all__ = ["by_name", "named_dims", "record", "sentences", "topics"]
 
 
 def sentences(dataset: "xr.Dataset") -> list[str]:
@@ -47,6 +49,23 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
     return {"counts": json.loads(dataset.attrs["counts"]), "outputs": _ranges(dataset)}
 
 
+def named_dims(values: "xr.DataArray", keys: Collection[str]) -> list[str]:
+    """Return the dimensions of an output along which it has names, such as rings, measures or parts."""
+    inner = [str(dim) for dim in values.dims if dim not in keys and dim in values.coords]
+    return [dim for dim in inner if values[dim].dtype.kind not in "fiub"]
+
+
+def by_name(values: "xr.DataArray", dim: str) -> "list[tuple[str, xr.DataArray]]":
+    """Return an output name by name, each piece with its own unit."""
+    units, found = json.loads(values[dim].attrs.get(UNITS, "{}")), []
+    for name in map(str, values[dim].to_numpy()):
+        piece = values.sel({dim: name})
+        piece.attrs["units"] = units.get(name, piece.attrs["units"])
+        piece.attrs["long_name"] = f"{piece.attrs.get('long_name', values.name)}, {name}{' ring' if dim == 'ring' else ''}"
+        found.append((f"{name} ring" if dim == "ring" else name, piece))
+    return found
+
+
 def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
     """Range of every output that is a number; what has no value is counted."""
     ranges = {}
@@ -54,20 +73,23 @@ def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
     for name, variable in dataset.data_vars.items():
         if name == "seconds" or variable.dtype.kind != "f":
             continue
-        status = _status_of(dataset, variable)
-        inner = [str(dim) for dim in variable.dims if dim not in sampled]
-        pieces = {str(name): variable}
-        if inner == ["ring"]:
-            pieces = {f"{name}, {ring} ring": variable.sel(ring=ring) for ring in dataset["ring"].to_numpy()}
+        status, pieces = _status_of(dataset, variable), {str(name): variable}
+        named = named_dims(variable, sampled)
+        if {*variable.dims} - sampled == {*named}:
+            for dim in named:
+                pieces = {f"{k}, {one}": of for k, piece in pieces.items() for one, of in by_name(piece, dim)}
         for called, piece in pieces.items():
             values = piece.to_numpy()
             known = values[np.isfinite(values)]
-            words = None if status is None else status.sel(ring=piece["ring"]) if inner == ["ring"] else status
+            at = {dim: piece[dim] for dim in named if dim not in piece.dims}
+            words = None
+            if status is not None:
+                words = status.sel({dim: one for dim, one in at.items() if dim in status.dims}).broadcast_like(piece)
             ranges[called] = {
-                "unit": variable.attrs["units"],
+                "unit": piece.attrs["units"],
                 "values": int(known.size),
                 "missing": int(values.size - known.size),
-                "why": None if words is None else _most_frequent(words.to_numpy()[~np.isfinite(values)]),
+                "why": None if words is None else _most_frequent(words.transpose(*piece.dims).to_numpy()[~np.isfinite(values)]),
                 "least": float(known.min()) if known.size else None,
                 "median": float(np.median(known)) if known.size else None,
                 "largest": float(known.max()) if known.size else None,
@@ -77,6 +99,8 @@ def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
 
 def _status_of(dataset: "xr.Dataset", variable: "xr.DataArray") -> "xr.DataArray | None":
     """The words beside a variable that say why it has no value, if there is one such variable."""
+    if (told := variable.attrs.get(TOLD_BY)) in dataset:
+        return dataset[told]
     names = [
         name
         for name, other in dataset.data_vars.items()

@@ -27,7 +27,7 @@ from rollslip.campaigns.sweep.sampling import Axis, Design, far_apart
 from rollslip.errors import in_words
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.provenance import citations_told, origin, scene_told
-from rollslip.results.dataset import about
+from rollslip.results.dataset import TOLD_BY, about
 from rollslip.results.words import counted
 from rollslip.scene.changes import evolve
 from rollslip.studies import validity
@@ -79,8 +79,12 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
             filled[record.row.number] = True
             fields.fill(record.row.number, parsed(record.row.layout), record.row.numbers, record.row.texts)
     points = ("status", "message", "seconds")
-    outputs = fields.variables(design.dims, design.shape)
-    variables = {f"study_{name}" if name in points else name: of for name, of in outputs.items()}
+    called = {name: f"study_{name}" if name in points else name for name in fields.arrays}
+    told = {name: called.get(one.status) for name, one in settings(sweep.scene, sweep.study)[sweep.study].outputs.items()}
+    variables = {
+        called[name]: (dims, values, said | ({TOLD_BY: by} if (by := told.get(name)) else {}))
+        for name, (dims, values, said) in fields.variables(design.dims, design.shape).items()
+    }
     variables |= {
         "status": (design.dims, status.reshape(design.shape), about("1", "how the point ended")),
         "message": (design.dims, message.reshape(design.shape), about("1", "why it is not ok")),

@@ -7,6 +7,7 @@
 """
 
 import abc
+import json
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, Self
@@ -21,6 +22,7 @@ from rollslip.catalogue.registry import structure_models
 from rollslip.datasets import Material
 from rollslip.errors import DomainError
 from rollslip.references import Citation
+from rollslip.results.dataset import UNITS, about
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Output, Part
@@ -38,6 +40,7 @@ __all__ = [
     "DamageModel",
     "damage_of",
     "described",
+    "named",
     "named_damage",
     "parts",
     "texts",
@@ -215,11 +218,21 @@ def described(measures: tuple[DamageModel, ...]) -> dict[str, NDArray[Any]]:
     return {
         "limit": np.array([value for value, _ in limits]),
         "limit_source": texts(source for _, source in limits),
-        "unit": texts("K, a difference" if model.difference else model.unit for model in measures),
+        "unit": texts(map(_unit, measures)),
         "meaning": texts(model.measure for model in measures),
         "sense": texts(model.worst for model in measures),
         "scope": texts(model.scope for model in measures),
     }
+
+
+def named(measures: tuple[DamageModel, ...]) -> tuple[str, NDArray[Any], dict[str, str]]:
+    """Return the coordinate of measures, with the unit of each by its name (`rollslip.results.dataset.UNITS`)."""
+    units = {model.name: _unit(model) for model in measures}
+    return "measure", texts(units), about("1", "damage model") | {UNITS: json.dumps(units)}
+
+
+def _unit(model: DamageModel) -> str:
+    return "K, a difference" if model.difference else model.unit
 
 
 def parts(scene: Scene) -> list[Part]:

@@ -19,7 +19,7 @@ from rollslip.errors import DomainError
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Output
 from rollslip.studies.friction_curve.study import balanced_load
-from rollslip.studies.surface_damage.model import DESCRIBED, OWN, Contacts, damage_of, described, texts, values_of
+from rollslip.studies.surface_damage.model import DESCRIBED, OWN, Contacts, damage_of, described, named, values_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,7 +107,7 @@ def over_motion(
         "worst_status": said.astype(np.str_),
         "worst_over_time": over,
     }, {
-        "measure": ("measure", texts(model.name for model in measures), about("1", "damage model")),
+        "measure": named(measures),
         "measured_time": ("measured_time", times[instants], about("s", "time")),
     }  # fmt: skip
 

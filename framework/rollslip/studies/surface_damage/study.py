@@ -30,8 +30,8 @@ from rollslip.studies.surface_damage.model import (
     DamageModel,
     damage_of,
     described,
+    named,
     parts,
-    texts,
     values_of,
 )
 from rollslip.studies.timing import timed
@@ -201,7 +201,7 @@ class SurfaceDamage(Study):
             status=status,
         )
         coords = {
-            "measure": ("measure", texts(model.name for model in measures), about("1", "damage model")),
+            "measure": named(measures),
             "ring": ("ring", np.array(RINGS), about("1", "ring")),
             "angle": ("angle", angle, about("rad", "position from the line of load, in the sense of the orbit")),
             "place": ("place", places, about("1", "place in half widths, from the inlet to the outlet")),

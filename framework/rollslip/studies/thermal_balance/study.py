@@ -44,11 +44,18 @@ class ThermalBalance(Study):
             "stable": Output("balance", "1", "whether a disturbance of the temperatures fades"),
             "stability": Output("balance", "1", "stability in words"),
             "growth": Output("balance", "1/s", "fastest growth of a disturbance of the temperatures", status="status"),
-            "steady_slip": Output("balance", "1", "steady cage slip", status="status", default=True),
+            "steady_slip": Output("balance", "1", "steady cage slip", status="status"),
             "loss": Output("source balance", "W", "power lost to friction", status="status"),
             "carried_away": Output("sink balance", "W", "heat that leaves the bearing", status="status"),
             "balance_error": Output("balance", "1", "heat made less heat carried away, relative", status="status"),
             "status": Output("", "1", "what was found"),
+            "settled_temperature": Output(
+                "node", "K", "bulk temperature that a cold bearing settles at", status="settled_status", default=True
+            ),
+            "settled_slip": Output(
+                "", "1", "steady cage slip of a bearing that has settled", status="settled_status", default=True
+            ),
+            "settled_status": Output("", "1", "what was found of the coldest balance that lasts"),
             "given_slip": Output("", "1", "steady cage slip at the temperatures of the scene", status="given_status"),
             "given_loss": Output("", "W", "losses at the temperatures of the scene", status="given_status"),
             "given_temperature": Output("part", "K", "bulk temperature as the scene gives it"),
@@ -132,9 +139,8 @@ class ThermalBalance(Study):
 
     def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
         """Return the steady slip of the coldest balance that lasts."""
-        stable = dataset["stable"].to_numpy() == 1
-        slip = float(dataset["steady_slip"].to_numpy()[stable][0]) if stable.any() else np.nan
-        return {"steady cage slip": Compared([[slip]], str(dataset["status"].item()))}
+        status = str(dataset["settled_status"].item())
+        return {"steady cage slip": Compared([[float(dataset["settled_slip"])]], status)}
 
     def without(self, outputs: frozenset[str]) -> "ThermalBalance":
         """Return a study without the course in time where nobody asks for it."""
@@ -147,8 +153,9 @@ class ThermalBalance(Study):
         -------
         xarray.Dataset
             Dimensions (balance,): stable, stability, growth, steady_slip, balance_error; (node, balance): temperature;
-            (source, balance): loss; (sink, balance): carried_away; (part,): given_temperature; scalars: status,
-            given_slip, given_loss, given_status. With a model of nodes (point,): leading_temperature,
+            (source, balance): loss; (sink, balance): carried_away; (node,): settled_temperature, of the coldest balance
+            that lasts; (part,): given_temperature; scalars: status, settled_slip, settled_status, given_slip, given_loss,
+            given_status. With a model of nodes (point,): leading_temperature,
             excess_heat; scalars jumps, heat_margin, limit_temperature, inlet_limit, limit_status; with a duration
             (time, node): course_temperature; (time,): course_slip; scalar course_status. Without a balance there is one
             NaN in its place, and no source.
@@ -194,7 +201,10 @@ class ThermalBalance(Study):
             loss=np.array([[loss.power] for loss in losses]).reshape(len(losses), 1),
             carried_away=np.array([[total]]),
             balance_error=np.full(1, np.nan),
-            status="the temperatures are given" if not given.refusal else given.refusal,
+            status=(status := given.refusal or "the temperatures are given"),
+            settled_temperature=temperatures,
+            settled_slip=given.slip,
+            settled_status=status,
         ), _coordinates(tuple(ROLES.values()), [loss.source for loss in losses], ["outside"])
 
     def _balances(self, heated: Heated) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -207,6 +217,8 @@ class ThermalBalance(Study):
         powers = [one.state.power for one in balances]
         sources = [loss.source for loss in powers[0].losses] if powers and powers[0] else []
         none = np.full(1, np.nan)
+        status = "found" if balances else self._none(heated, curve)
+        settled = next((one for one in balances if one.stable), None)
         variables = self.variables(
             temperature=np.array([one.temperatures for one in balances]).T
             if balances
@@ -222,7 +234,10 @@ class ThermalBalance(Study):
             if balances
             else none * np.ones((len(sinks), 1)),
             balance_error=np.array([one.error for one in balances]) if balances else none,
-            status="found" if balances else self._none(heated, curve),
+            status=status,
+            settled_temperature=np.full(start.size, np.nan) if settled is None else settled.temperatures,
+            settled_slip=np.nan if settled is None else settled.state.slip,
+            settled_status="no balance lasts" if balances and settled is None else status,
             jumps=_jumps(heated),
             leading_temperature=curve.temperature,
             excess_heat=curve.excess,
