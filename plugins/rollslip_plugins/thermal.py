@@ -123,6 +123,17 @@ def _capacity(doc: str) -> Any:
     )
 
 
+def _factor(doc: str) -> Any:
+    return parameter(
+        default=1.0,
+        unit="1",
+        doc=f"factor of the conductances {doc} that are estimated",
+        validator=positive,
+        usual=(0.2, 5),
+        possible=(1e-3, 1e3),
+    )
+
+
 def _interference(doc: str) -> Any:
     return parameter(
         default=0.0,
@@ -174,6 +185,8 @@ class Network(ThermalModel):
     - Rings to rollers: the film over the Hertz width of a mean contact in series with the flash of two half-spaces,
       K = Z l 2 b/(h/K_f + sqrt(pi 2 b/u)/e).
     - Masses: rings and rollers by size; housing 5 and shaft 3 times the rings (D). They set the pace, not the balance.
+
+    ``oil_factor``, ``contact_factor`` and ``surroundings_factor`` multiply what is estimated, so that it can scatter.
 
     ``expansion`` a is the thermal expansion of steel; 0 leaves the clearance as the scene gives it. With it that holds
     at the temperatures of the scene, and changes with those of the parts by a (E_o dT_o - E_i dT_i - 2 D dT_r).
@@ -245,6 +258,9 @@ class Network(ThermalModel):
     shaft_interference: float = _interference("the inner ring on its shaft")
     housing_interference: float = _interference("the outer ring in its housing")
     centrifugal_growth: bool = parameter(default=False, doc="whether rings that turn widen by their centrifugal force")
+    oil_factor: float = _factor("between oil and parts")
+    contact_factor: float = _factor("between rings and rollers")
+    surroundings_factor: float = _factor("between rings and surroundings")
     oil_inner_ring: float | None = _conductance("between oil and inner ring")
     oil_rollers: float | None = _conductance("between oil and rollers")
     oil_outer_ring: float | None = _conductance("between oil and outer ring")
@@ -430,8 +446,8 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     found: dict[str, float] = {}
     for ring, part in (("inner_ring", "shaft"), ("outer_ring", "housing")):
         whole, seat = flux * seats[part] / _REFERENCE_EXCESS, _SEAT * seats[part]
-        found[f"{ring}_{part}"] = seat
-        found[f"{part}_ambient"] = 1.0 / (1.0 / whole - 1.0 / seat)
+        found[f"{ring}_{part}"] = model.surroundings_factor * seat
+        found[f"{part}_ambient"] = model.surroundings_factor / (1.0 / whole - 1.0 / seat)
     density = _OIL_DENSITY if assembly.lubricant.density is None else assembly.lubricant.density(
         scene.operation.temperature
     )  # fmt: skip
@@ -444,16 +460,15 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
         "rollers": b.rollers * math.pi * b.roller_diameter * b.roller_length,
         "outer_ring": math.pi * b.outer_raceway_diameter * width,
     }
-    found |= {f"oil_{part}": plate * surface for part, surface in wetted.items()}
+    found |= {f"oil_{part}": model.oil_factor * plate * surface for part, surface in wetted.items()}
     rolling = k.roller_radius * k.epicyclic_roller_speed
     mean = (2.0 * scene.operation.radial_load / b.rollers + 1.0) / b.roller_length
     for raceway in assembly.raceways:
         slices = raceway.evaluate(np.array([mean]), rolling, 0.0)
         across, film = 2.0 * float(slices.half_width[0]), float(slices.film_thickness[0])
         flash = math.sqrt(math.pi * across / rolling) / raceway.conditions.effusivity
-        found[f"{raceway.ring}_ring_rollers"] = b.rollers * b.roller_length * across / (
-            film / oil.conductivity + flash
-        )  # fmt: skip
+        area = b.rollers * b.roller_length * across
+        found[f"{raceway.ring}_ring_rollers"] = model.contact_factor * area / (film / oil.conductivity + flash)
     heat = steel.density * steel.specific_heat
     rings = {
         "inner_ring": 0.25 * math.pi * (b.inner_raceway_diameter**2 - bore**2) * width,

@@ -364,6 +364,16 @@ def test_a_fit_and_speed_change_the_clearance_as_elasticity_says(rpm, interferen
         assert found == loose.changes(model.start(scene), scene)["bearing.radial_clearance"]
 
 
+def test_estimated_conductances_can_scatter():
+    plain = get_model("thermal", "network").of(assemble(SCENE))
+    for factor, of in (("oil_factor", LINKS[:3]), ("contact_factor", LINKS[3:5]), ("surroundings_factor", LINKS[5:])):
+        twice = get_model("thermal", "network", **{factor: 2.0}).of(assemble(SCENE))
+        ratios = {name: getattr(twice, name) / getattr(plain, name) for name in LINKS}
+        assert ratios == pytest.approx({name: 2.0 if name in of else 1.0 for name in LINKS}, rel=1e-12)
+        given = get_model("thermal", "network", **{factor: 2.0}, **dict.fromkeys(LINKS, 3.0)).of(assemble(SCENE))
+        assert {getattr(given, name) for name in LINKS} == {3.0}
+
+
 def test_a_housing_narrows_the_outer_raceway_and_a_turning_outer_ring_widens():
     tight = get_model("thermal", "network", housing_interference=4e-5).of(assemble(SCENE))
     found = tight.changes(tight.start(SCENE), SCENE)["bearing.radial_clearance"]
@@ -392,10 +402,12 @@ def test_a_balance_is_told_drawn_and_kept(tmp_path):
                       oil_flow="15 g/s")  # fmt: skip
     assert result.course_temperature[-1].values == pytest.approx(result.temperature[:, 0].values, abs=4.0)
     topics = account_of(result).topics(result)
-    assert topics.keys() == {"bulk temperatures", "limit", "course", "other studies"}
+    assert topics.keys() == {"bulk temperatures", "limit", "what they rest on", "course", "other studies"}
     (said,) = topics["bulk temperatures"]
     assert "come in with oil" in said
     assert "(stable: a disturbance fades with a time of" in said
+    assert said.endswith("; 9 conductances that all this rests on are estimated")
+    assert re.search(r"does not give .*oil_rollers [\d.]+ W/K, .*J/K: they are taken from", topics["what they rest on"][0])
     assert topics["other studies"][0].count("--set 'operation.") == 4
     record = account_of(result).record(result)
     assert record["balances"][0]["stable"]

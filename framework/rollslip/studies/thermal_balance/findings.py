@@ -1,5 +1,6 @@
 """What a thermal balance says: its single values as a record, and sentences, from the dataset alone."""
 
+import json
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -49,6 +50,7 @@ def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
     return {
         "bulk temperatures": _balances(dataset),
         "limit": [_limit(dataset)],
+        **({"what they rest on": [taken]} if (taken := _taken(dataset)) else {}),
         **({"course": [_course(dataset)]} if "course_temperature" in dataset else {}),
         **({"other studies": [_settings(dataset)]} if lasting(dataset) else {}),
     }
@@ -68,7 +70,7 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
     if str(dataset["status"].item()) != "found":
         return [str(dataset["status"].item())]
     said = []
-    slip = float(dataset["given_slip"])
+    slip, guessed = float(dataset["given_slip"]), sum(value.endswith("W/K") for value in _from_bearing(dataset).values())
     for one in (dataset.isel(balance=k) for k in range(dataset.sizes["balance"])):
         made = float(one["loss"].sum())
         heats = list(zip(one["sink"].to_numpy(), one["carried_away"].to_numpy().tolist(), strict=True))
@@ -80,6 +82,8 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
             f"({one['stability'].item()}): {_watt(made)} are lost{brought}, {away}; the cage slip is "
             f"{100.0 * float(one['steady_slip']):.3g} %{given}"
         )
+    if guessed:
+        said[-1] += f"; {guessed} conductances that all this rests on are estimated"
     if (jumps := str(dataset["jumps"].item())) != "none":
         said.append(jumps)
     if len(lasting(dataset)) > 1:
@@ -101,6 +105,20 @@ def _limit(dataset: "xr.Dataset") -> str:
         else (f"with {margin} more")
     )
     return f"{beyond} no balance is left, at {celsius(at)} of the {node}; what ends it is {status}"
+
+
+def _from_bearing(dataset: "xr.Dataset") -> dict[str, str]:
+    taken: dict[str, str] = json.loads(dataset.attrs.get("taken_from_bearing", "{}"))
+    return taken
+
+
+def _taken(dataset: "xr.Dataset") -> str:
+    taken = _from_bearing(dataset)
+    if "course_temperature" not in dataset:  # what stores heat sets the pace alone
+        taken = {name: value for name, value in taken.items() if not value.endswith("J/K")}
+    said = ", ".join(f"{name} {value}" for name, value in taken.items())
+    how = f"'rollslip models {dataset.attrs['thermal']}' says how, and how good that is"
+    return f"models.thermal does not give {said}: they are taken from the scene or estimated, {how}" if taken else ""
 
 
 def _course(dataset: "xr.Dataset") -> str:

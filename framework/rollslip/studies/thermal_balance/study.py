@@ -4,6 +4,7 @@
 heat that has to be carried away to hold them.
 """
 
+import json
 from collections.abc import Mapping
 from functools import partial
 from types import MappingProxyType
@@ -22,7 +23,8 @@ from rollslip.studies.steady_slip.shared import estimate_torques
 from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.thermal_balance.balance import Balance, Curve, Heated, State
-from rollslip.studies.thermal_balance.model import ROLES, thermal_model
+from rollslip.studies.thermal_balance.model import ROLES, ThermalModel, thermal_model
+from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -185,7 +187,12 @@ class ThermalBalance(Study):
             some, at = self._held(given, np.array(temperatures))
         import xarray as xr
 
-        attributes = {"thermal": model.name, "evaluated_temperatures": heated.evaluations, "thermal_model": repr(model)}
+        attributes = {
+            "thermal": model.name,
+            "evaluated_temperatures": heated.evaluations,
+            "thermal_model": repr(model),
+            "taken_from_bearing": json.dumps({} if named is None else _taken(named, model)),
+        }
         return xr.Dataset(variables | some, coords | at, attrs=self.attributes | attributes)
 
     def _held(self, given: State, temperatures: "np.ndarray[Any, Any]") -> tuple[dict[str, Any], dict[str, Any]]:
@@ -308,6 +315,16 @@ class ThermalBalance(Study):
         else:
             status = "the bulk: warmer than that losses rise faster than what is carried away"
         return self.variables(heat_margin=-value, limit_temperature=at, inlet_limit=inlet, limit_status=status)
+
+
+def _taken(given: ThermalModel, made: ThermalModel) -> dict[str, str]:
+    """Return the parameters that a model was not given and took from the bearing, as people read them."""
+    kinds: Any = type(made)
+    return {
+        field.name: format_quantity(value, field.metadata.get("unit", "1"), 3)
+        for field in attrs.fields(kinds)
+        if getattr(given, field.name) is None and isinstance(value := getattr(made, field.name), float)
+    }
 
 
 def _jumps(heated: Heated) -> str:
