@@ -11,7 +11,7 @@ import pytest
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.critical import searched, searching, slip_grid
+from rollslip.bearing.critical import Curve, searched, slip_grid
 from rollslip.bearing.raceway import gauss_rule
 from rollslip.bearing.resolution import Resolution
 from rollslip.studies.effective_friction.study import EffectiveFriction
@@ -75,7 +75,7 @@ KINDS = {
 @pytest.mark.parametrize("kind", KINDS)
 def test_few_slips_find_what_all_find_on_made_up_curves(kind):
     random = np.random.default_rng([*KINDS].index(kind))
-    whole, beside = 0, 0
+    whole, beside, curves, alone = 0, 0, [], []
     for _ in range(50):
         friction, load, share = made_up(kind, random)
         rule, slips = gauss_rule(load, share, 8), []
@@ -88,15 +88,21 @@ def test_few_slips_find_what_all_find_on_made_up_curves(kind):
             return [exact(slip) for _, slip in asked]
 
         rough = friction(SLIP[:, None], rule[:, 0]) @ rule[:, 1]
-        (all_of,) = searched([searching(SLIP, exact(SLIP), "")], evaluate)
+        (all_of,) = searched([Curve(SLIP, exact(SLIP), "")], evaluate)
         slips.clear()
-        (found,) = searched([searching(SLIP, rough, "", exact=False)], evaluate)
+        (found,) = searched([Curve(SLIP, rough, "", exact=False)], evaluate)
         np.testing.assert_equal(attrs.astuple(found), attrs.astuple(all_of))
         whole += POINTS in slips
+        curves.append((rough, exact))
+        alone.append(attrs.astuple(found))
         curve = exact(ROOT * ROOT)
         highest = curve[-1] if np.isnan(found.slip) else found.friction
         # one of the narrow peaks, 0.7 steps of the grid wide, hides between its slips, whoever looks at all of them
         beside += bool(curve.max() > 0.0 and highest < curve.max() * (1.0 - 1e-6))
+    together = searched(
+        [Curve(SLIP, rough, "", exact=False) for rough, _ in curves], lambda asked: [curves[k][1](at) for k, at in asked]
+    )
+    np.testing.assert_equal([attrs.astuple(found) for found in together], alone)
     assert whole <= KINDS[kind]
     assert beside <= (kind == "narrow peaks")
 
@@ -136,9 +142,9 @@ def test_few_slips_find_what_all_find_on_curves_of_the_laws_in_the_box():
                 slips.extend(at.size for _, at in asked)
                 return friction_together([(few, ring, at) for _, at in asked])
 
-            (all_of,) = searched([searching(slip, few.curve(slip)[ring], "")], evaluate)
+            (all_of,) = searched([Curve(slip, few.curve(slip)[ring], "")], evaluate)
             slips.clear()
-            (found,) = searched([searching(slip, rough[ring], "", exact=False)], evaluate)
+            (found,) = searched([Curve(slip, rough[ring], "", exact=False)], evaluate)
             np.testing.assert_equal(attrs.astuple(found), attrs.astuple(all_of))
             whole += POINTS in slips
             fine = slip_grid(study.max_cage_slip, 1001)

@@ -6,11 +6,11 @@
   is held against the exact one at slips all over the range; the difference, and what it may be between them, says which
   slips can be the highest, and whether friction falls before. Friction is exact at those, at their neighbours and at
   the end, so what is found is to the last bit what the whole grid gives. Where that leaves a doubt the whole grid is
-  evaluated.
+  evaluated. Curves on one grid are looked at as rows of one array.
 """
 
 import math
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from functools import cache
 from typing import Final, TypeAlias
 
@@ -44,6 +44,7 @@ _BENDS: Final = np.vstack((chebyshev.chebder(np.eye(_NODES.size), 2), np.zeros((
 _HELD: Final = 9
 #: Slips on either side of where it is highest that are exact at once.
 _BESIDE: Final = 2
+_AROUND: Final = np.arange(-_BESIDE, _BESIDE + 1)
 
 
 def slip_grid(largest: float, points: int) -> Array:
@@ -81,9 +82,36 @@ def look_further(key: str, largest: float, most: float) -> str:
 
 
 #: Yields slips, is sent the friction there, and returns the maximum.
-Search: TypeAlias = Generator[Array, Array, Critical]
+_Search: TypeAlias = Generator[Array, Array, Critical]
 #: Ends of an interval, and the friction at Chebyshev's points of it.
 _Known: TypeAlias = tuple[float, float, Array]
+#: Slips, the friction there, and what is known beside.
+_Some: TypeAlias = tuple[Array, Array, _Known | None]
+#: Returns the friction of curves, by their number, at slips.
+Evaluate: TypeAlias = Callable[[list[tuple[int, Array]]], Sequence[Array]]
+
+
+@attrs.frozen(eq=False)
+class Curve:
+    """A curve whose largest friction is looked for.
+
+    Attributes
+    ----------
+    slip, friction : ndarray
+        The curve on a grid, slip ascending, (n,).
+    allow : str
+        Key of the setting that widens the range, as it is typed, for the status; empty if there is none.
+    exact : bool
+        Whether the friction is exact; where it is rough few slips are chosen by it, or all where these leave a doubt.
+    most : float
+        Largest slip to look for: of a cage one that still turns.
+    """
+
+    slip: Array
+    friction: Array
+    allow: str
+    exact: bool = True
+    most: float = MOST_CAGE_SLIP
 
 
 def locate(
@@ -127,19 +155,28 @@ def locate(
     DomainError
         If the curve holds NaN or infinity.
     """
-    search = searching(slip, friction, allow, most=most, sought=sought, of=of, together=many is not None)
+    search = _searching(slip, friction, allow, most=most, sought=sought, of=of, together=many is not None)
 
     def at(slips: Array) -> Array:
         return many(slips) if many is not None else np.array([curve(one) for one in slips.tolist()])
 
-    (found,) = searched([search], lambda asked: [at(slips) for _, slips in asked])
+    (found,) = _in_step([search], lambda asked: [at(slips) for _, slips in asked])
     return found
 
 
-def searched(
-    searches: Sequence[Search], evaluate: Callable[[list[tuple[int, Array]]], Sequence[Array]]
-) -> list[Critical]:
-    """Return what searches find; ``evaluate`` returns the friction of each curve, by its number, at its slips."""
+def searched(curves: Sequence[Curve], evaluate: Evaluate) -> list[Critical]:
+    """Return the largest friction of curves, as `locate` does; ``evaluate`` returns it exactly at what is asked for."""
+    some = {k: (one.slip, one.friction, None) for k, one in enumerate(curves) if one.exact}
+    some |= _of_few_slips({k: one for k, one in enumerate(curves) if not one.exact}, evaluate)
+    searches = [
+        _searching(slip, friction, one.allow, most=one.most, beside=beside)
+        for one, (slip, friction, beside) in ((one, some[k]) for k, one in enumerate(curves))
+    ]
+    return _in_step(searches, evaluate)
+
+
+def _in_step(searches: Sequence[_Search], evaluate: Evaluate) -> list[Critical]:
+    """What searches find, each of which goes on when all have what they have asked for."""
     found, asked = dict[int, Critical](), list[tuple[int, Array]]()
 
     def send(k: int, friction: Array | None) -> None:
@@ -158,26 +195,18 @@ def searched(
     return [found[k] for k in range(len(searches))]
 
 
-def searching(
+def _searching(
     slip: Array,
     friction: Array,
     allow: str,
     *,
-    exact: bool = True,
-    most: float = MOST_CAGE_SLIP,
+    most: float,
     sought: str = "critical slip",
     of: str = "friction",
     together: bool = True,
-) -> Search:
-    """Search the largest friction as `locate` does, asking for the friction at slips.
-
-    ``friction`` is the curve on the grid; where it is not ``exact`` but a rough one, few slips are chosen by it, or all
-    are asked for where these leave a doubt. ``together`` is with several slips at a time.
-    """
-    beside: _Known | None = None
-    if not exact:
-        few = yield from _few(slip, friction)
-        slip, friction, beside = (slip, (yield slip), None) if few is None else few
+    beside: _Known | None = None,
+) -> _Search:
+    """Search the largest friction as `locate` does, asking for it at slips; ``together`` is with several at a time."""
     if not np.isfinite(friction).all():
         bad = int(np.argmin(np.isfinite(friction)))
         raise DomainError(f"the {of} is {friction[bad]} at a slip of {slip[bad]:.4g}: it must be finite all along")
@@ -202,12 +231,14 @@ def searching(
 
 @cache
 def _held(points: int) -> tuple["NDArray[np.intp]", Array, Array]:
-    """Points of a grid at which a rough curve is held against the exact one, where the inner ones lie, and all points.
+    """Points of a grid at which a rough curve is held against the exact one, and what is straight between them.
 
-    They lie at shares of the way from the one before to the one behind.
+    That is at which share of the way from the one before to the one behind the inner ones lie, and by how much each of
+    them counts at every point, (held, points).
     """
     at = np.linspace(0.0, points - 1.0, _HELD).round().astype(np.intp)
-    return at, (at[1:-1] - at[:-2]) / (at[2:] - at[:-2]), np.arange(float(points))
+    counts = np.array([np.interp(np.arange(float(points)), at, one) for one in np.eye(_HELD)])
+    return at, (at[1:-1] - at[:-2]) / (at[2:] - at[:-2]), counts
 
 
 def _nodes(low: float, high: float) -> Array:
@@ -215,60 +246,85 @@ def _nodes(low: float, high: float) -> Array:
     return low + 0.5 * (high - low) * (1.0 + _NODES)
 
 
-def _few(slip: Array, rough: Array) -> Generator[Array, Array, tuple[Array, Array, _Known] | None]:
-    """Slips of a grid that decide where the largest friction is, by a rough curve, and the exact friction there.
+def _of_few_slips(curves: Mapping[int, Curve], evaluate: Evaluate) -> dict[int, _Some]:
+    """Slips that decide where the largest friction of rough curves is, and the exact friction there, by their number.
 
-    The rough curve is corrected by what it misses at some slips, straight between them. What each of these misses of
-    the straight line through its neighbours is twice as far from it, so of a smooth difference four times the error;
-    the most of that, and of what the corrected curve misses where it is highest, bounds it. None where friction may
-    fall before its maximum, where many slips may be the highest, or where the exact friction at these is not within the
-    bound. With it comes the friction at Chebyshev's points where the rough one is highest, which is mostly asked next.
+    They are all of a grid where few leave a doubt.
     """
-    points = rough.size
-    if points < 4 * _HELD or not np.isfinite(rough).all():
-        return None
-    at, share, every = _held(points)
-    best = min(max(int(np.argmax(rough)), _BESIDE), points - 1 - _BESIDE)
-    known = np.zeros(points, dtype=bool)
-    known[at] = known[best - _BESIDE : best + _BESIDE + 1] = known[-2] = True
-    chosen = np.flatnonzero(known)
-    low, high = float(slip[best - 1]), float(slip[best + 1])
-    asked = yield np.concatenate((slip[chosen], _nodes(low, high)))
-    exact = np.zeros(points)
-    exact[chosen], beside = asked[: chosen.size], (low, high, asked[chosen.size :])
+    grids = dict[bytes, list[int]]()
+    for k, curve in curves.items():
+        grids.setdefault(curve.slip.tobytes(), []).append(k)
+    some = dict[int, _Some]()
+    for own in grids.values():
+        rough = np.array([curves[k].friction for k in own])
+        few = _few(curves[own[0]].slip, rough, lambda asked, own=own: evaluate([(own[i], at) for i, at in asked]))
+        some |= {own[i]: known for i, known in few.items()}
+    left = [(k, curve.slip) for k, curve in curves.items() if k not in some]
+    if left:
+        some |= {k: (slip, exact, None) for (k, slip), exact in zip(left, evaluate(left), strict=True)}
+    return some
+
+
+def _few(slip: Array, rough: Array, evaluate: Evaluate) -> dict[int, _Some]:
+    """Slips of a grid that decide where the largest friction is, by rough curves (k, n), and the exact friction there.
+
+    A rough curve is corrected by what it misses at some slips, straight between them. What each of these misses of
+    the straight line through its neighbours is twice as far from it, so of a smooth difference four times the error;
+    the most of that, and of what the corrected curve misses where it is highest, bounds it. A curve is left out where
+    friction may fall before its maximum, where many slips may be the highest, or where the exact friction at these is
+    not within the bound. With it comes the friction at Chebyshev's points where the rough one is highest, which is
+    mostly asked next.
+    """
+    curves, points = rough.shape
+    if points < 4 * _HELD:
+        return {}
+    at, share, counts = _held(points)
+    sure = np.isfinite(rough).all(axis=1)
+    rough = np.where(sure[:, None], rough, 0.0)
+    every = np.arange(curves)
+    best = np.clip(rough.argmax(axis=1), _BESIDE, points - 1 - _BESIDE)
+    known = np.zeros((curves, points), dtype=bool)
+    known[:, at] = known[:, -2] = True
+    known[every[:, None], best[:, None] + _AROUND] = True
+    exact, beside = np.zeros((curves, points)), dict[int, _Known]()
+    ends = np.stack((slip[best - 1], slip[best + 1]), axis=1).tolist()
+    asked = [(k, np.concatenate((slip[known[k]], _nodes(*ends[k])))) for k in np.flatnonzero(sure).tolist()]
+    for (k, slips), friction in zip(asked, evaluate(asked), strict=True):
+        own = slips.size - _NODES.size
+        exact[k, known[k]], beside[k] = friction[:own], (*ends[k], friction[own:])
     with np.errstate(all="ignore"):  # without slip there is no friction either way
-        off = exact[at] / rough[at] - 1.0
-    if exact[0] == rough[0] == 0.0:
-        off[0] = off[1]
-    error = float(np.abs(off[:-2] + share * (off[2:] - off[:-2]) - off[1:-1]).max()) + _FLAT
-    if not np.isfinite(error):
-        return None
-    guess = rough * (1.0 + np.interp(every, at, off))
-    error = max(error, _missed(exact[chosen], guess[chosen]))
-    if not 4.0 * error < _FALL:
-        return None
-    best = int(np.argmax(guess))
-    before = np.maximum.accumulate(guess[: best + 1])
-    if (guess[: best + 1] < np.minimum(1.0, 1.0 - _FALL + 2.0 * error) * before).any():
-        return None
-    wanted = guess >= guess[best] - 2.0 * error * abs(guess[best])
-    wanted[1:] |= wanted[:-1].copy()
-    wanted[:-1] |= wanted[1:].copy()
-    more = np.flatnonzero(wanted & ~known)
-    if more.size > points // 3:
-        return None
-    if more.size:
-        exact[more] = yield slip[more]
-        if not _missed(exact[more], guess[more]) <= error:
-            return None
-        chosen = np.flatnonzero(known | wanted)
-    return slip[chosen], exact[chosen], beside
+        off = exact[:, at] / rough[:, at] - 1.0
+        nothing = (exact[:, 0] == 0.0) & (rough[:, 0] == 0.0)
+        off[nothing, 0] = off[nothing, 1]
+        error = np.abs(off[:, :-2] + share * (off[:, 2:] - off[:, :-2]) - off[:, 1:-1]).max(axis=1) + _FLAT
+        guess = rough * (1.0 + off @ counts)
+        error = np.maximum(error, _missed(exact, guess, known))
+        sure &= 4.0 * error < _FALL
+    guess[~sure], error[~sure] = 0.0, 0.0
+    best = guess.argmax(axis=1)
+    falls = guess < np.minimum(1.0, 1.0 - _FALL + 2.0 * error)[:, None] * np.maximum.accumulate(guess, axis=1)
+    sure &= ~(falls & (np.arange(points) <= best[:, None])).any(axis=1)
+    highest = guess[every, best]
+    wanted = guess >= (highest - 2.0 * error * np.abs(highest))[:, None]
+    wanted[:, 1:] |= wanted[:, :-1].copy()
+    wanted[:, :-1] |= wanted[:, 1:].copy()
+    more = wanted & ~known
+    count = more.sum(axis=1)
+    sure &= count <= points // 3
+    asked = [(k, slip[more[k]]) for k in np.flatnonzero(sure & (count > 0)).tolist()]
+    for (k, _), friction in zip(asked, evaluate(asked) if asked else (), strict=True):
+        exact[k, more[k]] = friction
+    sure &= _missed(exact, guess, more) <= np.where(count > 0, error, np.inf)
+    chosen = known | wanted
+    return {k: (slip[chosen[k]], exact[k, chosen[k]], beside[k]) for k in np.flatnonzero(sure).tolist()}
 
 
-def _missed(exact: Array, guess: Array) -> float:
-    """By how much a guess misses what is exact at most, relative to it; where both are zero it does not."""
+def _missed(exact: Array, guess: Array, where: "NDArray[np.bool_]") -> Array:
+    """By how much guesses miss what is exact somewhere at most, relative to them; where both are zero they do not."""
     size = np.abs(guess)
-    return float((np.abs(exact - guess) / np.where((size > 0.0) | (exact != 0.0), size, 1.0)).max())
+    with np.errstate(divide="ignore"):
+        missed = np.abs(exact - guess) / np.where((size > 0.0) | (exact != 0.0), size, 1.0)
+    return np.asarray(np.where(where, missed, 0.0).max(axis=1))
 
 
 def _around(

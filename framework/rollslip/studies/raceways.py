@@ -19,7 +19,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.chain import along
-from rollslip.bearing.critical import Critical, searched, searching, slip_grid
+from rollslip.bearing.critical import Critical, Curve, searched, slip_grid
 from rollslip.bearing.equilibrium import LoadDistribution
 from rollslip.bearing.kinematics import SurfaceSpeeds
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
@@ -363,11 +363,11 @@ def critical_together(cases: Sequence[tuple[LoadedRaceways, Array, Array, bool]]
     """
 
     def of(ring: int) -> list[Critical]:
-        searches = [
-            searching(slip, friction[ring], raceways.settings and f"{raceways.settings}.max_cage_slip", exact=exact)
+        curves = [
+            Curve(slip, friction[ring], raceways.settings and f"{raceways.settings}.max_cage_slip", exact=exact)
             for raceways, slip, friction, exact in cases
         ]
-        return searched(searches, lambda asked: friction_together([(cases[k][0], ring, slip) for k, slip in asked]))
+        return searched(curves, lambda asked: friction_together([(cases[k][0], ring, slip) for k, slip in asked]))
 
     # free rollers go on from slips that are known: one ring after the other, whatever else is evaluated with it
     return [*zip(of(0), of(1), strict=True)]

@@ -10,7 +10,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.chain import along
-from rollslip.bearing.critical import PURE_SLIDING, Critical, searched, searching, slip_grid
+from rollslip.bearing.critical import PURE_SLIDING, Critical, Curve, searched, slip_grid
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import NAMES, film_by_regime, groups, moes_groups
 from rollslip.errors import DomainError, SceneError
@@ -108,8 +108,7 @@ class FrictionCurve(Study):
 
     def rolling_speed(self, assembly: Assembly) -> float:
         """Return the entrainment speed of the contact [m/s], that of the bearing without slip."""
-        speeds = assembly.kinematics.surface_speeds(0.0, 0.0)
-        return float(speeds.inner_rolling if self.ring == "inner" else speeds.outer_rolling)
+        return assembly.kinematics.roller_radius * assembly.kinematics.epicyclic_roller_speed
 
     def contacts(self, assembly: Assembly) -> list[LoadedContacts]:
         """Return the loaded slices of the contact, for each normal force."""
@@ -218,11 +217,11 @@ class FrictionCurve(Study):
     def _critical(cls, curves: Sequence[_Curve], friction: Sequence[Array], exact: Sequence[bool]) -> list[Critical]:
         """Largest friction of curves, of which it is known exactly, or roughly where few slips are chosen by it."""
         key = f"study.{cls.name}.max_slip"
-        searches = [
-            searching(slip, known, key, exact=exactly, most=PURE_SLIDING)
+        sought = [
+            Curve(slip, known, key, exact=exactly, most=PURE_SLIDING)
             for (_, _, slip), known, exactly in zip(curves, friction, exact, strict=True)
         ]
-        return searched(searches, lambda asked: _friction([(*curves[k][:2], slip) for k, slip in asked]))
+        return searched(sought, lambda asked: _friction([(*curves[k][:2], slip) for k, slip in asked]))
 
     def _found(self, slip: Array, friction: Sequence[Array] | None, critical: Sequence[Critical]) -> Some:
         """Variables of the curves, if they are known as a whole, and their maxima, and their coordinates."""
