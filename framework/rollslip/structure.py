@@ -104,7 +104,7 @@ def structure(
     The instance, or None if anything in the table is wrong.
     """
     if isinstance(where, str):
-        where = Location({}, tuple(split_key(where)) if where else ())
+        where = Location({}, split_key(where) if where else ())
     bare, fields, by_key, rest = _layout(cls)  # type: ignore[arg-type]  # mypy takes a class for unhashable
     if isinstance(raw, str) and bare is not None:
         raw = {bare: raw}
@@ -302,7 +302,7 @@ def _frozen(raw: object, where: Location, faults: list[str]) -> object:
     if len(where.path) > DEEPEST:
         faults.append(where.says(f"is nested too deeply, {DEEPEST} tables and lists within each other are the most"))
         return MISSING
-    if isinstance(raw, bool | str):
+    if isinstance(raw, bool | str) or (type(raw) is float and math.isfinite(raw)):
         return raw
     if isinstance(raw, Mapping):
         table = {key: _frozen(value, where.at(key), faults) for key, value in raw.items()}

@@ -7,6 +7,7 @@ import contextlib
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Any, Final, TypeAlias
 
 from rollslip.errors import SceneError
@@ -48,7 +49,7 @@ class FrozenTable(Mapping[str, object]):
 
 
 def _freeze(value: object) -> object:
-    if isinstance(value, FrozenTable | str | float | int):
+    if isinstance(value, str | float | int | FrozenTable):  # the last is dear to ask for
         return value
     if isinstance(value, Mapping):
         return FrozenTable(value)
@@ -123,7 +124,7 @@ def key_lines(text: str) -> dict[KeyPath, int]:
         line += text.count("\n", position, target)
         position = target
 
-    def note(start: KeyPath, parts: list[str]) -> KeyPath:
+    def note(start: KeyPath, parts: tuple[str, ...]) -> KeyPath:
         """Note the line of a dotted key and, where they are new, of the tables that it opens."""
         path = start
         for number, part in enumerate(parts[:DEEPEST], 1):  # a deeper key is refused later
@@ -173,10 +174,11 @@ def _value_end(text: str, start: int) -> int:
     return len(text)
 
 
-def split_key(text: str) -> list[str]:
+@lru_cache
+def split_key(text: str) -> tuple[str, ...]:
     """Return the parts of a dotted key, without quotes and escapes."""
     if _KEY.fullmatch(text) is not None:
         with contextlib.suppress(tomllib.TOMLDecodeError):  # an escape that TOML does not have
             parts = _PARTS.findall(text)
-            return [str(tomllib.loads(f"k={part}")["k"]) if part[0] in "\"'" else part for part in parts]
+            return tuple(str(tomllib.loads(f"k={part}")["k"]) if part[0] in "\"'" else part for part in parts)
     raise ValueError("is not a key, such as 'operation.radial_load'")

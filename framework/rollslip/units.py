@@ -235,6 +235,7 @@ def as_written(value: object) -> str:
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
+@lru_cache
 def check_unit(unit: str) -> str:
     """Return the unit of a field, if it is one of the table and without a factor.
 
@@ -323,6 +324,7 @@ def evenly(low: str, high: str, count: int, unit: str) -> tuple[float, ...]:
     return tuple(float(first + (last - first) * k / max(count - 1, 1)) for k in range(count))
 
 
+@lru_cache
 def _from_text(text: str, unit: str) -> Fraction:
     stripped = text.strip()
     if "," in stripped:

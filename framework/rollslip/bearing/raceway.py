@@ -10,7 +10,6 @@
   A law with a kink, such as film model ``regime``, needs many, or all the slices.
 """
 
-import copy
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any, Literal
@@ -110,10 +109,11 @@ class LoadedContacts:
 
     def on(self, raceway: Raceway) -> "LoadedContacts":
         """Return the same loads on a raceway of other laws or conditions."""
-        _, _, other = self._first, self.carried, copy.copy(self)  # found once for all
+        _ = self._first, self.carried  # found once for all
+        other = LoadedContacts.__new__(LoadedContacts)
+        vars(other).update(vars(self), raceway=raceway)
         for made in ("slices", "_evaluate"):
             vars(other).pop(made, None)
-        other.raceway = raceway
         return other
 
     def fewer(self, count: int, *, whole: bool = False) -> "LoadedContacts":

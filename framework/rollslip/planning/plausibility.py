@@ -80,7 +80,7 @@ def implausible_along(scene: Scene, of: Quantity, values: Sequence[object], whic
 def _unusual_at(scene: Scene, of: Quantity, value: object, told_by_itself: set[Any]) -> Iterator[tuple[str, str]]:
     """Yield each key that is unusual where a key takes a value, and what is."""
     if of.model:
-        for at, told in unusual_model(of.model, value, Location({}, tuple(split_key(of.key)))):
+        for at, told in unusual_model(of.model, value, Location({}, split_key(of.key))):
             yield at.says(""), told
     elif of.unit is not None or of.whole:
         number: Any = of.read(value)

@@ -123,7 +123,7 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
     problems, changed = [], set[str]()
     for key, value in changes.items():
         try:
-            asked = tuple(split_key(key.strip()))
+            asked = split_key(key.strip())
             if asked[0] not in changed and asked[0] in raw:
                 raw[asked[0]] = thawed(raw[asked[0]])
             changed.add(asked[0])

@@ -42,7 +42,7 @@ class Resolutions:
 
     def of(self, changes: Mapping[str, object]) -> Resolution | None:
         """Return the resolution of a point, None if it is computed as the scene states."""
-        return self.chosen.get(name_of([changes.get(key) for key in self.deciding]))
+        return self.chosen.get(name_of([changes.get(key) for key in self.deciding])) if self.chosen else None
 
     @property
     def facts(self) -> dict[str, dict[str, object]]:

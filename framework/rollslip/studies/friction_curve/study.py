@@ -274,7 +274,7 @@ def _balanced(deflection: Callable[[float], tuple[Array, Array]], widths: Array,
 
 def _friction(cases: Sequence[tuple[LoadedContacts, float, Array]]) -> list[Array]:
     """Friction coefficients of contacts at their entrainment speeds [m/s] and slide-roll ratios, (n,) each."""
-    found = along([contacts.job(np.full_like(slip, u), slip * u) for contacts, u, slip in cases])
+    found = along([contacts.job(np.full(slip.size, u), slip * u) for contacts, u, slip in cases])
     return [contacts.mean(pull) for (contacts, *_), (pull, _) in zip(cases, found, strict=True)]
 
 
