@@ -36,7 +36,7 @@ TURN = 2e-3  # s, at least, for one variant
 BY_HAND = """
 
 def by_hand(slices, double limit):
-    cdef double[:, ::1] t = slices._table
+    cdef double[:, :] t = slices._table   # rows may lie apart
     cdef rs_slices s
     s.n = t.shape[1]
     s.sliding_speed = &t[2, 0]
