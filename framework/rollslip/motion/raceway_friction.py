@@ -7,7 +7,6 @@
   and film parameters. `RacewayFriction.way` says which it is.
 """
 
-import itertools
 import logging
 import math
 from collections.abc import Callable, Sequence
@@ -381,28 +380,31 @@ class _OfRoller:
         self.widths = np.bincount(self.at, assembly.widths)
         self.gaps = np.geomspace(1e-12, 1e-3, 901)
         self.forces = self._loads(self.gaps) @ self.widths
+        self.at_random: Array | None = None
 
     def _loads(self, gap: Array) -> Array:
         return self.assembly.deflect(gap[:, None] - self.drop, self.raceway.ring)[0]
 
     def loads(self, force: Array) -> Array:
         """Loads per length of the slices at forces [N], (m, n)."""
+        force, place = np.unique(force, return_inverse=True)
         known = self.forces > 0.0
         gap = np.exp(np.interp(np.log(force), np.log(self.forces[known]), np.log(self.gaps[known])))
         for _ in range(3):  # F goes nearly with the gap to the power of 10/9 and what the profile adds
             load, stiffness = self.assembly.deflect(gap[:, None] - self.drop, self.raceway.ring)
             found, slope = load @ self.widths, stiffness @ self.widths
             gap = gap + (force - found) / slope
-        return self._loads(gap)
+        return self._loads(gap)[place]
 
     def _each(self, load: Array, sliding: Array, rolling: Array) -> Array:
         """F and the rolling resistance over sqrt(Q), (1 or 2, m), of loads (m, n) at speeds (m,)."""
-        owner, piece = np.nonzero(load > 0.0)
+        loaded = load > 0.0
+        count = np.count_nonzero(loaded, axis=1)  # every roller has some: its force is above zero
         film = np.hypot(rolling, compiled.REST_SPEED)
-        done = self.raceway.evaluate(load[owner, piece], film[owner], sliding[owner])
-        root = np.sqrt(load @ self.widths)
+        done = self.raceway.evaluate(load[loaded], np.repeat(film, count), np.repeat(sliding, count))
+        widths, first = np.broadcast_to(self.widths, load.shape)[loaded], np.cumsum(count) - count
         parts = [done.friction * done.load] + ([done.resistance] if self.raceway.chain.resists else [])
-        return np.array([np.bincount(owner, part * self.widths[piece], len(load)) / root for part in parts])
+        return np.array([np.add.reduceat(part * widths, first) for part in parts]) / np.sqrt(load @ self.widths)
 
     def scale(self, forces: tuple[float, ...], speed: float) -> float:
         """The speed V_s over which friction of usual and of heavy contacts, slow and fast, is best taken."""
@@ -451,7 +453,10 @@ class _OfRoller:
                 off = 0.5 if k == axis else 0.0
                 shares[k] = (np.clip(np.floor(shares[k] * cells), -cells if k == 2 else 0, cells - 1) + off) / cells
         force, sliding, speed = at.force(shares[1]), at.sliding(shares[2]), at.speed(shares[0])
-        true = self._each(self.loads(force), sliding, speed)
+        true = self.at_random if axis is None else None
+        if true is None:
+            true = self._each(self.loads(force), sliding, speed)
+            self.at_random = true if axis is None else self.at_random  # the same contacts however many nodes there are
         places = [_whole(shares[0], at.nodes[0]), _whole(shares[1], at.nodes[1]), _places(shares[2], at.nodes[2])]
         found = np.array([_interpolated(part, places) for part in values])
         wrong = np.abs(found - true) * np.sqrt(force)
@@ -480,11 +485,14 @@ def _places(share: Array, half: int) -> tuple[Array, Array]:
 
 def _interpolated(values: Array, places: Sequence[tuple[Array, Array]]) -> Array:
     """Cubic between four nodes along every axis, as friction_table.h has it."""
-    weights = [
-        [np.prod([(t - k) / (node - k) for k in range(4) if k != node], axis=0) for node in range(4)] for _, t in places
+    new = len(places) * (np.newaxis,)
+    found = values[
+        tuple(
+            (first + np.arange(4)[:, np.newaxis])[(*new[:axis], slice(None), *new[axis + 1 :])]
+            for axis, (first, _) in enumerate(places)
+        )
     ]
-    found = np.zeros(places[0][0].size)
-    for corner in itertools.product(range(4), repeat=len(places)):
-        index = tuple(first + node for (first, _), node in zip(places, corner, strict=True))
-        found += math.prod(one[node] for one, node in zip(weights, corner, strict=True)) * values[index]
+    for _, t in places:
+        weights = [np.prod([(t - k) / (node - k) for k in range(4) if k != node], axis=0) for node in range(4)]
+        found = np.einsum("nm,n...m->...m", weights, found)
     return found

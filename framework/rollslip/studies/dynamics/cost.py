@@ -112,7 +112,8 @@ def _stored(moving: MovingBearing, at: Trajectory, points: int) -> float:
     """Time [s] of what goes with a stored instant, of which more cost less each."""
     count, seconds = 1, 0.0
     while count < points and seconds < _SHORT:
-        count = min(_CALLS * count, points)
+        enough = math.ceil(2.0 * _SHORT / max(seconds, 1e-9) * count) if seconds else _CALLS
+        count = min(_CALLS * count, enough, points)
         states, times = np.array([at.last_y] * count), np.full(count, at.last_t)
         begin = time.process_time()
         moving.outputs(times, states)
