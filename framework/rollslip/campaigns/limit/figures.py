@@ -48,7 +48,7 @@ def over_searched(dataset: "xr.Dataset") -> "Figure":
     if dataset.attrs["logarithmic"]:
         axes.set_xscale("log")
         plain_decades(axes.xaxis)
-    axes.set_xlabel(f"{_name(dataset.attrs['searched_key'].rpartition('.')[2])} [{unit_label(of_x)}]")
+    axes.set_xlabel(f"{_name(', '.join(dataset.attrs['searched_key'].split('.')[-2:]))} [{unit_label(of_x)}]")
     axes.set_ylabel(f"{_name(dataset.attrs['output'])} [{unit_label(of_y)}]")
     figure.legend(handles=handles, loc="outside upper left", ncols=3)
     return figure

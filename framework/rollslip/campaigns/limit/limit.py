@@ -144,9 +144,9 @@ def limit(
     Examples
     --------
     >>> found = limit(
-    ...     "1032930-70C", {"operation.radial_load": "200 N:5 kN:5"}, "half_width >= 50 um", study="friction-curve"
+    ...     "1032930-70C", {"bearing.roller_length": "5 mm:40 mm:5"}, "half_width >= 60 um", study="friction-curve"
     ... )
-    >>> found.sizes["edge"], bool(found.edge_passed[0] < found.edge_kept[0])
+    >>> found.sizes["edge"], bool(found.edge_kept[0] < found.edge_passed[0])
     (1, True)
     """
     made = plan_limit(scene, over, keep, study=study, within=within, engine=engine, time_limit=time_limit)
@@ -341,7 +341,8 @@ def _known(made: Limit, folder: Path) -> tuple[dict[int, float], set[int], float
     for row in (record.row for record in records(folder)):
         longest = max(longest, row.seconds)
         if row.status == "ok":
-            slacks[row.number] = made.requirement.slack(_result(made, unpacked(json.loads(row.layout), row.numbers, row.texts)))
+            arrays = unpacked(json.loads(row.layout), row.numbers, row.texts)
+            slacks[row.number] = made.requirement.slack(_result(made, arrays))
             failed.discard(row.number)
         elif row.number not in slacks:
             failed.add(row.number)
@@ -349,8 +350,13 @@ def _known(made: Limit, folder: Path) -> tuple[dict[int, float], set[int], float
 
 
 def _result(made: Limit, arrays: Mapping[str, Any]) -> float:
-    values = arrays.get(made.requirement.output)
-    return math.nan if values is None else made.requirement.worst(np.ravel(values).astype(float).tolist())
+    """Return the worst value of the output at a point."""
+    values, output = arrays.get(made.requirement.output), made.requirement.output
+    if values is None:
+        return math.nan
+    if np.asarray(values).dtype.kind not in "fiu":
+        raise SceneError([f"keep: {output} tells in words, so it has no limit; name an output that is a number"])
+    return made.requirement.worst(np.ravel(values).tolist())
 
 
 def _so_far(made: Limit, slacks: Mapping[int, float]) -> str:

@@ -244,7 +244,7 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         axes.set_yticks((-180, -90, 0, 90, 180))
         axes.set_ylabel("Orbit position [°]")
         if np.isfinite(cells.values).any():
-            _draw_cells(figure, axes, cells, label, _THICK if "Lambda" in label else math.inf)
+            _draw_cells(figure, axes, cells, label, _THICK if "Λ" in label else math.inf)
         else:
             axes.text(0.5, 0.5, otherwise, transform=axes.transAxes, ha="center", va="center", color="0.25")
             axes.set_title(label)

@@ -1,0 +1,271 @@
+"""The search for a limit: held against closed forms and other searches, told where it is kept, gone on with."""
+
+import json
+import math
+
+import attrs
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+import rollslip
+from rollslip.campaigns.limit import findings
+from rollslip.campaigns.limit.limit import RESULT, plan_limit, run_limit
+from rollslip.campaigns.limit.search import Requirement, next_places, passages
+from rollslip.campaigns.sweep.definition import Resolutions, name_of
+from rollslip.campaigns.sweep.folder import taken_up
+from rollslip.campaigns.sweep.journal import FAILED, records
+from rollslip.campaigns.sweep.point import compute
+from rollslip.campaigns.sweep.run import run_sweep
+from rollslip.cli.main import cli
+from rollslip.errors import OutputError, SceneError
+
+#: The half width of a contact under a force falls with the length of the roller.
+CURVE = {"study": "friction-curve", "within": 0.01}
+LENGTHS = {"bearing.roller_length": "5 mm:40 mm:5"}
+
+
+def searched(results, spacing, failed=()):
+    """All places that a search computes of a row of results that are kept from 0 on, some first."""
+    known = {k: results[k] for k in range(0, len(results), spacing) if k not in failed}
+    while places := next_places(known, failed, spacing):
+        assert not {*places} & known.keys(), "a place was asked for twice"
+        known |= {k: results[k] for k in places}
+    return known
+
+
+@given(
+    power=st.integers(0, 7),
+    steps=st.lists(st.floats(0.0, 1.0), min_size=8, max_size=8),
+    bend=st.floats(0.05, 20.0),
+    shift=st.floats(-0.1, 1.1),
+    falls=st.booleans(),
+)
+def test_a_passage_is_narrowed_to_two_neighbours_in_few_points(power, steps, bend, shift, falls):
+    spacing = 2**power
+    x = np.linspace(0.0, 1.0, 8 * spacing + 1)
+    course = np.interp(x, np.linspace(0.0, 1.0, 9), np.concatenate(([0.0], np.cumsum(steps)))) / max(sum(steps), 1e-9)
+    results = (course**bend - shift) * (-1.0 if falls else 1.0)
+    known = searched(results.tolist(), spacing)
+    kept = results >= 0.0
+    true = [(k, k + 1) for k in range(results.size - 1) if kept[k] != kept[k + 1]]
+    assert passages(known) == true
+    assert len(known) - 9 <= len(true) * 2 * power
+
+
+def test_every_passage_between_the_first_values_is_found_and_a_failed_point_leaves_its_own_open():
+    x = np.linspace(0.0, 1.0, 257)
+    results = np.cos(9.0 * x)  # passes zero three times
+    known = searched(results.tolist(), 32)
+    assert [round(x[a], 2) for a, _ in passages(known)] == [round((k + 0.5) * math.pi / 9.0, 2) for k in range(3)]
+    (a, b), *_ = passages(known)
+    open_ = searched(results.tolist(), 32, failed={32})
+    assert passages(open_)[0] == (0, 64)
+    assert passages(open_)[1:] == passages(known)[1:]
+    assert a > 32 and b < 64
+
+
+def test_what_has_no_value_is_not_kept_and_is_told_from_what_is():
+    known = searched([1.0] * 20 + [math.nan] * 13, 16)
+    assert passages(known) == [(19, 20)]
+    of_two = Requirement("slip", "1", "<=", 0.1, "%")
+    assert of_two.slack(of_two.worst([math.nan, 0.02, 0.12])) == pytest.approx(-0.02)
+    assert math.isnan(of_two.worst([math.nan]))
+    assert attrs.evolve(of_two, sense=">=").worst([0.02, 0.12]) == 0.02
+
+
+def test_a_limit_is_that_of_another_search_over_single_runs():
+    found = rollslip.limit("1032930-70C", LENGTHS, "half_width >= 60 um", **CURVE)
+    results = dict(zip(found.searched.values.tolist(), found.result.values.tolist(), strict=True))
+    assert (min(results), max(results)) == (0.005, 0.04)
+    (kept,), (beyond,) = found.edge_kept.values, found.edge_passed.values
+    assert results[beyond] < 60e-6 <= results[kept]
+    assert 1.0 < beyond / kept < 1.01 + 1e-9
+    scene = rollslip.load_scene("1032930-70C")
+
+    def excess(length):
+        result = rollslip.run(rollslip.evolve(scene, {"bearing.roller_length": length}), "friction-curve")
+        return float(result.half_width.min()) - 60e-6
+
+    assert kept <= brentq(excess, 0.9 * kept, 1.1 * beyond, rtol=1e-5) < beyond
+
+
+@pytest.fixture(scope="module")
+def bearing():
+    return rollslip.load_scene("1032930-70C")
+
+
+@pytest.mark.parametrize(
+    ("keep", "said", "edges"),
+    [
+        ("half_width >= 1 um", "is kept at all 5 values of bearing.roller_length from 5 mm to 40 mm; nearest", 0),
+        ("half_width <= 1 um", "is kept at none of 5 values of bearing.roller_length from 5 mm to 40 mm; nearest", 0),
+        ("half_width >= 60 um", "from 5 mm, where the range begins, up to", 1),
+        ("half_width <= 60 um", "mm on, up to 40 mm, where the range ends; at", 1),
+    ],
+)
+def test_it_is_said_where_a_limit_is_kept(bearing, keep, said, edges):
+    found = rollslip.limit(bearing, LENGTHS, keep, **CURVE)
+    text = findings.headline(found)
+    assert text.startswith(f"{keep} is kept ")
+    assert said in text
+    assert found.sizes["edge"] == edges
+    told = findings.record(found)
+    assert json.loads(json.dumps(told, allow_nan=False)) == told
+    assert told["one_way"]
+    assert len(told["kept"]) == (0 if "none" in said else 1)
+    assert findings.sentences(found)[1].startswith("half_width goes one way over")
+
+
+def test_a_search_goes_on_where_it_was_stopped_and_gives_the_same(bearing, tmp_path):
+    made = plan_limit(bearing, LENGTHS, "half_width >= 60 um", **CURVE)
+    whole = run_limit(made, tmp_path / "whole")
+    (tmp_path / "part").mkdir()
+    run_sweep(attrs.evolve(made.sweep, only=made.first[:3]), taken_up(made.sweep, tmp_path / "part"))
+    again = run_limit(made, tmp_path / "part")
+    assert again.drop_vars("seconds").identical(whole.drop_vars("seconds").assign_attrs(again.attrs))
+    assert sum(1 for _ in records(tmp_path / "part")) == whole.sizes["point"], "a point was computed twice"
+    assert rollslip.open_result(tmp_path / "part" / RESULT).attrs["study"] == "limit"
+    other = plan_limit(bearing, LENGTHS, "half_width >= 60 um", study="friction-curve", within=0.02)
+    with pytest.raises(OutputError, match="holds points of another scene"):
+        run_limit(other, tmp_path / "part")
+
+
+def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatch):
+    made = plan_limit(bearing, LENGTHS, "half_width >= 60 um", **CURVE)
+    from rollslip.campaigns.sweep import point
+
+    true, lost = point.evaluate, made.axis.values[made.first[1]]
+
+    def fails(study, assembly, names):
+        if assembly.scene.bearing.roller_length == lost:
+            raise RuntimeError("no oil today")
+        return true(study, assembly, names)
+
+    monkeypatch.setattr(point, "evaluate", fails)
+    monkeypatch.setattr(point, "evaluate_together", lambda cases, names: None)
+    found = run_limit(attrs.evolve(made, sweep=attrs.evolve(made.sweep, table=attrs.evolve(
+        made.sweep.table, engine="serial"))), tmp_path)  # fmt: skip
+    assert (found.status.values != "ok").sum() == 1
+    assert set(found.status.values) - {"ok"} <= {*FAILED}
+    text = " ".join(findings.sentences(found))
+    assert "1 of " in text
+    assert "points failed, which says nothing of the limit there" in text
+    assert "no oil today" in text
+    monkeypatch.undo()
+    assert (run_limit(made, tmp_path).status.values == "ok").all()
+
+
+@pytest.mark.parametrize(
+    ("over", "keep", "options", "said"),
+    [
+        (LENGTHS, "half_width < 1 um", {}, "is no limit; write OUTPUT<=VALUE"),
+        (LENGTHS, "half_widht <= 1 um", {}, "did you mean 'half_width'"),
+        (LENGTHS, "half_width <= 1 N", {}, "is a force, here a length is expected"),
+        (LENGTHS, "half_width <= 1 um", {"within": 0.9}, "a share from 1e-06 to 0.5 is expected"),
+        ({}, "half_width <= 1 um", {}, "one quantity is searched over, not 0"),
+        ({"operation.radial_lod": "1:2"}, "half_width <= 1 um", {}, "did you mean 'operation.radial_load'"),
+        ({"bearing.rollers": "9:20"}, "half_width <= 1 um", {}, "is no quantity that goes from one value to another"),
+        ({"operation.radial_load": "2 kN"}, "half_width <= 1 um", {}, "is no range; write LOW:HIGH"),
+        ({"operation.radial_load": "2 kN:1 kN"}, "half_width <= 1 um", {}, "the first end must be below the second"),
+        ({"operation.radial_load": "1 kN:2 kN:2"}, "half_width <= 1 um", {}, "is no count of values from 3 to 999"),
+        ({"operation.radial_load": "1 kN:2 kN"}, "half_width <= 1 um", {"within": 1e-6}, "are more than 100000"),
+    ],
+)
+def test_what_cannot_be_searched_is_refused_before_anything_runs(bearing, over, keep, options, said):
+    with pytest.raises(SceneError, match=said.replace("(", r"\(")):
+        plan_limit(bearing, over, keep, study="friction-curve", **options)
+
+
+def test_a_history_that_the_scene_does_not_have_is_told():
+    scene = rollslip.load_scene("1032930-50C")
+    over = {"study.dynamics.history.radial_load.to": "1 kN:2 kN"}
+    with pytest.raises(SceneError, match=r"the scene has nothing in study\.dynamics\.history\.radial_load"):
+        plan_limit(scene, over, "largest_cage_slip <= 5 %", study="dynamics")
+
+
+def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    asked = ["limit", "1032930-70C", "--study", "friction-curve", "--over", "bearing.roller_length=5 mm:40 mm:5",
+             "--keep", "half_width>=60 um"]  # fmt: skip
+    told = CliRunner().invoke(cli, [*asked, "--report"], catch_exceptions=False)
+    assert told.exit_code == 0, told.output
+    assert "5 values at first, and" in told.output
+    assert "where it is passed once" in told.output
+    assert "half_width >= 60 um is kept with bearing.roller_length from" in told.output
+    assert "shaded is where it is kept" in (tmp_path / "1032930-70C-limit" / "report.html").read_text()
+    found = json.loads(CliRunner().invoke(cli, [*asked, "--json", "--out", "1032930-70C-limit"]).stdout)
+    assert found["edges"][0]["kept"] < found["edges"][0]["passed"]
+
+
+# Along histories ------------------------------------------------------------------------------------------------------
+
+
+def moving(history, **more):
+    return rollslip.evolve(
+        rollslip.load_scene("1032930-50C"),
+        {
+            "accuracy.slices": 7,
+            "operation.radial_load": "3000 N",
+            "study.dynamics.friction": "conventional",
+            "study.dynamics.duration": "1 s",
+            "study.dynamics.history": history,
+            **more,
+        },
+    )
+
+
+RUN_UP = {"inner_speed": {"shape": "run-up", "from": "1000 rpm", "within": "0.3 s"}}
+DROP = {"radial_load": {"shape": "step", "to": "600 N", "at": "0.1 s"}}
+CASES = {
+    "run-up": (RUN_UP, "inner_speed.within", "0.3 s:1 s:3", "largest_cage_slip <= 20 %", 0.02, {}),
+    "load drop": (DROP, "radial_load.to", "300 N:1500 N:3", "largest_cage_slip <= 20 %", 0.02, {}),
+    "load drop, pocket": (
+        DROP, "radial_load.to", "300 N:1500 N:3", "largest_cage_slip <= 3 %", 0.05,
+        {"study.dynamics.level": "pocket", "study.dynamics.duration": "0.2 s"},
+    ),
+    "load drop, planar": (
+        DROP, "radial_load.to", "300 N:1500 N:3", "largest_cage_slip <= 3 %", 0.05,
+        {"study.dynamics.level": "planar", "study.dynamics.duration": "0.15 s",
+         "study.dynamics.planar": {"inner_ring_mass": "5 kg"}},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", CASES)
+def test_a_limit_along_a_history_is_that_of_another_search_over_single_runs(case):
+    history, name, span, keep, within, more = CASES[case]
+    key = f"study.dynamics.history.{name}"
+    scene = moving(history, **more)
+    found = rollslip.limit(scene, {key: span}, keep, study="dynamics", within=within)
+    assert (found.status.values == "ok").all()
+    (kept,), (beyond,) = found.edge_kept.values, found.edge_passed.values
+    limit = float(found.attrs["limit"])
+
+    def excess(value):
+        result = rollslip.run(rollslip.evolve(scene, {key: value}), "dynamics")
+        return float(np.nanmax(result.cage_slip)) - limit
+
+    low, high = sorted((kept, beyond))
+    exact = brentq(excess, low / (1.0 + within), high * (1.0 + within), rtol=1e-3 * within)
+    assert low <= exact * (1.0 + 1e-3 * within)
+    assert exact <= high * (1.0 + 1e-3 * within)
+    assert high / low < 1.0 + 1.01 * within
+
+
+def test_a_motion_is_searched_as_the_plan_chooses_it():
+    scene = moving(DROP, **{"study.dynamics.level": "pocket", "study.dynamics.duration": "2 ms"})
+    over = {"study.dynamics.history.radial_load.to": "1 kN:2 kN:3"}
+    made = plan_limit(scene, over, "largest_cage_slip <= 5 %", study="dynamics")
+    (chosen,) = made.sweep.resolutions.chosen.values()
+    assert chosen.integrator == rollslip.plan(scene, "dynamics").estimated["dynamics"].resolution.integrator
+    assert chosen.integrator != "rodas5p", "what a motion takes that nobody planned"
+    assert 0.0 < made.seconds < 60.0
+    other = Resolutions(chosen={name_of([]): attrs.evolve(chosen, integrator="no-such")})
+    work = attrs.evolve(made.sweep, resolutions=other).work
+    (row,) = compute(work, ((0, made.sweep.design.changes(0)),)).rows
+    assert "no-such" in row.message
