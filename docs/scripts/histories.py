@@ -3,13 +3,15 @@
 - histories.csv: of each the largest slip and when, time beyond the slip of running away, sliding, frictional work, and
   the largest power density of sliding;
 - history_run_up.svg, history_load_drop.svg, history_emergency_stop.svg: the slip of three of them within its band;
+- limit_run_up.svg: the largest slip over the time of that run-up, and where it keeps 5 %;
 - history_damage.svg: what the run-up does to the surfaces;
 - history_warm_up.svg: temperatures of a cold bearing that follow from its losses and from the oil that flows in.
 """
 
 from output import percent, save_figure, write_table
 
-from rollslip import evolve, load_scene, run
+from rollslip import evolve, limit, load_scene, run
+from rollslip.campaigns.limit.figures import over_searched
 from rollslip.studies.dynamics.history_figures import slip_along
 from rollslip.studies.dynamics.history_findings import record
 from rollslip.studies.surface_damage.figures import over_time
@@ -72,6 +74,14 @@ def rows():
         )
 
 
+def gentlest():
+    """Search the gentlest run-up that keeps a slip of 5 percent."""
+    scene = evolve(SCENE, {"study.dynamics.history": HISTORIES["run-up in 0.3 s"], "study.dynamics.duration": "3 s"})
+    over = {"study.dynamics.history.inner_speed.within": "0.1 s:3 s"}
+    return limit(scene, over, "largest_cage_slip <= 5 %", study="dynamics")
+
+
 if __name__ == "__main__":
+    save_figure(over_searched(gentlest()), "limit_run_up")
     write_table("histories", HEADER, rows())
     save_figure(course(run(evolve(SCENE, WARM_UP), "dynamics")), "history_warm_up")
