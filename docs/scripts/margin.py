@@ -94,7 +94,7 @@ if __name__ == "__main__":
         print(models_apart(apart))
         slips = apart.critical_cage_slip.sel(ring="inner").fillna(np.inf)
         for name in names:
-            values = np.quantile(slips.sel({key: name}), (0.05, 0.5, 0.95), method="inverted_cdf")
+            values = np.quantile(slips.sel({key.rpartition(".")[2]: name}), (0.05, 0.5, 0.95), method="inverted_cdf")
             rows.append((key, name, *map(percent, values)))
     write_table("margin_models", ("key", "choice", "5 % [%]", "median [%]", "95 % [%]"), rows)
     films = {"models.film": ["moes", "dowson-1968", "pan-hamrock"]}

@@ -27,14 +27,14 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.sweep import findings, point
 from rollslip.campaigns.sweep import run as sweep_run
 from rollslip.campaigns.sweep.definition import Resolutions, here
+from rollslip.campaigns.sweep.findings import axes, sentences
 from rollslip.campaigns.sweep.findings import record as sweep_record
-from rollslip.campaigns.sweep.findings import sentences
 from rollslip.campaigns.sweep.folder import begin, finish, merge, status
 from rollslip.campaigns.sweep.journal import STATUSES, Journal, Row, journals, sessions, states
 from rollslip.campaigns.sweep.point import Done, _packed, compute
 from rollslip.campaigns.sweep.result import collect
 from rollslip.campaigns.sweep.run import run_sweep
-from rollslip.campaigns.sweep.sampling import parse_over, parse_overs, probabilities
+from rollslip.campaigns.sweep.sampling import parse_over, parse_overs, plain_names, probabilities
 from rollslip.campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep
 from rollslip.catalogue.discovery import get_class
 from rollslip.cli import main
@@ -79,8 +79,9 @@ def swept(folder, how="serial", **options):
 
 
 def test_a_grid_has_a_dimension_for_each_axis_and_numbers_as_they_would_be_typed():
-    design = planned().design
-    assert design.dims == ("operation.temperature", "models.traction")
+    sweep = planned()
+    design = sweep.design
+    assert sweep.dims == ("temperature", "traction")
     assert design.shape == (3, 2)
     assert design.axes[0].values == (333.15, 343.15, 353.15)
     assert [design.changes(n)["models.traction"] for n in range(3)] == ["muraki", "maxwell-eyring", "muraki"]
@@ -132,7 +133,7 @@ def test_models_with_parameters_whole_numbers_and_choices_are_axes_like_numbers(
 
 def test_samples_are_a_dimension_that_every_model_sees_alike():
     sweep = planned({"operation.radial_load": "500:5000", "models.traction": ["muraki", "eyring"]}, samples=8)
-    assert sweep.design.dims == ("models.traction", "sample")
+    assert sweep.dims == ("traction", "sample")
     loads = [sweep.design.changes(n)["operation.radial_load"] for n in range(16)]
     assert loads[:8] == loads[8:]
     assert len(set(loads)) == 8
@@ -218,7 +219,7 @@ def test_tables_of_the_scene_count_and_all_their_faults_are_said_with_lines():
     good = '\n[sweep]\nstudy = "friction-curve"\nsamples = 4\n[sweep.over]\nmodels.film = ["moes", "blok"]\n'
     good += '[uncertainty.lubricant]\neyring_stress = { distribution = "lognormal", scatter = 0.2 }\n'
     sweep = plan_sweep(parse_scene(text + good, "own.toml"))
-    assert sweep.design.dims == ("models.film", "sample")
+    assert sweep.dims == ("film", "sample")
     assert sweep.study == "friction-curve"
     assert "sweep" not in sweep.facts["scene"]
     assert plan_sweep(parse_scene(text + good, "own.toml"), seed=3, samples=2).design.shape == (2, 2)
@@ -320,13 +321,11 @@ def test_a_point_gives_what_a_run_of_its_scene_gives(tmp_path):
             SCENE, {"operation.temperature": T, "models.traction": model, "study.friction-curve.ring": ring}
         )
         alone = as_stated(scene, "friction-curve")["friction"]
-        point = result["friction"].sel(
-            {"operation.temperature": T, "models.traction": model, "study.friction-curve.ring": ring}
-        )
+        point = result["friction"].sel(temperature=T, traction=model, ring=ring)
         assert np.array_equal(alone, point)
         assert point.attrs == alone.attrs
     assert np.array_equal(result["slip"], alone["slip"])
-    assert result["operation.temperature"].attrs["units"] == "K"
+    assert result.temperature.attrs["units"] == "K"
 
 
 @pytest.mark.parametrize("name", ["effective_friction", "critical_cage_slip", "film_parameter", "normal_force"])
@@ -336,7 +335,7 @@ def test_the_short_way_to_an_output_gives_the_bits_of_a_run(name, tmp_path):
         tmp_path, scene=scene, study="effective-friction", over={"operation.radial_load": [3000.0]}, output=[name]
     )
     alone = as_stated(rollslip.evolve(scene, {"operation.radial_load": 3000.0}), "effective-friction")
-    assert np.array_equal(result[name].isel({"operation.radial_load": 0}), alone[name], equal_nan=True)
+    assert np.array_equal(result[name].isel(radial_load=0), alone[name], equal_nan=True)
 
 
 @attrs.frozen
@@ -389,8 +388,8 @@ def test_curves_over_their_own_abscissa_keep_it_beside_them(tmp_path):
     result = swept(tmp_path, over={"study.friction-curve.max_slip": [0.1, 0.3], "study.friction-curve.points": [5, 7]},
                    output=["friction"])  # fmt: skip
     assert result["friction"].dims[-1] == "slip_index"
-    assert result["slip"].isel({"study.friction-curve.max_slip": 0, "study.friction-curve.points": 1})[-1] == 0.1
-    short = result.isel({"study.friction-curve.max_slip": 0, "study.friction-curve.points": 0})
+    assert result["slip"].isel(max_slip=0, points=1)[-1] == 0.1
+    short = result.isel(max_slip=0, points=0)
     assert np.isnan(short["friction"][:, 5:]).all()
     assert np.isnan(short["slip"][5:]).all()
     assert np.isfinite(short["friction"][:, :5]).all()
@@ -697,7 +696,7 @@ def test_samples_are_stored_with_their_sweep(tmp_path):
     run_sweep(again, folder)
     result = collect(again, folder)
     assert result["friction"].dims == ("sample", "normal_force", "slip")
-    assert np.array_equal(result["operation.radial_load"], sweep.design.samples[:, 0])
+    assert np.array_equal(result.radial_load, sweep.design.samples[:, 0])
 
 
 def test_a_model_of_this_process_stays_in_it(tmp_path, monkeypatch):
@@ -933,3 +932,30 @@ def test_of_many_points_the_corners_are_judged():
     (barus,) = (text for text in said if "'barus'" in text)
     assert "operation.radial_load = 5 kN" in barus
     assert "only 8 of 30 points were judged, which lie far apart" in said[-1]
+
+
+def test_dimensions_have_plain_names_and_the_whole_key_and_older_results_are_told_alike(tmp_path):
+    over = {
+        "lubricant.viscosity_factor": [0.9, 1.1],
+        "study.friction-curve.max_slip": [0.05, 0.1],
+        "models.film": ["moes"],
+    }
+    result = swept(tmp_path, over=over, output=["friction"])
+    assert result.friction.dims == ("viscosity_factor", "max_slip", "film", "normal_force", "slip_index")
+    assert result.sel(viscosity_factor=1.1).max_slip.attrs["key"] == "study.friction-curve.max_slip"
+    names = {name: result[name].attrs["key"] for name in axes(result)}
+    older = result.rename(names)
+    for name in names.values():
+        del older[name].attrs["key"]
+    assert axes(older) == {key: key for key in names.values()}
+    assert sentences(older) == sentences(result)
+
+
+def test_names_tell_apart_keys_that_end_alike_and_what_a_study_gives():
+    keys = ["operation.temperature", "study.thermal-balance.temperature", "cage.mass"]
+    assert list(plain_names(keys, {"mass"}).values()) == [
+        "operation_temperature",
+        "thermal_balance_temperature",
+        "cage_mass",
+    ]
+    assert plain_names(["title", "a.title"], {"a_title"}) == {"title": "title_", "a.title": "a_title_"}

@@ -16,7 +16,7 @@ found = rollslip.sweep(
     study="effective-friction",
     output=["steady_cage_slip", "runaway_slip"],
 )
-load = found["operation.radial_load"] / 1e3
+load = found.radial_load / 1e3
 fig, axes = plt.subplots()
 axes.semilogy(load, 100 * found.runaway_slip, "C3--", label="the cage runs away")
 axes.semilogy(load, 100 * found.steady_cage_slip, "C0o-", ms=3, label="the cage runs")

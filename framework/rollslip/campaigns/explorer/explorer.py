@@ -84,7 +84,8 @@ def explore(
         with TemporaryDirectory() as folder:
             kept = begin(made, Path(folder))
             run_sweep(made, kept, report=report)
-            return _whole(finish(made, kept))
+            found = _whole(finish(made, kept))
+            return found.rename({name: key for key, name in made.names.items()})
 
     choices: dict[str, object] = {key: list(names) for key, names in planned.choices.items()}
     nodes = {dial.key: dial.nodes.tolist() for dial in planned.dials}

@@ -10,19 +10,24 @@ import json
 import sys
 from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import Any
+from typing import Any, Final
 
 import attrs
 
 from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.sweep.distributions import Uncertainty
-from rollslip.campaigns.sweep.sampling import SAMPLINGS, Design
+from rollslip.campaigns.sweep.sampling import SAMPLINGS, Design, plain_names
 from rollslip.fields import at_least, non_negative, one_of, parameter, positive
 from rollslip.references import Citation
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable
+from rollslip.studies.study import settings
 
-__all__ = ["Resolutions", "Sweep", "SweepTable", "SweepWork", "here", "name_of"]
+__all__ = ["OF_POINTS", "Resolutions", "Sweep", "SweepTable", "SweepWork", "here", "name_of"]
+
+
+#: Variables of a sweep about its points.
+OF_POINTS: Final = ("status", "message", "seconds")
 
 
 @attrs.frozen(kw_only=True)
@@ -189,6 +194,20 @@ class Sweep:
         """Numbers of the points of this piece."""
         own = range(self.shard[0] - 1, self.design.size, self.shard[1])
         return own if self.only is None else [number for number in self.only if number in own]
+
+    @property
+    def names(self) -> dict[str, str]:
+        """Key of each axis and of what is sampled -> its name in the result, which no output has."""
+        of = settings(self.scene, self.study)[self.study].outputs
+        inner = {dim for name in self.outputs if name in of for dim in of[name].dims.split()}
+        taken = {*self.outputs, *inner, *(f"{dim}_index" for dim in inner), "sample", *OF_POINTS}
+        return plain_names(self.design.keys, taken)
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions of the sweep."""
+        axes = tuple(self.names[axis.key] for axis in self.design.axes)
+        return (*axes, "sample") if self.design.has_samples else axes
 
     @property
     def facts(self) -> dict[str, Any]:

@@ -6,7 +6,6 @@ quantiles: if the scatter within a model is wider than the distance between them
 models. Quantities have the unit in which the sweep was asked for.
 """
 
-import json
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.campaigns.sweep.findings import axes as axes_of
 from rollslip.campaigns.sweep.findings import by_name, named_dims, resting
 from rollslip.results.style import (
     DASHES,
@@ -48,7 +48,8 @@ _QUANTILES: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
     """Draw the figures; give name, caption and figure of those for which the sweep has the points."""
-    keys = list(json.loads(dataset.attrs["axes"]))
+    key_of = axes_of(dataset)
+    keys = list(key_of)
     numbers = [key for key in keys if dataset[key].dtype.kind in "fi" and dataset.sizes[key] > 1]
     choices = [key for key in keys if dataset[key].dtype.kind not in "fi"]
     if any(key not in (*numbers, *choices) for key in keys) or len(choices) > 1:
@@ -71,10 +72,10 @@ def sweep_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
         if len(numbers) == 2 and few:
             if "steady" in values.dims:
                 values, said = values.isel(steady=0), said.replace(" over ", ", the smallest, over ")
-            caption = f"{said}{numbers[0]} and {numbers[1]}; {_HATCHED}."
+            caption = f"{said}{key_of[numbers[0]]} and {key_of[numbers[1]]}; {_HATCHED}."
             yield f"sweep-map{ending}", caption, _map(values, numbers, panels)
         elif len(numbers) == 1:
-            caption = f"{said}{numbers[0]}{f', by {choices[0]}' if choices else ''}."
+            caption = f"{said}{key_of[numbers[0]]}{f', by {key_of[choices[0]]}' if choices else ''}."
             yield f"sweep-line{ending}", caption, _line(values, numbers[0], choices)
 
 
@@ -98,8 +99,8 @@ def _results(dataset: "xr.Dataset", keys: Sequence[str], *, curves: bool) -> "li
 
 def models_apart(dataset: "xr.Dataset") -> str:
     """Say how far models are apart, and how far data that scatter move one of them."""
-    (key,) = json.loads(dataset.attrs["axes"])
-    quantiles = _quantiles(dataset[_RESULT].sel(ring="inner"), key)
+    ((name, key),) = axes_of(dataset).items()
+    quantiles = _quantiles(dataset[_RESULT].sel(ring="inner"), name)
     medians = quantiles[:, 2]
     beyond, known = np.isinf(medians), np.isfinite(quantiles[:, [1, 3]]).all(axis=1)
     if beyond.any():
@@ -230,7 +231,7 @@ def _axis(coordinate: "xr.DataArray") -> tuple[Array, str]:
     """Values of what was varied and the label of their axis, in the unit in which they were asked for."""
     values, unit = coordinate.to_numpy(), str(coordinate.attrs["units"])
     given = str(coordinate.attrs.get("written_in", "")) or shown_unit(float(np.abs(values).max()), unit)
-    name = str(coordinate.name).rpartition(".")[2].replace("_", " ")
+    name = str(coordinate.attrs.get("key", coordinate.name)).rpartition(".")[2].replace("_", " ")
     return converted(values, unit, given), f"{name[0].upper()}{name[1:]} [{unit_label(given)}]"
 
 

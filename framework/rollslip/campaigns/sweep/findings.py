@@ -13,7 +13,16 @@ from rollslip.results.dataset import TOLD_BY, UNITS
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["by_name", "named_dims", "record", "sentences", "topics"]
+__all__ = ["axes", "by_name", "named_dims", "record", "sentences", "topics"]
+
+
+def axes(dataset: "xr.Dataset") -> dict[str, str]:
+    """Return the dimension of each axis -> its key, as the scene has it.
+
+    Older results have keys as names of dimensions.
+    """
+    known = {str(coordinate.attrs.get("key", name)): str(name) for name, coordinate in dataset.coords.items()}
+    return {known.get(key, key): key for key in json.loads(dataset.attrs["axes"])}
 
 
 def sentences(dataset: "xr.Dataset") -> list[str]:
@@ -69,7 +78,7 @@ def by_name(values: "xr.DataArray", dim: str) -> "list[tuple[str, xr.DataArray]]
 def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
     """Range of every output that is a number; what has no value is counted."""
     ranges = {}
-    sampled = set(json.loads(dataset.attrs["axes"])) | {"sample"}
+    sampled = {*axes(dataset), "sample"}
     for name, variable in dataset.data_vars.items():
         if name == "seconds" or variable.dtype.kind != "f":
             continue

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.bearing.assembly import assemble
-from rollslip.campaigns.sweep.definition import Sweep
+from rollslip.campaigns.sweep.definition import OF_POINTS, Sweep
 from rollslip.campaigns.sweep.journal import STATUSES, check_owner, layouts, records
 from rollslip.campaigns.sweep.point import unpacked
 from rollslip.campaigns.sweep.sampling import Axis, Design, far_apart
@@ -53,7 +53,8 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
     -------
     xarray.Dataset
         Dimensions: one for each axis, and "sample"; behind them those of the study. Variables: the outputs; status,
-        message and seconds of every point. Coordinates: values of the axes and of the samples.
+        message and seconds of every point. Coordinates: values of the axes and of the samples, named by the last part
+        of their key, with the whole key as attribute ``key``.
 
     Raises
     ------
@@ -78,22 +79,25 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
         if not filled[record.row.number]:
             filled[record.row.number] = True
             fields.fill(record.row.number, parsed(record.row.layout), record.row.numbers, record.row.texts)
-    points = ("status", "message", "seconds")
-    called = {name: f"study_{name}" if name in points else name for name in fields.arrays}
+    dims, names = sweep.dims, sweep.names
+    called = {name: f"study_{name}" if name in OF_POINTS else name for name in fields.arrays}
     told = {name: called.get(one.status) for name, one in settings(sweep.scene, sweep.study)[sweep.study].outputs.items()}
     variables = {
-        called[name]: (dims, values, said | ({TOLD_BY: by} if (by := told.get(name)) else {}))
-        for name, (dims, values, said) in fields.variables(design.dims, design.shape).items()
+        called[name]: (of, values, said | ({TOLD_BY: by} if (by := told.get(name)) else {}))
+        for name, (of, values, said) in fields.variables(dims, design.shape).items()
     }
     variables |= {
-        "status": (design.dims, status.reshape(design.shape), about("1", "how the point ended")),
-        "message": (design.dims, message.reshape(design.shape), about("1", "why it is not ok")),
-        "seconds": (design.dims, seconds.reshape(design.shape), about("s", "time that the point took")),
+        "status": (dims, status.reshape(design.shape), about("1", "how the point ended")),
+        "message": (dims, message.reshape(design.shape), about("1", "why it is not ok")),
+        "seconds": (dims, seconds.reshape(design.shape), about("s", "time that the point took")),
     }
-    coords = {axis.key: (axis.key, axis.coordinate, _about(axis.quantity) | _written(axis)) for axis in design.axes}
+    coords = {
+        names[axis.key]: (names[axis.key], axis.coordinate, _about(axis.quantity) | _written(axis))
+        for axis in design.axes
+    }
     if design.has_samples:
         coords["sample"] = ("sample", np.arange(len(design.samples)), about("1", "sample"))
-        coords |= {of.key: ("sample", design.samples[:, k], _about(of)) for k, of in enumerate(design.sampled)}
+        coords |= {names[of.key]: ("sample", design.samples[:, k], _about(of)) for k, of in enumerate(design.sampled)}
     return xr.Dataset(variables, coords | fields.coords, _attributes(sweep, status))
 
 
@@ -105,7 +109,7 @@ def _written(axis: Axis) -> dict[str, str]:
 
 
 def _about(quantity: Any) -> dict[str, Any]:
-    return about(quantity.unit or "1", quantity.doc)
+    return about(quantity.unit or "1", quantity.doc) | {"key": quantity.key}
 
 
 def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:

@@ -14,8 +14,9 @@
 import hashlib
 import json
 import math
+import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from typing import Any, Final
 
@@ -39,6 +40,7 @@ __all__ = [
     "parse_over",
     "parse_overs",
     "parse_shard",
+    "plain_names",
     "probabilities",
     "range_parts",
     "read_axis",
@@ -288,9 +290,9 @@ class Design:
         return (*(len(axis.values) for axis in self.axes), *([len(self.samples)] if self.has_samples else []))
 
     @property
-    def dims(self) -> tuple[str, ...]:
-        """Names of the dimensions."""
-        return (*(axis.key for axis in self.axes), *(["sample"] if self.has_samples else []))
+    def keys(self) -> tuple[str, ...]:
+        """Keys of all that varies: of the axes, then of what is sampled."""
+        return (*(axis.key for axis in self.axes), *(one.key for one in self.sampled))
 
     @property
     def size(self) -> int:
@@ -323,6 +325,36 @@ class Design:
             "samples": hashlib.sha256(np.ascontiguousarray(self.samples, dtype="<f8").tobytes()).hexdigest(),
             "size": self.size,
         }
+
+
+def plain_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, str]:
+    """Return the name of the dimension or coordinate of each key: its last part, and more of it only to tell it apart.
+
+    Parameters
+    ----------
+    keys : sequence of str
+        Keys of a scene.
+    taken : collection of str
+        Names that other things of the result have.
+
+    Examples
+    --------
+    >>> plain_names(["operation.radial_load", "models.traction"])
+    {'operation.radial_load': 'radial_load', 'models.traction': 'traction'}
+    >>> plain_names(["cage.mass", "study.dynamics.planar.mass"])
+    {'cage.mass': 'cage_mass', 'study.dynamics.planar.mass': 'planar_mass'}
+    """
+
+    def ending(key: str, parts: int) -> str:
+        return re.sub(r"\W", "_", "_".join(key.split(".")[-parts:]))
+
+    names = {}
+    for key in keys:
+        others = {ending(other, n) for other in keys if other != key for n in range(1, other.count(".") + 2)}
+        endings = [ending(key, n) for n in range(1, key.count(".") + 2)]
+        free = [one for one in endings if one not in others and one not in taken]
+        names[key] = free[0] if free else f"{endings[-1]}_"
+    return names
 
 
 def far_apart(values: Array, most: int) -> list[int]:
