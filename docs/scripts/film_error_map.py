@@ -2,7 +2,7 @@
 
 Tables: film_error.csv (error over load and lubricant parameter), film_error_ranges.csv (its extremes), and of the
 solver reynolds_line_limits.csv, reynolds_line_halving.csv, reynolds_line_spike.csv and reynolds_line_oil.csv.
-Figures: film_error.svg and film_error_pressure.svg.
+Each build of the docs draws film_error.svg, from the table, and film_error_pressure.svg.
 
 Each formula is compared with the film of the same place.  A contact is given by M, L and G: most formulas are similar
 in Moes's groups and do not know G, two feel it in powers of some hundredths; it is that of the oil of the shipped
@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 from matplotlib.figure import Figure
-from output import BLACK, BLUE, GREEN, ORANGE, PURPLE, figure, save_figure, write_table
+from output import BLACK, BLUE, GREEN, ORANGE, PURPLE, figure, read_table, save_figure, write_table
 
 from rollslip import get_model
 from rollslip.lubricant.pressure import Barus, Roelands
@@ -109,7 +109,12 @@ def error_tables(films, error):
     write_table("film_error_ranges", header, rows)
 
 
-def error_figure(error):
+def error_figure():
+    """Draw film_error.svg from film_error.csv."""
+    error = {
+        (float(row["M"]), float(row["L"])): {name: float(row[name] or "nan") / 100 for name in FORMULAS}
+        for row in read_table("film_error")
+    }
     made = Figure(figsize=(8.75, 4.6), layout="constrained")
     axes = made.subplots(2, 5, sharex=True, sharey=True)
     x, y = np.arange(len(LOADS)), np.arange(len(OILS))
@@ -211,7 +216,14 @@ def oil_table():
     write_table("reynolds_line_oil", header, rows)
 
 
+def plot():
+    """Draw film_error.svg and film_error_pressure.svg."""
+    error_figure()
+    pressure_figure()
+
+
 def pressure_figure():
+    """Draw film_error_pressure.svg."""
     made, (left, middle, right) = figure(3, width=2.6, height=2.6)
     for axis, M, oils in ((left, 0.5, (0.0, 15.0)), (middle, 2.0, (0.0, 9.0)), (right, 20.0, (0.0, 5.0, 15.0))):
         width, hertz = math.sqrt(8 * M / math.pi), math.sqrt(M / (2 * math.pi))
@@ -234,9 +246,7 @@ def pressure_figure():
 if __name__ == "__main__":
     films, error = errors()
     error_tables(films, error)
-    error_figure(error)
     limits_table()
     halving_table()
     spike_table()
     oil_table()
-    pressure_figure()

@@ -1,4 +1,4 @@
-"""Write docs/tables/misprint_limit.csv and docs/figures/misprint.svg: what Eq. (8) gives as printed and corrected."""
+"""Write docs/tables/misprint_limit.csv: what Eq. (8) gives as printed and corrected. Each build of the docs draws it."""
 
 import math
 
@@ -31,6 +31,7 @@ def limit_table():
 
 
 def plot():
+    """Draw misprint.svg."""
     made, (left, right) = figure(2)
     sigma, deborah = np.geomspace(0.03, 100, 200), 1e-3
     left.plot(sigma, maxwell_eyring(sigma, deborah, HEATING), color=BLACK, label="exact")
@@ -51,4 +52,3 @@ def plot():
 
 if __name__ == "__main__":
     limit_table()
-    plot()

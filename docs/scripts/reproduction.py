@@ -1,4 +1,4 @@
-"""Write the tables and figures of docs/reproduction.rst that need no calibration.
+"""Write the tables of docs/trust/reproduction.rst that need no calibration; each build of the docs draws the figures.
 
 Every scene is run as shipped, with the oil data as they stand; only what a column names is changed.
 
@@ -30,7 +30,7 @@ COLOURS = dict(zip(CLOSURES, (BLUE, GREEN, ORANGE), strict=True))
 
 
 def contact_curves():
-    """Fig. 1: where the friction of one contact is largest."""
+    """Fig. 1: draw the friction of one contact, and return header and rows on where it is largest."""
     rows, (made, axes) = [], figure(2, sharey=True)
     study = {"study.friction-curve.max_slip": 1.0, "study.friction-curve.points": 101}
     for profile, traction in itertools.product(PROFILES, TRACTIONS):
@@ -45,20 +45,27 @@ def contact_curves():
             style = "-" if traction == "muraki" else "--"
             axis.plot(100 * one.slip, one.friction, style, color=colour, label=f"{force:.0f} N, {traction}")
     header = "profile,traction,force_N,critical_slip_percent,friction,at_5_percent,at_10_percent,at_30_percent,moes_M"
-    write_table("reproduction_contact", header.split(","), rows)
     for axis, profile in zip(axes, PROFILES, strict=True):
         axis.set(title=f"profile {profile}", xlabel="slide-roll ratio V/u [%]", xlim=(0, 60), ylim=(0, None))
     axes[0].set_ylabel("friction coefficient")
     made.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper")
     save_figure(made, "fig1_contact")
+    return header.split(","), rows
 
 
-def effective_friction():
-    """Fig. 2 and 3: effective friction of the raceways for every closure, profile and law."""
+def is_drawn(name, profile, traction, closure):
+    """Whether a curve stands in Fig. 2 or 3."""
+    return traction == "muraki" and (name == "Fig. 2" or (profile, closure) == ("iso16281", "epicyclic"))
+
+
+def effective_friction(kept=lambda *_: True):
+    """Fig. 2 and 3: draw effective friction of the raceways, and return header and rows for what is kept."""
     rows, (made, axes) = [], figure(2, sharey=True)
     for name, shipped in FIGURES.items():
         base = evolve(load_scene(shipped), {"study.effective-friction.map_points": 0})
         for profile, traction, closure in itertools.product(PROFILES, TRACTIONS, CLOSURES):
+            if not kept(name, profile, traction, closure):
+                continue
             changes = {"closure": closure, "points": 41, "per_roller": True}
             changes = {f"study.effective-friction.{key}": value for key, value in changes.items()}
             data = run(evolve(base, {PROFILE: profile, TRACTION: traction, **changes}), "effective-friction")
@@ -81,13 +88,12 @@ def effective_friction():
                 axis, slip = axes[PROFILES.index(profile)], 100 * data.cage_slip
                 axis.plot(slip, inner.effective_friction, color=COLOURS[closure], label=f"inner, {closure}")
                 axis.plot(slip, outer.effective_friction, ":", color=COLOURS[closure], label=f"outer, {closure}")
-            if name == "Fig. 3" and (profile, traction, closure) == ("iso16281", "muraki", "epicyclic"):
+            if name == "Fig. 3" and is_drawn(name, profile, traction, closure):
                 single_rollers(data)
     header = (
         "figure,profile,traction,closure,critical_inner_percent,friction_inner,critical_outer_percent,"
         "largest_friction_outer,largest_friction_of_most_loaded_roller"
     )
-    write_table("reproduction_effective", header.split(","), rows)
     for axis, profile in zip(axes, PROFILES, strict=True):
         axis.axvline(11, color="0.6", linewidth=0.8)
         axis.set(title=f"profile {profile}", xlabel="cage slip [%]", xlim=(0, 95))
@@ -95,6 +101,13 @@ def effective_friction():
     axes[0].set_ylabel("effective friction coefficient")
     made.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper")
     save_figure(made, "fig2_effective")
+    return header.split(","), rows
+
+
+def plot():
+    """Draw fig1_contact.svg, fig2_effective.svg and fig3_rollers.svg."""
+    contact_curves()
+    effective_friction(kept=is_drawn)
 
 
 def single_rollers(data):
@@ -186,7 +199,7 @@ def logarithm():
 
 
 if __name__ == "__main__":
-    contact_curves()
-    effective_friction()
+    write_table("reproduction_contact", *contact_curves())
+    write_table("reproduction_effective", *effective_friction())
     sensitivity()
     logarithm()

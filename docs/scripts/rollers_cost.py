@@ -10,7 +10,7 @@ import math
 import time
 
 import numpy as np
-from output import BLACK, BLUE, GREEN, ORANGE, PURPLE, figure, save_figure, write_table
+from output import BLACK, BLUE, GREEN, ORANGE, PURPLE, figure, read_table, save_figure, write_table
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
@@ -77,8 +77,8 @@ def step(motion):
 def against_rollers():
     """Levels and frictions against the number of rollers."""
     loads = build_load_map(assemble(SCENE), SCENE.accuracy.tolerance)
-    rows, (made, axis) = [], figure(1, width=4.6)
-    for (level, friction), colour in CASES.items():
+    rows = []
+    for level, friction in CASES:
         times = []
         for rollers in ROLLERS:
             motion = moving(level, friction, bearing(rollers), loads)
@@ -87,9 +87,17 @@ def against_rollers():
             rows.append((level, friction, rollers, motion.system.n, f"{each:.3g}", f"{us:.3g}", f"{us / rollers:.3g}"))
         slope = np.polyfit(np.log(ROLLERS[2:]), np.log(times[2:]), 1)[0]
         print(level, friction, "power", slope, flush=True)
-        axis.loglog(ROLLERS, times, "o-", color=colour, markersize=3, label=f"{level}, {friction}")
     header = "level,friction,rollers,unknowns,evaluations_a_step,microseconds_a_step,microseconds_a_step_and_roller"
     write_table("rollers_cost", header.split(","), rows)
+
+
+def plot():
+    """Draw rollers_cost.svg from rollers_cost.csv."""
+    rows, (made, axis) = read_table("rollers_cost"), figure(1, width=4.6)
+    for (level, friction), colour in CASES.items():
+        points = [row for row in rows if (row["level"], row["friction"]) == (level, friction)]
+        rollers, times = ([float(row[key]) for row in points] for key in ("rollers", "microseconds_a_step"))
+        axis.loglog(rollers, times, "o-", color=colour, markersize=3, label=f"{level}, {friction}")
     axis.set(xlabel="rollers", ylabel="time of a step [µs]")
     made.legend(loc="outside right upper")
     save_figure(made, "rollers_cost")
