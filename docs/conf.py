@@ -3,6 +3,7 @@
 - Equations become MathML (`_ext/mathml.py`), which browsers draw by themselves: no JavaScript, nothing to download,
   neither when the pages are built nor when they are read, and no TeX installation as pictures of formulas would need.
 - Tables of keys, models, commands and columns are made from the program (`_ext/from_program.py`).
+- Commands of examples are run, and what they answer is shown whole (`_ext/answers.py`).
 - Figures that take seconds are drawn at each build (`_ext/drawn.py`), and not kept with the source.
 - Each model has a page (`_ext/model_pages.py`), with what it gives beside what was measured, computed at each build.
 - Source is shown beside the reference (viewcode), since it needs no address on the network.
@@ -30,6 +31,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "sphinx_copybutton",
     "sphinx_gallery.gen_gallery",
+    "answers",
     "drawn",
     "from_program",
     "mathml",
