@@ -202,7 +202,7 @@ def degrees(model):
 
 
 def test_scuffing_temperatures_are_those_of_the_standards():
-    # 20^-0.05 = 0.860891; 80 + 2.25 x 0.860891 x 36, then with 0.8 for a polyalphaolefin, then 0.85 + 1.4 x 1.5 nitrided
+    # 20^-0.05 = 0.860891; 80 + 2.25 x 0.860891 x 36, 0.8 of it for a polyalphaolefin, 0.85 + 1.4 x 1.5 nitrided
     assert degrees(ScuffingIso(fzg_stage=6, viscosity=0.02)) == pytest.approx(149.732, abs=1e-3)
     assert degrees(ScuffingIso(fzg_stage=6, viscosity=0.02, oil="polyalphaolefin")) == pytest.approx(135.786, abs=1e-3)
     assert degrees(ScuffingIso(fzg_stage=6, viscosity=0.02, structural_factor=1.5)) == pytest.approx(171.427, abs=1e-3)

@@ -97,8 +97,11 @@ def test_a_sweep_tells_each_measure_in_its_own_unit_and_draws_it_on_both_rings()
     over = {"operation.radial_load": [1000.0, 4000.0], "study.surface-damage.cage_slip": [0.05, 0.2]}
     found = sweep(scene, study="surface-damage", over=over)
     said = account_of(found).sentences(found)
-    for words in (r"worst, power-density, inner ring: .* MW/m2 to .* MW/m2, ", r"worst, flash-temperature, outer ring: "
-                  r"[\d.]+ K to [\d.]+ K, median", r"worst, film-parameter, inner ring: [\d.]+ to [\d.]+, "):  # fmt: skip
+    for words in (
+        r"worst, power-density, inner ring: .* MW/m2 to .* MW/m2, ",
+        r"worst, flash-temperature, outer ring: [\d.]+ K to [\d.]+ K, median",
+        r"worst, film-parameter, inner ring: [\d.]+ to [\d.]+, ",
+    ):
         assert any(re.match(words, line) for line in said), words
     drawn = {name: figure for name, _, figure in account_of(found).figures(found)}
     assert [*drawn] == [f"sweep-map-worst-{name}" for name in ("power-density", "flash-temperature", "film-parameter")]

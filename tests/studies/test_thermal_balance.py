@@ -186,13 +186,14 @@ def test_the_network_of_a_bearing_has_the_temperatures_of_a_published_wall():
     links = CUT | dict(zip(("housing_ambient", "outer_ring_housing", "outer_ring_rollers", "inner_ring_rollers",
                             "oil_inner_ring"), 1 / np.array([WALL[:2].sum(), WALL[2:4].sum(), *WALL[4:]]),
                            strict=True))  # fmt: skip
-    model = get_model("thermal", "network", ambient_temperature=300.0, **links, **dict.fromkeys(
-        ("oil_capacity", "inner_ring_capacity", "rollers_capacity", "outer_ring_capacity", "housing_capacity"), 1.0))  # fmt: skip
+    stores = (f"{part}_capacity" for part in ("oil", "inner_ring", "rollers", "outer_ring", "housing"))
+    model = get_model("thermal", "network", ambient_temperature=300.0, **links, **dict.fromkeys(stores, 1.0))
     heated = Made(model, {"oil": lambda T: 1000.0})
     curve, places = heated.curve(300.0, 900.0, 9)
     [found] = [heated.balance(places[x]) for x in heated.zeros(curve, places)]
     rises = dict(zip(model.nodes, (found.temperatures - 300.0) / 1000.0, strict=True))
-    wall = dict(zip(("housing", "outer ring", "rollers", "inner ring", "oil"), np.delete(WALL_RISES, [0, 2]), strict=True))
+    parts = "housing", "outer ring", "rollers", "inner ring", "oil"
+    wall = dict(zip(parts, np.delete(WALL_RISES, [0, 2]), strict=True))
     assert rises == pytest.approx(wall, abs=5e-4)
     assert model.carried_away(found.temperatures)["housing"] == pytest.approx(1000.0, rel=1e-9)
 
@@ -407,7 +408,8 @@ def test_a_balance_is_told_drawn_and_kept(tmp_path):
     assert "come in with oil" in said
     assert "(stable: a disturbance fades with a time of" in said
     assert said.endswith("; 9 conductances that all this rests on are estimated")
-    assert re.search(r"does not give .*oil_rollers [\d.]+ W/K, .*J/K: they are taken from", topics["what they rest on"][0])
+    (rests,) = topics["what they rest on"]
+    assert re.search(r"does not give .*oil_rollers [\d.]+ W/K, .*J/K: they are taken from", rests)
     assert topics["other studies"][0].count("--set 'operation.") == 4
     record = account_of(result).record(result)
     assert record["balances"][0]["stable"]

@@ -3,7 +3,7 @@ How warm does a bearing get?
 ============================
 
 With a thermal model temperatures follow from the losses. Here the bearing makes more heat than leaves its oil where the
-curve is above zero, and less where it is below: it settles where the curve crosses. Rolling and churning are counted in.
+curve is above zero, and less where it is below: it settles where the curve crosses. Rolling and churning are counted.
 """
 
 import matplotlib.pyplot as plt

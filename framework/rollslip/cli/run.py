@@ -134,7 +134,8 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, ver
     else:
         left = console.print_results(datasets.values(), whole=verbose)
         if left:
-            click.echo(f"{left} more lines, with errors and times: run with -v, or rollslip info of the .nc files")
+            lines = f"{left} more line{'s' * (left != 1)}"
+            click.echo(f"{lines}, with errors and times: run with -v, or rollslip info of the .nc files")
         results.tell(*datasets.values())
     if "interrupted" in outcomes:
         click.echo(go_on, err=True)

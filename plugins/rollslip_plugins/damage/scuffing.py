@@ -73,8 +73,8 @@ class ScuffingIso(BulkAndFlash):
     measure: ClassVar[str] = "contact temperature (ISO)"
     unit: ClassVar[str] = "K"
     scope: ClassVar[str] = (
-        "the limit is one of gears, from which the standard advises to stay some 50 K away; bearings also smear where a "
-        "roller is accelerated, at contact temperatures far below it"
+        "the limit is one of gears, from which the standard advises to stay some 50 K away; bearings also smear where "
+        "a roller is accelerated, at contact temperatures far below it"
     )
 
     fzg_stage: int | None = parameter(

@@ -46,7 +46,8 @@ HAMROCK_ANDERSON_1983: Final = Reference(
 )
 ISO_13989: Final = Reference(
     kind="standard",
-    title="Calculation of scuffing load capacity of cylindrical, bevel and hypoid gears, part 1: flash temperature method",
+    title="Calculation of scuffing load capacity of cylindrical, bevel and hypoid gears, part 1: flash temperature "
+    "method",
     number="ISO/TR 13989-1:2000 (now ISO/TS 6336-20)",
     note="not read; its equations 27 and 99 as an open program states them, which meets printed reports within 0.2 %",
 )

@@ -69,9 +69,10 @@ def by_name(values: "xr.DataArray", dim: str) -> "list[tuple[str, xr.DataArray]]
     units, found = json.loads(values[dim].attrs.get(UNITS, "{}")), []
     for name in map(str, values[dim].to_numpy()):
         piece = values.sel({dim: name})
+        called = f"{name} ring" if dim == "ring" else name
         piece.attrs["units"] = units.get(name, piece.attrs["units"])
-        piece.attrs["long_name"] = f"{piece.attrs.get('long_name', values.name)}, {name}{' ring' if dim == 'ring' else ''}"
-        found.append((f"{name} ring" if dim == "ring" else name, piece))
+        piece.attrs["long_name"] = f"{piece.attrs.get('long_name', values.name)}, {called}"
+        found.append((called, piece))
     return found
 
 
@@ -91,14 +92,15 @@ def _ranges(dataset: "xr.Dataset") -> dict[str, dict[str, Any]]:
             values = piece.to_numpy()
             known = values[np.isfinite(values)]
             at = {dim: piece[dim] for dim in named if dim not in piece.dims}
-            words = None
+            why = None
             if status is not None:
                 words = status.sel({dim: one for dim, one in at.items() if dim in status.dims}).broadcast_like(piece)
+                why = _most_frequent(words.transpose(*piece.dims).to_numpy()[~np.isfinite(values)])
             ranges[called] = {
                 "unit": piece.attrs["units"],
                 "values": int(known.size),
                 "missing": int(values.size - known.size),
-                "why": None if words is None else _most_frequent(words.transpose(*piece.dims).to_numpy()[~np.isfinite(values)]),
+                "why": why,
                 "least": float(known.min()) if known.size else None,
                 "median": float(np.median(known)) if known.size else None,
                 "largest": float(known.max()) if known.size else None,

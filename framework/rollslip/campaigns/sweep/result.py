@@ -81,7 +81,8 @@ def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
             fields.fill(record.row.number, parsed(record.row.layout), record.row.numbers, record.row.texts)
     dims, names = sweep.dims, sweep.names
     called = {name: f"study_{name}" if name in OF_POINTS else name for name in fields.arrays}
-    told = {name: called.get(one.status) for name, one in settings(sweep.scene, sweep.study)[sweep.study].outputs.items()}
+    known = settings(sweep.scene, sweep.study)[sweep.study].outputs
+    told = {name: called.get(one.status) for name, one in known.items()}
     variables = {
         called[name]: (of, values, said | ({TOLD_BY: by} if (by := told.get(name)) else {}))
         for name, (of, values, said) in fields.variables(dims, design.shape).items()

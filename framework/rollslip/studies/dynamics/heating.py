@@ -12,6 +12,7 @@
 """
 
 import itertools
+import json
 import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -33,7 +34,7 @@ from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.studies.answers import Part
 from rollslip.studies.dynamics.choice import Movable
 from rollslip.studies.dynamics.ending import explained
-from rollslip.studies.thermal_balance.model import ThermalModel, thermal_model
+from rollslip.studies.thermal_balance.model import ThermalModel, from_bearing, thermal_model
 from rollslip.studies.timing import timed
 
 #: Single values of a motion that heats its bearing.
@@ -128,6 +129,7 @@ def told(heating: Heating | None, times: Array) -> tuple[dict[str, Any], dict[st
         "hottest_node": model.nodes[int(np.argmax(until.max(axis=0)))],
         "thermal": model.name,
         "thermal_model": repr(model),
+        "taken_from_bearing": json.dumps(from_bearing(of.assembly.scene, model)),
         "thermal_passes": of.passes,
         "thermal_status": "found in "
         + ("one pass" if of.passes == 1 else f"{of.passes} passes")

@@ -69,8 +69,8 @@ def _given(dataset: "xr.Dataset") -> str:
 def _balances(dataset: "xr.Dataset") -> list[str]:
     if str(dataset["status"].item()) != "found":
         return [str(dataset["status"].item())]
-    said = []
-    slip, guessed = float(dataset["given_slip"]), sum(value.endswith("W/K") for value in _from_bearing(dataset).values())
+    said, slip = [], float(dataset["given_slip"])
+    guessed = sum(value.endswith("W/K") for value in _from_bearing(dataset).values())
     for one in (dataset.isel(balance=k) for k in range(dataset.sizes["balance"])):
         made = float(one["loss"].sum())
         heats = list(zip(one["sink"].to_numpy(), one["carried_away"].to_numpy().tolist(), strict=True))

@@ -9,8 +9,9 @@
 import abc
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Self, cast
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,11 +22,12 @@ from rollslip.errors import SceneError
 from rollslip.references import Citation
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
+from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly
 
-__all__ = ["PLACES", "ROLES", "THERMAL", "ThermalModel", "thermal_model"]
+__all__ = ["PLACES", "ROLES", "THERMAL", "ThermalModel", "from_bearing", "thermal_model"]
 
 Array = NDArray[np.float64]
 
@@ -110,6 +112,18 @@ def thermal_model(scene: Scene) -> ThermalModel | None:
     if problems:
         raise SceneError(problems)
     return model  # type: ignore[no-any-return]
+
+
+def from_bearing(scene: Scene, model: ThermalModel) -> dict[str, str]:
+    """Return the parameters that a scene does not give and its model took from the bearing, as people read them."""
+    given, kinds = thermal_model(scene), cast("Any", type(model))
+    if given is None:
+        return {}
+    return {
+        field.name: format_quantity(value, field.metadata.get("unit", "1"), 3)
+        for field in attrs.fields(kinds)
+        if getattr(given, field.name) is None and isinstance(value := getattr(model, field.name), float)
+    }
 
 
 THERMAL: Final = Kind(

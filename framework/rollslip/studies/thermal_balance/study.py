@@ -23,8 +23,7 @@ from rollslip.studies.steady_slip.shared import estimate_torques
 from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.thermal_balance.balance import Balance, Curve, Heated, State
-from rollslip.studies.thermal_balance.model import ROLES, ThermalModel, thermal_model
-from rollslip.units import format_quantity
+from rollslip.studies.thermal_balance.model import ROLES, from_bearing, thermal_model
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -156,8 +155,8 @@ class ThermalBalance(Study):
         xarray.Dataset
             Dimensions (balance,): stable, stability, growth, steady_slip, balance_error; (node, balance): temperature;
             (source, balance): loss; (sink, balance): carried_away; (node,): settled_temperature, of the coldest balance
-            that lasts; (part,): given_temperature; scalars: status, settled_slip, settled_status, given_slip, given_loss,
-            given_status. With a model of nodes (point,): leading_temperature,
+            that lasts; (part,): given_temperature; scalars: status, settled_slip, settled_status, given_slip,
+            given_loss, given_status. With a model of nodes (point,): leading_temperature,
             excess_heat; scalars jumps, heat_margin, limit_temperature, inlet_limit, limit_status; with a duration
             (time, node): course_temperature; (time,): course_slip; scalar course_status. Without a balance there is one
             NaN in its place, and no source.
@@ -191,7 +190,7 @@ class ThermalBalance(Study):
             "thermal": model.name,
             "evaluated_temperatures": heated.evaluations,
             "thermal_model": repr(model),
-            "taken_from_bearing": json.dumps({} if named is None else _taken(named, model)),
+            "taken_from_bearing": json.dumps(from_bearing(assembly.scene, model)),
         }
         return xr.Dataset(variables | some, coords | at, attrs=self.attributes | attributes)
 
@@ -315,16 +314,6 @@ class ThermalBalance(Study):
         else:
             status = "the bulk: warmer than that losses rise faster than what is carried away"
         return self.variables(heat_margin=-value, limit_temperature=at, inlet_limit=inlet, limit_status=status)
-
-
-def _taken(given: ThermalModel, made: ThermalModel) -> dict[str, str]:
-    """Return the parameters that a model was not given and took from the bearing, as people read them."""
-    kinds: Any = type(made)
-    return {
-        field.name: format_quantity(value, field.metadata.get("unit", "1"), 3)
-        for field in attrs.fields(kinds)
-        if getattr(given, field.name) is None and isinstance(value := getattr(made, field.name), float)
-    }
 
 
 def _jumps(heated: Heated) -> str:
