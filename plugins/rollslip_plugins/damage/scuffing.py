@@ -214,7 +214,7 @@ class ScuffingAgma(BulkAndFlash):
             return None
         else:
             mean = _MINERAL[self.oil] + _BY_VISCOSITY * math.log(1e6 * self.viscosity_40)
-        said = f"AGMA 925, {100 * self.risk:.3g} % of gears in {self.oil} oil scuff, recalled (grade C)"
+        said = f"AGMA 925, {100 * self.risk:.3g} % of gears scuff with oil {self.oil!r}, recalled (grade C)"
         return _CELSIUS + mean * (1.0 + _SCATTER * NormalDist().inv_cdf(self.risk)), said
 
 
