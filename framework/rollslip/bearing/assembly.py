@@ -18,7 +18,7 @@ from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
 from rollslip.bearing.resolution import Resolution, as_stated
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.errors import DomainError, PluginError, SceneError
-from rollslip.lubricant.oil import Lubricant
+from rollslip.lubricant.oil import Lubricant, OilState
 from rollslip.lubricant.pressure import with_law, without_slope
 from rollslip.lubricant.table import lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
@@ -29,6 +29,7 @@ from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
 _PIECE = 2048  # slices whose deflection is found at a time
 _KEPT = 1 << 14  # loads in a distribution that is kept, at most
+_OF_OIL: Final = tuple(attrs.fields_dict(OilState))
 _T = TypeVar("_T")
 
 
@@ -434,7 +435,7 @@ def _conditions(scene: Scene, kinematics: Kinematics, lubricant: Lubricant, ring
         modulus=m.elastic_modulus / (1 - m.poisson_ratio**2),
         roughness=1.25 * math.hypot(raceway_roughness, s.roller_roughness),
         effusivity=math.sqrt(m.thermal_conductivity * m.density * m.specific_heat),
-        **attrs.asdict(oil, recurse=False),
+        **{name: getattr(oil, name) for name in _OF_OIL},
     )
 
 

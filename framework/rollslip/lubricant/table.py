@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import Any, Final, TypeAlias
 
-from attrs import Attribute, asdict, evolve, fields_dict, frozen
+from attrs import Attribute, evolve, fields_dict, frozen
 from attrs.validators import and_, deep_iterable, optional
 
 from rollslip.errors import SceneError
@@ -204,6 +204,7 @@ class OilTable:
 
 _WHERE = Location({}, ("lubricant",))
 _OF_OILS: Final = fields_dict(Lubricant).keys()
+_OF_TABLE: Final = tuple(fields_dict(OilTable))
 
 
 def lubricant_from_table(
@@ -257,7 +258,7 @@ def lubricant_from_table(
     if table is None:
         raise SceneError(problems)
 
-    given = {key: value for key, value in asdict(table, recurse=False).items() if value not in (None, ())}
+    given = {key: value for key in _OF_TABLE if (value := getattr(table, key)) not in (None, ())}
     base = None if table.name is None else get_named(table.name)
     changes = {key: value for key, value in given.items() if key in _OF_OILS} | _laws(given, base)
     if table.law is not None:

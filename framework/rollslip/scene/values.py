@@ -272,6 +272,10 @@ def _plain(value: object) -> object:
 _SORTED: Final = sorted(((name, key) for name, key, _ in _keys(Scene)), key=operator.itemgetter(1))
 
 
+#: The text of plain values that is hashed.
+_canonical: Final = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode
+
+
 class SceneHashes:
     """Hashes of scenes that share tables with one of them, of which the text is made once."""
 
@@ -289,10 +293,6 @@ class SceneHashes:
                     self._known[name] = text
                 texts.append(text)
         return hashlib.sha256(f"{{{','.join(texts)}}}".encode()).hexdigest()
-
-
-def _canonical(plain: object) -> str:
-    return json.dumps(plain, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
 
 
 def scene_hash(scene: Scene) -> str:
