@@ -99,9 +99,8 @@ def test_few_slips_find_what_all_find_on_made_up_curves(kind):
         highest = curve[-1] if np.isnan(found.slip) else found.friction
         # one of the narrow peaks, 0.7 steps of the grid wide, hides between its slips, whoever looks at all of them
         beside += bool(curve.max() > 0.0 and highest < curve.max() * (1.0 - 1e-6))
-    together = searched(
-        [Curve(SLIP, rough, "", exact=False) for rough, _ in curves], lambda asked: [curves[k][1](at) for k, at in asked]
-    )
+    rough_ones = [Curve(SLIP, rough, "", exact=False) for rough, _ in curves]
+    together = searched(rough_ones, lambda asked: [curves[k][1](at) for k, at in asked])
     np.testing.assert_equal([attrs.astuple(found) for found in together], alone)
     assert whole <= KINDS[kind]
     assert beside <= (kind == "narrow peaks")

@@ -166,7 +166,7 @@ def locate(
 
 def searched(curves: Sequence[Curve], evaluate: Evaluate) -> list[Critical]:
     """Return the largest friction of curves, as `locate` does; ``evaluate`` returns it exactly at what is asked for."""
-    some = {k: (one.slip, one.friction, None) for k, one in enumerate(curves) if one.exact}
+    some: dict[int, _Some] = {k: (one.slip, one.friction, None) for k, one in enumerate(curves) if one.exact}
     some |= _of_few_slips({k: one for k, one in enumerate(curves) if not one.exact}, evaluate)
     searches = [
         _searching(slip, friction, one.allow, most=one.most, beside=beside)
@@ -256,9 +256,12 @@ def _of_few_slips(curves: Mapping[int, Curve], evaluate: Evaluate) -> dict[int, 
         grids.setdefault(curve.slip.tobytes(), []).append(k)
     some = dict[int, _Some]()
     for own in grids.values():
-        rough = np.array([curves[k].friction for k in own])
-        few = _few(curves[own[0]].slip, rough, lambda asked, own=own: evaluate([(own[i], at) for i, at in asked]))
-        some |= {own[i]: known for i, known in few.items()}
+
+        def of_rows(asked: list[tuple[int, Array]], own: list[int] = own) -> Sequence[Array]:
+            return evaluate([(own[row], at) for row, at in asked])
+
+        few = _few(curves[own[0]].slip, np.array([curves[k].friction for k in own]), of_rows)
+        some |= {own[row]: known for row, known in few.items()}
     left = [(k, curve.slip) for k, curve in curves.items() if k not in some]
     if left:
         some |= {k: (slip, exact, None) for (k, slip), exact in zip(left, evaluate(left), strict=True)}
@@ -279,14 +282,13 @@ def _few(slip: Array, rough: Array, evaluate: Evaluate) -> dict[int, _Some]:
     if points < 4 * _HELD:
         return {}
     at, share, counts = _held(points)
-    sure = np.isfinite(rough).all(axis=1)
-    rough = np.where(sure[:, None], rough, 0.0)
-    every = np.arange(curves)
+    sure = np.asarray(np.isfinite(rough).all(axis=1))
+    rough, every = np.where(sure[:, None], rough, 0.0), np.arange(curves)
     best = np.clip(rough.argmax(axis=1), _BESIDE, points - 1 - _BESIDE)
-    known = np.zeros((curves, points), dtype=bool)
+    known = np.zeros(rough.shape, dtype=bool)
     known[:, at] = known[:, -2] = True
     known[every[:, None], best[:, None] + _AROUND] = True
-    exact, beside = np.zeros((curves, points)), dict[int, _Known]()
+    exact, beside = np.zeros(rough.shape), dict[int, _Known]()
     ends = np.stack((slip[best - 1], slip[best + 1]), axis=1).tolist()
     asked = [(k, np.concatenate((slip[known[k]], _nodes(*ends[k])))) for k in np.flatnonzero(sure).tolist()]
     for (k, slips), friction in zip(asked, evaluate(asked), strict=True):

@@ -357,13 +357,13 @@ def _half_orbits(balance: TorqueBalance, slip: Array, few: int) -> tuple[LoadedC
 
 
 def _start(slips: Array, torques: Array) -> float:
-    """Where the torque of a scan is largest."""
+    """Where the torque of a scan is largest, by the parabola through three of its slips."""
     best = int(np.argmax(torques))
     if not 0 < best < slips.size - 1:
         return float(slips[best])
     (left, at, right), (before, top, after) = (of[best - 1 : best + 2].tolist() for of in (slips, torques))
     fall, rise = (after - top) / (right - at), (top - before) / (at - left)
-    return at + 0.5 * (rise * (right - at) + fall * (at - left)) / (rise - fall)  # of the parabola through them
+    return float(at + 0.5 * (rise * (right - at) + fall * (at - left)) / (rise - fall))
 
 
 def _shared(balance: TorqueBalance, start: float, end: float) -> tuple[float, float] | None:
