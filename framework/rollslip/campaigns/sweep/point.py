@@ -40,8 +40,8 @@ from rollslip.studies.study import Study, settings
 
 __all__ = ["Done", "compute", "greet", "unpacked"]
 
-#: Points that are evaluated together, some 20 ms without the GIL; their tables take 4 MB.
-_TOGETHER: Final = 16
+#: Points that are evaluated together, some 40 ms without the GIL; their tables take 8 MB.
+_TOGETHER: Final = 32
 
 
 @attrs.frozen(eq=False)
