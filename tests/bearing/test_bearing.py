@@ -70,6 +70,12 @@ def test_outer_contact_rolls_at_the_roller_slip_that_says_so(bearing, cage_slip)
     assert abs(s.outer_sliding) <= 1e-14 * (abs(s.inner_sliding) + s.inner_rolling)
 
 
+@given(bearings(), slips)
+def test_leads_are_the_sliding_speeds_without_roller_slip(bearing, cage_slip):
+    s = bearing.surface_speeds(cage_slip, 0.0)
+    assert bearing.leads(cage_slip) == (s.inner_sliding, s.outer_sliding)
+
+
 @given(bearings(), slips, slips)
 def test_bearing_turning_backwards_is_described_by_its_mirror_image(bearing, cage_slip, roller_slip):
     mirrored = attrs.evolve(bearing, inner_speed=-bearing.inner_speed, outer_speed=-bearing.outer_speed)

@@ -115,6 +115,13 @@ def test_the_short_way_finds_the_maximum_of_the_whole_curve(changes):
     assert away.slip == pytest.approx(whole.slip, rel=2e-3)
 
 
+@pytest.mark.parametrize("top", [0.21, 0.3, 0.39])
+def test_a_climb_starts_at_the_vertex_of_the_parabola_through_the_best_slips(top):
+    slips = np.array([0.1, 0.2, 0.3, 0.45, 0.7])
+    assert module._start(slips, 5.0 - 3.0 * (slips - top) ** 2) == pytest.approx(top, rel=1e-12)
+    assert module._start(slips, slips) == 0.7
+
+
 def test_effective_friction_has_another_fold():
     """+4.8 % of the drag at 50 degC (0.751 N m at 44.0 %), as it was first reported of 15 slices."""
     assembly = bearing()
