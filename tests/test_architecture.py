@@ -238,16 +238,18 @@ def test_a_run_without_plots_loads_neither_matplotlib_nor_scipy_nor_an_integrato
     assert done.returncode == 0, done.stderr
 
 
-def test_garbage_is_looked_for_seldom_while_a_command_runs_and_not_at_its_end():
-    """A host keeps its thresholds; what is frozen is seen by what runs after it at exit."""
+@pytest.mark.parametrize("host", [True, False])
+def test_garbage_is_looked_for_seldom_while_a_command_runs_and_not_at_its_end(host):
+    """A host keeps its thresholds, a command leaves them; what is frozen is seen by what runs after it at exit."""
     code = (
         "import atexit, gc, importlib\n"
         "program = importlib.import_module('rollslip.cli.main')\n"
         "given, seen = gc.get_threshold(), []\n"
         "program.cli.main = lambda **_: seen.append(gc.get_threshold())\n"
         "atexit.register(lambda: print(gc.get_freeze_count() > 0))\n"
-        "try:\n    program.main([])\n"
-        "except SystemExit:\n    print(seen[0] > given, gc.get_threshold() == given, gc.get_freeze_count() == 0)"
+        f"try:\n    program.main({[] if host else None})\n"
+        f"except SystemExit:\n    print(seen[0] > given, gc.get_threshold() == {'given' if host else 'seen[0]'}, "
+        "gc.get_freeze_count() == 0)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["True"] * 4

@@ -104,7 +104,7 @@ def test_an_interrupt_after_the_end_changes_nothing(late) -> None:
     program = f"""
 import atexit, importlib, signal
 program = importlib.import_module("rollslip.cli.main")
-program._seldom_collected = lambda into: {late}
+program._seldom_collected = lambda into, arguments: {late}
 program.main()
 """
     done = subprocess.run([sys.executable, "-c", program, "--version"], capture_output=True, text=True, check=False)

@@ -134,9 +134,10 @@ def _patient(stream: Any, into: ExitStack) -> tuple[Any, _Sink | None]:
 _OBJECTS: Final = 20_000
 
 
-def _seldom_collected(into: ExitStack) -> None:
+def _seldom_collected(into: ExitStack, arguments: Sequence[str] | None) -> None:
     """Look for garbage seldom, and not once more at the end, when all memory goes back: a third of a second a run."""
-    into.callback(gc.set_threshold, *gc.get_threshold())
+    if arguments is not None:  # for a host, whose next object makes Python look through all
+        into.callback(gc.set_threshold, *gc.get_threshold())
     gc.set_threshold(_OBJECTS, *gc.get_threshold()[1:])
     atexit.register(gc.freeze)
 
@@ -169,7 +170,7 @@ def _program(arguments: Sequence[str] | None) -> Any:
         stack.enter_context(redirect_stdout(output))
         stack.enter_context(redirect_stderr(errors))
         _heard(stack)
-        _seldom_collected(stack)
+        _seldom_collected(stack, arguments)
         # matrices here are small: more threads would only wait, a quarter of a second of processor time in a run
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         try:
