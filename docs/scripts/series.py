@@ -7,7 +7,8 @@ how many times as long as the least of these the command took by the processor: 
 rows of other days.
 
 ``python docs/scripts/series.py [ROUNDS [FOLDER ...]]``, 5 rounds by default: medians of this version and of those in
-folders of clones, built in place, which take turns. A version is its commit; its rows are replaced.
+folders of clones, built in place, which take turns. A version is its commit; its rows are replaced. The Python that
+runs it must have the program's libraries but not the program, whose models other versions would find beside their own.
 """
 
 import csv
