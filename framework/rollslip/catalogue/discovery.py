@@ -23,7 +23,7 @@ import threading
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
-from types import MappingProxyType, SimpleNamespace
+from types import MappingProxyType, ModuleType
 from typing import Any, Final
 
 import attrs
@@ -360,7 +360,9 @@ def _collected(module: object, hook: str) -> list[Any]:
     from rollslip import hookspecs
 
     manager = pluggy.PluginManager("rollslip")
-    manager.add_hookspecs(SimpleNamespace(**{hook: getattr(hookspecs, hook)}))  # all of them take longer than a model
+    asked = ModuleType("asked")
+    setattr(asked, hook, getattr(hookspecs, hook))
+    manager.add_hookspecs(asked)  # all of them take longer than many a model
     manager.register(module)
     return [thing for things in getattr(manager.hook, hook)() for thing in things]
 

@@ -495,4 +495,4 @@ def _interpolated(values: Array, places: Sequence[tuple[Array, Array]]) -> Array
     for _, t in places:
         weights = [np.prod([(t - k) / (node - k) for k in range(4) if k != node], axis=0) for node in range(4)]
         found = np.einsum("nm,n...m->...m", weights, found)
-    return found
+    return np.asarray(found)
