@@ -222,13 +222,13 @@ RUN_UP = {"inner_speed": {"shape": "run-up", "from": "1000 rpm", "within": "0.3 
 DROP = {"radial_load": {"shape": "step", "to": "600 N", "at": "0.1 s"}}
 CASES = {
     "run-up": (RUN_UP, "inner_speed.within", "0.3 s:1 s:3", "largest_cage_slip <= 20 %", 0.02, {}),
-    "load drop": (DROP, "radial_load.to", "300 N:1500 N:3", "largest_cage_slip <= 20 %", 0.02, {}),
+    "load drop": (DROP, "radial_load.to", "300 N:1500 N:3", "largest_cage_slip <= 8 %", 0.02, {}),
     "load drop, pocket": (
-        DROP, "radial_load.to", "300 N:1500 N:3", "largest_cage_slip <= 3 %", 0.05,
+        DROP, "radial_load.to", "300 N:1500 N:3", "largest_cage_slip <= 1.8 %", 0.05,
         {"study.dynamics.level": "pocket", "study.dynamics.duration": "0.2 s"},
     ),
     "load drop, planar": (
-        DROP, "radial_load.to", "300 N:1500 N:3", "largest_cage_slip <= 3 %", 0.05,
+        DROP, "radial_load.to", "300 N:1500 N:3", "largest_cage_slip <= 2.1 %", 0.05,
         {"study.dynamics.level": "planar", "study.dynamics.duration": "0.15 s",
          "study.dynamics.planar": {"inner_ring_mass": "5 kg"}},
     ),

@@ -160,6 +160,14 @@ def test_events_are_located(name, compiled):
         assert event.time == pytest.approx(time, abs=ERROR.get(name, 10) * 1e-8)
 
 
+def test_a_run_bears_any_number_of_events():
+    """Each ends the steps that a compiled solver takes at once; there were once 64 of them at most."""
+    given = problem(oscillator, START, True, watch=lambda t, y: [math.sin(20.0 * math.pi * t)], watched=1)
+    found = run("rodas5p", given, np.linspace(0.0, 5.001, 2), tolerance=1e-9)
+    assert found.outcome == "finished", found.message
+    assert [event.time for event in found.events] == pytest.approx(np.arange(1, 101) / 20.0, abs=1e-9)
+
+
 @EVERY
 def test_an_event_in_time_is_located_to_rounding(name, compiled):
     """Where the watched value is known without error, so is its zero."""

@@ -351,7 +351,8 @@ class _Run:
             if reason in ("stop", "finished"):
                 return ""
             self._pause()
-            many = 2 * many if time.perf_counter() - begin < _QUICK else max(many // 2, _MANY)
+            if reason == "steps":  # an event may come after any number of them
+                many = 2 * many if time.perf_counter() - begin < _QUICK else max(many // 2, _MANY)
 
     # Step by step -----------------------------------------------------------------------------------------------------
 
