@@ -126,7 +126,19 @@ def test_axes_say_what_they_show_in_which_unit(drawn):
     names = {"rings", "sliding at the inner ring", "sliding at the outer ring", "drag", "kept in the motion"}
     assert names <= set(energy)
     assert "Energy since the start [J]" in energy
-    assert {"cage", "inner ring", "Along the load [µm]"} <= set(centres)
+    assert {"cage", "inner ring", "Along the load [µm]", "Time [s]"} <= set(centres)
+
+
+def test_thick_films_do_not_take_the_scale_of_the_map(planar):
+    """A film without load grows beyond all bounds: all above three times the thinnest looks alike."""
+    from rollslip.studies.dynamics.figures import motion_figures
+
+    thick = planar.copy(deep=True)
+    film = thick["film_parameter"].to_numpy()
+    film[np.unravel_index(np.nanargmax(film), film.shape)] = 1e6
+    figure = {name: made for name, _, made in motion_figures(thick)}["dynamics-conventional-orbit"]
+    (bar,) = [axes for axes in figure.axes if axes.get_ylabel() == "Smallest Λ [–]"]
+    assert bar.get_ylim()[1] <= 4.0 * np.nanmin(film)
 
 
 def test_a_figure_says_what_was_found(planar, drawn):
@@ -472,7 +484,7 @@ def test_the_report_says_it(tmp_path, planar, drawn):
         assert sentence[1:] in text
     assert "Energy ledger" in text
     assert "cage slip passes that of running away1" in text
-    assert "Figure 1. Tracks of the centres of inner ring and cage" in text
+    assert ". Tracks of the centres of inner ring and cage" in text
     assert "98,765" in text
     film = float(planar["film_parameter"].sel(ring="inner").min())
     assert f"inner ringrigid-isoviscous 25.0 %, elastic-piezoviscous 75.0 %{film:.3g}4012.5 % of the force" in text

@@ -59,6 +59,8 @@ _RPM = 30.0 / math.pi
 _INSTANTS, _ORBITS = 6.0, 40.0
 #: Cells of a map along time at most; along the orbit it has one for each roller, within limits.
 _TIMES, _POSITIONS = 60, (12, 48)
+#: Pieces of one shade of a track that darkens in time.
+_PIECES: Final = 30
 #: Share of the largest slip from which on a slip of running away beyond it is worth the room on the axis.
 _NEAR = 0.5
 #: Film parameter over the smallest from which on thicker films look the same: without load it grows beyond all bounds.
@@ -98,7 +100,7 @@ def motion_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
         yield f"{name}-phase", caption, phase(dataset)
     yield f"{name}-energy", f"Energy ledger since the start, {which}.", _energy(dataset)
     if "ring_displacement" in dataset:
-        caption = f"Tracks of the centres of inner ring and cage, {which}; a circle is the end."
+        caption = f"Tracks of the centres of inner ring and cage, {which}; colours tell the time, a circle is the end."
         yield f"{name}-centres", caption, _centres(dataset)
 
 
@@ -288,21 +290,35 @@ def _energy(dataset: "xr.Dataset") -> "Figure":
 
 
 def _centres(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.figure import Figure
+    """Draw the orbits of the centres of cage and inner ring, each to its own scale, from light to dark in time."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import BoundaryNorm
 
-    figure = Figure(figsize=(ONE_COLUMN[0], ONE_COLUMN[0]), layout="constrained")
-    axes = figure.subplots()
-    handles: list[Artist] = []
-    for name, colour in (("cage", RING_COLOURS["outer"]), ("ring", RING_COLOURS["inner"])):
+    figure, panels = _panels(1)
+    time, colours = _time(dataset), light_to_dark()
+    pieces = np.array_split(np.arange(time.size), min(time.size, _PIECES))
+    edges = np.unique(np.append(time[[piece[0] for piece in pieces]], time[-1]))
+    shades = colours(np.linspace(0.0, 1.0, len(pieces)))
+    for axes, name, title in zip(panels, ("cage", "ring"), ("cage", "inner ring"), strict=True):
         along, across = (
             1e6 * dataset[f"{name}_displacement"].sel(direction=way).to_numpy() for way in ("along", "across")
         )
-        handles += axes.plot(across, along, label=name.replace("ring", "inner ring"), linewidth=0.8, color=colour)
-        axes.plot(across[-1], along[-1], color=colour, **{**MARKER, "markersize": 6})
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel("Across the load [µm]")
-    axes.set_ylabel("Along the load [µm]")
-    _legend(figure, handles)
+        for piece, shade in zip(pieces, shades, strict=True):
+            part = np.arange(max(piece[0] - 1, 0), piece[-1] + 1)
+            axes.plot(across[part], along[part], linewidth=0.8, color=shade)
+        axes.plot(across[-1], along[-1], color=shades[-1], **{**MARKER, "markersize": 6})
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.set_title(title)
+        axes.set_xlabel("Across the load [µm]")
+        axes.set_ylabel("Along the load [µm]")
+    if edges.size > 1:
+        bar = figure.colorbar(ScalarMappable(BoundaryNorm(edges, colours.N), colours), ax=panels, aspect=30, pad=0.01)
+        bar.set_label(f"Time [{_time_unit(dataset)}]")
+        bar.set_ticks(edges[:: -(-edges.size // 6)])
+        bar.ax.yaxis.set_major_formatter("{x:.3g}")
+        bar.minorticks_off()
+        bar.outline.set_visible(False)
+        bar.solids.set_edgecolor("face")  # type: ignore[union-attr]
     return figure
 
 
@@ -399,12 +415,16 @@ def _scale(dataset: "xr.Dataset") -> float:
     return 1e3 if 0.0 < float(dataset["time"][-1]) < 0.05 else 1.0
 
 
+def _time_unit(dataset: "xr.Dataset") -> str:
+    return "ms" if _scale(dataset) > 1.0 else "s"
+
+
 def _time(dataset: "xr.Dataset") -> Array:
     return np.asarray(_scale(dataset) * dataset["time"].to_numpy())
 
 
 def _time_axis(axes: "Axes", dataset: "xr.Dataset", *, limits: bool = True) -> None:
-    axes.set_xlabel(f"Time [{'ms' if _scale(dataset) > 1.0 else 's'}]")
+    axes.set_xlabel(f"Time [{_time_unit(dataset)}]")
     time = _time(dataset)
     if time.size == 1:
         axes.set_xticks(time)
