@@ -65,7 +65,8 @@ def test_every_passage_between_the_first_values_is_found_and_a_failed_point_leav
     open_ = searched(results.tolist(), 32, failed={32})
     assert passages(open_)[0] == (0, 64)
     assert passages(open_)[1:] == passages(known)[1:]
-    assert a > 32 and b < 64
+    assert a > 32
+    assert b < 64
 
 
 def test_what_has_no_value_is_not_kept_and_is_told_from_what_is():

@@ -1,6 +1,5 @@
 """What a search for a limit has found, in sentences and plain values, from the dataset alone."""
 
-import json
 import math
 from collections import Counter
 from typing import TYPE_CHECKING, Any, Final
@@ -51,9 +50,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
             for k in range(dataset.sizes["edge"])
         ],
         "one_way": _turns(dataset) == 0,
-        "points": [
-            {name: _plain(dataset[name].to_numpy()[k]) for name in rows} for k in range(dataset.sizes["point"])
-        ],
+        "points": [{name: _plain(dataset[name].to_numpy()[k]) for name in rows} for k in range(dataset.sizes["point"])],
     }
 
 
@@ -81,7 +78,9 @@ def headline(dataset: "xr.Dataset") -> str:
     if len(spans) == 1 and spans[0][2] and spans[0][3]:
         return f"{what} is kept at all {values.size} values of {key} from {_ends(dataset, values)}{_nearest(dataset)}"
     if not spans:
-        return f"{what} is kept at none of {values.size} values of {key} from {_ends(dataset, values)}{_nearest(dataset)}"
+        return (
+            f"{what} is kept at none of {values.size} values of {key} from {_ends(dataset, values)}{_nearest(dataset)}"
+        )
     said = ", and ".join(_span(dataset, *span) for span in spans)
     beyond = "; ".join(
         f"at {_value(dataset, float(dataset['edge_passed'][k]))} {_result(dataset, float(dataset['edge_passed'][k]))}"
@@ -128,7 +127,9 @@ def _turns(dataset: "xr.Dataset") -> int:
     """How often the result turns back along the values that have one."""
     results = dataset["result"].to_numpy()
     steps = np.diff(results[np.isfinite(results)])
-    signs = np.sign(steps[np.abs(steps) > _FLAT * np.ptp(results[np.isfinite(results)], axis=0)]) if steps.size else steps
+    signs = (
+        np.sign(steps[np.abs(steps) > _FLAT * np.ptp(results[np.isfinite(results)], axis=0)]) if steps.size else steps
+    )
     return int((np.diff(signs) != 0.0).sum())
 
 

@@ -1,5 +1,4 @@
-"""Searches the value of one quantity at which a result passes a limit: the gentlest run-up that keeps a slip, the drop
-of load that skids.
+"""Searches where a result passes a limit while one quantity moves: the gentlest run-up, the drop of load that skids.
 
 - The points are those of one sweep (`rollslip.campaigns.sweep`) over a long row of values, of which few are computed:
   some spread evenly at first, then those that narrow down each passage (`rollslip.campaigns.limit.search`). So every
@@ -200,14 +199,18 @@ def plan_limit(
     if not 1e-6 <= within <= 0.5:
         raise SceneError([f"within: a share from 1e-06 to 0.5 is expected, such as 0.01, not {within:g}"])
     if len(over) != 1:
-        raise SceneError([f"over: one quantity is searched over, not {len(over)}; sweep several with rollslip sweep run"])
+        raise SceneError(
+            [f"over: one quantity is searched over, not {len(over)}; sweep several with rollslip sweep run"]
+        )
     ((key, text),) = over.items()
     known = quantities(assemble(base), settings(base, name))
     if key not in known:
         raise SceneError([f"{key}: {unknown(key, known)}"])
     quantity = known[key]
     if quantity.unit is None:
-        raise SceneError([f"{key}: is no quantity that goes from one value to another; sweep it with rollslip sweep run"])
+        raise SceneError(
+            [f"{key}: is no quantity that goes from one value to another; sweep it with rollslip sweep run"]
+        )
     try:
         span, count, logarithmic = _range(quantity, str(text))
     except RollslipError as error:
@@ -271,7 +274,7 @@ def _resolution(scene: Scene, study: str, places: list[dict[str, object]]) -> tu
     if not found:
         return None, math.nan
     every = [one.resolution for _, one in found]
-    shared = {
+    shared: dict[str, Any] = {
         name: next(iter(chosen)) if len(chosen := {getattr(one, name) for one in every}) == 1 else None
         for name in ("integrator", "friction", "level")
     }
@@ -320,7 +323,8 @@ def run_limit(
 
     taken_up(made.sweep, folder)
     slacks, failed, longest = _known(made, folder)
-    asked, again, tell = sorted({*made.first, *failed}), FAILED, said
+    asked, tell = sorted({*made.first, *failed}), said
+    again: tuple[str, ...] = FAILED
     alone = None if asked_engine(made.sweep) is not None or made.sweep.local else get_model("engine", "serial")
     while asked:
         part = attrs.evolve(made.sweep, only=asked)
@@ -390,7 +394,7 @@ def _dataset(made: Limit, folder: Path, slacks: Mapping[int, float], failed: set
         "result_status": ("point", at[why].to_numpy() if why in at else np.full(len(places), ""),
                           about("1", "what the study says of the result")),
         "seconds": ("point", at["seconds"].to_numpy(), about("s", "time that the point took")),
-        "edge_kept": ("edge", values[[kept for kept, _ in edges]], about(unit, "value next to the limit that keeps it")),
+        "edge_kept": ("edge", values[[kept for kept, _ in edges]], about(unit, "value at the limit that keeps it")),
         "edge_passed": ("edge", values[[beyond for _, beyond in edges]], about(unit, "its neighbour, which does not")),
         "edge_unknown": ("edge", np.array(lost, dtype=float), about("1", "1 where a point between the two failed")),
     }  # fmt: skip

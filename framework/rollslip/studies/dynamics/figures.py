@@ -18,8 +18,6 @@ from rollslip.results.style import (
     MARKER,
     MM,
     MODEL_COLOURS,
-    ONE_COLUMN,
-    RING_COLOURS,
     ROW,
     TWO_COLUMNS,
     light_to_dark,
@@ -314,7 +312,7 @@ def _centres(dataset: "xr.Dataset") -> "Figure":
     if edges.size > 1:
         bar = figure.colorbar(ScalarMappable(BoundaryNorm(edges, colours.N), colours), ax=panels, aspect=30, pad=0.01)
         bar.set_label(f"Time [{_time_unit(dataset)}]")
-        bar.set_ticks(edges[:: -(-edges.size // 6)])
+        bar.set_ticks(edges[:: -(-edges.size // 6)].tolist())
         bar.ax.yaxis.set_major_formatter("{x:.3g}")
         bar.minorticks_off()
         bar.outline.set_visible(False)
