@@ -429,6 +429,7 @@ def test_what_is_asked_of_a_history_is_in_record_words_and_figures(dropped):
     record, topics = account.record(dropped), account.topics(dropped)
     assert record["history"] == ["radial_load"]
     assert record["largest_cage_slip"] == float(dropped.cage_slip.max())
+    assert record["least_cage_slip"] == float(dropped.cage_slip.min())
     assert record["time_beyond_runaway"] == 0.0
     assert record["frictional_work_inner"] == -float(dropped.work_done.sel(work="lost_inner")[-1]) > 0.0
     sliding = np.abs(dropped.sliding_speed.sel(ring="inner")).mean("roller")

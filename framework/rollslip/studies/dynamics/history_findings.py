@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 #: Units in which what varies is told, where they are not those of its kind.
 _TOLD_IN: Final = {"load_direction": "deg"}
+#: From which share of its speed without slip on it is told that a cage runs ahead.
+_AHEAD: Final = 1e-3
 _HEAT: Final = ("hottest_temperature", "heat_made", "heat_stored", "heat_carried_away")
 _WORK: Final = {"inner": "lost_inner", "outer": "lost_outer"}
 
@@ -37,6 +39,15 @@ def largest(dataset: "xr.Dataset") -> tuple[float, float]:
     if not np.isfinite(slip).any():
         return math.nan, math.nan
     k = int(np.nanargmax(slip))
+    return float(slip[k]), float(dataset["time"][k])
+
+
+def least(dataset: "xr.Dataset") -> tuple[float, float]:
+    """Least cage slip, negative where the cage runs ahead, and its time [s]; NaN where no slip is known."""
+    slip = dataset["cage_slip"].to_numpy()
+    if not np.isfinite(slip).any():
+        return math.nan, math.nan
+    k = int(np.nanargmin(slip))
     return float(slip[k]), float(dataset["time"][k])
 
 
@@ -123,10 +134,13 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
     if not along(dataset):
         return {}
     slip, when = largest(dataset)
+    ahead, then = least(dataset)
     margin, near, _ = nearest(dataset)
     values: dict[str, Any] = {
         "history": json.loads(dataset.attrs["history"]),
         "largest_cage_slip_time": when,
+        "least_cage_slip": ahead,
+        "least_cage_slip_time": then,
         "least_margin_to_runaway": margin,
         "least_margin_time": near,
         "time_beyond_runaway": time_beyond(dataset),
@@ -193,6 +207,9 @@ def largest_in_words(dataset: "xr.Dataset") -> str:
     said = f"largest cage slip {100 * slip:.3g} % at t = {when:.3g} s"
     if known < dataset.sizes["time"]:
         said += f", {dataset.attrs['slip_status']}: at {known} of {dataset.sizes['time']} instants"
+    ahead, then = least(dataset)
+    if ahead < -_AHEAD:
+        said += f"; the cage runs ahead by up to {-100 * ahead:.3g} % of its speed without slip, at t = {then:.3g} s"
     return said
 
 
@@ -201,13 +218,16 @@ def running_away(dataset: "xr.Dataset") -> list[str]:
     margin, when, limit = nearest(dataset)
     if math.isnan(margin):
         return [f"along the way it is not known where the cage runs away: {dataset.attrs['history_status']}"]
-    least = f"{100 * limit:.3g} % at the operation of that moment"
+    where = f"{100 * limit:.3g} % at the operation of that moment"
+    known = int(np.isfinite((dataset["runaway_slip_along"] - dataset["cage_slip"]).to_numpy()).sum())
+    if known < dataset.sizes["time"]:
+        where += f"; both slips are known at {known} of {dataset.sizes['time']} instants"
     if margin > 0.0:
         return [
             f"along the way cage slip stays below that of running away, nearest at t = {when:.3g} s: "
-            f"{100 * (limit - margin):.3g} % where it is {least}"
+            f"{100 * (limit - margin):.3g} % where it is {where}"
         ]
     return [
         f"along the way the cage is beyond the slip of running away for {time_beyond(dataset):.3g} s, furthest at "
-        f"t = {when:.3g} s: {100 * (limit - margin):.3g} % where it is {least}"
+        f"t = {when:.3g} s: {100 * (limit - margin):.3g} % where it is {where}"
     ]

@@ -76,6 +76,8 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             for name, unit, meaning in (
                 ("largest_cage_slip", "1", "largest cage slip"),
                 ("largest_cage_slip_time", "s", "time of the largest cage slip"),
+                ("least_cage_slip", "1", "least cage slip, negative where the cage runs ahead"),
+                ("least_cage_slip_time", "s", "time of the least cage slip"),
                 ("least_margin_to_runaway", "1", "least slip that is left to that of running away at the moment"),
                 ("least_margin_time", "s", "time of that"),
                 ("time_beyond_runaway", "s", "time beyond the slip of running away"),
