@@ -43,7 +43,8 @@ ELSEWHERE = {
                  "inner_ring_temperature", "roller_temperature", "outer_ring_temperature", "epicyclic_cage_speed",
                  "roller_sliding_distance", "roller_frictional_work", "course_temperature", "radial_clearance",
                  "runaway_slip_along", "runaway_drag_along", "critical_slip_along", "largest_cage_slip",
-                 "largest_cage_slip_time", "least_cage_slip", "least_cage_slip_time", "least_margin_to_runaway", "least_margin_time", "time_beyond_runaway",
+                 "largest_cage_slip_time", "least_cage_slip", "least_cage_slip_time", "least_margin_to_runaway",
+                 "least_margin_time", "time_beyond_runaway",
                  "sliding_distance_inner", "sliding_distance_outer", "frictional_work_inner", "frictional_work_outer",
                  *OVER_MOTION},
     "steady-slip": {"formula_torque", "formula_term", "formula_status"} | {

@@ -2,7 +2,6 @@
 
 import importlib.metadata
 import json
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +14,6 @@ from rollslip.scene.values import scene_hash
 
 if TYPE_CHECKING:
     from rollslip.campaigns.comparison.comparison import Comparison
-    from rollslip.campaigns.limit.limit import Limit
     from rollslip.campaigns.pareto.candidates import Family
     from rollslip.campaigns.sweep.definition import Sweep
     from rollslip.campaigns.sweep.folder import Status
@@ -103,23 +101,6 @@ def sweep_planned(sweep: "Sweep") -> list[str]:
     own = len(sweep.numbers)
     piece = f" of {sweep.design.size}, piece {sweep.shard[0]} of {sweep.shard[1]}" if sweep.shard[1] > 1 else ""
     lines.append(f"{own} points{piece}; of each {', '.join(sweep.outputs)}")
-    return lines
-
-
-def limit_planned(made: "Limit") -> list[str]:
-    """Say what is searched, and what it costs, before anything runs."""
-    low, high = (made.axis.shown(made.axis.values[k]) for k in (0, -1))
-    how = "the value" if made.logarithmic else "the range"
-    first = len(made.first)
-    lines = [
-        f"{made.requirement.told}: {made.axis.key} from {low} to {high}, to {100 * made.within:.3g} % of {how}",
-        f"{first} values at first, and {made.each} more at most wherever the limit is passed",
-    ]
-    if not math.isnan(made.seconds):
-        lines.append(
-            f"each takes about {duration(made.seconds)} of one core, {duration(made.seconds * (first + made.each))} "
-            "where it is passed once"
-        )
     return lines
 
 

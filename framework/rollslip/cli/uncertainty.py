@@ -167,7 +167,7 @@ def limit(
     results.go_to(f"{Path(scene).stem}-limit")
     if not results.as_json:
         click.echo(planned.sweep_headline(made.sweep))
-        click.echo("\n".join(f"  {line}" for line in planned.limit_planned(made)))
+        click.echo("\n".join(f"  {line}" for line in made.told))
     go_on = f"go on by the same command with --out {shlex.quote(str(results.target))}"
     try:
         with progress("limit") as show:

@@ -36,7 +36,7 @@ from rollslip.campaigns.sweep.run import Progress, asked_engine, run_sweep
 from rollslip.campaigns.sweep.sampling import Axis, range_parts, read_axis
 from rollslip.campaigns.sweep.sweep import plan_sweep
 from rollslip.errors import RollslipError, SceneError
-from rollslip.planning.plan import estimate
+from rollslip.planning.plan import duration, estimate
 from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.quantities import quantities
 from rollslip.results.dataset import about, save
@@ -104,6 +104,20 @@ class Limit:
     def each(self) -> int:
         """Points that a passage takes at most beside the first ones."""
         return 2 * math.ceil(math.log2(self.spacing)) if self.spacing > 1 else 0
+
+    @property
+    def told(self) -> list[str]:
+        """What is searched, and what it costs, in words."""
+        low, high = (self.axis.shown(self.axis.values[k]) for k in (0, -1))
+        how, first = "the value" if self.logarithmic else "the range", len(self.first)
+        lines = [
+            f"{self.requirement.told}: {self.axis.key} from {low} to {high}, to {100 * self.within:.3g} % of {how}",
+            f"{first} values at first, and {self.each} more at most wherever the limit is passed",
+        ]
+        if not math.isnan(self.seconds):
+            once = duration(self.seconds * (first + self.each))
+            lines.append(f"each takes about {duration(self.seconds)} of one core, {once} where it is passed once")
+        return lines
 
 
 def limit(
