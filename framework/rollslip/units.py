@@ -7,7 +7,8 @@ Decisions:
 - A field declares its SI unit, and the dimension of what was written has to agree. The angle counts as a dimension of
   its own, so that 1/s never passes for rad/s.
 - Conversion is done with fractions and rounded once: "15 mm" is the same float as 0.015.
-- A field in K is an absolute temperature. Only there are degC, C and degF read: an offset means nothing in a product.
+- A field in K is an absolute temperature. Only there are degC, C, degF and F read: an offset has no meaning in a
+  product.
 - Catalogues give speeds as 1/min, min-1 or Hz and mean turns. So these are turns in a field of rad/s, and only there;
   1/s stays refused, which some take for turns and some for radians.
 - Nothing is guessed: a decimal comma, a missing unit or an unknown one is an error that shows what to write.
@@ -56,8 +57,9 @@ _PREFIXES = {
     "G": Fraction(10**9),
 }
 
-#: A pound by the acceleration of free fall, both by definition [N].
-_POUND = Fraction("0.45359237") * Fraction("9.80665")
+#: A kilogram and a pound by the acceleration of free fall, all by definition [N].
+_KILOGRAM = Fraction("9.80665")
+_POUND = Fraction("0.45359237") * _KILOGRAM
 
 # symbol: size in SI units, dimension, prefixes in use
 _SYMBOLS: dict[str, tuple[Fraction, Dimension, str]] = {
@@ -76,6 +78,7 @@ _SYMBOLS: dict[str, tuple[Fraction, Dimension, str]] = {
     "N": (Fraction(1), (1, 1, -2, 0, 0), "mkM"),
     "in": (Fraction(254, 10**4), (1, 0, 0, 0, 0), ""),
     "micron": (Fraction(1, 10**6), (1, 0, 0, 0, 0), ""),
+    "kgf": (_KILOGRAM, (1, 1, -2, 0, 0), ""),
     "lbf": (_POUND, (1, 1, -2, 0, 0), ""),
     "psi": (_POUND / Fraction(254, 10**4) ** 2, (-1, 1, -2, 0, 0), ""),
     "Hz": (Fraction(1), (0, 0, -1, 0, 0), "kM"),
@@ -95,7 +98,7 @@ _ATOMS: dict[str, tuple[Fraction, Dimension]] = {
 
 #: How rotational speeds are written besides, and what they mean in a field of rad/s.
 _TURNS = {
-    **dict.fromkeys(("1/min", "min-1", "r/min", "rev/min", "RPM"), "rpm"),
+    **dict.fromkeys(("1/min", "min-1", "r/min", "rev/min", "U/min", "RPM"), "rpm"),
     **dict.fromkeys(("Hz", "r/s", "rev/s"), "turns"),
 }
 _ATOMS["turns"] = (2 * Fraction(math.pi), (0, 0, -1, 0, 1))
@@ -171,7 +174,7 @@ _CELSIUS_ZERO = Fraction("273.15")
 #: Scales of temperature: size of a degree, and their zero [K].
 _OFFSETS = {
     **dict.fromkeys(("degC", "C"), (Fraction(1), _CELSIUS_ZERO)),
-    "degF": (Fraction(5, 9), Fraction("459.67") * Fraction(5, 9)),
+    **dict.fromkeys(("degF", "F"), (Fraction(5, 9), Fraction("459.67") * Fraction(5, 9))),
 }
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+)([^\d,][^,]*)?", re.ASCII)
@@ -202,7 +205,9 @@ def _product(factors: str, unit: str) -> tuple[Fraction, Dimension]:
     for word in words:
         factor = _FACTOR.fullmatch(word)
         if factor is None or factor[1] not in _ATOMS or factor[1] == "turns":
-            raise UnitError(f"{as_written(unit)} is not a unit that is known here")
+            other = [atom for atom in _ATOMS if atom.casefold() == word.casefold()]
+            hint = f" (did you mean {' or '.join(map(repr, other))}?)" if other else ""
+            raise UnitError(f"{as_written(unit)} is not a unit that is known here{hint}")
         one, exponents = _ATOMS[factor[1]]
         power = int(factor[2] or 1)
         size *= one**power
@@ -249,12 +254,14 @@ def check_unit(unit: str) -> str:
     return unit
 
 
-def expectation(unit: str) -> str:
-    """Say what a field with this SI unit expects: "a length is expected, such as '15 mm'"."""
+def expectation(unit: str, number: str = "") -> str:
+    """Say what a field with this SI unit expects, of a number if given: "a length is expected, such as '15 mm'"."""
     known = unit if unit in _QUANTITIES else _known_as(_unit(check_unit(unit))[1])
     if known is None:
         return f"a quantity in {unit} is expected, such as '1 {unit}'"
     name, example, _ = _QUANTITIES[known]
+    if number and known != "1":
+        example = f"{number} {example.partition(' ')[2]}"
     return f"{name} is expected, such as {example if known == '1' else repr(example)}"
 
 
@@ -340,7 +347,7 @@ def _from_text(text: str, unit: str) -> Fraction:
     if not symbol:
         if unit == "1":
             return value
-        raise UnitError(f"{as_written(text)} has no unit, here {expectation(unit)}")
+        raise UnitError(f"{as_written(text)} has no unit, here {expectation(unit, number[0])}")
     spelled = symbol.translate(_SPELLINGS)
     if spelled in _OFFSETS:
         size, zero = _OFFSETS[spelled]
