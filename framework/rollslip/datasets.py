@@ -309,6 +309,10 @@ class Family(abc.ABC):
     def called(self, written: str) -> str | None:
         """Return the name that somebody means who writes it in another way; None if there is none."""
 
+    def cage(self, written: str) -> str | None:
+        """Return what the cage of a bearing is of ("brass", "steel", "polyamide") where its designation says so."""
+        return None
+
     @abc.abstractmethod
     def __getitem__(self, name: str) -> Any:
         """Return the set of this name, one of `names` or what `called` returns."""

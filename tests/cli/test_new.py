@@ -57,6 +57,33 @@ def test_options_make_a_scene_that_says_what_they_say(tmp_path):
     assert sorted(plan(scene).studies) == ["effective-friction", "steady-slip"]
 
 
+def test_numbers_and_names_are_read_as_people_write_them():
+    done = new(
+        "my.toml", "--bearing", "NUP2210 ECP", "--speed", "1500 U/min", "--load", "2,5 kN", "--temperature", "160 F"
+    )
+    assert done.exit_code == 0, done.output
+    scene = load_scene("my.toml")
+    assert scene.operation.radial_load == 2500.0
+    assert scene.operation.inner_speed == pytest.approx(157.0796, rel=1e-6)
+    assert scene.operation.temperature == pytest.approx(344.261, rel=1e-6)
+    assert scene.raw["cage"]["guidance"] == "roller"  # ECP says that the cage is of polyamide
+    assert "assumed, since no option gives it: oil;" in done.output
+    sheet = new("other.toml", "--bearing", "NU2210 ECP", "--cage", "bronze")
+    assert "brass" in sheet.output
+
+
+def test_all_that_is_wrong_is_told_at_once(capsys):
+    given = ("--bearing", "NU2210", "--speed", "1,500 rpm", "--load", "2000", "--oil", "Shell Morlina S2 B 68")
+    code, said = told(capsys, "my.toml", *given)
+    assert code == 2
+    assert said.splitlines() == [
+        "speed: '1,500 rpm': a decimal comma is not read; write '1.500 rpm' or '1500 rpm'",
+        "load: '2000' has no unit, here a force is expected, such as '2000 N'",
+        "no lubricant is called 'Shell Morlina S2 B 68'; did you mean 'iso-vg-68' or 'pao-68'? ('rollslip models "
+        "lubricant' lists them)",
+    ]
+
+
 def test_what_nobody_gives_is_assumed_and_marked():
     done = new("my")
     assert done.exit_code == 0, done.output

@@ -153,6 +153,10 @@ def _shadowed(offer: Offer, same_name: list[Offer]) -> Offer:
     )
 
 
+#: Numbers of a name that tell it from others.
+_NUMBERS: Final = re.compile(r"\d{2,}")
+
+
 def folded(name: str) -> str:
     """Return the form in which names of data are compared: "ISO VG 68" is "isovg68"."""
     return "".join(letter for letter in name.casefold() if letter.isalnum())
@@ -217,6 +221,8 @@ def find(kind: str, name: str) -> Offer:
     if get_kind(kind).data:
         spelled = {folded(one): one for one in reversed(names)}
         near = [spelled[one] for one in difflib.get_close_matches(folded(name), spelled, n=3, cutoff=0.4)]
+        # "Shell Morlina S2 B 68": the number says more than the maker
+        near = near or [one for one in names if set(_NUMBERS.findall(one)) & set(_NUMBERS.findall(name))][:3]
     else:
         near = difflib.get_close_matches(name, names, n=3, cutoff=0.4)
     hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(own) or 'none'}"

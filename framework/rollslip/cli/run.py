@@ -27,6 +27,7 @@ from rollslip.cli.app import (
     set_option,
     study_option,
     verbose_option,
+    warn,
 )
 
 
@@ -50,9 +51,11 @@ def new(file: Path, **given: str | None) -> None:
 
     In a terminal it asks for what no option gives. Elsewhere that is assumed, and marked in the scene.
     """
-    from rollslip.errors import OutputError, RollslipError
+    from rollslip.errors import OutputError, RollslipError, SceneError
     from rollslip.files import whole_file
-    from rollslip.planning.new_scene import ASSUMED, MEANING, assumed_load, checked, new_scene
+    from rollslip.planning.new_scene import ASSUMED, MEANING, assumed_load, checked, named_cage, new_scene
+    from rollslip.planning.plausibility import implausible
+    from rollslip.scene.reading import parse_scene
 
     path = file if file.suffix == ".toml" else file.with_name(f"{file.name}.toml")
     if path.exists():
@@ -60,17 +63,32 @@ def new(file: Path, **given: str | None) -> None:
     if not path.parent.is_dir():
         raise OutputError(f"{path.parent}: there is no such folder; make it, or name another file")
 
+    written = {option: text for option, text in given.items() if text is not None}
+
     def answer(option: str, text: str) -> str:
         try:
-            return checked(option, text)
+            value = checked(option, text)
         except RollslipError as error:
             raise click.UsageError(str(error)) from None
+        written[option] = text
+        return value
 
-    values = {option: checked(option, text) for option, text in given.items() if text is not None}
+    values, errors = dict[str, str](), list[RollslipError]()
+    for option, text in written.items():
+        try:
+            values[option] = checked(option, text)
+        except RollslipError as error:
+            errors.append(error)
+    if errors:
+        raise errors[0] if len(errors) == 1 else SceneError([str(error) for error in errors])
     asking = at_a_terminal()
+    if "cage" not in values and not asking and (cage := named_cage(written.get("bearing", ""))):
+        values["cage"] = cage
     missing = [option for option in MEANING if option not in values]
     for option in missing:
         usual = assumed_load(values["bearing"]) if option == "load" else checked(option, ASSUMED[option])
+        if option == "cage":
+            usual = named_cage(written.get("bearing", "")) or usual
         values[option] = (
             click.prompt(MEANING[option], default=usual, value_proc=partial(answer, option), err=True)
             if asking
@@ -79,6 +97,7 @@ def new(file: Path, **given: str | None) -> None:
     text = new_scene(str(path), frozenset() if asking else frozenset(missing), **values)
     with whole_file(path) as place:
         place.write_text(text, encoding="utf-8")
+    warn(implausible(parse_scene(text, str(path))))
     click.echo(f"written to {path}: " + ", ".join(values[option] for option in MEANING))
     if missing and not asking:
         click.echo(f"assumed, since no option gives it: {', '.join(missing)}; the scene marks it", err=True)

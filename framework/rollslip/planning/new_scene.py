@@ -7,19 +7,20 @@ scatter in ``rollslip uncertainty`` until somebody knows better and writes them.
 import importlib.metadata
 import importlib.resources
 import math
+import re
 import string
 from typing import Any, Final
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import MAKES, estimated_inertia
-from rollslip.catalogue.discovery import find, load
+from rollslip.catalogue.discovery import families, find, load
 from rollslip.errors import SceneError
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.reading import parse_scene
 from rollslip.structure import Location
 from rollslip.units import UnitError, format_quantity, quantity
 
-__all__ = ["ASSUMED", "MEANING", "assumed_load", "checked", "new_scene"]
+__all__ = ["ASSUMED", "MEANING", "assumed_load", "checked", "named_cage", "new_scene"]
 
 #: Option of ``rollslip new`` -> what it is.
 MEANING: Final = {
@@ -39,11 +40,19 @@ ASSUMED: Final = {
     "cage": "brass",
 }
 _UNITS: Final = {"speed": "rad/s", "load": "N", "temperature": "K"}
+#: How else people name the makes of cages.
+_CAGES: Final = {
+    **dict.fromkeys(("bronze", "machined brass", "machined"), "brass"),
+    **dict.fromkeys(("sheet steel", "pressed steel", "pressed"), "steel"),
+    **dict.fromkeys(("plastic", "nylon", "pa", "pa66", "pa46"), "polyamide"),
+}
+#: A decimal comma that is no comma of thousands.
+_COMMA: Final = re.compile(r"\s*[+-]?(\d*,(\d{1,2}|\d{4,})|0,\d+)(?![\d,.])")
 _KINDS: Final = {"bearing": "bearing", "oil": "lubricant"}
 
 
 def checked(option: str, value: str) -> str:
-    """Return what is given for an option as a scene says it.
+    """Return what is given for an option as a scene says it; a decimal comma that is clear becomes a point.
 
     Raises
     ------
@@ -55,13 +64,24 @@ def checked(option: str, value: str) -> str:
     if option in _KINDS:
         return find(_KINDS[option], value.strip()).name
     if option in _UNITS:
+        value = value.replace(",", ".") if _COMMA.match(value) else value
         try:
             quantity(value, _UNITS[option])
         except UnitError as error:
             raise SceneError([Location({}, (option,)).says(str(error))]) from None
-    elif value not in MAKES:
-        raise SceneError([f"{option}: there are cages of {', '.join(MAKES)}, not of {value!r}"])
+    else:
+        spelled = value.strip().casefold()
+        spelled = _CAGES.get(spelled, spelled)
+        if spelled not in MAKES:
+            raise SceneError([f"{option}: there are cages of {', '.join(MAKES)}, not of {value!r}"])
+        return spelled
     return value.strip()
+
+
+def named_cage(designation: str) -> str | None:
+    """Return what the cage of a bearing is of where its designation says so, as "NU 2210 ECP" says polyamide."""
+    said = (getattr(family, "cage", lambda _: None)(designation) for _, family in families("bearing"))
+    return next(filter(None, said), None)
 
 
 def assumed_load(bearing: str) -> str:

@@ -6,7 +6,7 @@
   over width. Their numbers were read off 156 bearings, whose raceways are printed and whose rollers follow from the
   static rating by ISO 76; ``docs/scripts/bearing_catalogue.py`` holds them against these, and
   ``docs/tables/bearing_catalogue.csv`` has the errors. The diameter is rounded to one of GOST 22696.
-- Types NU, NJ and N of a series differ in their ribs alone, and have the same rollers here.
+- Types NU, NJ, NUP and N of a series differ in their ribs alone, and have the same rollers here.
 - A name without a letter behind the number means the reinforced type E where there is one: that is what makers have
   listed for decades. The old type has names that end in ``-old``.
 """
@@ -114,10 +114,20 @@ _CLEARANCES: Final = (
 )
 _GROUPS: Final = ("C2", "CN", "C3", "C4")
 #: Types that are offered of each series.
-_TYPES: Final = {"2E": ("NU", "NJ", "N"), "3E": ("NU", "NJ", "N"), "10": ("NU", "N")}
+_TYPES: Final = {
+    **dict.fromkeys(("2E", "3E"), ("NU", "NJ", "NUP", "N")),
+    **dict.fromkeys(("22E", "23E"), ("NU", "NJ", "NUP")),
+    "10": ("NU", "N"),
+}
+#: Letter for a cage (SKF, Schaeffler, NSK; C) -> what it is of; without PEEK (PH) and what differs by maker (G).
+_CAGES: Final = {
+    **dict.fromkeys(("P", "TVP2", "TN9", "T"), "polyamide"),
+    **dict.fromkeys(("J", "W"), "steel"),
+    **dict.fromkeys(("M", "M1", "MA", "M1A", "MB", "ML", "MP"), "brass"),
+}
 _DESIGNATION: Final = re.compile(
-    r"(?P<type>NU|NJ|N)(?P<series>10|22|23|2|3|4)(?P<code>\d\d)"
-    r"(?P<design>OLD|E?C?(XL)?(PHA?|P|J|M1?A?|M[BLP]|TVP2|TN9|T|G15|G|W)?)(?P<group>C[N234])?"
+    r"(?P<type>NUP|NU|NJ|N)(?P<series>10|22|23|2|3|4)(?P<code>\d\d)"
+    r"(?P<design>OLD|E?C?(XL)?(?P<cage>PHA?|P|J|M1?A?|M[BLP]|TVP2|TN9|T|G15|G|W)?)(?P<group>C[N234])?"
 )
 
 
@@ -171,7 +181,7 @@ def _sizes() -> dict[tuple[str, str], _Size]:
 
 
 class CylindricalRollerBearings(Family):
-    """Bearings of types NU, NJ and N in series 10, 2, 22, 3, 23 and 4."""
+    """Bearings of types NU, NJ, NUP and N in series 10, 2, 22, 3, 23 and 4."""
 
     name = "cylindrical-roller"
     description = "cylindrical roller bearings of standard size, such as NU2210E; the inside is estimated (D)"
@@ -189,7 +199,7 @@ class CylindricalRollerBearings(Family):
 
     def called(self, written: str) -> str | None:
         """Return the designation behind one that is written in another way: "NU 2210 ECP/C3" is "NU2210E-C3"."""
-        read = _DESIGNATION.fullmatch("".join(letter for letter in written.upper() if letter.isalnum()))
+        read = _designation(written)
         if read is None:
             return None
         number, code, old = read["series"], read["code"], read["design"] == "OLD"
@@ -199,13 +209,18 @@ class CylindricalRollerBearings(Family):
             return None
         return _name(read["type"], series, code, read["group"] or "CN")
 
+    def cage(self, written: str) -> str | None:
+        """Return what the cage is of by the letters behind the number: of "NU 2210 ECP" polyamide; None without one."""
+        read = _designation(written)
+        return None if read is None else _CAGES.get(read["cage"] or "")
+
     def series(self, name: str) -> str:
         """Return the series of a designation, a key of `RULES`."""
         return self._read(name)[0]
 
     def _read(self, name: str) -> tuple[str, str, str]:
         """Return series, code of the bore and group of clearance of a name."""
-        written, _, group = name.lstrip("NUJ").partition("-C")
+        written, _, group = name.lstrip("NUJP").partition("-C")
         number = written.removesuffix("-old").removesuffix("E")
         series = f"{number[:-2]}{'E' * written.endswith('E')}"
         return series, number[-2:], f"C{group}" if group else "CN"
@@ -214,6 +229,11 @@ class CylindricalRollerBearings(Family):
         """Return a bearing by its designation."""
         series, code, group = self._read(name)
         return _bearing(name, self._sizes[series, code], group)
+
+
+def _designation(written: str) -> re.Match[str] | None:
+    """Return the parts of a designation, however it is spelled; None if it is none."""
+    return _DESIGNATION.fullmatch("".join(letter for letter in written.upper() if letter.isalnum()))
 
 
 def _name(kind: str, series: str, code: str, group: str) -> str:
