@@ -34,15 +34,18 @@ Sections = dict[str, list[tuple[str, str]]]
 
 
 def headline(plan: "Plan") -> str:
-    """Return the first line of every run: version, scene and hash, models with their packages."""
+    """Return the first line of every run: version, scene and hash, models, with the packages of others."""
     return headline_of(plan.scene, ((kind, model.name, model.name) for kind, model in plan.models))
 
 
 def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
-    """First line for models by kind, name and what they are called here."""
-    offers = ((kind, called, find(kind, name)) for kind, name, called in models)
-    used = ", ".join(f"{kind} {called} ({offer.package} {offer.version})" for kind, called, offer in offers)
-    version = importlib.metadata.version("rollslip")
+    """First line for models by kind, name and what they are called here; packages of others stand behind theirs."""
+    version, named = importlib.metadata.version("rollslip"), dict[str, list[str]]()
+    for kind, name, called in models:
+        offer = find(kind, name)
+        other = "" if offer.package == "rollslip" else f" ({offer.package} {offer.version})"
+        named.setdefault(kind, []).append(f"{called}{other}")
+    used = "; ".join(f"{kind} {', '.join(names)}" for kind, names in named.items())
     return f"rollslip {version} | {scene.source} {scene_hash(scene)[:12]} | {used}"
 
 

@@ -5,7 +5,7 @@ import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -30,7 +30,19 @@ if TYPE_CHECKING:
     from rollslip.campaigns.sweep.run import Progress
 
 
-@click.group()
+class _Steps(click.Group):
+    """The commands of a sweep; a scene in the place of one is told from a mistyped one."""
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        """Find the command, or say that one is missing before the scene."""
+        from rollslip.scene.reading import shipped_scenes
+
+        if self.get_command(ctx, args[0]) is None and (Path(args[0]).suffix == ".toml" or args[0] in shipped_scenes()):
+            raise click.UsageError(f"{args[0]} is a scene; write: rollslip sweep run {shlex.join(args)}", ctx)
+        return super().resolve_command(ctx, args)
+
+
+@click.group(cls=_Steps)
 def sweep() -> None:
     """Compute many points of a study: a grid, samples, several models; go on after whatever happens."""
 

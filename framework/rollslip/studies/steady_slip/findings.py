@@ -94,7 +94,7 @@ def operation(dataset: "xr.Dataset") -> str:
         return str(dataset["status"].item())
     known = (dataset["steady_slip"][0], dataset["torque"][0], dataset["largest_drag"], dataset["largest_drag_slip"])
     said = runs_at(*map(float, known))
-    return f"{said}; {_least_load(dataset)}" if "least_load" in dataset else said
+    return f"{said}; {_least_load(dataset, needs=False)}" if "least_load" in dataset else said
 
 
 def _inertia(dataset: "xr.Dataset") -> str:
@@ -185,8 +185,8 @@ def _largest(dataset: "xr.Dataset") -> str:
     return said
 
 
-def _least_load(dataset: "xr.Dataset") -> str:
-    """Say which load a slip takes, beside what makers ask for."""
+def _least_load(dataset: "xr.Dataset", *, needs: bool = True) -> str:
+    """Say which load a slip takes, beside what makers ask for, and what the rules of others still need."""
     slip, load = _percent(float(dataset.attrs["acceptable_slip"])), float(dataset["least_load"])
     if math.isnan(load):
         said = f"no least radial load of a cage slip of {slip}: {dataset['least_load_status'].item()}"
@@ -197,7 +197,7 @@ def _least_load(dataset: "xr.Dataset") -> str:
         f"{maker} {format_quantity(float(value), 'N', 3)}" for maker, value in makers.items() if math.isfinite(value)
     )
     said += f"; makers ask for {asked}, for any oil and cage"
-    if "makers_status" in dataset:
+    if needs and "makers_status" in dataset:
         statuses = zip(makers.items(), dataset["makers_status"].to_numpy(), strict=True)
         said += "".join(f"; {maker}'s rule {status}" for (maker, value), status in statuses if math.isnan(value))
     return said
