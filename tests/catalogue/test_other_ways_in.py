@@ -72,7 +72,7 @@ def test_a_function_is_a_model_by_name():
     assert hash(made) == hash(get_model("traction", "my-law"))
     assert type(made).__doc__ == "Half the slide-roll ratio."
     assert made.equation == "friction = law(slices)"
-    assert made.domain == {"rolling_speed": FINITE, "sliding_speed": FINITE}
+    assert made.domain == {"rolling_speed": POSITIVE, "sliding_speed": FINITE}  # what they physically can be
     assert get_model("traction", "lambda-blend", boundary="my-law").boundary == made
     with pytest.raises(attrs.exceptions.FrozenInstanceError):
         made.name = "another"

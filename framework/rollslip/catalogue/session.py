@@ -15,7 +15,7 @@ import attrs
 from rollslip.catalogue import discovery
 from rollslip.catalogue.kinds import get_kind, kind_of, kinds
 from rollslip.errors import PluginError
-from rollslip.models import FINITE, FilmModel
+from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, FilmModel
 from rollslip.references import Citation
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Slices
 
@@ -26,6 +26,17 @@ T = TypeVar("T")
 
 #: Kinds whose law is one function, and the column that it fills.
 _COLUMN: Final = {"film": "film_thickness", "traction": "friction"}
+#: What columns and conditions physically can be, where that is not any number.
+_PHYSICAL: Final = {
+    **dict.fromkeys(
+        (
+            "conductivity", "effusivity", "eyring_stress", "film_thickness", "film_viscosity", "half_width", "length",
+            "load", "modulus", "pressure", "radius", "rolling_speed", "shear_modulus", "temperature", "viscosity",
+        ),
+        POSITIVE,
+    ),
+    **dict.fromkeys(("pressure_viscosity", "roughness"), NON_NEGATIVE),
+}  # fmt: skip
 
 
 def _types(parameters: Mapping[str, Any]) -> dict[str, Any]:
@@ -98,8 +109,9 @@ def model(
         Columns and conditions that the function reads; by default those of its domain, and for a film those of every
         film model.
     domain : mapping, optional
-        What it is defined on: member -> (low, high), both included, SI; what it leaves out may be any finite number,
-        and for a film what every film model takes.
+        What it is defined on: member -> (low, high), both included, SI. What it leaves out may be any number that it
+        physically can be: pressures, speeds of rolling, films, viscosities and moduli are above zero; roughness and
+        pressure-viscosity coefficient are not negative; all else is any finite number.
     parameters : mapping, optional
         Its parameters, each declared by `rollslip.fields.parameter` with a default, unit, meaning and validator: the
         function takes them by name, and scenes, sweeps and fits set them as those of any model.
@@ -150,7 +162,8 @@ def model(
         )
     base, column = get_kind(kind).base, _COLUMN[kind]
     known = {**(FilmModel.domain if base is FilmModel else {}), **(domain or {})}
-    limits = {member: known.get(member, FINITE) for member in sorted(known if reads is None else reads)}
+    read = sorted(known if reads is None else reads)
+    limits = {member: known.get(member, _PHYSICAL.get(member, FINITE)) for member in read}
     members = {*COLUMNS, *CONDITIONS} - {column}
     blame = f"{kind} {name!r} cannot be registered"
     if wrong := sorted(limits.keys() - members):
