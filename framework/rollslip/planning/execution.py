@@ -1,5 +1,6 @@
 """Run a plan: its studies one after the other, each result with its warnings and its origin."""
 
+import importlib
 import json
 import logging
 import time
@@ -92,9 +93,10 @@ def execute(
     exactly : bool
         Whether it is run at the resolution of the plan alone, whatever is seen.
     """
-    import xarray as xr  # noqa: F401 - what takes longer than many a study is no cost of the first one
-
-    begin, processor, running = time.perf_counter(), time.process_time(), plan.studies[study]
+    running = plan.studies[study]
+    for library in ("xarray", *running.libraries):  # what takes longer than many a study is no cost of the first one
+        importlib.import_module(library)
+    begin, processor = time.perf_counter(), time.process_time()
     taken_back = list[str]()
     while True:
         assembly = plan.assemblies[study]

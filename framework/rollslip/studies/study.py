@@ -66,6 +66,8 @@ class Study(abc.ABC):
     with_heat: ClassVar[bool] = False
     #: Whether it measures what slip does to surfaces, by the models that a scene names for that.
     with_damage: ClassVar[bool] = False
+    #: Libraries that its runs import late; the time of importing them is no cost of a run.
+    libraries: ClassVar[tuple[str, ...]] = ()
     #: Whether it goes through time, so that a run takes long and can go on where it was interrupted.
     in_time: ClassVar[bool] = False
     #: Whether most of a point of a sweep is compiled code that holds up no other thread.

@@ -45,7 +45,7 @@ from rollslip.studies.steady_slip.outputs import MEASURED, OUTPUTS, followed_out
 from rollslip.studies.steady_slip.shared import evaluated_slices
 from rollslip.studies.steady_slip.statuses import VARIED, no_fold, status_of
 from rollslip.studies.study import CONTACT_CHOICES, Study
-from rollslip.studies.timing import timed
+from rollslip.studies.timing import onwards, timed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -64,6 +64,8 @@ _TRIED: Final = 1e-3
 _SHARE, _TABLES = 0.5, 0.2
 #: Motions of the rollers that a steady slip takes beside twice the points of its curve, and those of a followed branch.
 _ORBITS, _BRANCH = 40, 350
+#: Slips at which they are timed, over the range.
+_TIMED: Final = (0.3, 0.02, 0.6)
 #: Tables of effective friction that a run makes, for the slices and instants that it tries and is judged with.
 _CURVES: Final = 40
 #: What an acceptable slip gives.
@@ -91,6 +93,7 @@ class SteadySlip(Study):
         {"orbits": "a steady motion of the rollers for every slip that is asked for"}
     )
     with_cage: ClassVar[bool] = True
+    libraries: ClassVar[tuple[str, ...]] = ("scipy.optimize", "scipy.interpolate")
     in_threads: ClassVar[bool] = True
     measured: ClassVar[Mapping[str, Measurable]] = MEASURED
 
@@ -201,15 +204,16 @@ class SteadySlip(Study):
         return refined(scene, own), "against four times as fine"
 
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
-        """Return the time [s] of the motions of the rollers, from one of them."""
+        """Return the time [s] of the motions of the rollers, from a few of them."""
         bearing, instants = assembly.with_resistance(), assembly.resolution.instants or 2
-        slip = 0.3 * self.max_cage_slip
 
-        def orbit() -> object:
-            return TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia).orbit(slip)
+        def orbits(count: int) -> object:
+            balance = TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia)
+            return [balance.orbit(share * self.max_cage_slip) for share in _TIMED[:count]]
 
-        followed = sum(bool(getattr(self, name)) for name in VARIED)
-        costs = {"orbits": timed(orbit, 1) * (2 * self.points + _ORBITS + _BRANCH * followed)}
+        count = 2 * self.points + _ORBITS + _BRANCH * sum(bool(getattr(self, name)) for name in VARIED)
+        seconds = [timed(partial(orbits, n)) for n in (1, len(_TIMED))]  # the first one makes what all share
+        costs = {"orbits": onwards((1, len(_TIMED)), seconds, count)}
         if self.friction == "effective":
             costs["tables"] = timed(partial(effective_curves, bearing, instants)) * _CURVES
         return costs
