@@ -10,7 +10,7 @@ import shlex
 import shutil
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -402,6 +402,7 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
 
         yield line
         return
+    from rich.file_proxy import FileProxy
     from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Task, TextColumn, TimeElapsedColumn
     from rich.text import Text
 
@@ -416,9 +417,17 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
         TimeElapsedColumn(),
         Left(),
     )
-    # what goes to a file or a pipe must not be drawn into the terminal of the bar
-    shown = Progress(*columns, console=terminal(stderr=True), transient=True, redirect_stdout=sys.stdout.isatty())
-    with shown:
+
+    class Above(FileProxy):
+        encoding = "utf-8"  # without one click writes past it, into the line of the bar
+
+    console = terminal(stderr=True)
+    shown = Progress(*columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False)
+    with shown, ExitStack() as above:
+        # what goes to a file or a pipe must not be drawn into the terminal of the bar
+        if sys.stdout.isatty():
+            above.enter_context(redirect_stdout(Above(console, sys.stdout)))
+        above.enter_context(redirect_stderr(Above(console, sys.stderr)))
         task = shown.add_task(what, total=None)
 
         def show(text: str, share: float = math.nan, left: float = math.nan) -> None:
