@@ -317,10 +317,10 @@ CONTACT = {"profile": "iso16281", "traction": "muraki"}
 
 #: Sentence with gaps -> the cells that fill them.
 QUOTED = {
-    "by chance, {} % for the 50 % of Fig. 3": (
+    "agrees, by chance: {} % for the 50 % of Fig. 3": (
         ("reproduction_effective", "critical_inner_percent", SHIPPED | {"figure": "Fig. 3"}),
     ),
-    "largest at {} % slip for 300 N and {} % for 518 N with ``handbook``, at {} % and {} % with ``logarithm``": tuple(
+    "largest at {} % slip for 300 N and at {} % for 518 N. With ``logarithm`` it is largest at {} % and {} %": tuple(
         ("paper_pair", f"fig_1_{force}_N", {"set": name}) for name in ("handbook", "logarithm") for force in (300, 518)
     ),
     "a maximum, at {} %; Fig. 2": (("paper_pair", "outer_70", {"set": "logarithm-epicyclic"}),),
@@ -332,27 +332,27 @@ QUOTED = {
         ("reproduction_contact", "critical_slip_percent", CONTACT | {"force_N": "300"}),
         ("reproduction_contact", "critical_slip_percent", CONTACT | {"force_N": "518"}),
     ),
-    "the shipped scene has its critical cage slip at {} %, not 11 %": (
+    "the shipped scene has its critical cage slip at {} %, not at 11 %": (
         ("reproduction_effective", "critical_inner_percent", SHIPPED | {"figure": "Fig. 2"}),
     ),
-    "alone brings it near: the smallest value is {} %": (
+    "brings it near. The smallest value is {} %": (
         ("reproduction_effective", "critical_inner_percent", OUTER | {"figure": "Fig. 2"}),
     ),
-    "With the choices of the shipped scenes the smallest critical cage slip is {} %; the smallest of all, with "
+    "With the choices of the shipped scenes the smallest critical cage slip is {} %. The smallest of all, with "
     "``outer-rolling``, is {} %": (
         ("calibration_summary", "smallest_within_scatter_percent", SHIPPED),
         ("calibration_summary", "smallest_within_scatter_percent", OUTER),
     ),
-    "it takes a factor of {} on :math:`\\alpha` alone (column ``alpha_alone``), or of {} with": (
+    "this takes a factor of {} on :math:`\\alpha` alone (column ``alpha_alone``), or of {} with": (
         ("calibration_summary", "alpha_alone", SHIPPED),
         ("calibration_summary", "alpha_with_rest", SHIPPED),
     ),
-    "with ``outer-rolling`` {} and {}.": (
+    "With ``outer-rolling`` the factors are {} and {}.": (
         ("calibration_summary", "alpha_alone", OUTER),
         ("calibration_summary", "alpha_with_rest", OUTER),
     ),
     "With the choices of the shipped scenes it takes {} µm": (("calibration_summary", "clearance_um", SHIPPED),),
-    "at the conditions of Fig. 3 is {} % uncalibrated, and {} %, {} % or {} % with the three sets": tuple(
+    "at the conditions of Fig. 3 is {} % without calibration, and {} %, {} % or {} % with the three sets": tuple(
         ("prediction", "fig3_critical_percent", SHIPPED | {"set": name})
         for name in (
             "uncalibrated",
@@ -361,7 +361,7 @@ QUOTED = {
             "oil within scatter, and clearance",
         )
     ),
-    "the logarithm gives {} in place of {}": (
+    "the logarithm gives {} instead of {}": (
         ("logarithm", "at_1_percent", {"figure": "Fig. 2", "law": "ln(2 sigma)"}),
         ("logarithm", "at_1_percent", {"figure": "Fig. 2", "law": "asinh(sigma)"}),
     ),
