@@ -15,7 +15,6 @@ import tempfile
 from pathlib import Path
 
 from docutils import nodes
-from docutils.parsers.rst import directives
 from sphinx.util.docutils import SphinxDirective
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -46,7 +45,6 @@ def answer(arguments, folder):
 
 class Answers(SphinxDirective):
     has_content = True
-    option_spec = {"class": directives.class_option}
 
     def run(self):
         lines = []
@@ -59,7 +57,9 @@ class Answers(SphinxDirective):
                     self.state.document.reporter.warning(f"rollslip {command} answers:\n{given}", line=self.lineno)
                 lines += [f"$ rollslip {command}", *given.rstrip().splitlines()]
         text = "\n".join(lines)
-        return [nodes.literal_block(text, text, language="console", classes=["answers", *self.options.get("class", [])])]
+        return [
+            nodes.literal_block(text, text, language="console", classes=["answers"])
+        ]
 
 
 def setup(app):

@@ -5,10 +5,10 @@ import re
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 
-
 #: A letter with an index and a dot or a bar, as the converter writes it: with the index below.
 ACCENTED = re.compile(
-    r'<munderover>\s*(<mi>[^<]*</mi>)\s*(.*?)\s*(<mo stretchy="false">[\u02d9\u00af\u02c9^~]</mo>)\s*</munderover>', re.DOTALL
+    r'<munderover>\s*(<mi>[^<]*</mi>)\s*(.*?)\s*(<mo stretchy="false">[\u02d9\u00af\u02c9^~]</mo>)\s*</munderover>',
+    re.DOTALL,
 )
 
 

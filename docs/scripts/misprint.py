@@ -1,4 +1,4 @@
-"""Write docs/tables/misprint_limit.csv: what Eq. (8) gives as printed and corrected. Each build of the docs draws it."""
+"""Write docs/tables/misprint_limit.csv: what Eq. (8) gives as printed and corrected; the build draws misprint.svg."""
 
 import math
 
