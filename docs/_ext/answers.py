@@ -57,9 +57,7 @@ class Answers(SphinxDirective):
                     self.state.document.reporter.warning(f"rollslip {command} answers:\n{given}", line=self.lineno)
                 lines += [f"$ rollslip {command}", *given.rstrip().splitlines()]
         text = "\n".join(lines)
-        return [
-            nodes.literal_block(text, text, language="console", classes=["answers"])
-        ]
+        return [nodes.literal_block(text, text, language="console", classes=["answers"])]
 
 
 def setup(app):
