@@ -133,7 +133,7 @@ HEAD = "slide_roll_ratio [1], load [N], rolling_speed [m/s], temperature [degC],
         (f"{HEAD}, mean_pressure [GPa]\n1, 2, 3, 40, 0.1, 2", "one of the columns load, load_per_length"),
         (HEAD.replace("load [N], ", "") + "\n1, 3, 40, 0.1", "one of the columns load, load_per_length"),
         (HEAD.replace(", friction [1]", "") + "\n1, 2, 3, 40", "friction: missing, but required"),
-        (HEAD.replace("[degC]", "[F]") + "\n1, 2, 3, 40, 0.1", "'F' is not a unit that is known here"),
+        (HEAD.replace("[degC]", "[R]") + "\n1, 2, 3, 40, 0.1", "'R' is not a unit that is known here"),
         (HEAD.replace(",", ";") + "\n1; 2; 3; 40; 0,1", "columns are separated by commas"),
         (f"{HEAD}\n0.1, 0, 3, 40, 0.1", "load: must be above 0, not 0 N"),
         (f"{HEAD}\n0.1, 5, -3, 40, 0.1", "rolling_speed: must be above 0"),
@@ -943,7 +943,9 @@ def test_the_page_names_every_column_and_key():
 
 
 def test_commands_of_the_page_answer_as_shown(examples, capsys):
-    blocks = re.findall(r"^\.\. code-block:: shell-session\n\n((?:(?:   .*)?\n)+)", PAGE, re.MULTILINE)
+    blocks = re.findall(
+        r"^\.\. (?:answers|code-block):: ?(?:shell-session)?\n\n((?:(?:   .*)?\n)+)", PAGE, re.MULTILINE
+    )
     commands = [pair for block in blocks for pair in re.findall(r"   \$ rollslip (.*)\n((?:(?!   \$).*\n)*)", block)]
     assert commands
     for line, want in commands:

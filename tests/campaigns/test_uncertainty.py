@@ -249,7 +249,7 @@ def test_batches_end_where_more_samples_say_nothing_more(tmp_path, monkeypatch):
     monkeypatch.setattr(allowable, "_FIRST", 64)
 
     def points(sweep, folder):
-        n = sweep.first
+        n = len(sweep.only)
         return _points(["ok"] * n, np.full(n, np.nan))
 
     found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=512, steady=0, probability=0.9, until=0.01)
@@ -260,7 +260,7 @@ def test_an_interval_of_a_figure_that_is_not_known_draws_without_a_warning(tmp_p
     monkeypatch.setattr(allowable, "_FIRST", 16)
 
     def points(sweep, folder):
-        n = sweep.first
+        n = len(sweep.only)
         values = np.linspace(0.1, 0.2, n)
         return _points(["ok"] * n, np.where(np.arange(n) < 32, np.nan, values))
 
@@ -342,7 +342,7 @@ def test_intervals_that_end_a_run_are_wider_for_it(tmp_path, monkeypatch):
     ends = {}
     for until in (None, 1e-9):
         found, _ = _of_points(
-            lambda sweep, folder: _points(["ok"] * sweep.first, values[: sweep.first]),
+            lambda sweep, folder: _points(["ok"] * len(sweep.only), values[: len(sweep.only)]),
             monkeypatch, tmp_path / str(until), samples=256, steady=0, probability=0.8, until=until,
         )  # fmt: skip
         ends[until] = float(found.allowable_low), float(found.allowable_high)

@@ -483,26 +483,26 @@ def critical(case, model):
 COLD, LIGHT, WARM = "30 °C, 518 N", "30 °C, 300 N", "70 °C, 518 N"
 #: Sentence with gaps -> what fills them.
 QUOTED = {
-    "30 °C and 1 % slip the mean pressure alone takes {} % (518 N) and {} % (300 N) off the friction, at 70 °C {} %": [
+    "At 30 °C and 1 % slip the mean pressure alone reduces the friction by {} % (518 N) and {} % (300 N), at 70 °C by {} %": [
         off(COLD, "1.0", "mean_pressure"),
         off(LIGHT, "1.0", "mean_pressure"),
         off(WARM, "1.0", "mean_pressure"),
     ],
-    "at 30 °C and 30 % slip friction comes out {} % (518 N) and {} % (300 N) too low": [
+    "at 30 °C and 30 % slip it makes friction {} % (518 N) and {} % (300 N) too low": [
         off(COLD, "30.0", "conducting_film"),
         off(LIGHT, "30.0", "conducting_film"),
     ],
-    "for 518 N at 30 °C the field has it at {} % slip, ``maxwell-eyring`` at {} % and ``muraki`` at {} %": [
+    "For 518 N at 30 °C the field has it at {} % slip, ``maxwell-eyring`` at {} % and ``muraki`` at {} %": [
         critical(COLD, "field"),
         critical(COLD, "maxwell-eyring"),
         critical(COLD, "muraki"),
     ],
-    "for 300 N at {} %, {} % and {} %": [
+    "For 300 N these are {} %, {} % and {} %": [
         critical(LIGHT, "field"),
         critical(LIGHT, "maxwell-eyring"),
         critical(LIGHT, "muraki"),
     ],
-    "at 70 °C the field has one at {} %, the closed forms none below 100 %": [critical(WARM, "field")],
+    "At 70 °C the field has a maximum at {} %, the closed forms have none below 100 %": [critical(WARM, "field")],
 }
 
 

@@ -139,7 +139,7 @@ def test_scene_classes_check_themselves_in_python_too() -> None:
         ("radial_load", 'radial_load = "-1 N"', "operation.radial_load: must be at least 0, not -1 N"),
         ("inner_speed", "inner_speed = 0", "operation.inner_speed: both rings turn at 0 rpm, so nothing rolls"),
         ("temperature", 'temperature = "-300 degC"', "operation.temperature: '-300 degC' is below absolute zero"),
-        ("temperature", 'temperature = "70 F"', "operation.temperature: '70 F': 'F' is not a unit"),
+        ("temperature", 'temperature = "70 R"', "operation.temperature: '70 R': 'R' is not a unit"),
         ("title", "title = 5", "title: a text is expected, not 5"),
         ("name", "name = 5", "lubricant.name: a text is expected, not 5"),
         ("eyring_stress", "eyring_stress = inf", "lubricant.eyring_stress: inf cannot be used"),

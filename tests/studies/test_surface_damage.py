@@ -86,8 +86,8 @@ def test_a_sweep_maps_the_worst_over_load_and_slip():
     over = {"operation.radial_load": [1000.0, 4000.0], "study.surface-damage.cage_slip": [0.05, 0.2, 0.4]}
     mapped = sweep(scene, study="surface-damage", over=over).worst.squeeze("measure").sel(ring="inner")
     assert mapped.shape == (2, 3)
-    assert (mapped.diff("study.surface-damage.cage_slip") > 0.0).all()
-    assert (mapped.diff("operation.radial_load") > 0.0).all()
+    assert (mapped.diff("cage_slip") > 0.0).all()
+    assert (mapped.diff("radial_load") > 0.0).all()
     alone = measured("flash-temperature", **{"operation.radial_load": 4000.0, "study.surface-damage.cage_slip": 0.2})
     assert mapped.values[1, 1] == pytest.approx(alone.worst.sel(ring="inner").item(), rel=0.02)
 

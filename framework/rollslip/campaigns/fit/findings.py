@@ -28,10 +28,12 @@ HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data tel
 
 
 def headline(dataset: "xr.Dataset") -> str:
-    """Return the first line about a fit: version, data and hash, models with their packages."""
+    """Return the first line about a fit: version, data and hash, models, with the packages of others."""
     a = dataset.attrs
-    models = ", ".join(
-        f"{model['kind']} {model['name']} ({model['package']} {model['version']})" for model in json.loads(a["models"])
+    models = "; ".join(
+        f"{model['kind']} {model['name']}"
+        + ("" if model["package"] == "rollslip" else f" ({model['package']} {model['version']})")
+        for model in json.loads(a["models"])
     )
     return f"rollslip {json.loads(a['packages'])['rollslip']} | {a['source']} {a['data_sha256'][:12]} | {models}"
 

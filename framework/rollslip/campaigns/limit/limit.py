@@ -389,7 +389,7 @@ def _dataset(made: Limit, folder: Path, slacks: Mapping[int, float], failed: set
 
     places = sorted({*slacks, *failed})
     whole = collect(attrs.evolve(made.sweep, only=places), folder)
-    at = whole.isel({made.axis.key: places})
+    at = whole.isel({made.sweep.names[made.axis.key]: places})
     quantity, asked = made.axis.quantity, made.requirement
     values, unit = np.array(made.axis.values, dtype=float), str(quantity.unit)
     named = f"study_{asked.output}" if f"study_{asked.output}" in at else asked.output
