@@ -862,7 +862,7 @@ PROMISED = "fit twin-disc.csv --traction muraki --parameters eyring_stress,press
 
 def test_the_command_writes_data_and_oil(examples, capsys):
     said = command(f"{PROMISED} --no-plots", capsys).out
-    assert re.match(r"rollslip \S+ \| twin-disc.csv [0-9a-f]{12} \| contact palmgren .*, traction muraki", said)
+    assert re.match(r"rollslip \S+ \| twin-disc.csv [0-9a-f]{12} \| contact palmgren; film moes; traction muraki", said)
     assert re.search(r"eyring_stress +6\.0\d+ MPa +0\.\d+ % .* determined", said)
     assert "written to twin-disc-fit: fit.nc, twin-disc.toml" in said
     assert "twin-disc-fit-2" in command(f"{PROMISED} --no-plots", capsys).out

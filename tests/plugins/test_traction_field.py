@@ -483,7 +483,7 @@ def critical(case, model):
 COLD, LIGHT, WARM = "30 °C, 518 N", "30 °C, 300 N", "70 °C, 518 N"
 #: Sentence with gaps -> what fills them.
 QUOTED = {
-    "At 30 °C and 1 % slip the mean pressure alone reduces the friction by {} % (518 N) and {} % (300 N), at 70 °C by {} %": [
+    "1 % slip the mean pressure alone reduces the friction by {} % (518 N) and {} % (300 N), at 70 °C by {} %": [
         off(COLD, "1.0", "mean_pressure"),
         off(LIGHT, "1.0", "mean_pressure"),
         off(WARM, "1.0", "mean_pressure"),
