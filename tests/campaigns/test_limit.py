@@ -200,6 +200,8 @@ def test_the_command_tells_the_plan_the_limit_and_where_its_files_are(tmp_path, 
     assert "shaded is where it is kept" in (tmp_path / "1032930-70C-limit" / "report.html").read_text()
     found = json.loads(CliRunner().invoke(cli, [*asked, "--json", "--out", "1032930-70C-limit"]).stdout)
     assert found["edges"][0]["kept"] < found["edges"][0]["passed"]
+    lone = CliRunner().invoke(cli, [*asked[:5], "operation.radial_load=2 kN", *asked[6:]])
+    assert "operation.radial_load: '2 kN' is no range; write LOW:HIGH" in str(lone.exception)
 
 
 # Along histories ------------------------------------------------------------------------------------------------------

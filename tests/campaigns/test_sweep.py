@@ -195,6 +195,8 @@ def test_more_samples_of_a_sobol_sequence_begin_with_the_first_ones(sampling):
          "'saltelli', not"),
         (OVER, {"output": ["critical_slop"]},
          "has no 'critical_slop'; did you mean 'critical_slip'? There are: friction,"),
+        (OVER, {"output": ["largest_cage_slip"]},
+         "study 'friction-curve' has no 'largest_cage_slip'; study 'dynamics' has it. There are: friction,"),
         (OVER, {"study": "friction-curves"}, "no study is called 'friction-curves'; did you mean 'friction-curve'?"),
         (OVER, {"time_limit": "5 mm"}, "'5 mm' is a length, here a time is expected"),
         (OVER, {"shard": (9, 8)}, "shard 9/8: write I/N with I from 1 to N"),

@@ -157,7 +157,7 @@ def limit(
     from rollslip.results.account import account_of
 
     over = {
-        key: value if isinstance(value, str) else str(value).strip("[]") for key, value in parse_overs(overs).items()
+        key: value if isinstance(value, str) else ",".join(map(str, value)) for key, value in parse_overs(overs).items()
     }
     made = plan_limit(
         scene_of(scene, changes), over, keep, study=study, within=within, engine=engine, time_limit=time_limit

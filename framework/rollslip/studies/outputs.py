@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.catalogue.discovery import available, get_class
 from rollslip.errors import SceneError, nearest
 from rollslip.studies.answers import Some, Variables
 from rollslip.studies.study import Study
@@ -34,7 +35,9 @@ def named_outputs(study: type[Study], names: Iterable[str]) -> tuple[str, ...]:
     for name in asked:
         if name not in known:
             near = nearest(name, known, count=1)
+            having = [other for other in available("study") if name in get_class("study", other).outputs]
             hint = f"did you mean {near[0]!r}? " if near else ""
+            hint = f"study {' or '.join(map(repr, having))} has it. " if having else hint
             problems.append(f"output: study {study.name!r} has no {name!r}; {hint}There are: {', '.join(known)}")
     if problems:
         raise SceneError(problems)
