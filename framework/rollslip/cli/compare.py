@@ -70,7 +70,7 @@ def compare(
         planned.print_comparison_plan(made)
     results.go_to(f"{Path(scene).stem}-comparison")
     with results.folder() as folder:
-        with progress("compare", sum(plan.seconds for plan in made.plans.values())) as show:
+        with progress("compare", made.seconds) as show:
             dataset = run_comparison(made, show)
         save(dataset, folder / "compare.nc")
         results.show({"compare": dataset}, folder)

@@ -51,6 +51,8 @@ def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
 
 def print_short_plan(plan: "Plan") -> None:
     """Print the plan in a few lines: of each study how finely, with what errors and at what cost, and what is out."""
+    from rollslip.planning.plan import duration_range
+
     for study in plan.studies:
         own = [part for part in plan.parts if part.study == study]
         resolution = plan.estimated[study].resolution
@@ -64,7 +66,7 @@ def print_short_plan(plan: "Plan") -> None:
         unknown = [name.replace("_", " ") for name, error in errors.items() if not math.isfinite(error)]
         left = f"; relative errors of about {told}" if told else ""
         left += f"; that of {' and '.join(unknown)} cannot be told" if unknown else ""
-        click.echo(f"{study}: {fine}{left}; {format_quantity(plan.seconds_of(study), 's', 2)}")
+        click.echo(f"{study}: {fine}{left}; {duration_range(plan.seconds_of(study))}")
     if out := dict.fromkeys(part.part for part in plan.parts if not part.included):
         click.echo(f"left out: {', '.join(out)}")
     _print_size(plan)
@@ -91,9 +93,11 @@ def print_plan(plan: "Plan") -> None:
 
 
 def _print_size(plan: "Plan") -> None:
+    from rollslip.planning.plan import duration_range
+
     click.echo(
-        f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; "
-        f"about {plan.evaluations} slices to evaluate in {plan.seconds:.2g} s; planned in {plan.planning:.2g} s"
+        f"studies: {', '.join(plan.studies)}; {plan.degrees_of_freedom} degrees of freedom per instant; about "
+        f"{plan.evaluations} slices to evaluate in {duration_range(plan.seconds)}; planned in {plan.planning:.2g} s"
     )
 
 

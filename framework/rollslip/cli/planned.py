@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rollslip.cli.console import headline_of
-from rollslip.planning.plan import duration
+from rollslip.planning.plan import duration, duration_range
 from rollslip.scene.values import scene_hash
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ def print_comparison_plan(comparison: "Comparison") -> None:
     )
     if comparison.exchanged:
         click.echo(comparison.exchanged)
-    slices, seconds = sum(plan.evaluations for plan in plans), sum(plan.seconds for plan in plans)
-    click.echo(f"about {slices} slices to evaluate, {seconds:.2g} s")
+    slices = sum(plan.evaluations for plan in plans)
+    click.echo(f"about {slices} slices to evaluate, {duration_range(comparison.seconds)}")
 
 
 def print_family(family: "Family") -> None:

@@ -62,7 +62,7 @@ def uncertainty(
     from rollslip.campaigns.uncertainty.margin import expected_seconds, plan_margin, run_margin
     from rollslip.cli import planned
     from rollslip.errors import EngineError
-    from rollslip.planning.plan import duration
+    from rollslip.planning.plan import duration_range
     from rollslip.results.account import account_of
 
     made = plan_margin(
@@ -85,7 +85,7 @@ def uncertainty(
         sweeps = made.sweeps.values()
         click.echo("\n".join(dict.fromkeys(f"  {line}" for one in sweeps for line in planned.sweep_planned(one))))
         for name, seconds in expected_seconds(made).items():
-            click.echo(f"  {name}: about {duration(seconds)} of one core")
+            click.echo(f"  {name}: {duration_range(seconds)} of one core")
     go_on = f"go on by the same command with --out {shlex.quote(str(results.target))}"
     try:
         with progress("uncertainty") as show:
@@ -157,7 +157,8 @@ def limit(
     from rollslip.results.account import account_of
 
     over = {
-        key: value if isinstance(value, str) else ",".join(map(str, value)) for key, value in parse_overs(overs).items()
+        key: ",".join(map(str, value)) if isinstance(value, list) else str(value)
+        for key, value in parse_overs(overs).items()
     }
     made = plan_limit(
         scene_of(scene, changes), over, keep, study=study, within=within, engine=engine, time_limit=time_limit

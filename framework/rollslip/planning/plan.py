@@ -64,7 +64,8 @@ class Plan(Card):
     planning: float
 
     def __repr__(self) -> str:
-        return f"Plan of {self.scene.source or self.scene.title!r}: {', '.join(self.studies)}; {duration(self.seconds)}"
+        named, studies = self.scene.source or self.scene.title, ", ".join(self.studies)
+        return f"Plan of {named!r}: {studies}; {duration_range(self.seconds)}"
 
     def card(self) -> tuple[str, list[tuple[str, str]]]:
         """Return what its card in a notebook tells: each part, with its choice and reason."""
@@ -317,7 +318,7 @@ def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluat
     seconds = max(seconds, _SLICE * evaluations)
     if seconds > LONG:
         said.append(
-            f"this will take about {duration(seconds)} of the processor, {evaluations:.1e} slices to evaluate; "
+            f"this will take {duration_range(seconds)} of the processor, {evaluations:.1e} slices to evaluate; "
             "Ctrl-C ends it, and rollslip plan says what the time goes to"
         )
     return said
@@ -335,6 +336,20 @@ def duration(seconds: float) -> str:
     if whole < 172800:
         return f"{whole // 3600} h {whole % 3600 // 60} min"
     return f"{whole // 86400} days"
+
+
+def duration_range(seconds: float) -> str:
+    """Return half to twice an estimated time in words, where nine of ten runs end ("docs/tables/plan_proof.csv").
+
+    Examples
+    --------
+    >>> duration_range(0.44), duration_range(130.0), duration_range(0.0)
+    ('0.2 to 0.9 s', '1 min 5 s to 4 min 20 s', 'less than 0.01 s')
+    """
+    if seconds < 0.005:
+        return "less than 0.01 s"
+    low, high = duration(0.5 * seconds), duration(2.0 * seconds)
+    return f"{low.removesuffix(' s')} to {high}" if high.count(" ") == low.count(" ") == 1 else f"{low} to {high}"
 
 
 def _size(number: float) -> str:

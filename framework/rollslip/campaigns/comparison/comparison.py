@@ -81,6 +81,11 @@ class Comparison:
         return {label: one.plan for label, one in self.combinations.items() if one.plan is not None}
 
     @property
+    def seconds(self) -> float:
+        """Estimated time [s]: every combination is run, and evaluated again on the slices of one run."""
+        return 2.0 * sum(plan.seconds for plan in self.plans.values())
+
+    @property
     def exchanged(self) -> str:
         """Say what models take the place of, where it is not all of the scene's model; empty if it always is."""
         return "; ".join(

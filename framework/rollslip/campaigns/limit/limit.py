@@ -36,7 +36,7 @@ from rollslip.campaigns.sweep.run import Progress, asked_engine, run_sweep
 from rollslip.campaigns.sweep.sampling import Axis, range_parts, read_axis
 from rollslip.campaigns.sweep.sweep import plan_sweep
 from rollslip.errors import RollslipError, SceneError
-from rollslip.planning.plan import duration, estimate
+from rollslip.planning.plan import duration_range, estimate
 from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.quantities import quantities
 from rollslip.results.dataset import about, save
@@ -115,8 +115,8 @@ class Limit:
             f"{first} values at first, and {self.each} more at most wherever the limit is passed",
         ]
         if not math.isnan(self.seconds):
-            once = duration(self.seconds * (first + self.each))
-            lines.append(f"each takes about {duration(self.seconds)} of one core, {once} where it is passed once")
+            once = duration_range(self.seconds * (first + self.each))
+            lines.append(f"each takes {duration_range(self.seconds)} of one core, all {once} where it is passed once")
         return lines
 
 
