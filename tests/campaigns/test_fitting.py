@@ -872,7 +872,7 @@ def test_the_command_writes_data_and_oil(examples, capsys):
         "twin-disc.toml",
     ]
     found = rollslip.open_result(examples / "twin-disc-fit" / "fit.nc")
-    assert found.attrs["data"] == (examples / "twin-disc.csv").read_text(encoding="utf-8")
+    assert found.attrs["measurements"] == (examples / "twin-disc.csv").read_text(encoding="utf-8")
     shown = command("info twin-disc-fit/fit.nc", capsys).out
     assert re.search(r"eyring_stress +6\.0\d+ MPa, 95 %: .* determined", shown)
 
@@ -929,6 +929,14 @@ def test_plots_of_uncertain_data_and_of_nothing_found(tmp_path):
     assert len(files) == 3
     nothing = rollslip.fit(data, parameters="shear_modulus", traction="eyring", rig=RIG)
     assert [path.name for path in save_plots(nothing, tmp_path)] == ["fit.svg", "fit-residuals.svg"]
+
+
+def test_a_fit_has_a_report(examples, capsys):
+    said = command(f"{PROMISED} --no-plots --report --out reported", capsys).out
+    assert "report.html" in said
+    text = Path("reported/report.html").read_text(encoding="utf-8")
+    assert "eyring_stress" in text
+    assert "To be cited" in text
 
 
 # Page -----------------------------------------------------------------------------------------------------------------

@@ -381,7 +381,7 @@ def _provenance(fitted: Fit, dataset: "xr.Dataset") -> dict[str, Any]:
         study="fit",
         title=rig.title,
         source=problem.data.source,
-        data=problem.data.text,
+        measurements=problem.data.text,
         data_sha256=problem.data.sha256,
         rig=rig.text,
         rig_resolved=resolved(rig),
