@@ -861,7 +861,7 @@ def test_what_has_no_value_says_why_most_of_them_have_none():
     )
     assert findings.sentences(dataset) == [
         "2 ok, 1 crashed",
-        "critical_cage_slip, inner ring: 0.2 to 0.2, median 0.2; 1 value, 2 without one (rises at 0.4)",
+        "critical_cage_slip, inner ring: 20 % to 20 %, median 20 %; 1 value, 2 without one (rises at 0.4)",
         "critical_cage_slip, outer ring: none; 0 values, 3 without one (mostly no friction)",
     ]
 

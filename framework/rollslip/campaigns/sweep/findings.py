@@ -32,7 +32,7 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
     for name, row in _ranges(dataset).items():
         where = "none"
         if row["values"]:
-            least, largest, median = (with_unit(row[which], row["unit"]) for which in ("least", "largest", "median"))
+            least, largest, median = (_shown(row[which], name, row["unit"]) for which in ("least", "largest", "median"))
             where = f"{least} to {largest}, median {median}"
         why = f" ({row['why']})" if row["why"] else ""
         called = f"{name}{resting(dataset)}" if name.startswith("critical_") else name
@@ -40,6 +40,11 @@ def sentences(dataset: "xr.Dataset") -> list[str]:
             f"{called}: {where}; {row['values']} value{'s' * (row['values'] != 1)}, {row['missing']} without one{why}"
         )
     return lines
+
+
+def _shown(value: float, name: str, unit: str) -> str:
+    """Tell a result as the figures do: slips in percent."""
+    return f"{100.0 * value:.4g} %" if unit == "1" and "slip" in name else with_unit(value, unit)
 
 
 def resting(dataset: "xr.Dataset") -> str:

@@ -353,7 +353,7 @@ class _Run:
         compiled = study.evaluations(assemble(self.sweep.scene)) * _SLICE > 0.5 * point
         name, gain = ("threads", _GAIN) if study.in_threads and compiled else ("serial", 1.0)
         if point * left * (1.0 / gain - 1.0 / count) <= _START:
-            return get_model("engine", name), f"{said}: {left} of them are not worth the start of processes"
+            return get_model("engine", name), f"{said}; {left} still to do, not worth the start of processes"
         return get_model("engine", "processes"), f"{said}: {left} of them are worth the start of {count} processes"
 
     def compute(self, engine: Engine, pending: _Pending, asked: _Interrupts) -> None:
