@@ -447,7 +447,9 @@ def test_one_factor_serves_all_temperatures_and_its_value_is_told():
 def test_the_origin_and_every_number_are_in_the_dataset(tmp_path):
     found = rollslip.fit(noisy(), parameters="eyring_stress,shear_modulus", rig=RIG)
     assert all({"units", "long_name"} <= set(one.attrs) for one in found.variables.values())
-    assert {"title", "source", "data", "data_sha256", "rig", "packages", "models", "citations"} <= set(found.attrs)
+    assert {"title", "source", "measurements", "data_sha256", "rig", "packages", "models", "citations"} <= set(
+        found.attrs
+    )
     assert [model["name"] for model in json.loads(found.attrs["models"])] == ["palmgren", "moes", "muraki"]
     save(found, tmp_path / "fit.nc")
     assert rollslip.open_result(tmp_path / "fit.nc").identical(found)

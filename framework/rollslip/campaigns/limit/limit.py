@@ -16,6 +16,7 @@ import json
 import math
 import os
 import tempfile
+import time
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from pathlib import Path
@@ -303,10 +304,14 @@ def _resolution(scene: Scene, study: str, places: list[dict[str, object]]) -> tu
     )
     seconds = list[float]()
     for at, _ in found:
+        begin = time.process_time()
         try:
-            seconds.append(sum(study_class(study).of(at).at(resolution).cost(assemble(at, resolution)).values()))
+            cost = sum(study_class(study).of(at).at(resolution).cost(assemble(at, resolution)).values())
         except RollslipError:
             continue
+        # maps of a motion, which a plan makes for its run, every point makes for itself, as was done here
+        spent = time.process_time() - begin if study_class(study).in_time else 0.0
+        seconds.append(max(cost, spent))
     return resolution, max(seconds, default=math.nan)
 
 
