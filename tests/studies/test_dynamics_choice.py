@@ -19,7 +19,7 @@ from rollslip.motion.planar import PlanarSettings
 from rollslip.planning.plan import plan
 from rollslip.studies.dynamics import choice as estimates
 from rollslip.studies.dynamics import cost as costs
-from rollslip.studies.dynamics.choice import choose_motion
+from rollslip.studies.dynamics.choice import adds_up, choose_motion
 from rollslip.studies.dynamics.study import Dynamics
 
 SHIPPED = load_scene("1032930-50C")
@@ -222,6 +222,39 @@ def test_integrators_say_whether_they_are_explicit():
     models = [get_model("integrator", name) for name in available("integrator")]
     assert {model.name for model in models if model.explicit} == {"rk23", "rk45", "dop853", "leapfrog"}
     assert all(("; explicit" in model.equation) == model.explicit for model in models)
+
+
+def test_errors_of_a_cage_that_nothing_drives_or_holds_add_up_over_all_of_the_time():
+    study = Dynamics(friction="constant", friction_coefficient=0.0, duration=0.5)
+    assert adds_up(study, bearing(cage__drag=[]), 5e-3) == pytest.approx(100.0, rel=1e-6)
+
+
+def test_errors_fade_as_fast_as_a_cage_that_is_held_by_its_drag_alone_comes_to_its_speed():
+    """With a drag that is linear in the speed and no friction a difference decays by exp(-t/tau)."""
+    few, span = bearing(cage__drag=["petroff-land"]), 5e-3
+    study = Dynamics(friction="constant", friction_coefficient=0.0, duration=2.0)
+    moving = study.moving(few)
+    speed = moving.split(study.tried(moving, np.array([0.0, 1e-3, 2e-3]), 1e-10).y)["cage_speed"]
+    tau = 1e-3 / math.log((speed[0] - speed[1]) / (speed[1] - speed[2]))  # of a speed that decays to any other
+    assert adds_up(study, few, span) == pytest.approx(tau * -math.expm1(-2.0 / tau) / span, rel=0.02)
+
+
+def test_a_longer_motion_that_settles_needs_hardly_smaller_steps():
+    few = bearing()
+    one, ten = (adds_up(Dynamics(level="pocket", duration=duration), few, 5e-3) for duration in (1.0, 10.0))
+    assert one < ten < 2.0 * one
+
+
+@pytest.mark.slow
+def test_the_steps_of_a_plan_keep_the_mean_speed_of_the_cage_over_seconds():
+    """Held against steps at 1e-7; single instants are chaotic."""
+    settings = {"level": "pocket", "friction": "effective", "duration": 3.0, "points": 2001}
+    scene = evolve(SHIPPED, {f"study.dynamics.{name}": value for name, value in settings.items()})
+    runs = [rollslip.run(scene, "dynamics")]
+    runs.append(rollslip.run(evolve(scene, {"study.dynamics.relative_tolerance": 1e-7}), "dynamics"))
+    assert runs[0].attrs["steps"] < 0.3 * runs[1].attrs["steps"]
+    means = [float(one["cage_speed"][1000:].mean()) for one in runs]
+    assert means[0] == pytest.approx(means[1], rel=2e-4)
 
 
 def test_what_cannot_be_estimated_is_taken_as_finely_as_there_is(monkeypatch):

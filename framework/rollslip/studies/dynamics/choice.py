@@ -62,12 +62,22 @@ _CHEAPER = 2.0
 _RESOLVED, _STIFF = 0.2, 0.25
 
 
+#: Slip by which two cages begin apart to see how errors of the cage speed fade, over this time [s] at most, and the
+#: instants at which that is looked at.
+_APART, _FADING, _SEEN = 1e-3, 10.0, 256
+
+
 class Movable(Protocol):
     """A study that sets a bearing in motion: what is asked of it here."""
 
     @property
     def friction(self) -> str:
         """Friction of the raceways."""
+        ...
+
+    @property
+    def cage_slip(self) -> float:
+        """Slip of the cage at the start."""
         ...
 
     @property
@@ -123,6 +133,36 @@ def with_few_slices(assembly: Assembly) -> Assembly:
     resolution = assembly.resolution
     slices = min(_FEW, resolution.slices)
     return assembly.at(attrs.evolve(resolution, slices=slices, quadrature="equal", table_tolerance=_TABLE))
+
+
+def adds_up(study: Movable, few: Assembly, span: float) -> float:
+    """Return how many times the error of the cage speed over a short time adds up over a whole motion.
+
+    Every stretch adds an error, and what drives the cage lets it fade: with g(t) what is left at t of a difference at
+    the start, all of them add up to the integral of g over that time. Two cages that begin apart show g, at level
+    cage-set; where they come no nearer to each other, errors add up over all of the duration.
+
+    Parameters
+    ----------
+    study : Movable
+        The study, without a history.
+    few : Assembly
+        The bearing with few slices.
+    span : float
+        The short time [s].
+    """
+    seen = min(study.duration, _FADING)
+    times = np.linspace(0.0, seen, _SEEN + 1)
+    alone = study.evolved(level="cage-set", friction="constant" if study.friction == "constant" else "effective")
+    moving, ends = alone.moving(few), []
+    for slip in (study.cage_slip, study.cage_slip + _APART):
+        found = alone.evolved(cage_slip=slip).tried(moving, times, _LOOSEST * _APART)
+        if found.outcome != "finished":
+            return study.duration / span
+        ends.append(np.asarray(moving.split(found.y)["cage_speed"]))
+    left = np.abs(ends[1] - ends[0]) / abs(ends[1][0] - ends[0][0])
+    longer = (study.duration - seen) * float(left[-_SEEN // 4 :].max())
+    return max(1.0, min(study.duration, float(np.trapezoid(left, times)) + longer) / span)
 
 
 def choose_motion(study: Movable, assembly: Assembly, named: Collection[str]) -> MotionChoice:

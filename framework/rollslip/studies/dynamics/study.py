@@ -42,7 +42,7 @@ from rollslip.structure import Location
 from rollslip.studies import estimates
 from rollslip.studies.answers import Estimated, Evaluated, Keep, Output, Part
 from rollslip.studies.dynamics import along, heating
-from rollslip.studies.dynamics.choice import choose_motion, with_few_slices
+from rollslip.studies.dynamics.choice import adds_up, choose_motion, with_few_slices
 from rollslip.studies.dynamics.cost import costs_of
 from rollslip.studies.dynamics.ending import (
     explained,
@@ -212,13 +212,14 @@ class Dynamics(Study):
         )
 
     def _with_steps(self, estimated: Estimated, few: Assembly) -> Estimated:
-        """Tolerance of a step: errors of the speeds over a short time go with it, in proportion at most."""
+        """Tolerance of a step: errors of the speeds over a short time go with it, in proportion at most, and fade."""
         study, accuracy = self.evolved(history=None).at(estimated.resolution), few.scene.accuracy  # which may rest
         moving = study.moving(few)
         span = min(_SHORT, study.duration)
         motions = (study.tried(moving, np.array([0.0, span]), tolerance) for tolerance in (_STEP, 1e-3 * _STEP))
         rough, fine = (float(moving.split(found.y)["cage_speed"][-1]) for found in motions)
-        error = abs(rough - fine) / abs(few.kinematics.epicyclic_cage_speed) * study.duration / span
+        times = study.duration / span if self.history else adds_up(study, few, span)
+        error = abs(rough - fine) / abs(few.kinematics.epicyclic_cage_speed) * times
         share = _STEPS_SHARE * accuracy.of("cage_speed")
         # nobody has seen a step of more than the typical tolerance do well where a contact opens
         least = finest(few.scene).integrator_tolerance or 0.0
@@ -254,7 +255,8 @@ class Dynamics(Study):
             part="steps in time",
             choice=f"relative tolerance {assembly.resolution.integrator_tolerance or 0.0:.1e}",
             resolution="every step",
-            reason="two short motions of other tolerances tell what it leaves of the cage speed",
+            reason="two short motions of other tolerances tell what it leaves of the cage speed, two cages that begin "
+            "apart how long that lasts",
             errors=errors.get("steps", {}),
             seconds=costs.pop("motion", None) if "steps" in errors else None,
         )
