@@ -48,6 +48,26 @@ def test_it_is_where_rollers_integrated_in_time_drive_the_cage_most(row):
     assert away.slip == pytest.approx(float(row["slip"]), abs=5e-3)
 
 
+def test_the_motion_that_rollers_hold_does_not_depend_on_the_slips_on_the_way():
+    """Beyond the largest drag rollers may hold several motions: large steps find the one that small ones do."""
+    heavy = {
+        "operation.radial_load": "14.4 kN",
+        "operation.inner_speed": "3823 rpm",
+        "operation.temperature": "37.9 degC",
+        "bearing.radial_clearance": "43 um",
+        "lubricant": {"name": "sae-30", "eyring_stress": "3.6 MPa", "shear_modulus": "0.3 GPa", "conductivity": 0.14},
+        "models.traction": {"model": "greenwood-tripp", "hydrodynamic": "muraki"},
+        "surface.inner_raceway_roughness": "0.1 um",
+        "surface.roller_roughness": "0.1 um",
+    }
+    assembly = bearing(instants=2, **heavy)
+    large, small = (rollers(assembly, 2) for _ in range(2))
+    for slip in slip_grid(0.9, 561)[1:]:
+        small.torque(float(slip))
+    slips = slip_grid(0.9, 29)[1:].tolist()
+    assert [large.torque(slip) for slip in slips] == pytest.approx([small.torque(slip) for slip in slips], rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("name", "profile", "drag", "slip"),
     [

@@ -35,7 +35,7 @@ cdef enum:   # how it ended; below, the ring whose chain refused
 
 cdef enum:
     STEPS = 80           # of Newton's method
-    OUTRIGHT = 20        # of one that sets out without damping, and mostly needs 4 to 8
+    OUTRIGHT = 40        # of one that sets out without damping, and mostly needs 4 to 10
     BISECTIONS = 120
     NEAR = 4             # known rows that the next one goes on from
 
@@ -46,6 +46,8 @@ cdef double WORSE = 3.0        # how much larger a residual may get in a step: d
 cdef double LEAST = 1e-3       # least damping, relative to the steepest torque
 cdef double EXPONENT = 600.0   # beyond it nothing is left of a disturbance, or everything lost
 cdef double NUDGE = 1e-7       # step of the roller slip by which torques are differentiated
+cdef double FAR_OFF = 0.1      # step up to which its secants serve, relative to the largest slip: more spans humps
+cdef double CLOSE = 1e-9       # and up to which they are made of rounding
 cdef double BALANCED = 1e-14   # last and first step of secants, relative to the bracket
 cdef double APART = 1e-3
 cdef double BENDS = 100.0      # by how much a slope may change over the bracket, relative to it
@@ -516,30 +518,31 @@ cdef class Spin:
         cdef double *slope = &self.work[11, 0]
         cdef double *step = &self.work[12, 0]
         cdef double *cage = &self.work[13, 0]
-        cdef double size, sum = 0.0, steepest = 0.0, moved, largest = 0.0, worse
+        cdef double size, sum, steepest, moved, largest, worse
         cdef int ended
-        cdef bint within, settled, elsewhere = True
+        cdef bint within, settled, far = True
         ended = self._torques(slip, torque, cage, K)
         if ended != FOUND:
             return ended
         size = self.largest
         left[0] = _unbalanced(K, slip, torque, inertia, residual)
         for _ in range(STEPS if damping > 0.0 else OUTRIGHT):
-            if elsewhere:  # after a step that was not taken slopes are known
+            if far:
                 for k in range(K):
                     there[k] = slip[k] + NUDGE
                 ended = self._torques(there, torque_there, cage, K)
                 if ended != FOUND:
                     return ended
-                sum = steepest = largest = 0.0
                 for k in range(K):
                     slope[k] = (torque_there[k] - torque[k]) / NUDGE
-                    sum += slope[k]
-                    steepest, largest = max(steepest, fabs(slope[k])), max(largest, fabs(slip[k]))
-                multiplier[0] = exp(min(max(-sum / inertia, -EXPONENT), EXPONENT))
-                if left[0] <= ROUNDING * (self.radius * size + inertia * largest):
-                    return FOUND
-                elsewhere = False
+                far = False
+            sum = steepest = largest = 0.0
+            for k in range(K):
+                sum += slope[k]
+                steepest, largest = max(steepest, fabs(slope[k])), max(largest, fabs(slip[k]))
+            multiplier[0] = exp(min(max(-sum / inertia, -EXPONENT), EXPONENT))
+            if left[0] <= ROUNDING * (self.radius * size + inertia * largest):
+                return FOUND
             # no step of pseudo-time goes towards a motion that is not held
             for k in range(K):
                 there[k] = fabs(slope[k]) + damping if damping > 0.0 else slope[k]
@@ -563,9 +566,12 @@ cdef class Spin:
                 return ended
             worse = _unbalanced(K, there, torque_there, inertia, residual_there) / left[0]
             if settled or worse <= WORSE or damping >= 4.0 * steepest:
+                far = moved > FAR_OFF * largest
                 for k in range(K):
+                    if fabs(there[k] - slip[k]) > CLOSE:
+                        slope[k] = (torque_there[k] - torque[k]) / (there[k] - slip[k])
                     slip[k], torque[k], residual[k] = there[k], torque_there[k], residual_there[k]
-                size, left[0], elsewhere = self.largest, worse * left[0], True
+                size, left[0] = self.largest, worse * left[0]
                 if damping > LEAST * steepest:
                     damping /= 4.0 if worse <= 1.0 else 1.5
                 elif worse <= 1.0:  # while it gets worse a torque is past its maximum: undamped steps would go back
