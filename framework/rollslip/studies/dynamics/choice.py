@@ -60,11 +60,9 @@ _CHEAPER = 2.0
 #: A step resolves a contact by this part of a radian; what is damped by more than the other part in it is stiff. An
 #: explicit method bears a fifth more.
 _RESOLVED, _STIFF = 0.2, 0.25
-
-
-#: Slip by which two cages begin apart to see how errors of the cage speed fade, over this time [s] at most, and the
-#: instants at which that is looked at.
-_APART, _FADING, _SEEN = 1e-3, 10.0, 256
+#: Slip by which two cages begin apart to see how errors of the cage speed fade, error of a step relative to it, the
+#: time [s] over which that is seen at most, and its instants.
+_APART, _EXACT, _FADING, _SEEN = 1e-2, 1e-5, 10.0, 256
 
 
 class Movable(Protocol):
@@ -156,7 +154,7 @@ def adds_up(study: Movable, few: Assembly, span: float) -> float:
     alone = study.evolved(level="cage-set", friction="constant" if study.friction == "constant" else "effective")
     moving, ends = alone.moving(few), []
     for slip in (study.cage_slip, study.cage_slip + _APART):
-        found = alone.evolved(cage_slip=slip).tried(moving, times, _LOOSEST * _APART)
+        found = alone.evolved(cage_slip=slip).tried(moving, times, _EXACT * _APART)
         if found.outcome != "finished":
             return study.duration / span
         ends.append(np.asarray(moving.split(found.y)["cage_speed"]))

@@ -218,7 +218,8 @@ class Dynamics(Study):
         span = min(_SHORT, study.duration)
         motions = (study.tried(moving, np.array([0.0, span]), tolerance) for tolerance in (_STEP, 1e-3 * _STEP))
         rough, fine = (float(moving.split(found.y)["cage_speed"][-1]) for found in motions)
-        times = study.duration / span if self.history else adds_up(study, few, span)
+        # a motion at level cage-set takes no longer than a look at how its errors fade
+        times = adds_up(study, few, span) if self._fades(study.level) else study.duration / span
         error = abs(rough - fine) / abs(few.kinematics.epicyclic_cage_speed) * times
         share = _STEPS_SHARE * accuracy.of("cage_speed")
         # nobody has seen a step of more than the typical tolerance do well where a contact opens
@@ -229,6 +230,10 @@ class Dynamics(Study):
             resolution=attrs.evolve(estimated.resolution, integrator_tolerance=tolerance),
             errors={**estimated.errors, "steps": {"cage_speed": error * tolerance / _STEP}},
         )
+
+    def _fades(self, level: str) -> bool:
+        """Whether it is looked at how errors of the cage speed fade; else they add up over all of the duration."""
+        return not self.history and level != "cage-set"
 
     def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
         """Return four times as fine a resolution: the finest would take days."""
@@ -255,8 +260,8 @@ class Dynamics(Study):
             part="steps in time",
             choice=f"relative tolerance {assembly.resolution.integrator_tolerance or 0.0:.1e}",
             resolution="every step",
-            reason="two short motions of other tolerances tell what it leaves of the cage speed, two cages that begin "
-            "apart how long that lasts",
+            reason="two short motions of other tolerances tell what it leaves of the cage speed, "
+            + ("two cages that begin apart how long that lasts" if self._fades(self.level) else "which adds up"),
             errors=errors.get("steps", {}),
             seconds=costs.pop("motion", None) if "steps" in errors else None,
         )
