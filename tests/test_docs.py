@@ -76,14 +76,11 @@ def test_whole_answers_are_shown():
     assert not [page for page, text in PAGES.items() if ".. code-block:: console" in text]
 
 
-@pytest.mark.parametrize(
-    "block",
-    [pytest.param(block, marks=[pytest.mark.slow] if "rollslip fit" in block else []) for block in console_blocks()],
-    ids=lambda block: block.splitlines()[0],
-)
+@pytest.mark.parametrize("block", console_blocks(), ids=lambda block: block.splitlines()[0])
 def test_commands_answer_as_shown(block, tmp_path, monkeypatch, capsys):
     shutil.copytree(DOCS / "examples", tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "120")
     for command, want in re.findall(r"^\$ rollslip (.*)\n((?:(?!\$).*\n)*)", block, re.MULTILINE):
         with pytest.raises(SystemExit):
             main(shlex.split(command))

@@ -1,7 +1,6 @@
 """Fits to traction-rig data: what is read, what is found and how well, and what is said where nothing can be found."""
 
 import csv
-import doctest
 import importlib.util
 import itertools
 import json
@@ -950,19 +949,6 @@ def test_the_page_names_every_column_and_key():
     for cls, prefix in ((TractionRow, ""), (RigContact, "rig.")):
         for field in attrs.fields(cls):
             assert f"``{prefix}{field.name}``" in PAGE
-
-
-def test_commands_of_the_page_answer_as_shown(examples, capsys):
-    blocks = re.findall(
-        r"^\.\. (?:answers|code-block):: ?(?:shell-session)?\n\n((?:(?:   .*)?\n)+)", PAGE, re.MULTILINE
-    )
-    commands = [pair for block in blocks for pair in re.findall(r"   \$ rollslip (.*)\n((?:(?!   \$).*\n)*)", block)]
-    assert commands
-    for line, want in commands:
-        said = command(line, capsys)
-        want = re.sub(r"^   ", "", want, flags=re.MULTILINE)
-        flags = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
-        assert doctest.OutputChecker().check_output(want, said.out + said.err, flags), said.out
 
 
 def test_no_word_is_cut_on_a_narrow_terminal(examples, capsys, monkeypatch):
