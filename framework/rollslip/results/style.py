@@ -26,6 +26,7 @@ from rollslip.results.dark import darken
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axis import Axis
+    from matplotlib.colorbar import Colorbar
     from matplotlib.figure import Figure
     from matplotlib.ticker import ScalarFormatter
 
@@ -270,6 +271,12 @@ def against_zero(low: float, high: float) -> dict[str, Any]:
         most = max(-low, high)
         return {"cmap": matplotlib.colormaps[DIVERGING], "norm": Normalize(-most, most)}
     return {"cmap": light_to_dark(), "norm": Normalize(low, high)}
+
+
+def seamless(bar: "Colorbar") -> None:
+    """Leave a colour bar without seams between its colours, and without an outline."""
+    bar.outline.set_visible(False)
+    bar.solids.set_edgecolor("face")  # type: ignore[union-attr]
 
 
 def light_to_dark() -> Any:

@@ -206,7 +206,8 @@ class Sweep:
     @property
     def dims(self) -> tuple[str, ...]:
         """Names of the dimensions of the sweep."""
-        axes = tuple(self.names[axis.key] for axis in self.design.axes)
+        names = self.names
+        axes = tuple(names[axis.key] for axis in self.design.axes)
         return (*axes, "sample") if self.design.has_samples else axes
 
     @property

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.campaigns.sweep.findings import axes as axes_of
-from rollslip.campaigns.sweep.findings import by_name, named_dims, resting
+from rollslip.campaigns.sweep.findings import by_name, in_percent, named_dims, resting
 from rollslip.results.style import (
     DASHES,
     MM,
@@ -25,6 +25,7 @@ from rollslip.results.style import (
     ROW,
     against_zero,
     plain_decades,
+    seamless,
     unit_label,
 )
 from rollslip.units import UnitError, converted, shown_unit
@@ -209,8 +210,7 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str])
         axes.set_xlabel(across)
         if axes is panels[0]:
             axes.set_ylabel(up)
-    bar = figure.colorbar(mesh, ax=list(panels), label=_named(values, unit))
-    bar.solids.set_edgecolor("face")  # type: ignore[union-attr]  # no seams
+    seamless(figure.colorbar(mesh, ax=list(panels), label=_named(values, unit)))
     return figure
 
 
@@ -248,8 +248,10 @@ def _named(values: "xr.DataArray", unit: str) -> str:
 def _shown(values: "xr.DataArray") -> tuple[Callable[[Array], Array], str]:
     """What reads results in the unit that they are shown in, and that: slips in percent, others as people do."""
     unit = str(values.attrs.get("units", "1"))
+    if in_percent(str(values.name), unit):
+        return partial(np.multiply, 100.0), "%"
     if unit == "1":
-        return (partial(np.multiply, 100.0), "%") if "slip" in str(values.name) else (np.asarray, "–")
+        return np.asarray, "–"
     try:
         given = shown_unit(float(np.nanmax(np.abs(values.to_numpy()))), unit)
         return partial(converted, unit=unit, given=given), unit_label(given)

@@ -22,6 +22,7 @@ from rollslip.results.style import (
     TWO_COLUMNS,
     light_to_dark,
     save_figures,
+    seamless,
 )
 from rollslip.studies.dynamics import history_findings
 from rollslip.studies.dynamics.findings import (
@@ -315,8 +316,7 @@ def _centres(dataset: "xr.Dataset") -> "Figure":
         bar.set_ticks(edges[:: -(-edges.size // 6)].tolist())
         bar.ax.yaxis.set_major_formatter("{x:.3g}")
         bar.minorticks_off()
-        bar.outline.set_visible(False)
-        bar.solids.set_edgecolor("face")  # type: ignore[union-attr]
+        seamless(bar)
     return figure
 
 
@@ -392,8 +392,7 @@ def _draw_cells(figure: "Figure", axes: "Axes", cells: _Cells, label: str, most:
     bar.set_label(label)
     bar.locator = MaxNLocator(5)
     bar.minorticks_off()
-    bar.outline.set_visible(False)
-    bar.solids.set_edgecolor("face")  # type: ignore[union-attr]
+    seamless(bar)
 
 
 # What they share ----------------------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@
 
 import json
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -35,19 +36,19 @@ def along(dataset: "xr.Dataset") -> bool:
 
 def largest(dataset: "xr.Dataset") -> tuple[float, float]:
     """Largest cage slip and its time [s]; NaN where no slip is known."""
-    slip = dataset["cage_slip"].to_numpy()
-    if not np.isfinite(slip).any():
-        return math.nan, math.nan
-    k = int(np.nanargmax(slip))
-    return float(slip[k]), float(dataset["time"][k])
+    return _slip_at(dataset, np.nanargmax)
 
 
 def least(dataset: "xr.Dataset") -> tuple[float, float]:
     """Least cage slip, negative where the cage runs ahead, and its time [s]; NaN where no slip is known."""
+    return _slip_at(dataset, np.nanargmin)
+
+
+def _slip_at(dataset: "xr.Dataset", where: Callable[[Array], Any]) -> tuple[float, float]:
     slip = dataset["cage_slip"].to_numpy()
     if not np.isfinite(slip).any():
         return math.nan, math.nan
-    k = int(np.nanargmin(slip))
+    k = int(where(slip))
     return float(slip[k]), float(dataset["time"][k])
 
 

@@ -22,6 +22,7 @@ from rollslip.results.style import (
     against_zero,
     axis_label,
     light_to_dark,
+    seamless,
 )
 
 if TYPE_CHECKING:
@@ -79,8 +80,7 @@ def _rollers(dataset: "xr.Dataset") -> "Figure":
     lines.append(Line2D([], [], color=light_to_dark()(1.0), linewidth=0.8, label="its single rollers"))
     bar = figure.colorbar(scale, ax=axes, aspect=30, pad=0.03)
     bar.set_label(axis_label(dataset["normal_force"], "$Q$", "N", name="normal force"))
-    bar.outline.set_visible(False)
-    bar.solids.set_edgecolor("face")  # type: ignore[union-attr]  # no seams, as in the map
+    seamless(bar)
     axes.set_xlabel(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
     axes.set_ylabel(axis_label(dataset["roller_friction"], r"$\mu$", "–", name="friction coefficient"))
     finish(figure, axes, effective, lines, others=friction[loaded])
