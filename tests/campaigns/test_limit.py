@@ -166,6 +166,7 @@ def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatc
         (LENGTHS, "half_width < 1 um", {}, "is no limit; write OUTPUT<=VALUE"),
         (LENGTHS, "half_widht <= 1 um", {}, "did you mean 'half_width'"),
         (LENGTHS, "half_width <= 1 N", {}, "is a force, here a length is expected"),
+        (LENGTHS, "critical_status <= 1", {}, "critical_status tells in words, so it has no limit"),
         (LENGTHS, "half_width <= 1 um", {"within": 0.9}, "a share from 1e-06 to 0.5 is expected"),
         ({}, "half_width <= 1 um", {}, "one quantity is searched over, not 0"),
         ({"operation.radial_lod": "1:2"}, "half_width <= 1 um", {}, "did you mean 'operation.radial_load'"),

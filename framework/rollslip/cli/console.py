@@ -17,7 +17,7 @@ from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
 from rollslip.results.account import account_of
-from rollslip.results.words import verdict
+from rollslip.results.words import first_line, verdict
 from rollslip.scene.values import EXACT, Scene, scene_hash
 from rollslip.units import format_quantity
 
@@ -40,13 +40,9 @@ def headline(plan: "Plan") -> str:
 
 def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
     """First line for models by kind, name and what they are called here; packages of others stand behind theirs."""
-    version, named = importlib.metadata.version("rollslip"), dict[str, list[str]]()
-    for kind, name, called in models:
-        offer = find(kind, name)
-        other = "" if offer.package == "rollslip" else f" ({offer.package} {offer.version})"
-        named.setdefault(kind, []).append(f"{called}{other}")
-    used = "; ".join(f"{kind} {', '.join(names)}" for kind, names in named.items())
-    return f"rollslip {version} | {scene.source} {scene_hash(scene)[:12]} | {used}"
+    offers = [(kind, called, find(kind, name)) for kind, name, called in models]
+    used = ((kind, called, offer.package, offer.version) for kind, called, offer in offers)
+    return first_line(importlib.metadata.version("rollslip"), scene.source, scene_hash(scene), used)
 
 
 def print_short_plan(plan: "Plan") -> None:

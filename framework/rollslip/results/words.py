@@ -12,7 +12,18 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["REST", "TOLD_FROM", "UNSURE", "counted", "runs_at", "runs_away", "verdict", "warned"]
+__all__ = [
+    "REST",
+    "TOLD_FROM",
+    "UNSURE",
+    "counted",
+    "estimated",
+    "first_line",
+    "runs_at",
+    "runs_away",
+    "verdict",
+    "warned",
+]
 
 #: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.
 UNSURE: Final = (
@@ -27,6 +38,31 @@ TOLD_FROM: Final = 0.005
 REST: Final = "laws are outside what they were made for, too, where the consequence is"
 #: Bounds that are told at once, at most.
 _MOST: Final = 3
+
+
+def first_line(version: str, subject: str, digest: str, models: Iterable[tuple[str, str, str, str]]) -> str:
+    """Return the first line about a run: version, what it is of, and models, with the packages of others behind theirs.
+
+    Parameters
+    ----------
+    version : str
+        Of rollslip.
+    subject, digest : str
+        Scene or data, and their SHA-256.
+    models : iterable of tuple of str
+        Kind, name, and package and version that offer it.
+    """
+    named = dict[str, list[str]]()
+    for kind, name, package, offered in models:
+        named.setdefault(kind, []).append(name if package == "rollslip" else f"{name} ({package} {offered})")
+    used = "; ".join(f"{kind} {', '.join(names)}" for kind, names in named.items())
+    return f"rollslip {version} | {subject} {digest[:12]} | {used}"
+
+
+def estimated(dataset: "xr.Dataset") -> str:
+    """Say how many conductances of a heat balance are estimated; empty if none is."""
+    count = sum(value.endswith("W/K") for value in json.loads(dataset.attrs.get("taken_from_bearing", "{}")).values())
+    return f"{count} conductances that all this rests on are estimated" if count else ""
 
 
 def runs_away(slip: float, drag: float, status: str) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.results.words import first_line
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -30,12 +31,8 @@ HEAD: Final = ("parameter", "value", "error", "68 %", "95 %", "what the data tel
 def headline(dataset: "xr.Dataset") -> str:
     """Return the first line about a fit: version, data and hash, models, with the packages of others."""
     a = dataset.attrs
-    models = "; ".join(
-        f"{model['kind']} {model['name']}"
-        + ("" if model["package"] == "rollslip" else f" ({model['package']} {model['version']})")
-        for model in json.loads(a["models"])
-    )
-    return f"rollslip {json.loads(a['packages'])['rollslip']} | {a['source']} {a['data_sha256'][:12]} | {models}"
+    models = ((of["kind"], of["name"], of["package"], of["version"]) for of in json.loads(a["models"]))
+    return first_line(json.loads(a["packages"])["rollslip"], a["source"], a["data_sha256"], models)
 
 
 def parameter_rows(dataset: "xr.Dataset") -> list[tuple[str, ...]]:

@@ -27,7 +27,7 @@ import numpy as np
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
-from rollslip.campaigns.limit.search import Requirement, next_places, passages, read_requirement
+from rollslip.campaigns.limit.search import Requirement, next_places, passages, read_requirement, tells_in_words
 from rollslip.campaigns.sweep.definition import Resolutions, Sweep, name_of
 from rollslip.campaigns.sweep.folder import taken_up
 from rollslip.campaigns.sweep.journal import FAILED, records
@@ -374,11 +374,11 @@ def _known(made: Limit, folder: Path) -> tuple[dict[int, float], set[int], float
 
 def _result(made: Limit, arrays: Mapping[str, Any]) -> float:
     """Return the worst value of the output at a point."""
-    values, output = arrays.get(made.requirement.output), made.requirement.output
+    values = arrays.get(made.requirement.output)
     if values is None:
         return math.nan
     if np.asarray(values).dtype.kind not in "fiu":
-        raise SceneError([f"keep: {output} tells in words, so it has no limit; name an output that is a number"])
+        raise tells_in_words(made.requirement.output)
     return made.requirement.worst(np.ravel(values).tolist())
 
 

@@ -75,11 +75,18 @@ def read_requirement(text: str, study: type[Study]) -> Requirement:
         raise SceneError([f"keep: {text!r} is no limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"])
     name, sense, value = form.groups()
     named_outputs(study, [name])  # who knows it by another name is told
+    if name in {output.status for output in study.outputs.values()}:
+        raise tells_in_words(name)
     unit = study.outputs[name].unit
     try:
         return Requirement(name, unit, sense, quantity(value, unit), unit_given(value, unit))
     except UnitError as error:
         raise SceneError([f"keep: {name}: {error}"]) from error
+
+
+def tells_in_words(name: str) -> SceneError:
+    """Return the error of an output that is no number."""
+    return SceneError([f"keep: {name} tells in words, so it has no limit; name an output that is a number"])
 
 
 def passages(slacks: Mapping[int, float]) -> list[tuple[int, int]]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.results.words import estimated
 from rollslip.studies.dynamics.findings import energy_in_words
 from rollslip.units import format_quantity
 
@@ -120,10 +121,8 @@ def heat_in_words(dataset: "xr.Dataset") -> list[str]:
         f"the highest temperature is {format_quantity(float(a['hottest_temperature']), 'K', 4)}, of the "
         f"{a['hottest_node']}; they were {a['thermal_status']}",
     ]
-    guessed = sum(value.endswith("W/K") for value in json.loads(a.get("taken_from_bearing", "{}")).values())
-    if guessed:
-        how = f"'rollslip models {a['thermal']}' says how"
-        said.append(f"{guessed} conductances that all this rests on are estimated, {how}")
+    if guessed := estimated(dataset):
+        said.append(f"{guessed}, 'rollslip models {a['thermal']}' says how")
     if "radial_clearance" in dataset:
         first, last = (format_quantity(float(dataset["radial_clearance"][k]), "m", 3) for k in (0, -1))
         said.append(f"the radial clearance goes with them from {first} to {last}")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rollslip.results.words import estimated
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -70,7 +71,6 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
     if str(dataset["status"].item()) != "found":
         return [str(dataset["status"].item())]
     said, slip = [], float(dataset["given_slip"])
-    guessed = sum(value.endswith("W/K") for value in _from_bearing(dataset).values())
     for one in (dataset.isel(balance=k) for k in range(dataset.sizes["balance"])):
         made = float(one["loss"].sum())
         heats = list(zip(one["sink"].to_numpy(), one["carried_away"].to_numpy().tolist(), strict=True))
@@ -82,8 +82,8 @@ def _balances(dataset: "xr.Dataset") -> list[str]:
             f"({one['stability'].item()}): {_watt(made)} are lost{brought}, {away}; the cage slip is "
             f"{100.0 * float(one['steady_slip']):.3g} %{given}"
         )
-    if guessed:
-        said[-1] += f"; {guessed} conductances that all this rests on are estimated"
+    if guessed := estimated(dataset):
+        said[-1] += f"; {guessed}"
     if (jumps := str(dataset["jumps"].item())) != "none":
         said.append(jumps)
     if len(lasting(dataset)) > 1:
@@ -107,13 +107,8 @@ def _limit(dataset: "xr.Dataset") -> str:
     return f"{beyond} no balance is left, at {celsius(at)} of the {node}; what ends it is {status}"
 
 
-def _from_bearing(dataset: "xr.Dataset") -> dict[str, str]:
-    taken: dict[str, str] = json.loads(dataset.attrs.get("taken_from_bearing", "{}"))
-    return taken
-
-
 def _taken(dataset: "xr.Dataset") -> str:
-    taken = _from_bearing(dataset)
+    taken: dict[str, str] = json.loads(dataset.attrs.get("taken_from_bearing", "{}"))
     if "course_temperature" not in dataset:  # what stores heat sets the pace alone
         taken = {name: value for name, value in taken.items() if not value.endswith("J/K")}
     said = ", ".join(f"{name} {value}" for name, value in taken.items())
