@@ -70,8 +70,6 @@ class Study(abc.ABC):
     libraries: ClassVar[tuple[str, ...]] = ()
     #: Whether it goes through time, so that a run takes long and can go on where it was interrupted.
     in_time: ClassVar[bool] = False
-    #: Whether most of a point of a sweep is compiled code that holds up no other thread.
-    in_threads: ClassVar[bool] = False
     #: Whether one resolution, chosen for a few points of a sweep, serves all of them.
     shares_resolution: ClassVar[bool] = False
     #: Quantities of data sets that it gives: name -> how.

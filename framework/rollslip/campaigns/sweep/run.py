@@ -47,13 +47,11 @@ _log = logging.getLogger(__name__)
 
 #: Losses of an engine, one after the other without a result between them, before a run gives up.
 _PATIENCE: Final = 3
-#: Start of a pool of processes [s], with all imports, and with what points share, which each of them makes anew.
-_START: Final = 1.5
-#: What threads gain on this process alone where most of a point is compiled and holds up no other thread, and how long
-#: a slice takes there [s]. Else they lose by it: they wait for each other.
-_GAIN, _SLICE = 1.4, 1e-8
-#: A point of more than this is worth a process without measuring [s].
-_DEAR: Final = 0.25
+#: Start of a pool of processes [s], with all imports, and with what points share, which each of them makes anew; and
+#: how many times that they have to save.
+_START, _WORTH = 1.5, 2.0
+#: A point of more than this is worth a process without measuring, and how long a slice takes [s].
+_DEAR, _SLICE = 0.25, 1e-8
 _MOST_IN_TASK: Final = 1000
 #: Points by which the pace of cheap ones is measured.
 _SOME: Final = 16
@@ -345,15 +343,15 @@ class _Run:
         return (engine, said) if engine is not None else self._fastest(min(times), len(pending), count)
 
     def _fastest(self, point: float, left: int, count: int) -> tuple[Engine, str]:
-        """Return the engine that is the fastest on some cores for what is left, by the time [s] of a point, and why."""
+        """Return the engine that is the fastest on some cores for what is left, by the time [s] of a point, and why.
+
+        Threads are none: what of a point is Python, half of it and more, makes them wait for each other.
+        """
         said = f"a point takes {point * 1e3:.3g} ms"
         if count == 1 or not left:
             return get_model("engine", "serial"), f"{said}, and there is {'one core' if left else 'nothing left'}"
-        study = settings(self.sweep.scene, self.sweep.study)[self.sweep.study]
-        compiled = study.evaluations(assemble(self.sweep.scene)) * _SLICE > 0.5 * point
-        name, gain = ("threads", _GAIN) if study.in_threads and compiled else ("serial", 1.0)
-        if point * left * (1.0 / gain - 1.0 / count) <= _START:
-            return get_model("engine", name), f"{said}; {left} still to do, not worth the start of processes"
+        if point * left * (1.0 - 1.0 / count) <= _WORTH * _START:
+            return get_model("engine", "serial"), f"{said}; {left} still to do, not worth the start of processes"
         return get_model("engine", "processes"), f"{said}: {left} of them are worth the start of {count} processes"
 
     def compute(self, engine: Engine, pending: _Pending, asked: _Interrupts) -> None:

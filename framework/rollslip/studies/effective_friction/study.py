@@ -143,7 +143,6 @@ class EffectiveFriction(Study):
             "runaway-drag": Measurable(variable="runaway_drag"),
         }
     )
-    in_threads: ClassVar[bool] = True
 
     closure: str = parameter(
         default="free-roller",

@@ -72,7 +72,6 @@ class FrictionCurve(Study):
         {"friction": "the models of a contact on every loaded slice, over the slips and in search of the largest"}
     )
     bearing_loads: ClassVar[bool] = False
-    in_threads: ClassVar[bool] = True
 
     normal_force: tuple[float, ...] = parameter(
         default=(300.0,),

@@ -94,7 +94,6 @@ class SteadySlip(Study):
     )
     with_cage: ClassVar[bool] = True
     libraries: ClassVar[tuple[str, ...]] = ("scipy.optimize", "scipy.interpolate")
-    in_threads: ClassVar[bool] = True
     measured: ClassVar[Mapping[str, Measurable]] = MEASURED
 
     max_cage_slip: float = parameter(

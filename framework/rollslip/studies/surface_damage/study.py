@@ -66,7 +66,6 @@ class SurfaceDamage(Study):
     acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
     with_cage: ClassVar[bool] = True
     with_damage: ClassVar[bool] = True
-    in_threads: ClassVar[bool] = True
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType({"run": "the steady slip, and the measures there"})
 
     cage_slip: float | None = parameter(

@@ -79,7 +79,6 @@ class ThermalBalance(Study):
     with_cage: ClassVar[bool] = True
     libraries: ClassVar[tuple[str, ...]] = SteadySlip.libraries
     with_heat: ClassVar[bool] = True
-    in_threads: ClassVar[bool] = True
     spent_on: ClassVar[Mapping[str, str]] = MappingProxyType({"run": "steady slips at many temperatures"})
 
     highest_temperature: float = parameter(
