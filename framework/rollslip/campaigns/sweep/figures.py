@@ -198,7 +198,7 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str])
         (x, across), (y, up) = _axis(piece[numbers[0]]), _axis(piece[numbers[1]])
         shown = read(piece.transpose(numbers[1], numbers[0]).to_numpy())
         mesh = axes.pcolormesh(x, y, shown, shading="nearest", **colours)
-        mesh.set_edgecolor("face")
+        mesh.set(edgecolor="face", linewidth=0.2)
         _hatch(axes)
         if _by_factors(x):
             axes.set_xscale("log")
