@@ -691,6 +691,7 @@ def test_findings_and_figures_tell_the_same(tmp_path, followed):
     assert save_figures(one, text, tmp_path / "again")[0].read_bytes() == first[0]
     assert sorted(file.stem for file in (tmp_path / "first").iterdir()) == [
         "steady-slip",
+        "steady-slip-losses",
         "steady-slip-orbit",
         "steady-slip-radial-load",
     ]
