@@ -3,7 +3,7 @@
 import abc
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import attrs
 
@@ -12,7 +12,18 @@ from rollslip.references import Citation
 from rollslip.toml import FrozenTable
 from rollslip.units import format_quantity
 
-__all__ = ["Bearing", "BearingData", "Catalogue", "Family", "Material", "Profile", "Scatter", "Surface", "SurfaceData"]
+__all__ = [
+    "Bearing",
+    "BearingData",
+    "Catalogue",
+    "Family",
+    "Material",
+    "OwnCage",
+    "Profile",
+    "Scatter",
+    "Surface",
+    "SurfaceData",
+]
 
 
 @attrs.frozen(kw_only=True)
@@ -286,6 +297,24 @@ class SurfaceData:
         return self.surface
 
 
+class OwnCage(NamedTuple):
+    """The cage that a designation stands for.
+
+    Attributes
+    ----------
+    make : str
+        What it is of: "brass", "steel" or "polyamide".
+    guidance : str
+        What guides it: "roller", or the land of the "inner" or "outer" ring.
+    letters : str
+        Those of the designation that say so; empty where it is what makers put into such a bearing.
+    """
+
+    make: str
+    guidance: str
+    letters: str = ""
+
+
 class Family(abc.ABC):
     """Many named sets of one kind behind one entry point, ``NAME = "module:OBJECT"``; each is made when asked for.
 
@@ -309,8 +338,16 @@ class Family(abc.ABC):
     def called(self, written: str) -> str | None:
         """Return the name that somebody means who writes it in another way; None if there is none."""
 
-    def cage(self, written: str) -> str | None:
-        """Return what the cage of a bearing is of ("brass", "steel", "polyamide") where its designation says so."""
+    def cage(self, written: str) -> OwnCage | None:
+        """Return the cage of a bearing by its designation; None for one of another family."""
+        return None
+
+    def clearance_class(self, written: str) -> str | None:
+        """Return the class of radial clearance that a designation says, such as "C3"; None where it says none."""
+        return None
+
+    def other(self, written: str) -> str | None:
+        """Return what a name is of that is none of these, in words ("a deep groove ball bearing"), where known."""
         return None
 
     @abc.abstractmethod

@@ -1,6 +1,8 @@
 """The catalogue of cylindrical roller bearings: names, boundary dimensions, and what is estimated of the inside."""
 
 import csv
+import statistics
+import sys
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,16 @@ from rollslip.scene.reading import parse_scene
 from rollslip_plugins.data.cylindrical import CATALOGUE, RULES
 
 TABLE = Path(__file__).parents[2] / "docs" / "tables" / "bearing_catalogue.csv"
+REFERENCES = Path(__file__).parents[1] / "references"
+sys.path.insert(0, str(REFERENCES))
+from catalogue_ratings import ratios  # noqa: E402
+
+
+def lines(name):
+    """The lines of a text file beside this one, each in its parts."""
+    text = Path(__file__).with_name(name).read_text(encoding="utf-8")
+    rows = [line.split("|") for line in text.splitlines() if not line.startswith("#")]
+    return [[*(part.strip() for part in parts), one.strip()] for *parts, every in rows for one in every.split(";")]
 
 
 def scene(bearing, load="2 kN"):
@@ -60,11 +72,87 @@ def test_designations_are_read_as_makers_write_them(written, meant):
     assert get_class("bearing", written) == CATALOGUE[meant]
 
 
-@pytest.mark.parametrize("written", ["NU2199", "NU2210ZZ", "N1010-old", "NU 210 C5", "6210", "NU", ""])
-def test_what_is_no_designation_gets_the_nearest(written):
+@pytest.mark.parametrize("written", ["NU2199", "NU2210ZZ", "N1010-old", "6210", "NU", ""])
+def test_what_is_no_designation_is_refused(written):
     assert CATALOGUE.called(written) is None
     with pytest.raises(UnknownNameError, match="no bearing is called"):
         find("bearing", written)
+
+
+def test_designations_as_people_write_them_are_read_with_cage_and_class_of_clearance():
+    every = lines("designations.txt")
+    assert len(every) > 400
+    for name, cage, written in every:
+        assert find("bearing", written).name == name, written
+        own = CATALOGUE.cage(written)
+        assert (f"{own.make} {own.guidance}" if own.letters else "-") == cage, written
+        asked, said = CATALOGUE.clearance_class(name), CATALOGUE.clearance_class(written)
+        assert said == asked or (said == "CN" and asked is None), written
+
+
+def test_other_bearings_are_called_what_they_are():
+    every = lines("other_bearings.txt")
+    assert len(every) > 140
+    for what, written in every:
+        with pytest.raises(UnknownNameError) as error:
+            find("bearing", written)
+        assert f" {what}" in str(error.value), written
+        assert "did you mean" not in str(error.value)
+        assert "rollslip models cylindrical roller bearings with a cage" in str(error.value)
+
+
+def test_a_cage_that_no_letter_tells_is_the_one_that_makers_put_in():
+    # by the letters of NKE's designations: TVP3 up to 130 mm of bore, M6 above, MPA in series 10, M in series 4
+    for written, make, guidance in (
+        ("NU2210", "polyamide", "roller"),
+        ("NU226", "polyamide", "roller"),
+        ("NU228", "brass", "roller"),
+        ("NU1010E", "brass", "outer"),
+        ("N1010", "brass", "inner"),
+        ("NU410", "brass", "roller"),
+    ):
+        assert CATALOGUE.cage(written) == (make, guidance, "")
+    assert CATALOGUE.cage("6205") is None
+
+
+def test_classes_of_clearance_are_those_of_the_standard():
+    # ISO 5753-1, bore over 24 to 30 mm, as makers print it: C2 0-25, CN 20-45, C3 35-60, C4 50-75
+    middle = {"C2": 12.5, "CN": 32.5, "C3": 47.5, "C4": 62.5, "CNL": 26.25, "CNH": 38.75, "CNM": 32.5}
+    for group, value in middle.items():
+        assert CATALOGUE[f"NU205E-{group}"].bearing.radial_clearance == pytest.approx(1e-6 * value)
+    # over 250 to 280 mm: CN 125-195
+    assert CATALOGUE["NU252E"].bearing.radial_clearance == pytest.approx(160e-6)
+    assert CATALOGUE["NU252E"].grades["radial_clearance"] == "C"
+
+
+def test_printed_static_ratings_are_met_series_by_series():
+    def bearing_of(name):
+        called = CATALOGUE.called(name)
+        return None if called is None else CATALOGUE[called].bearing
+
+    found = ratios(REFERENCES / "catalogue_ratings.csv", bearing_of)
+    assert found.keys() == {"2E", "22E", "3E", "23E", "10E", "4", "10"}
+    for series, of in found.items():
+        assert statistics.mean(of.values()) == pytest.approx(1, abs=0.04), series
+        assert statistics.pstdev(of.values()) < 0.09, series
+
+
+@pytest.mark.parametrize(
+    ("written", "bore", "outside", "width"),
+    [
+        ("NU202", 15, 35, 11),
+        ("NU2203", 17, 40, 16),
+        ("NU303", 17, 47, 14),
+        ("NU264", 320, 580, 92),
+        ("NU356", 280, 580, 108),
+        ("NU2328", 140, 300, 102),
+        ("NU2352", 260, 540, 165),
+        ("NU1044", 220, 340, 56),
+        ("NU1096", 480, 700, 100),
+    ],
+)
+def test_boundary_dimensions_are_those_that_makers_print(written, bore, outside, width):
+    assert f", {bore} x {outside} x {width} mm;" in get_class("bearing", written).description
 
 
 def test_the_family_itself_is_no_bearing():
@@ -97,7 +185,7 @@ def test_the_scatter_of_each_rule_is_that_of_the_table_of_errors():
         rows = {row["series"]: row for row in csv.DictReader(file)}
     assert rows.keys() == RULES.keys()
     for series, rule in RULES.items():
-        deviation = float(rows[series]["Z L, %"].split("±")[1].split(",")[0])
+        deviation = float(rows[series]["scatter, %"])
         assert 100 * rule.scatter == pytest.approx(deviation, abs=0.7)
         assert int(rows[series]["names"]) == sum(CATALOGUE.series(name) == series for name in CATALOGUE.names)
 

@@ -216,6 +216,11 @@ def find(kind: str, name: str) -> Offer:
         if meant:
             those = " and ".join(f"{offer.name!r} of package {offer.package}" for offer in meant)
             raise UnknownNameError(f"{kind} {as_written(name)} may be {those}; write one of these names")
+        if other := next(filter(None, (family.other(name) for _, family in families(kind))), None):
+            raise UnknownNameError(
+                f"no {kind} is called {as_written(name)}: this is {other}; rollslip models cylindrical roller bearings "
+                f"with a cage ('rollslip models {kind}' lists them)"
+            )
     own = [*available(kind)]
     names = own + [one for _, family in families(kind) for one in family.names]
     if get_kind(kind).data:

@@ -80,8 +80,8 @@ def checked(option: str, value: str) -> str:
 
 def named_cage(designation: str) -> str | None:
     """Return what the cage of a bearing is of where its designation says so, as "NU 2210 ECP" says polyamide."""
-    said = (getattr(family, "cage", lambda _: None)(designation) for _, family in families("bearing"))
-    return next(filter(None, said), None)
+    said = (family.cage(designation) for _, family in families("bearing"))
+    return next((own.make for own in said if own is not None and own.letters), None)
 
 
 def assumed_load(bearing: str) -> str:

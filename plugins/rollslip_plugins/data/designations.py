@@ -1,0 +1,184 @@
+"""Designations of bearings as people write them: what of a cylindrical roller bearing they say, and what else is meant.
+
+A designation is read from the left: a maker or none, the type, series and code of the bore, then what stands behind
+them, in any spelling: "SKF NU 205 ECP/C3", "nu205-e-xl-tvp2-c3", "NU205.E.M1.C3", "NU205ETVP2C3". What is not known
+behind the number is not passed over: the designation is then none that is known, and it is said which part is not.
+
+- Letters of the cage (SKF, Schaeffler, NKE, NSK, NTN, SNR, Koyo, Nachi, ZVL, URB; C) say what it is of and what guides
+  it. Behind M, M1 and M6 stands a cage of two parts on the rollers, MA, MPA on the outer and MB, MPB on the inner ring;
+  ML and MP are on the ring that has the ribs. PEEK (PH) is none of the makes here, and says nothing.
+- C2, CN, C3, C4, C5 are the groups of ISO 5753-1, the same for all makers. L, M, H behind one are its lower half,
+  its middle and its upper half (SKF; C). NSK's CC and CM and tapered bores (K) have ranges of their own, and are not
+  read.
+- Other bearings are told by the first digits of their number (ISO 15 with the makers' common scheme, DIN 623-1; C).
+"""
+
+import re
+from collections.abc import Mapping
+from typing import Final, NamedTuple
+
+from rollslip.datasets import OwnCage
+
+__all__ = ["Designation", "other_bearing", "read_designation"]
+
+#: Makers and words that stand beside a designation.
+_BESIDE: Final = (
+    "SKF|FAG|INA|SCHAEFFLER|NSK|NTN|SNR|KOYO|JTEKT|NACHI|NKE|TIMKEN|FAFNIR|TORRINGTON|URB|ZKL|ZVL|KINEX|RHP|STEYR|"
+    "FERSA|ISB|FBJ|KBC|LYC|ZWZ|HRB|CRAFT|MPZ|EPK|GPZ|PSL|MRC|IBC|FKL|NBS|CX|CODEX|ROLLWAY|NRB|SLF|EXPLORER|"
+    "CYLINDRICAL|ROLLER|BALL|BEARINGS?|ZYLINDERROLLENLAGER|W(?:AE|Ä)LZLAGER|DIN ?5412(?:-1)?|TYPE|SINGLE|ROW|CRB"
+)
+_FRAMED: Final = re.compile(rf"^(?:[\s\-:,./]*(?:{_BESIDE})\b)*(?:[\s\-:,./]*(?:{_BESIDE})(?=[A-Z]*\d))?[\s\-:,./]*")
+_BEHIND: Final = re.compile(rf"(?:[\s\-:,./(\[]+(?:{_BESIDE})[\s)\]]*)+$")
+#: Letters -> what the cage is of, and what guides it; "ribs" is the ring that has them.
+_CAGES: Final[Mapping[str, tuple[str, str]]] = {
+    **dict.fromkeys(
+        ("P", "TVP", "TVP2", "TVP3", "TVPX", "TN", "TN9", "TNG", "T", "T2", "T2X", "G15", "G"), ("polyamide", "roller")
+    ),
+    **dict.fromkeys(("PA", "TVPA"), ("polyamide", "outer")),
+    **dict.fromkeys(("TVPB",), ("polyamide", "inner")),
+    **dict.fromkeys(("J", "JP", "JP1", "JP3", "W"), ("steel", "roller")),
+    **dict.fromkeys(("M", "M1", "M6", "MR", "MY", "FY", "FG", "G1", "L1"), ("brass", "roller")),
+    **dict.fromkeys(("MA", "M1A", "MA6", "MPA", "MP1A", "MAS"), ("brass", "outer")),
+    **dict.fromkeys(("MB", "M1B", "MB6", "MPB", "MP1B"), ("brass", "inner")),
+    **dict.fromkeys(("ML", "MP"), ("brass", "ribs")),
+}
+#: What says nothing of what is modelled: PEEK, precision, heat treatment, insulation, special versions, interchange.
+_SILENT: Final = (
+    "PHA?S?|P[0456]|P63|S[0-4]|SN|NA|R\\d{2,3}|W\\d{2,3}|L4B|L5B|V[ACEQL]\\d{3,4}|J20[A-Z]{0,2}|F1|FV|AH|XL|W33|Q"
+)
+_CAGE: Final = "|".join(sorted(_CAGES, key=len, reverse=True))
+_TAIL: Final = re.compile(
+    rf"(?P<design>OLD|EC|EXL|E|R)?(?:XL)?(?:(?P<cage>{_CAGE})|PHA?S?)?(?:{_SILENT})*?"
+    rf"(?:(?P<group>C[2345N])(?P<half>[LMH])?)?(?:{_SILENT})*"
+)
+_NUMBER: Final = re.compile(r"(?P<type>NUP|NU|NJ|N)(?P<series>10|22|23|2|3|4)(?P<code>\d\d)(?!\d)(?P<tail>.*)")
+
+
+class Designation(NamedTuple):
+    """What a designation says of a cylindrical roller bearing.
+
+    Attributes
+    ----------
+    type, series, code : str
+        "NU", "22", "10" of an NU 2210 ECP/C3.
+    reinforced, old : bool
+        Whether it is said to be of the reinforced type E, or of the one before it.
+    cage : OwnCage or None
+        What its letters say of the cage.
+    group : str or None
+        Group of clearance, as "C3" or "CNL", where one is said.
+    """
+
+    type: str
+    series: str
+    code: str
+    reinforced: bool
+    old: bool
+    cage: OwnCage | None
+    group: str | None
+
+
+def _bare(written: str) -> str:
+    """Return a designation in capitals, without makers around it."""
+    return _BEHIND.sub("", _FRAMED.sub("", written.upper().strip()))
+
+
+def _packed(written: str) -> str:
+    return re.sub(r"[^A-Z0-9]", "", _bare(written))
+
+
+def read_designation(written: str) -> Designation | None:
+    """Return what a designation says, however it is spelled; None if it is none of a bearing NU, NJ, NUP or N.
+
+    Examples
+    --------
+    >>> read = read_designation("SKF NU 2210 ECP/C3")
+    >>> read.series, read.code, read.cage.make, read.group
+    ('22', '10', 'polyamide', 'C3')
+    """
+    number = _NUMBER.fullmatch(_packed(written))
+    tail = None if number is None else _TAIL.fullmatch(number["tail"])
+    if number is None or tail is None:
+        return None
+    cage = None
+    if tail["cage"] is not None:
+        make, guidance = _CAGES[tail["cage"]]
+        ribbed = "inner" if number["type"] == "N" else "outer"
+        cage = OwnCage(make, ribbed if guidance == "ribs" else guidance, tail["cage"])
+    return Designation(
+        number["type"],
+        number["series"],
+        number["code"],
+        tail["design"] in ("E", "EC", "EXL", "R"),
+        tail["design"] == "OLD",
+        cage,
+        None if tail["group"] is None else tail["group"] + (tail["half"] or ""),
+    )
+
+
+#: Series of others -> what they are of: what stands before the code of the bore.
+_SERIES: Final[Mapping[str, str]] = {
+    series: what
+    for what, every in {
+        "deep groove ball bearing": "6 60 62 63 64 68 69 160 161 617 618 619 622 623 628 630 632 633 638",
+        "double row deep groove ball bearing": "42 43",
+        "self-aligning ball bearing": "1 10 12 13 14 22 23 112 113 115",
+        "angular contact ball bearing": "7 70 72 73 74 78 79 718 719",
+        "double row angular contact ball bearing": "30 32 33 38 52 53 54",
+        "spherical roller bearing": "213 222 223 230 231 232 233 238 239 240 241 248 249",
+        "barrel roller bearing": "202 203 204",
+        "taper roller bearing": "302 303 313 320 322 323 329 330 331 332",
+        "thrust ball bearing": "511 512 513 514 522 523 524 532 533 534 542 543 544",
+        "double direction angular contact thrust ball bearing": "2344 2347",
+        "spherical roller thrust bearing": "292 293 294",
+        "cylindrical roller thrust bearing": "811 812 874 893 894 895",
+    }.items()
+    for series in every.split()
+}
+#: How lettered ones begin -> what they are; the first that fits counts.
+_LETTERED: Final = tuple(
+    (re.compile(rf"(?:{begins})"), what)
+    for begins, what in (
+        (r"NN[UC]?\d|NNU\d", "double row cylindrical roller bearing"),
+        (r"NCF|NJG|NNC|NNF|SL0?\d|RSL|NUPV?\d+V|N[UJ]\d+V", "full complement cylindrical roller bearing"),
+        (r"RNU?\d|RNJ\d|RNUP\d", "cylindrical roller bearing without one of its rings"),
+        (r"HJ\d|NH\d|NUJ\d", "cylindrical roller bearing with an angle ring, or the angle ring"),
+        (r"L?L?RJ\d|M?MRJ\d|CRM\d|CRL\d", "cylindrical roller bearing of inch sizes"),
+        (r"R?NA[OX]?\d|NK[ISXR]?|NKI[ABS]|H[KFN]L?\d|BK\d|K\d+X|AXK|NX\d|DL\d|IR\d", "needle roller bearing"),
+        (r"KRV?E?\d|N[UA][KT][RV]|PWKR|R?STO\d|CF\d", "track roller"),
+        (r"U[CKE]L?[PFT]?\d|UCF[LC]\d|S[AB]\d|YA[RT]|YE[TL]|GRAE|RAE|G[EY]E?\d+KRR|GYE?\d", "insert bearing"),
+        (r"GE[HGZ]?\d|GI?[AEX]?K?[RL]?\d|G[AI]\w*\d|S[AI]L?\w?\d|GX\d", "spherical plain bearing or rod end"),
+        (r"QJF?\d", "four-point contact ball bearing"),
+        (r"C\d{4}", "toroidal roller bearing"),
+        (r"T\d[A-Z]{2}\d|J?L?H?[LHM]M?\d{5,6}|J[LHMWF]M?\d|HH\d|EE\d|(?:4T|ET|HR|TR)\d", "taper roller bearing"),
+        (r"LM\d+UU|LME?\d|LB[BCE]R?\d|KH\d", "linear ball bearing"),
+    )
+)
+#: Letters before a number that change nothing of what it is: hybrid, stainless, coated, for spindles.
+_BEFORE: Final = re.compile(r"(?:E2|BB1|HCB|HCS|XCB|HSS|HC|HS|SS|S|W|B|4T|ET|HR|TR)[\s.\-]*(?=\d{3})")
+_CORE: Final = re.compile(r"(?P<series>\d+?)(?P<code>\d\d|/\d+)(?=\D|2(?:RS|Z|RZ|LS)|$)")
+
+
+def other_bearing(written: str) -> str | None:
+    """Return what a designation is of that is none of the catalogue, in words; None where that is not known.
+
+    Examples
+    --------
+    >>> other_bearing("SKF 6205-2RS1/C3")
+    'a deep groove ball bearing'
+    """
+    bare, packed = _bare(written), _packed(written)
+    if (number := _NUMBER.fullmatch(packed)) is not None:
+        shown = f"{number['type']}{number['series']}{number['code']}"
+        if read_designation(written) is not None:
+            return f"a cylindrical roller bearing, {shown} as written is not in the catalogue"
+        return f"a cylindrical roller bearing {shown}, but what {number['tail']!r} behind that means is not known here"
+    plain = _BEFORE.sub("", bare, count=1) if _BEFORE.match(bare) else bare
+    core = _CORE.match(re.sub(r"(?<=\d)\s(?=\d\d\b)", "", plain))
+    what = None if core is None else _SERIES.get(core["series"])
+    if core is not None and what is None and "/" in core["code"]:
+        what = "taper roller bearing"  # cone and cup of inch sizes, 15101/15245
+    what = what or next((what for begins, what in _LETTERED if begins.match(packed)), None)
+    if what is None and re.match(r"N(?:UP?|JP?|F|P)?\d", packed):
+        what = "cylindrical roller bearing of a size or a series that is not in the catalogue"
+    return what and f"a{'n' * (what[0] in 'aeiou')} {what}"
