@@ -170,8 +170,8 @@ def other_bearing(written: str) -> str | None:
     bare, packed = _bare(written), _packed(written)
     if (number := _NUMBER.fullmatch(packed)) is not None:
         shown = f"{number['type']}{number['series']}{number['code']}"
-        if read_designation(written) is not None:
-            return f"a cylindrical roller bearing, {shown} as written is not in the catalogue"
+        if read_designation(written) is not None:  # the nearest size is a better answer
+            return None
         return f"a cylindrical roller bearing {shown}, but what {number['tail']!r} behind that means is not known here"
     plain = _BEFORE.sub("", bare, count=1) if _BEFORE.match(bare) else bare
     core = _CORE.match(re.sub(r"(?<=\d)\s(?=\d\d\b)", "", plain))
