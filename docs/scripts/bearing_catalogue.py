@@ -4,11 +4,11 @@
 
 The files are not part of the package. The first has a row for each bearing: ``designation``, such as
 ``NU2210 E (NSK)``, ``bore_mm``, ``outside_mm``, ``width_mm``, ``rollers``, ``roller_diameter_mm``,
-``roller_length_mm``, ``inner_raceway_diameter_mm`` and ``outer_raceway_diameter_mm``; what is not known is empty. The table was made of 156
-bearings whose raceways (F of types NU and NJ, E of type N) are printed in catalogues of NSK and SKF: D = (E - F)/2 and
-d_m = (E + F)/2 are exact, number and effective length of the rollers follow from the static rating C0 by ISO 76 and the
-sizes of standard rollers. The second is that of ``tests/references/catalogue_ratings.py``, 162 static ratings that NKE
-prints. The scatter of Z L is that of all bearings of both.
+``roller_length_mm``, ``inner_raceway_diameter_mm`` and ``outer_raceway_diameter_mm``; what is not known is empty. The
+table was made of 156 bearings whose raceways (F of types NU and NJ, E of type N) are printed in catalogues of NSK and
+SKF: D = (E - F)/2 and d_m = (E + F)/2 are exact, number and effective length of the rollers follow from the static
+rating C0 by ISO 76 and the sizes of standard rollers. The second is that of ``tests/references/catalogue_ratings.py``,
+162 static ratings that NKE prints. The scatter of Z L is that of all bearings of both.
 """
 
 import csv

@@ -109,7 +109,7 @@ class Assembly:
         Raises
         ------
         SceneError
-            If the scene has none, or it is wrong.
+            If it is wrong.
         PluginError
             If a drag that it names does not exist or cannot be loaded.
         """

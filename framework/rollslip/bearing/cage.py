@@ -1,27 +1,28 @@
 """The cage of a scene: its table with what is estimated where nothing is given, and its drags bound.
 
-- Mass and inertia are required: nothing that moves should move by an estimate nobody has seen. The error proposes some.
-- Everything else of the table has a default that is graded (D), an estimate from the bearing's size; a study says what
-  it has used.
+- Nothing of the table is required. What it is of and what guides it follow from the letters of the bearing's name, or
+  from what makers put into such a bearing (`rollslip.datasets.OwnCage`); all else is estimated from make and size (D).
+  A plan says what was estimated, and what is stated is held against it: `doubts`.
 - A drag takes from the scene what it is not given itself. What the scene does not have either is a fault of the scene.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Final, NamedTuple
 
 import attrs
 
 from rollslip.bearing.drags import Drags, TotalResistance
 from rollslip.bearing.kinematics import Kinematics
+from rollslip.catalogue.discovery import own_cage
 from rollslip.catalogue.registry import structure_model
-from rollslip.datasets import Bearing
-from rollslip.errors import DomainError, SceneError
+from rollslip.datasets import Bearing, Scatter
+from rollslip.errors import DomainError, RollslipError, SceneError
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
-from rollslip.scene.values import Scene
+from rollslip.scene.values import DEFAULT_DRAG, Scene, resolved
 from rollslip.structure import Location, structure
 from rollslip.units import expectation, format_quantity, quantity
 
@@ -61,21 +62,60 @@ MAKES: Final[Mapping[str, Make]] = {
 }
 
 
+#: What else a cage may be whose table is silent: makes, and factors of the estimated clearance of its land (D).
+ALTERNATIVES: Final[Mapping[str, tuple[object, ...]]] = {
+    "cage.make": tuple(MAKES),
+    "cage.land_clearance": (0.5, 2.0),
+}
+#: How estimates of a cage scatter, where a scene does not state them.
+SCATTER: Final = (
+    Scatter(
+        quantity="land_clearance",
+        distribution="lognormal",
+        parameters={"scatter": 0.7},
+        grade="(D)",
+        source="estimated at 0.25 % of the land's radius; with it the torque of the land scatters by a factor of 2",
+    ),
+)
+
+
+def _of_the_bearing(cage: "Cage") -> float:
+    raise TypeError("a cage takes mass, inertia and pocket_clearance; read_cage estimates them")  # pragma: no cover
+
+
+_estimated: Any = attrs.Factory(_of_the_bearing, takes_self=True)
+
+
 @attrs.frozen(kw_only=True)
 class Cage:
-    """The cage: mass, pockets, guidance, and what drags it."""
+    """The cage: make, mass, pockets, guidance, and what drags it."""
 
-    mass: float = field(unit="kg", doc="mass", validator=positive, usual=(1e-3, 300), possible=(1e-9, 1e6))
+    make: str = field(
+        default="brass",
+        doc="what it is of; by default what the bearing's name says, or makers put in (D)",
+        validator=one_of(*MAKES),
+    )
+    mass: float = field(
+        default=_estimated,
+        unit="kg",
+        doc="mass; by default that of a ring with pockets of this make and size (D)",
+        validator=positive,
+        usual=(1e-3, 300),
+        possible=(1e-9, 1e6),
+    )
     inertia: float = field(
+        default=_estimated,
         unit="kg m2",
-        doc="moment of inertia about the axis of the bearing",
+        doc="moment of inertia about the axis of the bearing; by default the mass on the orbit of the rollers (D)",
         validator=positive,
         usual=(1e-8, 300),
         possible=(1e-15, 1e8),
     )
     pocket_clearance: float = field(
+        default=_estimated,
         unit="m",
-        doc="clearance of a roller in its pocket along the orbit, full play; by default 1.5 % of its diameter (D)",
+        doc="clearance of a roller in its pocket along the orbit, full play; by default 1.5 % of its diameter in "
+        "brass, 2 % in steel, 2.5 % in polyamide (D)",
         validator=non_negative,
         usual=(0, 5e-3),
         possible=(0, 1),
@@ -83,7 +123,7 @@ class Cage:
     pocket_stiffness: float = field(
         default=5e7,
         unit="N/m",
-        doc="stiffness of the contact of a roller with its pocket (D)",
+        doc="stiffness of the contact of a roller with its pocket; by default a tenth of it in polyamide (D)",
         validator=positive,
         usual=(1e5, 1e10),
         possible=(1e-3, 1e15),
@@ -176,47 +216,64 @@ def estimated_inertia(bearing: Bearing, make: str = "brass") -> tuple[float, flo
 
 
 def _estimates(bearing: Bearing, table: Mapping[str, object]) -> dict[str, object]:
-    """Return what the bearing's size says of a cage where its table is silent."""
-    b = bearing
-    estimates: dict[str, object] = {"pocket_clearance": MAKES["brass"].pocket_clearance * b.roller_diameter}
-    shoulder = 0.2 * b.roller_diameter
-    lands = {"inner": b.inner_raceway_diameter / 2 + shoulder, "outer": b.outer_raceway_diameter / 2 - shoulder}
-    guidance = table.get("guidance")
+    """Return what make and size say of a cage where its table is silent."""
+    b, name = bearing, table.get("make", "brass")
+    make = MAKES.get(name) if isinstance(name, str) else None
+    if make is None:  # the reader says so
+        name, make = "brass", MAKES["brass"]
+    mass, inertia = estimated_inertia(b, str(name))
+    estimates: dict[str, object] = {
+        "mass": mass,
+        "inertia": inertia * _number(table, "mass", "kg", mass) / mass,
+        "guidance": make.guidance if "make" in table else "roller",
+        "pocket_clearance": make.pocket_clearance * b.roller_diameter,
+        "pocket_stiffness": make.pocket_stiffness,
+    }
+    lands = _lands(b)
+    guidance = table.get("guidance", estimates["guidance"])
     if isinstance(guidance, str) and guidance in lands:
-        try:
-            radius = quantity(table.get("land_radius", lands[guidance]), "m")
-        except ValueError:  # the reader says so
-            radius = lands[guidance]
+        radius = _number(table, "land_radius", "m", lands[guidance])
         estimates |= {"land_radius": radius, "land_width": b.roller_length / 2, "land_clearance": 0.0025 * radius}
     return estimates
 
 
+def _lands(bearing: Bearing) -> dict[str, float]:
+    """Radius of the land that either ring has, its shoulder 0.2 roller diameters beyond the raceway [m]."""
+    shoulder = 0.2 * bearing.roller_diameter
+    return {
+        "inner": bearing.inner_raceway_diameter / 2 + shoulder,
+        "outer": bearing.outer_raceway_diameter / 2 - shoulder,
+    }
+
+
+def _number(table: Mapping[str, object], key: str, unit: str, otherwise: float) -> float:
+    try:
+        return quantity(table.get(key, otherwise), unit)
+    except ValueError:  # the reader says so
+        return otherwise
+
+
+def _default_drag(table: Mapping[str, object], guidance: str) -> list[str]:
+    """Names of the drags of a cage of which neither these nor weights are stated: the bearing's own."""
+    return [] if table.keys() & {"mass", "inertia"} else list(DEFAULT_DRAG[guidance])
+
+
 def read_cage(scene: Scene) -> Cage:
-    """Return the cage of a scene with its drags as they are named, which `with_drags` binds.
+    """Return the cage of a scene, that of its bearing where it has none, with its drags as they are named.
+
+    `with_drags` binds these.
 
     Raises
     ------
     SceneError
-        If there is none, or it is wrong; all faults that can be found at once.
+        If it is wrong; all faults that can be found at once.
     PluginError
         If a drag that it names does not exist or cannot be loaded.
     """
     where, problems = Location(scene.origins, ("cage",)), list[str]()
     table: dict[str, object] = dict(scene.cage or {})
-    likely = {make: estimated_inertia(scene.bearing, make) for make in MAKES}
-    for k, (key, of, unit) in enumerate((("mass", "mass", "kg"), ("inertia", "moment of inertia", "kg m2"))):
-        if key not in table:
-            shown = {make: format_quantity(float(f"{both[k]:.3g}"), unit) for make, both in likely.items()}
-            each = ", ".join(f"{value} of {make}" for make, value in shown.items())
-            problems.append(
-                where.at(key).says(
-                    f"missing, but required ({of} of the cage); one for this bearing may have {each} (estimates, (D)): "
-                    f"cage.{key} = '{shown['brass']}'"
-                )
-            )
-            table[key] = shown["brass"]
     cage = structure(Cage, {**_estimates(scene.bearing, table), **table}, where, problems)
-    raw = table.get("drag", ())
+    raw = table.get("drag", () if cage is None else _default_drag(table, cage.guidance))
     models = [
         structure_model("drag", drag, where.at("drag").at(k), problems)
         for k, drag in enumerate(raw if isinstance(raw, list | tuple) else ())
@@ -224,6 +281,73 @@ def read_cage(scene: Scene) -> Cage:
     if cage is None or problems:
         raise SceneError(problems)
     return attrs.evolve(cage, named=tuple(models))
+
+
+def _written(scene: Scene) -> tuple[str, Mapping[str, Any]]:
+    """Return the name of the bearing and what is written of the cage, both empty where there is nothing."""
+    raw: Mapping[str, Any] = resolved(scene) if scene.raw is None else scene.raw
+    bearing = raw.get("bearing")
+    return str(bearing.get("name", "")) if isinstance(bearing, Mapping) else "", raw.get("cage") or {}
+
+
+def in_words(scene: Scene, cage: Cage) -> tuple[str, str]:
+    """Return what a cage is, in words, and how that is known."""
+    name, written = _written(scene)
+    guide = "the rollers" if cage.guidance == "roller" else f"the {cage.guidance} ring"
+    own = own_cage(name)
+    if "make" in written:
+        known = "cage.make says so"
+    elif own is None:
+        known = "make assumed, cage.make says another"
+    elif own.letters:
+        known = f"{own.letters} of {name} says so"
+    else:
+        known = f"make assumed, most makers' for {name}; cage.make says another"
+    silent = [key for key in ("mass", "inertia", "pocket_clearance", "pocket_stiffness") if key not in written]
+    silent += [key for key in ("land_radius", "land_width", "land_clearance") if getattr(cage, key) is not None]
+    silent = [key for key in silent if key not in written]
+    estimated = f"; estimated (D): {', '.join(silent)}" if silent else ""
+    return f"{cage.make}, {format_quantity(cage.mass, 'kg', 3)}, guided by {guide}", known + estimated
+
+
+def unstated_scatter(scene: Scene, cage: Cage) -> tuple[Scatter, ...]:
+    """Return of `SCATTER` what is of this cage, and not stated."""
+    _, written = _written(scene)
+    return tuple(
+        one for one in SCATTER if one.quantity not in written and getattr(cage, one.quantity, None) is not None
+    )
+
+
+def doubts(scene: Scene) -> Iterator[tuple[Location, str]]:
+    """Yield place and sentence of what is stated of a cage that can hardly be that of the bearing."""
+    name, written = _written(scene)
+    try:
+        cage = read_cage(scene)
+    except RollslipError:  # who needs it says so
+        return
+    b, where, own = scene.bearing, Location(scene.origins, ("cage",)), own_cage(name)
+    if own is not None and own.letters:
+        for key, says in (("make", own.make), ("guidance", own.guidance)):
+            if key in written and getattr(cage, key) != says:
+                yield where.at(key), f"{getattr(cage, key)!r}, but {own.letters} of {name} says {says!r}"
+    mass, _ = estimated_inertia(b, cage.make)
+    orbit = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 4
+    for key, value, by, of, (low, high) in (
+        ("mass", cage.mass, mass, f"that of a cage of {cage.make} in this bearing, estimated (D)", (1 / 3, 3.0)),
+        ("inertia", cage.inertia, cage.mass * orbit**2, "the mass on the orbit of the rollers", (0.7, 1.4)),
+        ("pocket_clearance", cage.pocket_clearance, b.roller_diameter, "the roller diameter", (1e-3, 0.08)),
+    ):
+        if key in written and not low <= value / by <= high:
+            unit = attrs.fields_dict(Cage)[key].metadata["unit"]
+            shown, other = format_quantity(value, unit, 4), format_quantity(by, unit, 3)
+            yield where.at(key), f"{shown} is {value / by:.3g} times {of}, {other}; {low:.2g} to {high:.2g} is usual"
+    if "land_radius" in written and cage.land_radius is not None:
+        inner, outer = b.inner_raceway_diameter / 2, b.outer_raceway_diameter / 2
+        low, high = (inner, orbit) if cage.guidance == "inner" else (orbit, outer)
+        if not low <= cage.land_radius <= high:
+            shown, first, last = (format_quantity(one, "m", 4) for one in (cage.land_radius, low, high))
+            ring = f"the shoulder of the {cage.guidance} ring ends between its raceway and the orbit"
+            yield where.at("land_radius"), f"{shown}, but {ring}, {first} to {last}"
 
 
 def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cage:

@@ -51,9 +51,10 @@ def new(file: Path, **given: str | None) -> None:
 
     In a terminal it asks for what no option gives. Elsewhere that is assumed, and marked in the scene.
     """
+    from rollslip.catalogue.discovery import own_cage
     from rollslip.errors import OutputError, RollslipError, SceneError
     from rollslip.files import whole_file
-    from rollslip.planning.new_scene import ASSUMED, MEANING, assumed_load, checked, named_cage, new_scene
+    from rollslip.planning.new_scene import ASSUMED, MEANING, assumed_load, checked, new_scene
     from rollslip.planning.plausibility import implausible
     from rollslip.scene.reading import parse_scene
 
@@ -82,13 +83,13 @@ def new(file: Path, **given: str | None) -> None:
     if errors:
         raise errors[0] if len(errors) == 1 else SceneError([str(error) for error in errors])
     asking = at_a_terminal()
-    if "cage" not in values and not asking and (cage := named_cage(written.get("bearing", ""))):
-        values["cage"] = cage
+    if "cage" not in values and not asking and (own := own_cage(values.get("bearing"))) and own.letters:
+        values["cage"] = own.make
     missing = [option for option in MEANING if option not in values]
     for option in missing:
         usual = assumed_load(values["bearing"]) if option == "load" else checked(option, ASSUMED[option])
         if option == "cage":
-            usual = named_cage(written.get("bearing", "")) or usual
+            usual = own.make if (own := own_cage(values["bearing"])) else usual
         values[option] = (
             click.prompt(MEANING[option], default=usual, value_proc=partial(answer, option), err=True)
             if asking

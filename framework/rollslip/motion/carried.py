@@ -133,7 +133,7 @@ def carried_motion(
     Raises
     ------
     SceneError
-        If the scene has no cage.
+        If the cage is wrong.
     ConvergenceError
         If loads or tables do not reach the tolerance.
     DomainError

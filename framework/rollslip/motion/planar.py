@@ -294,7 +294,7 @@ def planar_motion(assembly: Assembly, settings: PlanarSettings, friction: Fricti
     Raises
     ------
     SceneError
-        If the scene has no cage.
+        If the cage is wrong.
     DomainError
         If the scene tilts rollers or rings.
     ConvergenceError

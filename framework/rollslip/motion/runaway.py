@@ -184,8 +184,6 @@ def running(assembly: Assembly, instants: int, away: Runaway) -> Running:
     Running
         The slip is known to a ten-thousandth of itself. Without any drag it is zero.
     """
-    if assembly.scene.cage is None:
-        return _not_running("the scene has no cage, so what drags it is not known; give it a table [cage] with drag")
     balance = rollers(assembly, instants)
     if balance.rolls_freely:
         return Running(0.0, 0.0, "found")
@@ -238,17 +236,10 @@ def _crossing(excess: Callable[[float], float], low: float, high: float) -> floa
 
 def rollers(assembly: Assembly, instants: int, *, effective: bool = False, inertia: bool = True) -> TorqueBalance:
     """Return the balance of torques of a bearing, resistance to rolling and pockets with it, on instants or more."""
-    bearing, drags = _resisted(assembly)
+    bearing, drags = assembly.with_resistance(), assembly.cage.drags
     instants = max(instants, -(-_POSITIONS // assembly.scene.bearing.rollers))
     curves = effective_curves(bearing, instants) if effective else None
     return TorqueBalance(bearing, drags, instants=instants, effective=curves, inertia=inertia)
-
-
-def _resisted(assembly: Assembly) -> tuple[Assembly, Drags]:
-    """The bearing with its resistance to rolling, and the drags of its cage, if the scene has one."""
-    if assembly.scene.cage is None:
-        return assembly, Drags()
-    return assembly.with_resistance(), assembly.cage.drags
 
 
 def _none(status: str) -> Runaway:
@@ -280,7 +271,7 @@ def scan(assembly: Assembly, largest: float, *, effective: bool = False) -> tupl
             if effective:
                 balance = rollers(simple, 1, effective=True, inertia=False)
                 return slips, np.array([balance.torque(float(slip)) for slip in slips]), refusal
-            return slips, free_torques(*_resisted(simple), 1, slips, _LOADS), refusal
+            return slips, free_torques(simple.with_resistance(), simple.cage.drags, 1, slips, _LOADS), refusal
         except (DomainError, ConvergenceError) as error:
             slips, refusal = slips[:-1], str(error)
     return slips, slips, refusal

@@ -13,14 +13,15 @@ from typing import Any, Final
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import MAKES, estimated_inertia
-from rollslip.catalogue.discovery import families, find, load
+from rollslip.catalogue.discovery import find, load, own_cage
 from rollslip.errors import SceneError
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.reading import parse_scene
+from rollslip.scene.values import DEFAULT_DRAG
 from rollslip.structure import Location
 from rollslip.units import UnitError, format_quantity, quantity
 
-__all__ = ["ASSUMED", "MEANING", "assumed_load", "checked", "named_cage", "new_scene"]
+__all__ = ["ASSUMED", "MEANING", "assumed_load", "checked", "new_scene"]
 
 #: Option of ``rollslip new`` -> what it is.
 MEANING: Final = {
@@ -31,7 +32,7 @@ MEANING: Final = {
     "temperature": "temperature of the bearing",
     "cage": f"cage: {', '.join(MAKES)}",
 }
-#: What is taken where nothing is said; of the load see `assumed_load`.
+#: What is taken where nothing is said; of the load see `assumed_load`; a cage is the bearing's own if its name has one.
 ASSUMED: Final = {
     "bearing": "NU2210",
     "oil": "iso-vg-68",
@@ -62,7 +63,8 @@ def checked(option: str, value: str) -> str:
         If it is no such quantity.
     """
     if option in _KINDS:
-        return find(_KINDS[option], value.strip()).name
+        offer = find(_KINDS[option], value.strip())
+        return value.strip() if option == "bearing" and offer.is_family else offer.name  # its letters tell the cage
     if option in _UNITS:
         value = value.replace(",", ".") if _COMMA.match(value) else value
         try:
@@ -76,12 +78,6 @@ def checked(option: str, value: str) -> str:
             raise SceneError([f"{option}: there are cages of {', '.join(MAKES)}, not of {value!r}"])
         return spelled
     return value.strip()
-
-
-def named_cage(designation: str) -> str | None:
-    """Return what the cage of a bearing is of where its designation says so, as "NU 2210 ECP" says polyamide."""
-    said = (family.cage(designation) for _, family in families("bearing"))
-    return next((own.make for own in said if own is not None and own.letters), None)
 
 
 def assumed_load(bearing: str) -> str:
@@ -129,7 +125,10 @@ def _marks(assumed: frozenset[str]) -> dict[str, str]:
 def _values(*, bearing: str, cage: str, **given: str) -> dict[str, object]:
     """Return what the template takes."""
     named: Any = load(find("bearing", bearing))
-    b, make = named.bearing, MAKES[cage]
+    b, own = named.bearing, own_cage(bearing)
+    follows = own is not None and own.make == cage
+    make, guidance = MAKES[cage], own.guidance if own is not None and follows else MAKES[cage].guidance
+    says = own.letters if own is not None and follows else ""
     mass, inertia = estimated_inertia(b, cage)
     lengths = ("roller_diameter", "roller_length", "inner_raceway_diameter", "outer_raceway_diameter")
     return {
@@ -138,14 +137,15 @@ def _values(*, bearing: str, cage: str, **given: str) -> dict[str, object]:
         "estimated": "estimated (D)" if "D" in named.grades.values() else "known",
         "rollers": b.rollers,
         **{name: format_quantity(getattr(b, name), "m") for name in (*lengths, "radial_clearance")},
-        "make": make.words,
+        "follows": "# " if follows else "",
+        "make": cage,
+        "why_make": f"{make.words}{f': {says} in the name' if says else ': most makers put it in' if follows else ''}",
         "mass": format_quantity(mass, "kg", 3),
         "inertia": f"{inertia:.3g} kg m2",
-        "guidance": make.guidance,
+        "guidance": guidance,
         "pocket_clearance": format_quantity(make.pocket_clearance * b.roller_diameter, "m", 3),
         "pocket_stiffness": f"{make.pocket_stiffness / 1e6:g} MN/m",
-        "on_land": "# " if make.guidance == "roller" else "",
-        "on_rollers": "" if make.guidance == "roller" else "# ",
+        "drag": ", ".join(f'"{name}"' for name in DEFAULT_DRAG[guidance]),
         **given,
     }
 

@@ -19,6 +19,7 @@ from typing import Any, Final
 import attrs
 
 from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.cage import in_words, read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution
 from rollslip.cards import Card
 from rollslip.catalogue.packages import check_required
@@ -310,6 +311,8 @@ def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluat
         for name in ("tolerance", "critical_slip", "friction", "cage_speed")
         if (value := getattr(scene.accuracy, name)) is not None and value < EXACT
     ]
+    if any(study.with_cage for study in studies.values()) and "mass" not in (scene.cage or {}):
+        said.append(f"the cage is the bearing's own, {'; '.join(in_words(scene, read_cage(scene)))}")
     if held := _held(scene, studies):
         said.append(
             f"models.thermal does not act in {', '.join(held)}: rings, rollers and oil "
@@ -372,12 +375,14 @@ def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     if not any(study.with_cage for study in studies.values()):
         reason = "the scene has no study of cage and rollers in motion"
         return [Part(part="cage, drag and integrators", included=False, choice="not loaded", reason=reason)]
+    named = "cage.drag names it" if "drag" in (assembly.scene.cage or {}) else "cage.drag is not stated"
+    choice, known = in_words(assembly.scene, assembly.cage)
+    cage = Part(part="cage", choice=choice, reason=known)
     drags = [
-        Part(part="drag", choice=model.name, resolution=model.equation, reason="cage.drag names it")
-        for model in assembly.cage.drags
+        Part(part="drag", choice=model.name, resolution=model.equation, reason=named) for model in assembly.cage.drags
     ]
     reason = "cage.drag names none: nothing holds the cage back, and without drag there is no slip"
-    return drags or [Part(part="drag", included=False, choice="none", reason=reason)]
+    return [cage, *(drags or [Part(part="drag", included=False, choice="none", reason=reason)])]
 
 
 def _heat(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:

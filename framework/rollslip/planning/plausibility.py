@@ -7,7 +7,7 @@ import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rollslip.bearing.cage import Cage
+from rollslip.bearing.cage import Cage, doubts
 from rollslip.errors import RollslipError
 from rollslip.fields import unusual
 from rollslip.lubricant.table import OilTable
@@ -34,7 +34,7 @@ def implausible(scene: Scene) -> list[str]:
     for name, table in studies.items() if isinstance(studies, Mapping) else ():
         with contextlib.suppress(RollslipError):  # who runs it says so
             found += unusual_values(study_class(name, scene), table, where.at("study").at(name))
-    found += unusual_relations(scene, raw, where)
+    found += [*unusual_relations(scene, raw, where), *doubts(scene)]
     return [*dict.fromkeys(at.says(told) for at, told in found)]
 
 
@@ -63,7 +63,7 @@ def implausible_along(scene: Scene, of: Quantity, values: Sequence[object], whic
     which
         What they are: "values", "ends of the samples".
     """
-    told_by_itself = {at.path for at, _ in unusual_relations(scene, resolved(scene), Location({}))}
+    told_by_itself = {at.path for at, _ in (*unusual_relations(scene, resolved(scene), Location({})), *doubts(scene))}
     first, counts = dict[str, str](), dict[str, int]()
     for value in values:
         for key, told in _unusual_at(scene, of, value, told_by_itself):
@@ -88,6 +88,6 @@ def _unusual_at(scene: Scene, of: Quantity, value: object, told_by_itself: set[A
             yield of.key, told
     changed = evolve(scene, {of.key: value})
     raw = resolved(changed) if changed.raw is None else changed.raw
-    for at, told in unusual_relations(changed, raw, Location({})):
+    for at, told in (*unusual_relations(changed, raw, Location({})), *doubts(changed)):
         if at.path not in told_by_itself or at.says("") == of.key:
             yield at.says(""), told

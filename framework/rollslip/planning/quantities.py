@@ -43,9 +43,8 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
             for one in choice:
                 made = structure_model(kind, {"model": one.name, **one.parameters}, Location({}), [])
                 found += _of(made, f"models.{kind}.{one.name}")
-    if scene.cage is not None:
-        with contextlib.suppress(RollslipError):  # the study that needs a cage says so
-            found += _of(assembly.cage, "cage")
+    with contextlib.suppress(RollslipError):  # the study that needs a cage says so
+        found += _of(assembly.cage, "cage")
     for name, study in studies.items():
         found += _of(study, f"study.{name}")
     return {one.key: one for one in found}

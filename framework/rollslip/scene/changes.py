@@ -143,7 +143,8 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
         origins[path] = _CHANGES
     if problems:
         raise SceneError(problems)
-    kept = {key: getattr(scene, key) for key in raw.keys() - changed}
+    follows = {"cage"} if "bearing" in changed else set()  # it comes from the bearing's name where it says nothing
+    kept = {key: getattr(scene, key) for key in raw.keys() - changed - follows}
     return checked_scene(raw, origins, scene.source, scene.text, kept)
 
 

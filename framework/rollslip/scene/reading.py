@@ -129,7 +129,7 @@ def checked_scene(
 ) -> Scene:
     """Return the scene of a raw table whose keys came from the places given; ``known`` are tables read already."""
     problems: list[str] = []
-    complete = _with_named_data(raw, Location(origins), problems)
+    complete = _with_own_cage(raw, _with_named_data(raw, Location(origins), problems))
     scene = structure(Scene, complete, Location(origins), problems, known)
     if scene is not None:
         problems += impossible_relations(scene, complete, Location(origins))
@@ -159,6 +159,18 @@ def _with_named_data(raw: dict[str, object], where: Location, problems: list[str
         if complete[kind] == own:  # as when a name is set in a scene that spells all values out
             problems.append(at.says(f"{name!r} gives nothing, every value is written out; leave out what it gives"))
     return complete
+
+
+def _with_own_cage(raw: Mapping[str, object], complete: dict[str, object]) -> dict[str, object]:
+    """Return a raw scene with make and guidance of the cage that its bearing's name stands for, where it says none."""
+    from rollslip.catalogue.discovery import own_cage
+
+    bearing, cage = raw.get("bearing"), raw.get("cage", {})
+    own = own_cage(bearing.get("name")) if isinstance(bearing, Mapping) and "name" in bearing else None
+    if own is None or not isinstance(cage, Mapping):
+        return complete
+    guidance = {"guidance": own.guidance} if cage.get("make", own.make) == own.make else {}
+    return {**complete, "cage": {"make": own.make, **guidance, **cage}}
 
 
 def _filled(table: Mapping[str, object], data: Any) -> dict[str, object]:

@@ -125,6 +125,12 @@ class Models:
 #: What a scene without studies asks for.
 DEFAULT_STUDY: Final = "effective-friction"
 
+#: What guides a cage -> what drags it where the scene states neither drags nor weights of it.
+DEFAULT_DRAG: Final = {
+    "roller": ("churning",),
+    **dict.fromkeys(("inner", "outer"), ("petroff-land", "churning")),
+}
+
 #: What "exact" stands for: from here on everything is computed at its finest, which leaves errors of about this size.
 EXACT: Final = 1e-6
 
@@ -196,7 +202,7 @@ class Scene(Card):
     lubricant: LubricantTable = field(doc="the oil")
     operation: Operation = field(doc="what the bearing is doing")
     models: Models = field(default=Models(), doc="which law each stage of a contact follows")
-    cage: FrozenTable | None = field(default=None, doc="the cage, for studies that need it")
+    cage: FrozenTable | None = field(default=None, doc="the cage; by default that of the bearing, estimated (D)")
     study: Mapping[str, FrozenTable] = field(default=FrozenTable(), doc="settings of each study, by its name")
     accuracy: Accuracy = field(default=Accuracy(), doc="how exact the result has to be")
     plugins: Plugins = field(default=Plugins(), doc="packages that are required")

@@ -81,7 +81,7 @@ class Margin:
     critical : Sweep
         Effective friction on all samples.
     steady : Sweep or None
-        Steady slips on the first of them; None without a cage.
+        Steady slips on the first of them; None if they are not asked for.
     varied : Sweep or None
         Effective friction on Saltelli's design, for Sobol indices; None if they are not asked for.
     steady_varied : Sweep or None
@@ -210,8 +210,8 @@ def plan_margin(
     probability : float
         With which the slip is to be below that of running away.
     steady : int, optional
-        Samples of the steady slip, each about as dear; by default 512 if the scene has a cage, 0 for none. So many
-        and no slip beyond that of running away leave a margin above 0.99 with 95 %.
+        Samples of the steady slip, each about as dear; by default 512, 0 for none. So many and
+        no slip beyond that of running away leave a margin above 0.99 with 95 %.
     indices : int
         Rows of the design for Sobol indices of running away, critical slip and peak friction, a power of two, each
         inputs + 2 points; 0 for none.
@@ -231,7 +231,7 @@ def plan_margin(
     """
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     samples = samples if samples is not None else _SAMPLES if until is None else _MOST
-    steady = steady if steady is not None else min(_STEADY, samples) if scene.cage is not None else 0
+    steady = steady if steady is not None else min(_STEADY, samples)
     problems = []
     if not 0.5 <= probability < 1.0:
         problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
@@ -244,12 +244,6 @@ def plan_margin(
     for name, rows in (("indices", indices), ("steady_indices", steady_indices)):
         if rows and (rows < 4 or rows & (rows - 1)):
             problems.append(f"{name}: the design after Saltelli needs a power of two, 4 or more rows, not {rows}")
-    for name, count in (("steady", steady), ("steady_indices", steady_indices)):
-        if count and scene.cage is None:
-            problems.append(
-                f"{name}: the scene has no table [cage], so there is no steady slip; give one, or "
-                f"--{name.replace(chr(95), chr(45))} 0"
-            )
     if not EffectiveFriction.of(scene).runaway_range:
         problems.append(f"study.{EffectiveFriction.name}.runaway_range: a range is needed, such as 0.95, not 0")
     if problems:

@@ -314,7 +314,7 @@ class Dynamics(Study):
         Raises
         ------
         SceneError, PluginError
-            If the scene has no cage, or they are not there.
+            If the cage is wrong, or they are not there.
         """
         drags = (("drag", model) for model in assembly.cage.drags)
         heat, measures = heating.model_of(assembly), damage_of(assembly)
@@ -350,7 +350,7 @@ class Dynamics(Study):
         Raises
         ------
         SceneError
-            If the scene has no cage, or level planar lacks its settings.
+            If the cage is wrong, or level planar lacks its settings.
         DomainError, ConvergenceError
             If loads or friction cannot be tabulated.
         """

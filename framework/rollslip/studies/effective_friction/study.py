@@ -379,7 +379,7 @@ class EffectiveFriction(Study):
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
         """Return the drags that act on rollers, if there are any and it is looked where the cage runs away."""
-        if not self.runaway_range or assembly.scene.cage is None:
+        if not self.runaway_range:
             return ()
         return tuple(("drag", drag) for drag in assembly.cage.drags if drag not in assembly.cage.drags.torques)
 

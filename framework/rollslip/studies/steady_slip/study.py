@@ -253,7 +253,7 @@ class SteadySlip(Study):
         Raises
         ------
         SceneError, PluginError
-            If the scene has no cage, or they are not there.
+            If the cage is wrong, or they are not there.
         """
         return tuple(("drag", model) for model in assembly.cage.drags)
 
@@ -273,7 +273,7 @@ class SteadySlip(Study):
         Raises
         ------
         SceneError
-            If the scene has no cage, or no roller is loaded on the inner ring.
+            If the cage is wrong, or no roller is loaded on the inner ring.
         DomainError
             If a law has no value at a slip of the range, or the epicyclic cage speed is zero.
         ConvergenceError

@@ -145,7 +145,7 @@ class SurfaceDamage(Study):
         Raises
         ------
         SceneError
-            If the scene has no cage, or no roller is loaded on the inner ring.
+            If the cage is wrong, or no roller is loaded on the inner ring.
         DomainError
             If a law has no value at the slip.
         """

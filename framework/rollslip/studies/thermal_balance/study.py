@@ -164,11 +164,11 @@ class ThermalBalance(Study):
         Raises
         ------
         SceneError
-            If the scene has no cage, the thermal model is wrong, or heat has no way out.
+            If the cage or the thermal model is wrong, or heat has no way out.
         """
         named = thermal_model(assembly.scene)
         model = (get_model("thermal", "given") if named is None else named).of(assembly)
-        assembly.cage  # noqa: B018 - a scene without one is refused before anything is computed
+        assembly.cage  # noqa: B018 - a wrong one is refused before anything is computed
         heated = Heated(assembly, model, self._steady)
         given = heated.given()
         operation = assembly.scene.operation
