@@ -334,7 +334,8 @@ def test_only_what_a_scene_names_is_loaded(name, tmp_path):
     packages = {module.partition(".")[0] for module in loaded}
     assert {"contact", "film.formulas", "data.lubricants"} <= plugins
     assert not plugins & UNNAMED
-    assert ({"drag.torques", "integrators.rosenbrock"} <= plugins) == ("drag.torques" in plugins) == (name == "full")
+    assert "drag.torques" in plugins  # every bearing has a cage, and it is dragged
+    assert ("integrators.rosenbrock" in plugins) == (name == "full")
     assert ("scipy" in packages) == ("matplotlib" in packages) == (name == "full")
     assert not packages & {"sksundae", "dask", "optuna", "numba", "sympy"}
     assert not loaded & {"scipy.integrate", "scipy.stats", "scipy.signal", "scipy.io"}

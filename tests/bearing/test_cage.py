@@ -4,14 +4,16 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import evolve, load_scene, register
+from rollslip import evolve, load_scene, plan, register
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.cage import Cage, estimated_inertia
+from rollslip.bearing.cage import ALTERNATIVES, MAKES, Cage, estimated_inertia, unstated_scatter
 from rollslip.bearing.drags import Drags, TotalResistance, torque_capsule
 from rollslip.catalogue import discovery
 from rollslip.errors import PluginError, SceneError
 from rollslip.models import DragModel
-from rollslip.scene import resolved
+from rollslip.planning.plausibility import implausible
+from rollslip.planning.quantities import quantities
+from rollslip.scene import resolved, scene_hash
 from rollslip.scene.reading import parse_scene
 from rollslip_kernels.stages import drag as compiled
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
@@ -90,20 +92,133 @@ def test_the_proposed_inertia_is_in_the_range_for_the_bearing():
         assert estimated_inertia(attrs.evolve(SCENE.bearing, rollers=rollers))[0] > 0
 
 
-def test_mass_and_inertia_are_required_and_proposed():
-    missing = [
-        "cage.mass: missing, but required (mass of the cage); one for this bearing may have 375 g of brass, 103 g of "
-        "steel, 57.6 g of polyamide (estimates, (D)): cage.mass = '375 g'",
-        "cage.inertia: missing, but required (moment of inertia of the cage); one for this bearing may have 0.00304 "
-        "kg m2 of brass, 0.000832 kg m2 of steel, 0.000466 kg m2 of polyamide (estimates, (D)): cage.inertia = "
-        "'0.00304 kg m2'",
-    ]
-    assert faults(guidance="outer") == missing
-    with pytest.raises(SceneError) as caught:
-        _ = assemble(parse_scene(BARE, "mine.toml")).cage
-    assert [problem.removeprefix("mine.toml: ") for problem in caught.value.problems] == missing
-    # what is proposed can be read
-    assert bearing(mass="375 g", inertia="0.00304 kg m2").cage.mass == 0.375
+def weights(density, thickness, b):
+    """Mass and inertia of a ring with pockets in plain numbers: 1.6 roller lengths wide, on the orbit."""
+    orbit = (b.inner_raceway_diameter + b.outer_raceway_diameter) / 4
+    ring = 2 * np.pi * orbit * 1.6 * b.roller_length - b.rollers * b.roller_diameter * b.roller_length
+    mass = density * thickness * b.roller_diameter * ring
+    return mass, mass * orbit**2
+
+
+@pytest.mark.parametrize(
+    ("make", "density", "thickness", "guidance", "clearance", "stiffness"),
+    [
+        ("brass", 8600, 0.4, "outer", 0.015, 5e7),
+        ("steel", 7850, 0.12, "roller", 0.02, 5e7),
+        ("polyamide", 1320, 0.4, "roller", 0.025, 5e6),
+    ],
+)
+def test_all_of_a_cage_follows_from_its_make_and_the_bearing(make, density, thickness, guidance, clearance, stiffness):
+    cage = assemble(evolve(SCENE, {"cage": {"make": make}})).cage
+    assert (cage.mass, cage.inertia) == pytest.approx(weights(density, thickness, SCENE.bearing), rel=1e-12)
+    assert (cage.guidance, cage.pocket_stiffness) == (guidance, stiffness)
+    assert cage.pocket_clearance == pytest.approx(clearance * 0.015, rel=1e-12)
+
+
+def test_a_scene_without_a_cage_has_the_one_of_its_bearing():
+    cage = assemble(parse_scene(BARE, "mine.toml")).cage
+    assert (cage.make, cage.guidance) == ("brass", "roller")
+    assert [drag.name for drag in cage.drags] == ["churning"]
+    assert cage.mass == pytest.approx(weights(8600, 0.4, SCENE.bearing)[0], rel=1e-12)
+    # a stated mass sets the inertia with it
+    heavy = assemble(evolve(SCENE, {"cage": {"mass": "2 kg"}})).cage
+    assert heavy.inertia == pytest.approx(2 * 0.09**2, rel=1e-12)
+    assert not heavy.drags
+
+
+NAMED = """[bearing]
+name = "NU 2312 MA"
+[lubricant]
+name = "iso-vg-68"
+[operation]
+inner_speed = "3000 rpm"
+radial_load = "3 kN"
+temperature = "70 degC"
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "make", "guidance"),
+    [
+        ("NU 2312 ECP", "polyamide", "roller"),
+        ("NU2312-E-TVP2-C3", "polyamide", "roller"),
+        ("NU 2312 ECM", "brass", "roller"),
+        ("NU 2312 ECMB", "brass", "inner"),
+        ("NU 2312 ECJ", "steel", "roller"),
+        ("NU 2312", "polyamide", "roller"),
+        ("NU 2332", "brass", "roller"),
+    ],
+)
+def test_the_cage_follows_the_name_whichever_way_it_is_given(name, make, guidance):
+    first = parse_scene(NAMED, "mine.toml")
+    written = parse_scene(NAMED.replace("NU 2312 MA", name), "mine.toml")
+    changed, once_more = evolve(first, {"bearing.name": name}), evolve(written, {"bearing.name": "NU 2312 MA"})
+    cages = [assemble(scene).cage for scene in (written, changed)]
+    assert cages[0] == cages[1]
+    assert (cages[0].make, cages[0].guidance) == (make, guidance)
+    assert changed == written
+    assert scene_hash(changed) == scene_hash(written) != scene_hash(first)
+    assert assemble(once_more).cage == assemble(first).cage
+    assert assemble(first).cage.guidance == "outer"
+
+
+def test_what_a_scene_states_of_its_cage_stays_and_is_questioned():
+    first = parse_scene(NAMED + "[cage]\nmass = '453 g'\nguidance = 'outer'\ndrag = ['churning']\n", "mine.toml")
+    assert not implausible(first)
+    other = evolve(first, {"bearing.name": "NU 2312 ECP"})
+    cage = assemble(other).cage
+    assert (cage.mass, cage.make, cage.guidance) == (0.453, "polyamide", "outer")
+    told = implausible(other)
+    assert len(told) == 2
+    assert "cage.guidance: 'outer', but P of NU 2312 ECP says 'roller'" in told[0]
+    mass = weights(1320, 0.4, other.bearing)[0]
+    assert f"cage.mass: 453 g is {0.453 / mass:.3g} times that of a cage of polyamide in this bearing" in told[1]
+
+
+@pytest.mark.parametrize(
+    ("table", "sentence"),
+    [
+        ({"make": "steel"}, "cage.make: 'steel', but MA of NU 2312 MA says 'brass'"),
+        ({"land_radius": "70 mm"}, "cage.land_radius: 70 mm, but the shoulder of the outer ring ends between"),
+        ({"land_radius": "40 mm"}, "cage.land_radius: 40 mm, but the shoulder of the outer ring ends between"),
+        ({"pocket_clearance": "3 mm"}, "cage.pocket_clearance: 3 mm is 0.158 times the roller diameter, 19 mm"),
+        ({"pocket_clearance": "3 um"}, "cage.pocket_clearance: 3 um is 0.000158 times the roller diameter"),
+        ({"inertia": "0.01 kg m2"}, "cage.inertia: 0.01 kg m2 is"),
+    ],
+)
+def test_a_cage_that_cannot_be_the_bearings_is_questioned(table, sentence):
+    (told,) = implausible(evolve(parse_scene(NAMED, "mine.toml"), {"cage": table}))
+    assert told.startswith(f"changes: {sentence}")
+
+
+def test_the_plan_says_what_of_the_cage_is_estimated():
+    scene = parse_scene(NAMED + "[study.steady-slip]\n", "mine.toml")
+    (part,) = (part for part in plan(scene).parts if part.part == "cage")
+    assert part.choice == "brass, 457 g, guided by the outer ring"
+    assert part.reason.startswith("MA of NU 2312 MA says so; estimated (D): mass, inertia, pocket_clearance")
+    (note,) = (text for text in plan(scene).foreseen if text.startswith("the cage"))
+    assert "MA of NU 2312 MA says so" in note
+    bare = plan(evolve(scene, {"bearing.name": "NU 2312"})).foreseen
+    assert any("make assumed, most makers' for NU 2312; cage.make says another" in text for text in bare)
+    stated = evolve(scene, {"cage.mass": "450 g"})
+    assert not any(text.startswith("the cage") for text in plan(stated).foreseen)
+
+
+def test_what_is_estimated_of_a_land_can_be_sampled():
+    scene = parse_scene(NAMED, "mine.toml")
+    cage = assemble(scene).cage
+    (one,) = unstated_scatter(scene, cage)
+    assert one.quantity == "land_clearance"
+    table = {"distribution": one.distribution, "mean": cage.land_clearance, **one.parameters}
+    assert quantities(assemble(scene), {})["cage.land_clearance"].value == cage.land_clearance
+    assert assemble(evolve(scene, {"cage.land_clearance": table["mean"]})).cage == cage
+    for factor in ALTERNATIVES["cage.land_clearance"]:
+        other = evolve(scene, {"cage.land_clearance": factor * cage.land_clearance})
+        assert assemble(other).cage.land_clearance == pytest.approx(factor * cage.land_clearance)
+        assert not unstated_scatter(other, cage)
+    on_rollers = evolve(scene, {"bearing.name": "NU 2312 ECP"})
+    assert unstated_scatter(on_rollers, assemble(on_rollers).cage) == ()
+    assert {assemble(evolve(scene, {"cage.make": make})).cage.make for make in ALTERNATIVES["cage.make"]} == set(MAKES)
 
 
 def test_all_faults_are_found_at_once():

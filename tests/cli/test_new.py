@@ -6,7 +6,7 @@ import tomllib
 import pytest
 from click.testing import CliRunner
 
-from rollslip import load_scene, plan
+from rollslip import evolve, load_scene, plan
 from rollslip.bearing.cage import estimated_inertia
 from rollslip.cli import run
 from rollslip.cli.main import cli, main
@@ -44,7 +44,7 @@ def test_options_make_a_scene_that_says_what_they_say(tmp_path):
     done = new("my.toml", *(text for both in GIVEN.items() for text in both))
     assert done.exit_code == 0, done.output
     scene = load_scene("my.toml")
-    assert scene.raw["bearing"]["name"] == "NJ312E-C3"
+    assert scene.raw["bearing"]["name"] == "NJ 312 ECP/C3"
     assert scene.lubricant.name == "iso-vg-46"
     assert scene.operation.radial_load == 5000.0
     assert scene.operation.inner_speed == pytest.approx(314.159, rel=1e-5)
@@ -66,7 +66,8 @@ def test_numbers_and_names_are_read_as_people_write_them():
     assert scene.operation.radial_load == 2500.0
     assert scene.operation.inner_speed == pytest.approx(157.0796, rel=1e-6)
     assert scene.operation.temperature == pytest.approx(344.261, rel=1e-6)
-    assert scene.raw["cage"]["guidance"] == "roller"  # ECP says that the cage is of polyamide
+    assert scene.cage == {"make": "polyamide", "guidance": "roller"}  # ECP says so
+    assert not scene.raw["cage"]
     assert "assumed, since no option gives it: oil;" in done.output
     sheet = new("other.toml", "--bearing", "NU2210 ECP", "--cage", "bronze")
     assert "brass" in sheet.output
@@ -139,3 +140,38 @@ def test_nothing_is_replaced(tmp_path, capsys):
     assert told(capsys, "my") == (2, "my.toml: exists, and is not replaced; name another file")
     assert (tmp_path / "my.toml").read_text() == "mine"
     assert told(capsys, "no/my.toml")[0] == 2
+
+
+def test_the_cage_that_is_assumed_is_the_bearings_and_follows_its_name():
+    given = ["--oil", "iso-vg-68", "--speed", "3000 rpm", "--load", "3 kN", "--temperature", "70 degC"]
+    for file, bearing in (("brass.toml", "NU 2312 MA"), ("plain.toml", "NU 2312"), ("ecp.toml", "NU 2312 ECP")):
+        assert new(file, "--bearing", bearing, *given).exit_code == 0
+    brass, plain, ecp = (load_scene(f"{name}.toml") for name in ("brass", "plain", "ecp"))
+    assert brass.cage == {"make": "brass", "guidance": "outer"}
+    assert plain.cage == ecp.cage == {"make": "polyamide", "guidance": "roller"}
+    assert "most makers put it in; ASSUMED, write yours" in plain.text
+    assert "P in the name" in ecp.text
+    changed = evolve(brass, {"bearing.name": "NU 2312 ECP"})
+    assert changed.cage == ecp.cage
+    assert plan(changed).assembly.cage == plan(ecp).assembly.cage
+    # what is said on purpose stays
+    assert new("own.toml", "--bearing", "NU 2312", "--cage", "brass", *given).exit_code == 0
+    own = load_scene("own.toml")
+    assert own.raw["cage"] == {"make": "brass"}
+    assert plan(own).assembly.cage.guidance == "outer"
+    (told,) = implausible(evolve(own, {"bearing.name": "NU 2312 ECP"}))
+    assert "cage.make: 'brass', but P of NU 2312 ECP says 'polyamide'" in told
+
+
+def test_every_commented_value_of_the_cage_is_the_one_that_counts():
+    new("my.toml", "--bearing", "NU 2312 MA")
+    scene = load_scene("my.toml")
+    comments = scene.text.partition("[cage]")[2].partition("[operation]")[0].splitlines()
+    written = tomllib.loads("\n".join(line[2:] for line in comments if re.match(r"# \w+ = ", line)))
+    assert set(written) == {"make", "mass", "inertia", "guidance", "pocket_clearance", "pocket_stiffness", "drag"}
+    cage, own = (plan(one).assembly.cage for one in (evolve(scene, {"cage": written}), scene))
+    for name in ("make", "guidance", "pocket_stiffness"):
+        assert getattr(cage, name) == getattr(own, name)
+    for name in ("mass", "inertia", "pocket_clearance"):
+        assert getattr(cage, name) == pytest.approx(getattr(own, name), rel=5e-3)
+    assert [drag.name for drag in cage.drags] == [drag.name for drag in own.drags]

@@ -45,7 +45,7 @@ def test_examples_can_be_pasted():
     [
         ("operation.radial_load", "operation.radial_load"),
         ("radial_load", "operation.radial_load"),
-        ("cage", "cage.mass"),
+        ("cage", "cage.make"),
         ("oil", "lubricant"),
         ("dynamics", "study.dynamics.level"),
         ("study.dynamics", "study.dynamics.level"),

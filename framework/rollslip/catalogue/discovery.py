@@ -29,7 +29,6 @@ from typing import Any, Final
 import attrs
 
 from rollslip.catalogue.kinds import Kind, check_kind, get_kind, kinds
-from rollslip.datasets import OwnCage
 from rollslip.errors import PluginError, UnknownNameError, in_words
 from rollslip.units import as_written
 
@@ -251,10 +250,11 @@ def _meant(kind: str, name: str) -> list[Offer]:
     return found
 
 
-def own_cage(designation: object) -> OwnCage | None:
-    """Return the cage that the designation of a bearing stands for; None where no family of bearings knows it."""
-    cages = (family.cage(designation) for _, family in families("bearing")) if isinstance(designation, str) else ()
-    return next((own for own in cages if own is not None), None)
+def own_cage(designation: object) -> Any:
+    """Return the `rollslip.datasets.OwnCage` of a designation; None where no family of bearings has one."""
+    if not isinstance(designation, str) or not designation:
+        return None
+    return next(filter(None, (family.cage(designation) for _, family in families("bearing"))), None)
 
 
 def named_data(raw: Mapping[str, object]) -> list[Offer]:

@@ -64,7 +64,9 @@ def checked(option: str, value: str) -> str:
     """
     if option in _KINDS:
         offer = find(_KINDS[option], value.strip())
-        return value.strip() if option == "bearing" and offer.is_family else offer.name  # its letters tell the cage
+        as_stamped = value.strip().upper()  # what is written of a bearing of a family tells its cage
+        stamped = option == "bearing" and offer.is_family and find(_KINDS[option], as_stamped).name == offer.name
+        return as_stamped if stamped else offer.name
     if option in _UNITS:
         value = value.replace(",", ".") if _COMMA.match(value) else value
         try:

@@ -34,7 +34,10 @@ def implausible(scene: Scene) -> list[str]:
     for name, table in studies.items() if isinstance(studies, Mapping) else ():
         with contextlib.suppress(RollslipError):  # who runs it says so
             found += unusual_values(study_class(name, scene), table, where.at("study").at(name))
-    found += [*unusual_relations(scene, raw, where), *doubts(scene)]
+    found += unusual_relations(scene, raw, where)
+    told = {at.path for at, _ in found}
+    if not any(path[0] == "bearing" for path in told):  # of a bearing in doubt none of a cage is
+        found += [(at, text) for at, text in doubts(scene) if at.path not in told]
     return [*dict.fromkeys(at.says(told) for at, told in found)]
 
 
