@@ -41,7 +41,9 @@ PROMISED = {
 }
 #: Where the laws of pressure were, and their names.
 FORMER = "rollslip.pressure_viscosity"
-FORMERLY = "Barus POLE_PRESSURE POLE_VISCOSITY PressureViscosity Roelands Yasutomi from_oil with_law"
+FORMERLY = "PressureViscosity from_oil with_law"
+#: Of these the laws have moved again, to the plugins.
+MOVED = "Barus POLE_PRESSURE POLE_VISCOSITY Roelands Yasutomi"
 
 
 @pytest.mark.parametrize(("module", "names"), PROMISED.items(), ids=PROMISED)
@@ -67,6 +69,21 @@ def test_the_former_path_of_the_laws_of_pressure_warns_once_and_leads_to_the_sam
     assert len(caught) == 1
     now = importlib.import_module("rollslip.lubricant.pressure")
     assert all(getattr(former, name) is getattr(now, name) for name in FORMERLY.split())
+
+
+def test_the_laws_of_pressure_are_found_where_they_were_with_a_warning():
+    from rollslip.lubricant import pressure
+    from rollslip_plugins import pressure_viscosity as home
+
+    sys.modules.pop(FORMER, None)
+    with pytest.warns(rollslip.RollslipDeprecationWarning):
+        former = importlib.import_module(FORMER)
+    for name in MOVED.split():
+        for place in (pressure, former):
+            with pytest.warns(rollslip.RollslipDeprecationWarning, match=f"import {name} from rollslip_plugins"):
+                assert getattr(place, name) is getattr(home, name)
+    with pytest.raises(AttributeError, match="no attribute 'Cameron'"):
+        _ = pressure.Cameron
 
 
 def test_every_promised_hook_is_a_hook():

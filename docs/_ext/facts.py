@@ -22,7 +22,6 @@ from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.main import cli
 from rollslip.cli.models import models_as_dict
 from rollslip.lubricant import GRADES, OilPoint, OilTable, OverTemperature
-from rollslip.lubricant.pressure import Barus, Roelands, Yasutomi
 from rollslip.measurement import QUANTITIES
 from rollslip.scene.plausibility import RELATIONS
 from rollslip.scene.schema import schema, shown_default, shown_range
@@ -30,6 +29,7 @@ from rollslip.studies.study import study_class
 from rollslip.studies.validity import bound_of
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
+from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 
 ROOT = Path(__file__).parents[2]
 #: Head of a table of keys.
@@ -196,7 +196,9 @@ def data(thing):
 
 def kinds():
     """The kinds of models with their hooks and entry-point groups."""
-    rows = [(f"``{kind}``", f"``{get_kind(kind).hook}``", f"``rollslip.{kind}``") for kind in all_kinds()]
+    rows = [
+        (f"``{kind}``", f"``{get_kind(kind).hook}``", f"``rollslip.{kind.replace('-', '_')}``") for kind in all_kinds()
+    ]
     return table(("kind", "hook", "entry-point group"), rows)
 
 

@@ -17,11 +17,11 @@ from matplotlib.figure import Figure
 from output import BLACK, BLUE, GREEN, ORANGE, PURPLE, figure, read_table, save_figure, write_table
 
 from rollslip import get_model
-from rollslip.lubricant.pressure import Barus, Roelands
 from rollslip_plugins.data.lubricants import mil_prf_7808
 from rollslip_plugins.film import line_contact as solver
 from rollslip_plugins.film.line_contact import LOCATIONS, solve_line_contact
 from rollslip_plugins.film.reynolds_line import ReynoldsLine
+from rollslip_plugins.pressure_viscosity import Barus, Roelands
 
 LOADS = (0.1, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
 OILS = (0.0, 2.5, 5.0, 8.0, 10.0, 12.0, 15.0)

@@ -20,7 +20,7 @@ from output import BLUE, GREEN, ORANGE, PURPLE, coefficient, figure, percent, sa
 from rollslip import Chain, Conditions, Slices, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.regimes import moes_groups
-from rollslip.lubricant.pressure import Barus
+from rollslip_plugins.pressure_viscosity import Barus
 from rollslip_plugins.traction.field import GRIDS, OIL_HEAT_CAPACITY, solve_field, solve_friction, stress_on_grid
 
 #: The models that are compared with the field.

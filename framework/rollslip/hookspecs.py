@@ -28,6 +28,11 @@ def traction_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 
 @hookspec
+def pressure_viscosity_laws() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Laws of viscosity under pressure: classes derived from `rollslip.lubricant.pressure.PressureViscosity`."""
+
+
+@hookspec
 def drag_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
     """Drag models this plugin offers: classes derived from one of `rollslip.models.Drag`."""
 

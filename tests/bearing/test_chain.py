@@ -19,13 +19,13 @@ from foreign_stages import PYTHON_RAISED, RsModel, RsSlices, Stage, foreign_caps
 from rollslip import Chain, Conditions, Slices
 from rollslip.bearing.chain import along
 from rollslip.errors import DomainError, PluginError
-from rollslip.lubricant.pressure import Barus, Roelands, Yasutomi
 from rollslip.models import interval
 from rollslip_kernels import chain as compiled
 from rollslip_kernels.layout import layout
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_plugins.contact import Iso16281, Lundberg, Palmgren
 from rollslip_plugins.film.formulas import Martin, Moes, PanHamrock, Regime
+from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from rollslip_plugins.traction.blend import LambdaBlend
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki

@@ -18,11 +18,11 @@ from foreign_stages import Stage, foreign_capsule
 from rollslip import Chain, Slices
 from rollslip.bearing import chain as chain_module
 from rollslip.errors import DomainError, PluginError, RollslipError
-from rollslip.lubricant.pressure import Barus
 from rollslip_kernels.slices import COLUMNS
 from rollslip_kernels.stages import simd
 from rollslip_plugins.contact import Palmgren
 from rollslip_plugins.film.formulas import Moes
+from rollslip_plugins.pressure_viscosity import Barus
 from rollslip_plugins.traction.blend import LambdaBlend
 from rollslip_plugins.traction.boundary import Kragelsky
 from rollslip_plugins.traction.eyring import Muraki

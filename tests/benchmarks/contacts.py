@@ -19,7 +19,7 @@ from mpmath import mp, mpf
 from fifty_digits import DIGITS, LAWS, groups, muraki_stress, power
 from rollslip import Conditions, get_model
 from rollslip.bearing.regimes import NAMES
-from rollslip.lubricant.pressure import Barus
+from rollslip_plugins.pressure_viscosity import Barus
 
 FILMS = ("moes", "regime")
 CONTACT = get_model("contact", "palmgren")

@@ -18,10 +18,11 @@ from rollslip.bearing.assembly import assemble
 from rollslip.catalogue import discovery
 from rollslip.errors import DomainError, SceneError
 from rollslip.lubricant import Constant, Lubricant, lubricant_from_table
-from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi, from_oil, with_law
+from rollslip.lubricant.pressure import PressureViscosity, from_oil, with_law
 from rollslip.models import TractionModel
 from rollslip_kernels.slices import Slices
 from rollslip_plugins.data.lubricants import mil_prf_7808
+from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from rollslip_plugins.traction.blend import LambdaBlend
 from strategies import NumpyForm, decades, evaluated, forms, law_of, or_zero
 
@@ -177,8 +178,7 @@ def test_local_pressures_of_any_shape():
 def own(**changes):
     table = {
         "name": "mil-prf-7808",
-        "pressure_viscosity_law": "yasutomi",
-        "yasutomi": ETHER,
+        "pressure_viscosity_law": {"model": "yasutomi", **ETHER},
         **changes,
     }
     return lubricant_from_table({k: v for k, v in table.items() if v is not None}, lambda name: mil_prf_7808)
@@ -195,13 +195,24 @@ def test_a_law_that_fixes_the_coefficient_is_believed():
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"pressure_viscosity_law": "barus"}, "lubricant.yasutomi: the constants and .* need each other"),
-        ({"yasutomi": None}, "lubricant.yasutomi: the constants and .* need each other"),
-        ({"yasutomi": {**ETHER, "c1": 0.0}}, "lubricant.yasutomi.c1: must be above 0"),
-        ({"yasutomi": {k: v for k, v in ETHER.items() if k != "b2"}}, "lubricant.yasutomi.b2: missing"),
-        ({"pressure_viscosity": 1e-8}, "lubricant.pressure_viscosity: not with Yasutomi's law"),
+        ({"yasutomi": ETHER}, "lubricant.yasutomi: unknown key"),
+        ({"pressure_viscosity_law": "yasutomi"}, r"lubricant.pressure_viscosity_law.b2: missing"),
+        (
+            {"pressure_viscosity_law": {"model": "yasutomi", **ETHER, "c1": 0.0}},
+            "lubricant.pressure_viscosity_law.c1: must be above 0",
+        ),
+        (
+            {"pressure_viscosity_law": {"model": "roelands", "factor": 2.0}},
+            "lubricant.pressure_viscosity_law.factor: unk",
+        ),
+        ({"pressure_viscosity": 1e-8}, "lubricant.pressure_viscosity: not with law 'yasutomi', which fixes it"),
+        ({"pressure_viscosity_kind": "film"}, "lubricant.pressure_viscosity_kind: not with law 'yasutomi'"),
+        ({"pressure_viscosity_kind": "secant"}, "lubricant.pressure_viscosity_kind: must be one of 'tangent', 'film'"),
         ({"pressure_viscosity_factor": 1.2}, "lubricant.pressure_viscosity_law: 'yasutomi' fixes alpha itself"),
-        ({"pressure_viscosity_law": "barrus"}, "lubricant.pressure_viscosity_law: must be one of 'barus'"),
+        (
+            {"pressure_viscosity_law": "barrus"},
+            "lubricant.pressure_viscosity_law: no law of viscosity under pressure is called 'barrus'",
+        ),
     ],
 )
 def test_what_a_scene_gets_wrong(changes, says):
@@ -257,7 +268,7 @@ def test_an_oil_without_the_data_of_its_law_is_refused_in_words(monkeypatch):
     register(ReadsGamma)
     scene = evolve(
         load_scene("1032930-70C"),
-        {"lubricant.pressure_viscosity_law": "yasutomi", **{f"lubricant.yasutomi.{k}": v for k, v in ETHER.items()}},
+        {"lubricant.pressure_viscosity_law": {"model": "yasutomi", **ETHER}},
     )
     assert assemble(scene).lubricant.pressure_viscosity_law == FIVE_RINGS
     with pytest.raises(SceneError) as refused:

@@ -15,10 +15,11 @@ from scipy.interpolate import CubicSpline
 from rollslip import Chain, get_model
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError
-from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi
+from rollslip.lubricant.pressure import PressureViscosity
 from rollslip_plugins.film import line_contact, reynolds_line
 from rollslip_plugins.film.line_contact import LOCATIONS, solve_line_contact
 from rollslip_plugins.film.reynolds_line import ReynoldsLine
+from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from strategies import evaluated
 
 HERE = Path(__file__).parents[1]

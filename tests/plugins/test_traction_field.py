@@ -13,7 +13,7 @@ from rollslip import Chain, Conditions, Slices, evolve, get_model, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
-from rollslip.lubricant.pressure import Barus, Roelands
+from rollslip_plugins.pressure_viscosity import Barus, Roelands
 from rollslip_plugins.traction.conduction import even_cells
 from rollslip_plugins.traction.field import (
     GRIDS,

@@ -13,9 +13,9 @@ from scipy.optimize import brentq
 from rollslip import Chain, Conditions, Slices
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
-from rollslip.lubricant.pressure import Barus
 from rollslip_plugins.contact import Palmgren
 from rollslip_plugins.film.formulas import Blok, Dowson1968, DowsonToyoda, Martin, Moes, Regime
+from rollslip_plugins.pressure_viscosity import Barus
 from rollslip_plugins.traction.blend import LambdaBlend
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki

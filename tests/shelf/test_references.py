@@ -20,9 +20,9 @@ import rollslip_plugins.film.sources as film_sources
 from rollslip import references
 from rollslip.catalogue.discovery import available, families, get_class
 from rollslip.catalogue.kinds import kinds
-from rollslip.lubricant.pressure import Barus, Roelands, Yasutomi
 from rollslip.references import KLEBANOV, Citation, Reference, as_bibtex, as_dict, from_dict, once, rollslip_itself
 from rollslip.results.dataset import citations_of
+from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 
 pytestmark = pytest.mark.quick
 

@@ -21,7 +21,6 @@ from rollslip.catalogue import discovery
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.models import models_as_dict
 from rollslip.errors import DomainError
-from rollslip.lubricant.pressure import Barus, Roelands
 from rollslip.models import ISOTHERMAL, ContactModel, FilmModel, SliceModel, Tabled, TractionModel, Validity
 from rollslip.planning.execution import warnings
 from rollslip.results.words import warned as together
@@ -29,6 +28,7 @@ from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.validity import Difference, Filled, difference, filled, laws_of, outside, sentences, told
 from rollslip_kernels.stages.stress import maxwell_eyring, muraki
 from rollslip_plugins.film.line_contact import solve_line_contact
+from rollslip_plugins.pressure_viscosity import Barus, Roelands
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
 

@@ -28,7 +28,7 @@ CAMPAIGNS = {
 #: Package -> the folder, or the module, that alone may import it.
 ONLY = {"matplotlib": ("results", "figures"), "click": ("cli",), "sqlite3": ("journal",)}
 #: Where names of models and studies may stand as defaults of scene or study.
-DEFAULTS = ("rollslip.planning.new_scene", "rollslip.scene.values", "rollslip.studies")
+DEFAULTS = ("rollslip.lubricant.pressure", "rollslip.planning.new_scene", "rollslip.scene.values", "rollslip.studies")
 
 
 def modules(root: Path = ROOT) -> dict[str, Path]:
@@ -170,7 +170,7 @@ def offered(root: Path = ROOT) -> dict[str, dict[str, str]]:
     """Return the entry points of the box: kind -> name -> module."""
     text = (root / "pyproject.toml").read_text(encoding="utf-8")
     points = tomllib.loads(text)["project"]["entry-points"]
-    return {group.removeprefix("rollslip."): names for group, names in points.items()}
+    return {group.removeprefix("rollslip.").replace("_", "-"): names for group, names in points.items()}
 
 
 def named_studies(root: Path = ROOT) -> list[str]:
@@ -202,7 +202,7 @@ def named_studies(root: Path = ROOT) -> list[str]:
 def named_models(root: Path = ROOT) -> list[str]:
     """Names of models of the box in the framework, but for defaults of scene and study."""
     points = offered(root)
-    kinds = ("contact", "film", "traction", "drag", "integrator", "lubricant", "bearing")
+    kinds = ("contact", "film", "traction", "pressure-viscosity", "drag", "integrator", "lubricant", "bearing")
     names = {name for kind in kinds for name in points[kind] if name not in ("constant", "bdf", "regime", "iso16281")}
     found = []
     for module, path in modules(root).items():

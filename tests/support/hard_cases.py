@@ -34,11 +34,12 @@ from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equi
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.profile import profile_drop, slice_positions
 from rollslip.errors import ConvergenceError, DomainError, SceneError
-from rollslip.lubricant.pressure import Barus, PressureViscosity
+from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.scene.schema import schema
 from rollslip.testing.samples import NumpyForm, picked, table
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_kernels.stages import stress as compiled_stress
+from rollslip_plugins.pressure_viscosity import Barus
 from rollslip_plugins.traction import stress as readable_stress
 
 EPS, TINY, HUGE = sys.float_info.epsilon, sys.float_info.min, sys.float_info.max

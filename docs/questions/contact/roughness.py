@@ -11,7 +11,7 @@ import numpy as np
 
 import rollslip
 from rollslip import Chain, Conditions, Slices
-from rollslip.lubricant.pressure import Barus
+from rollslip_plugins.pressure_viscosity import Barus
 
 contact, film = rollslip.get_model("contact", "palmgren"), rollslip.get_model("film", "moes")
 roughness = np.geomspace(0.02e-6, 4e-6, 60)

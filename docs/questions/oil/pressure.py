@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from rollslip import Conditions
-from rollslip.lubricant.pressure import Barus, Roelands
+from rollslip_plugins.pressure_viscosity import Barus, Roelands
 
 pressure = np.linspace(0.0, 8e8, 100)
 oil = Conditions(viscosity=8.6e-3, pressure_viscosity=10.7e-9, thermoviscosity=0.026, pressure_thermoviscosity=7e-11)

@@ -22,7 +22,7 @@ from rollslip.lubricant.oil import Lubricant, OilState
 from rollslip.lubricant.pressure import with_law, without_slope
 from rollslip.lubricant.table import lubricant_from_table
 from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
-from rollslip.scene.values import Scene
+from rollslip.scene.values import LubricantTable, Scene
 from rollslip.structure import Location
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
@@ -374,16 +374,33 @@ def _with_oil(like: Assembly, scene: Scene, oil: Lubricant, where: Location) -> 
 
 
 def _lubricant(scene: Scene, where: Location, problems: list[str]) -> Lubricant | None:
-    table = dict(scene.lubricant.data)
-    if scene.lubricant.name is not None:
-        table["name"] = scene.lubricant.name
     try:
-        return lubricant_from_table(table, lambda name: get_class("lubricant", name), where.at("lubricant"))
+        return read_oil(scene.lubricant, where.at("lubricant"))
     except SceneError as error:
         problems += error.problems
         return None
-    except PluginError as error:
-        raise type(error)(where.at("lubricant").at("name").says(str(error))) from error
+
+
+def read_oil(written: LubricantTable, where: Location) -> Lubricant:
+    """Return the oil of a table ``[lubricant]``, with its law of viscosity under pressure.
+
+    Raises
+    ------
+    SceneError
+        With the faults of the table.
+    PluginError
+        If the oil or the law that it names does not exist or cannot be loaded.
+    """
+
+    def named(name: str) -> Lubricant:
+        try:
+            oil: Lubricant = get_class("lubricant", name)
+        except PluginError as error:
+            raise type(error)(where.at("name").says(str(error))) from error
+        return oil
+
+    table = dict(written.data) | ({} if written.name is None else {"name": written.name})
+    return lubricant_from_table(table, named, where, partial(structure_model, "pressure-viscosity"))
 
 
 def simplified(traction: TractionModel, resolution: Resolution) -> TractionModel:

@@ -60,7 +60,11 @@ def add_compiled(folder: Path, requirement: str) -> list[str]:
     except (OSError, ValueError, KeyError) as error:
         raise refused(f"is no package that can be read ({in_words(error)}); name the folder of one") from None
     able = {name for name in kinds() if (of := get_kind(name).template) and of.compiled}
-    found = [(kind, module) for kind in sorted(able) for module in set(groups.get(f"rollslip.{kind}", {}).values())]
+    found = [
+        (kind, module)
+        for kind in sorted(able)
+        for module in set(groups.get(f"rollslip.{kind.replace('-', '_')}", {}).values())
+    ]
     if len(found) != 1:
         offered = " and ".join(sorted(groups)) or "nothing"
         raise refused(f"offers {offered}; a form is added to one module of {', '.join(sorted(able))}")

@@ -91,7 +91,7 @@ def _offers(distribution: importlib.metadata.Distribution) -> list[Offer]:
     points = [
         (kind, point)
         for point in distribution.entry_points
-        if (kind := point.group.removeprefix("rollslip.")) in kinds() and point.group != kind
+        if (kind := point.group.removeprefix("rollslip.").replace("_", "-")) in kinds() and point.group != kind
     ]
     if not points or not distribution.name or not distribution.version:
         return []

@@ -53,7 +53,7 @@ class Template:
 
 @attrs.frozen(kw_only=True)
 class Kind:
-    """A kind of thing that packages offer through the entry points ``rollslip.NAME``.
+    """A kind of thing that packages offer through the entry points ``rollslip.NAME``, with ``_`` for a hyphen.
 
     Attributes
     ----------

@@ -6,6 +6,7 @@ from rollslip.catalogue.kinds import Kind, Template
 from rollslip.datasets import BearingData, SurfaceData
 from rollslip.engine import Engine
 from rollslip.lubricant.oil import Lubricant
+from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, TractionModel
 
 _LAW: Final = "the law in NumPy, what it reads and where it is defined"
@@ -45,6 +46,18 @@ TRACTION: Final = Kind(
         contents=_LAW,
         use=_SCENE.format(key="models.traction.hydrodynamic"),
         classes=("TractionModel",),
+        compiled=True,
+    ),
+)
+PRESSURE_VISCOSITY: Final = Kind(
+    name="pressure-viscosity",
+    hook="pressure_viscosity_laws",
+    base=PressureViscosity,
+    template=Template(
+        summary="A law of viscosity under pressure",
+        contents=_LAW,
+        use=_SCENE.format(key="lubricant.pressure_viscosity_law"),
+        classes=("PressureViscosity",),
         compiled=True,
     ),
 )

@@ -101,12 +101,14 @@ def package(name: str, kind: str, compiled: bool, law: Path | None = None) -> di
     classes = {own: class_name(own)} if of is None else of.classes
     _check(name, kind, compiled, classes)
     module, model, about = name.replace("-", "_"), next(iter(classes)), _texts(kind)
-    requirement, points = _requirement(), [f'{one} = "{module}.{kind}"' for one in classes]
+    file = kind.replace("-", "_")
+    requirement, points = _requirement(), [f'{one} = "{module}.{file}"' for one in classes]
     values = {
         "name": name,
         "module": module,
         "model": model,
         "kind": kind,
+        "file": file,
         "cls": classes[model],
         "called": " and ".join(f"`{one}`" for one in classes),
         "points": "\n".join(points),
@@ -125,7 +127,7 @@ def package(name: str, kind: str, compiled: bool, law: Path | None = None) -> di
         path: Template(_only(text, "compiled" if compiled else "python")).substitute(values)
         for path, text in _templates(kind, module, compiled, of is not None)
     }
-    return found if of is None else found | {f"src/{module}/{kind}.py": of.module}
+    return found if of is None else found | {f"src/{module}/{file}.py": of.module}
 
 
 def _package_data(about: Texts, compiled: bool) -> list[str]:
@@ -135,23 +137,23 @@ def _package_data(about: Texts, compiled: bool) -> list[str]:
 
 def _templates(kind: str, module: str, compiled: bool, given: bool) -> Iterator[tuple[str, str]]:
     """Path in the package and template of every file."""
-    source = f"src/{module}"
+    source, file = f"src/{module}", kind.replace("-", "_")
     wanted = {
         "pyproject.toml": "pyproject.toml",
         "README.md": "README.md",
         "LICENSE": "LICENSE",
         ".gitignore": "gitignore",
         f"{source}/__init__.py": "init.py",
-        f"{source}/{kind}.py": f"{kind}.py",
-        f"tests/test_{module}.py": "test_law.py" if given else f"test_{kind}.py",
+        f"{source}/{file}.py": f"{file}.py",
+        f"tests/test_{module}.py": "test_law.py" if given else f"test_{file}.py",
     }
     wanted |= {f"{source}/{beside}.py": f"{beside}.py" for beside in _texts(kind).beside}
     wanted |= {f"{source}/{path}": template for path, template in _texts(kind).files.items()}
     if compiled:
         wanted |= {
             "setup.py": "setup.py",
-            f"{source}/_kernel.pyx": f"{kind}.pyx",
-            f"{source}/_kernel.pyi": f"{kind}.pyi",
+            f"{source}/_kernel.pyx": f"{file}.pyx",
+            f"{source}/_kernel.pyi": f"{file}.pyi",
         }
     yield f"{source}/py.typed", ""
     for path, template in wanted.items():

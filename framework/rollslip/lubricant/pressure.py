@@ -4,33 +4,37 @@
   traction model, ours or a stranger's, reads the same two columns whatever the law.
 - A law says how viscosity *rises* with pressure. eta0 and beta0 at ambient pressure are the oil's, at any law, so that
   laws differ only where pressure comes in.
-- Barus and Roelands take alpha and gamma of the oil; a free-volume law brings constants of its own.
+- A law is a model that a package offers, as contact and film are; what an oil has that names none is `DEFAULT_LAW`.
 """
 
 import abc
+import importlib
+import importlib.metadata
 import math
+import warnings
 from collections.abc import Mapping
+from functools import cache
 from types import MappingProxyType
-from typing import Any, ClassVar, Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollslip.errors import DomainError
-from rollslip.fields import field, non_negative, positive
-from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, SliceModel, Validity
-from rollslip.references import BARUS, EHRET, ROELANDS, YASUTOMI, Reference
-from rollslip.units import format_quantity
+from rollslip.errors import RollslipDeprecationWarning
+from rollslip.fields import FieldError, non_negative, one_of, positive
+from rollslip.models import SliceModel
 from rollslip_kernels.slices import Conditions, Slices
-from rollslip_kernels.stages import viscosity as compiled
 
 Array = NDArray[np.float64]
 NO_SLOPES: Final[Mapping[str, float]] = MappingProxyType({})
 
-#: Where all isotherms, and all isobars, of Roelands's law meet: 6.315e-5 Pa s is exp(-9.67).
-POLE_VISCOSITY: Final = math.exp(-9.67)
-POLE_PRESSURE: Final = 1 / 5.1e-9
+#: Law of an oil that names none.
+DEFAULT_LAW: Final = "roelands"
+#: Table of ``[lubricant]`` that was for the constants of one law, before laws took parameters of their own.
+FORMER_TABLE: Final = "yasutomi"
+#: Which alpha an oil gives: the slope of ln(eta) at no pressure, or alpha* = 1/integral(eta0/eta dp), that of films.
+ALPHAS: Final = ("tangent", "film")
 
 
 class PressureViscosity(SliceModel):
@@ -52,174 +56,88 @@ class PressureViscosity(SliceModel):
         """Return dln(eta)/dp at ambient pressure [1/Pa] if the law itself fixes it, else nan: it is the oil's alpha."""
         return math.nan
 
+    def caution(self) -> str:
+        """Return what to say at once to whoever takes the law, a clause; an empty string if there is nothing."""
+        return ""
+
+    def of_oil(self, alpha: str = "tangent", factor: float = 1.0) -> "PressureViscosity":
+        """Return the law as an oil has it.
+
+        Parameters
+        ----------
+        alpha : str
+            Which alpha the oil gives, one of `ALPHAS`; a law asks for it by `alpha_of_oil`.
+        factor : float
+            Factor on ln(eta/eta0) [1]; a law takes it by `factor_of_oil`.
+
+        Raises
+        ------
+        FieldError
+            A factor is given, and the law takes none.
+        """
+        mine: Any = self
+        own = {a.name: a.metadata["of_oil"] for a in attrs.fields(type(mine)) if "of_oil" in a.metadata}
+        if factor != 1.0 and "factor" not in own.values():
+            raise FieldError("pressure_exponent_factor", f"law {self.name!r} takes none; leave it out")
+        given = {"alpha": alpha, "factor": factor}
+        changes = {name: given[what] for name, what in own.items() if getattr(self, name) != given[what]}
+        law: PressureViscosity = attrs.evolve(mine, **changes) if changes else self
+        return law
+
     def evaluate(self, slices: Slices) -> None:
         """Fill viscosity and its fall with temperature."""
         slices.film_viscosity[...], slices.film_thermoviscosity[...] = self.at(slices.conditions, slices.pressure)
 
 
-def _above_roelands(pressure: float) -> float:
-    """Per cent by which Barus is above Roelands, for MIL-L-7808 at 50 degC: 8.58 mPa s and alpha = 10.74 /GPa."""
-    k, rise = math.log(8.58e-3 / POLE_VISCOSITY), 10.74e-9 * pressure
-    roelands = k * math.expm1(10.74e-9 * POLE_PRESSURE / k * math.log1p(pressure / POLE_PRESSURE))
-    return 100.0 * math.expm1(min(rise - roelands, 700.0))
+@cache
+def law_of_the_box(name: str) -> type[PressureViscosity]:
+    """Return a law that comes with rollslip, by its name; who reads a scene takes those of all packages.
 
-
-@attrs.frozen
-class Barus(PressureViscosity):
-    """Barus's law: eta = eta0 exp(alpha p), -dln(eta)/dT = beta0 + gamma p.
-
-    Range: some 0.1 GPa; beyond it is too steep for most oils (at 0.4 GPa four times Roelands).
+    Raises
+    ------
+    KeyError
+        If there is none.
     """
-
-    validity: ClassVar[tuple[Validity, ...]] = (
-        Validity(
-            quantity="pressure",
-            high=0.1e9,
-            consequence="the viscosity is {error} above Roelands's (for 8.6 mPa s and an alpha of 10.7 /GPa)",
-            error=_above_roelands,
-            remedy="lubricant.pressure_viscosity_law = 'roelands', or 'yasutomi' with constants of the oil",
-            source="Barus against Roelands at the same alpha; the range is that of most oils (grade C)",
-        ),
-    )
-    name: ClassVar[str] = "barus"
-    equation: ClassVar[str] = "eta = eta0 exp(alpha p)"
-    references: ClassVar[tuple[Reference, ...]] = (BARUS,)
-    reads = frozenset({"pressure", "viscosity", "pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity"})
-    domain = MappingProxyType(
-        {
-            "pressure": NON_NEGATIVE,
-            "viscosity": POSITIVE,
-            "pressure_viscosity": NON_NEGATIVE,
-            "thermoviscosity": NON_NEGATIVE,
-            "pressure_thermoviscosity": FINITE,
-        }
-    )
-
-    def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
-        """Return viscosity and its fall with temperature."""
-        c, p = conditions, np.asarray(pressure, dtype=float)
-        return (
-            c.viscosity * np.exp(c.pressure_viscosity * p),
-            c.thermoviscosity + c.pressure_thermoviscosity * p,
-        )
-
-    def kernel(self) -> object:
-        """Return the compiled form."""
-        return compiled.barus()
+    points = importlib.metadata.distribution("rollslip").entry_points.select(group="rollslip.pressure_viscosity")
+    module = importlib.import_module({point.name: point.value for point in points}[name])
+    laws: list[type[PressureViscosity]] = module.pressure_viscosity_laws()
+    return next(law for law in laws if law.name == name)
 
 
-@attrs.frozen
-class Roelands(PressureViscosity):
-    """Roelands's law: eta = eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/eta_inf), z = alpha p0/k.
-
-    eta_inf = 6.315e-5 Pa s and p0 = 1/5.1e-9 Pa. With eta0 and alpha both functions of temperature,
-    -dln(eta)/dT = (1 + p/p0)^z {beta0 + p0 ln(1 + p/p0) [gamma - alpha beta0/k]}, which starts as beta0 + gamma p.
-
-    Range: eta0 above eta_inf; to about 0.5 GPa for many oils. With a constant alpha (gamma = 0) the fall with
-    temperature turns negative at several GPa, which no traction model accepts.
-    """
-
-    name: ClassVar[str] = "roelands"
-    equation: ClassVar[str] = "eta = eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/6.315e-5), z = alpha p0/k"
-    references: ClassVar[tuple[Reference, ...]] = (ROELANDS,)
-    reads = Barus.reads
-    domain = MappingProxyType({**Barus.domain, "viscosity": (math.nextafter(POLE_VISCOSITY, 1.0), FINITE[1])})
-
-    def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
-        """Return viscosity and its fall with temperature."""
-        c = conditions
-        k = np.log(c.viscosity / POLE_VISCOSITY)
-        x = np.log1p(np.asarray(pressure, dtype=float) / POLE_PRESSURE)
-        y = np.expm1(c.pressure_viscosity * POLE_PRESSURE / k * x)
-        bend = POLE_PRESSURE * (c.pressure_thermoviscosity - c.pressure_viscosity * c.thermoviscosity / k)
-        return c.viscosity * np.exp(k * y), (1 + y) * (c.thermoviscosity + bend * x)
-
-    def kernel(self) -> object:
-        """Return the compiled form."""
-        return compiled.roelands(POLE_VISCOSITY, POLE_PRESSURE)
+def default_law() -> PressureViscosity:
+    """Return the law of an oil that names none."""
+    return law_of_the_box(DEFAULT_LAW)()
 
 
-@attrs.frozen(kw_only=True)
-class Yasutomi(PressureViscosity):
-    """Free-volume law of Yasutomi, Bair and Winer: the WLF equation with a glass temperature that rises with pressure.
+def __getattr__(name: str) -> Any:
+    """Hand on, with a warning, what stood here before laws were a kind of their own."""
+    if not name.startswith("_"):
+        module = importlib.import_module(law_of_the_box(DEFAULT_LAW).__module__)
+        if name in module.FORMERLY_OF_THE_FRAMEWORK:
+            said = f"rollslip.lubricant.pressure.{name} is deprecated: import {name} from {module.__name__}"
+            warnings.warn(said, RollslipDeprecationWarning, stacklevel=2)
+            return getattr(module, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
-    log10(eta/eta_g) = -C1 x/(C2 + x), x = (T - Tg) F, Tg = Tg0 + A1 ln(1 + A2 p), F = 1 - B1 ln(1 + B2 p);
-    here its ratio to the value at ambient pressure, times eta0 of the oil. The law fixes the initial slope of
-    ln(eta), so an oil that gives no alpha takes it from here.
 
-    Range: from the glass transition (T = Tg) upwards; below it, and where F is not positive, it has no value.
-    Constants are an oil's own. Ehret, Dowson and Taylor (1998) give for the polyphenyl ether 5P4E Tg0 = -28.2 degC,
-    A1 = 134.2 K, A2 = 1.929 1/GPa, B1 = 4.815, B2 = 0.160 1/GPa, C1 = 16.01, C2 = 20.69 K with eta_g = 1e12 Pa s
-    (grade C: known to us from a program that cites them).
-    """
+def alpha_of_oil() -> Any:
+    """Declare which alpha a law takes, one of `ALPHAS`: no key of a scene, the oil says it."""
+    said = {"key": None, "unit": None, "doc": "which alpha the oil gives", "of_oil": "alpha"}
+    return attrs.field(default="tangent", kw_only=True, validator=one_of(*ALPHAS), metadata=said)
 
-    name: ClassVar[str] = "yasutomi"
-    equation: ClassVar[str] = "log10(eta/eta_g) = -C1 x/(C2 + x), x = (T - Tg0 - A1 ln(1 + A2 p)) (1 - B1 ln(1 + B2 p))"
-    references: ClassVar[tuple[Reference, ...]] = (YASUTOMI, EHRET)
-    reads = frozenset({"pressure", "temperature", "viscosity", "thermoviscosity"})
-    domain = MappingProxyType(
-        {
-            "pressure": NON_NEGATIVE,
-            "temperature": POSITIVE,
-            "viscosity": POSITIVE,
-            "thermoviscosity": NON_NEGATIVE,
-        }
-    )
 
-    glass_temperature: float = field(
-        unit="K",
-        validator=positive,
-        doc="Tg0, glass temperature at ambient pressure",
-        usual=(130, 330),
-        possible=(1, 1e3),
-    )
-    a1: float = field(unit="K", validator=non_negative, doc="A1, rise of the glass temperature")
-    a2: float = field(
-        unit="1/Pa", validator=positive, doc="A2, its pressure", usual=(1e-11, 1e-7), possible=(1e-14, 1e-3)
-    )
-    b1: float = field(
-        unit="1", validator=non_negative, doc="B1, fall of the free volume's expansion", usual=(0, 1), possible=(0, 1e3)
-    )
-    b2: float = field(
-        unit="1/Pa", validator=positive, doc="B2, its pressure", usual=(1e-11, 1e-7), possible=(1e-14, 1e-3)
-    )
-    c1: float = field(unit="1", validator=positive, doc="C1 of the WLF equation", usual=(5, 50), possible=(0.01, 1e4))
-    c2: float = field(unit="K", validator=positive, doc="C2 of the WLF equation")
-
-    def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
-        """Return viscosity and its fall with temperature."""
-        c, p = conditions, np.asarray(pressure, dtype=float)
-        x0 = c.temperature - self.glass_temperature
-        share = 1 - self.b1 * np.log1p(self.b2 * p)
-        x = (x0 - self.a1 * np.log1p(self.a2 * p)) * share
-        glass = ~((share > 0) & (x >= 0) & (x0 > 0))
-        if np.any(glass):
-            at = int(np.flatnonzero(glass)[0])
-            raise DomainError(
-                f"{self.name}: slice {at} is outside its domain: at {format_quantity(np.ravel(p)[at], 'Pa')} and "
-                f"{format_quantity(c.temperature, 'K')} the oil is a glass"
-            )
-        k = np.log(10) * self.c1 * self.c2
-        return (
-            c.viscosity * np.exp(k * (x0 - x) / ((self.c2 + x0) * (self.c2 + x))),
-            c.thermoviscosity + k * (share / (self.c2 + x) ** 2 - 1 / (self.c2 + x0) ** 2),
-        )
-
-    def coefficient(self, temperature: float) -> float:
-        """Return alpha = ln(10) C1 C2 [A1 A2 + B1 B2 (T - Tg0)]/(C2 + T - Tg0)^2."""
-        x0 = temperature - self.glass_temperature
-        slope = self.a1 * self.a2 + self.b1 * self.b2 * x0
-        return math.log(10) * self.c1 * self.c2 * slope / (self.c2 + x0) ** 2
-
-    def kernel(self) -> object:
-        """Return the compiled form."""
-        return compiled.yasutomi(self.glass_temperature, self.a1, self.a2, self.b1, self.b2, self.c1, self.c2)
+def factor_of_oil() -> Any:
+    """Declare the factor on ln(eta/eta0) [1] that a law takes: no key of a scene, the oil says it."""
+    said = {"key": None, "unit": "1", "doc": "factor on ln(eta/eta0)", "of_oil": "factor"}
+    return attrs.field(default=1.0, kw_only=True, validator=positive, metadata=said)
 
 
 def from_oil() -> Any:
     """Declare the part of a model that is the oil's law: not a key of a scene, put in when the bearing is assembled."""
     return attrs.field(
-        factory=Barus, kw_only=True, metadata={"key": None, "unit": None, "doc": "the law of the oil", "from_oil": True}
+        factory=default_law,
+        kw_only=True,
+        metadata={"key": None, "unit": None, "doc": "the law of the oil", "from_oil": True},
     )
 
 

@@ -1,24 +1,37 @@
 """The ``[lubricant]`` table of a scene, and the oil that it describes: a shipped one, the user's own, or both."""
 
 import math
+import re
+import warnings
 from collections.abc import Callable, Mapping
 from itertools import pairwise
 from typing import Any, Final, TypeAlias
 
 from attrs import Attribute, evolve, fields_dict, frozen
+from attrs import field as attrib
 from attrs.validators import and_, deep_iterable, optional
 
-from rollslip.errors import SceneError
+from rollslip.errors import RollslipDeprecationWarning, SceneError
 from rollslip.fields import FieldError, Ranges, Span, field, non_negative, one_of, own_unit, positive, within_possible
+from rollslip.lubricant.base_oil import (
+    BASE_OILS,
+    ISO_GRADES,
+    at_100_of,
+    estimated,
+    exponent_factor,
+    falling_density,
+)
 from rollslip.lubricant.fits import fit_vogel, fit_walther
-from rollslip.lubricant.oil import Lubricant, positive_field
-from rollslip.lubricant.pressure import Barus, PressureViscosity, Roelands, Yasutomi
-from rollslip.lubricant.temperature import Constant, SmoothTable, Table, TemperatureLaw
+from rollslip.lubricant.oil import Lubricant, positive_field, scatter_of
+from rollslip.lubricant.pressure import ALPHAS, FORMER_TABLE, PressureViscosity, default_law, law_of_the_box
+from rollslip.lubricant.temperature import Constant, Product, SmoothTable, Table, TemperatureLaw
 from rollslip.structure import FrozenTable, Location, structure
+from rollslip.units import format_quantity
 
 __all__ = ["OilPoint", "OilTable", "OverTemperature", "lubricant_from_table"]
 
 _MARGIN = 20.0  # K, by which the validity of a fitted law reaches beyond its points
+_AT_40, _AT_100 = 313.15, 373.15  # K
 _ANY = (1.0, 1e4)  # K: constants are taken at the temperature of the scene, whatever it is
 
 #: Slope -> the property that it belongs to.
@@ -90,6 +103,8 @@ def _property(
 
 
 Property: TypeAlias = float | OverTemperature | None
+#: Reads a law of viscosity under pressure from a scene: name or table, its place, and a list that takes faults.
+ReadLaw: TypeAlias = Callable[[object, Location, list[str]], Any]
 
 
 @frozen(kw_only=True)
@@ -103,8 +118,24 @@ class OilTable:
     thermoviscosity: Property = _property(
         "1/K", "its fall with temperature beta0 = -dln(eta0)/dT", non_negative, usual=(3e-3, 0.2), possible=(0, 10)
     )
+    base_oil: str | None = field(
+        default=None,
+        doc="kind of base oil, by which an own oil gets what it does not state",
+        validator=optional(one_of(*BASE_OILS)),
+    )
+    iso_grade: Any = field(default=None, doc="grade of an own oil after ISO 3448, such as 'VG 68'")
+    viscosity_index: float | None = field(
+        default=None,
+        unit="1",
+        doc="viscosity index, with iso_grade or one viscosity at 40 degC",
+        usual=(0, 300),
+        possible=(-200, 500),
+        validator=optional(within_possible),
+    )
     viscosity_law: str | None = field(
-        default=None, doc="law through the points", validator=optional(one_of("walther", "vogel"))
+        default=None,
+        doc="law through the points, by default walther of an own oil of known base_oil",
+        validator=optional(one_of("walther", "vogel")),
     )
     points: tuple[OilPoint, ...] = field(default=(), doc="measured viscosities, in place of viscosity")
     density: Property = _property(
@@ -123,12 +154,14 @@ class OilTable:
         usual=(-1e-9, 2e-9),
         possible=(-1e-6, 1e-6),
     )
-    pressure_viscosity_law: str | None = field(
+    pressure_viscosity_kind: str | None = field(
         default=None,
-        doc="how viscosity rises with pressure",
-        validator=optional(one_of("barus", "roelands", "yasutomi")),
+        doc="which alpha pressure_viscosity is: the tangent at no pressure, or that of films, 1/integral(eta0/eta dp)",
+        validator=optional(one_of(*ALPHAS)),
     )
-    yasutomi: Yasutomi | None = field(default=None, doc="constants of Yasutomi's law")
+    pressure_viscosity_law: Any = attrib(
+        default=None, metadata={"kind": "pressure-viscosity", "unit": None, "doc": "how viscosity rises with pressure"}
+    )
     conductivity: Property = _property("W/(m K)", "thermal conductivity", usual=(0.05, 0.7), possible=(1e-3, 100))
     eyring_stress: Property = _property("Pa", "Eyring stress", usual=(2e5, 5e7), possible=(100, 1e11))
     shear_modulus: Property = _property("Pa", "shear modulus", usual=(1e6, 1e10), possible=(100, 1e13))
@@ -162,58 +195,157 @@ class OilTable:
         "1", "factor on the slope of that coefficient", None, **_FACTOR
     )
 
+    pressure_exponent_factor: float | None = positive_field(
+        "1",
+        "factor on ln(eta/eta0) under pressure, which leaves the film's alpha",
+        None,
+        usual=(0.5, 2),
+        possible=(0.01, 100),
+    )
+
     def __attrs_post_init__(self) -> None:
-        if self.name is None and not self.points and self.viscosity is None:
-            raise FieldError("name", "missing; name a shipped oil, or give viscosity, or viscosity_law and points")
+        own = self.name is None
+        if own and not self.points and self.viscosity is None and self.iso_grade is None:
+            raise FieldError(
+                "name",
+                "missing; name a shipped oil, or give viscosity, or points, or iso_grade, with base_oil for what a "
+                "data sheet does not say",
+            )
         if self.points and self.viscosity is not None:
             raise FieldError("viscosity", "not beside points, which are the viscosity; leave one of them out")
-        if self.points and self.viscosity_law is None:
-            raise FieldError("viscosity_law", "missing; the points need 'walther' or 'vogel'")
+        if self.iso_grade is not None:
+            if not own or self.points or self.viscosity is not None:
+                raise FieldError("iso_grade", "not beside a name, points or viscosity, which say more; leave it out")
+            if self.base_oil is None:
+                raise FieldError(
+                    "base_oil", f"missing; a grade alone is no oil: {', '.join(BASE_OILS)} (kind of base oil)"
+                )
+        elif self.viscosity_index is not None and not (own and self._one_at_40):
+            raise FieldError("viscosity_index", "goes with iso_grade, or with one point at 40 degC; leave it out")
+        if len(self.points) == 1 and self.viscosity_index is None and own:
+            point = self.points[0]
+            raise FieldError(
+                "points",
+                f"one viscosity, at {format_quantity(point.temperature, 'K')}, does not say how it falls with "
+                "temperature; give a second point at another temperature"
+                + (", or viscosity_index" if self._one_at_40 else ""),
+            )
+        estimable = self.base_oil is not None and own
+        if self.points and self.viscosity_law is None and not estimable:
+            raise FieldError(
+                "viscosity_law", "missing; the points need 'walther' or 'vogel', or base_oil, of which it is 'walther'"
+            )
         if not self.points and self.viscosity_law:
             raise FieldError("points", "missing; viscosity_law serves to fit them")
-        if self.name is None and isinstance(self.viscosity, float) and self.thermoviscosity is None:
+        if own and isinstance(self.viscosity, float) and self.thermoviscosity is None:
             raise FieldError(
                 "thermoviscosity",
-                "missing; one viscosity does not say how it falls with temperature, on which heated films rest",
+                "missing; one viscosity does not say how it falls with temperature, on which heated films rest; give "
+                "it, or points at two temperatures, or iso_grade and base_oil",
             )
         kinematic = any(point.viscosity is None for point in self.points)
-        if self.density is None and (kinematic or self.viscosity_law == "walther"):
-            raise FieldError("density", "missing; it stands between kinematic and dynamic viscosity")
-        if (self.yasutomi is None) == (self.pressure_viscosity_law == "yasutomi"):
-            raise FieldError("yasutomi", "the constants and pressure_viscosity_law = 'yasutomi' need each other")
-        for key in ("pressure_viscosity", "pressure_thermoviscosity") if self.yasutomi is not None else ():
-            if getattr(self, key) is not None:
-                raise FieldError(key, "not with Yasutomi's law, which fixes it; leave it out")
+        if self.density is None and (kinematic or self.viscosity_law == "walther") and not estimable:
+            raise FieldError(
+                "density", "missing; it stands between kinematic and dynamic viscosity; give it, or base_oil"
+            )
 
     @property
-    def law(self) -> PressureViscosity | None:
-        """Law of viscosity with pressure, None if the table says nothing of it."""
-        return self.yasutomi or {"barus": Barus(), "roelands": Roelands()}.get(self.pressure_viscosity_law or "")
+    def _one_at_40(self) -> bool:
+        return len(self.points) == 1 and abs(self.points[0].temperature - _AT_40) < 0.5
+
+    @property
+    def grade(self) -> int:
+        """Grade of ISO 3448 as a number."""
+        match = re.fullmatch(r"(?:ISO)?[\s-]*(?:VG)?[\s-]*(\d+)(?:\.0)?", str(self.iso_grade).strip(), re.IGNORECASE)
+        if match is None or int(match[1]) not in ISO_GRADES:
+            grades = ", ".join(map(str, ISO_GRADES))
+            raise FieldError(
+                "iso_grade", f"{self.iso_grade!r} is no grade of ISO 3448, such as 'VG 68'; there are {grades}"
+            )
+        return int(match[1])
+
+    def rho(self) -> TemperatureLaw | None:
+        """Density law, that of the kind of base oil where none is given; None if neither is."""
+        if self.density is not None:
+            return _law(self.density)
+        return None if self.base_oil is None else falling_density(*BASE_OILS[self.base_oil].density)
+
+    def nu(self) -> list[tuple[float, float]]:
+        """Temperatures [K] and kinematic viscosities [m2/s] that the table gives; none where it gives other data."""
+        rho = self.rho()
+        if self.iso_grade is not None:
+            found = [(_AT_40, 1e-6 * self.grade)]
+        elif isinstance(self.viscosity, OverTemperature) and rho is not None:
+            pairs = zip(self.viscosity.temperature, self.viscosity.value, strict=True)
+            return [(T, eta / rho(T)) for T, eta in pairs]
+        else:
+            points = ((p.temperature, p.kinematic_viscosity, p.viscosity) for p in self.points)
+            found = [(T, nu if nu else (eta or math.nan) / rho(T)) for T, nu, eta in points if nu or rho is not None]  # type: ignore[misc]
+        if len(found) == 1 and self.base_oil is not None:
+            index = (
+                self.viscosity_index if self.viscosity_index is not None else BASE_OILS[self.base_oil].viscosity_index
+            )
+            hot = at_100_of(found[0][1], index)
+            if math.isnan(hot):
+                raise FieldError("viscosity_index", f"{index:g} is possible of no oil of this viscosity; check both")
+            found.append((_AT_100, hot))
+        return found
 
     def fit(self) -> TemperatureLaw:
-        """Viscosity law through the points."""
-        T = [point.temperature for point in self.points]
-        density = Constant(math.nan) if self.density is None else _law(self.density)  # only read where it must be given
-        eta = [point.viscosity or density(point.temperature) * (point.kinematic_viscosity or math.nan)
-               for point in self.points]  # fmt: skip
+        """Viscosity law through the points, or of the grade."""
+        rho = self.rho()
         if self.viscosity_law == "vogel":
-            return fit_vogel(T, eta)
-        reference = density(T[0])
-        return fit_walther(T, [value / reference for value in eta], reference)
+            eta = [point.viscosity or rho(point.temperature) * (point.kinematic_viscosity or math.nan)  # type: ignore[misc]
+                   for point in self.points]  # fmt: skip
+            return fit_vogel([point.temperature for point in self.points], eta)
+        temperatures, nu = zip(*self.nu(), strict=True)
+        if self.base_oil is not None and self.density is None:
+            return Product(fit_walther(temperatures, nu, density=1.0), rho)  # type: ignore[arg-type]
+        reference = rho(temperatures[0])  # type: ignore[misc]
+        scaled = [rho(T) * one / reference for T, one in zip(temperatures, nu, strict=True)]  # type: ignore[misc]
+        return fit_walther(temperatures, scaled, reference)
+
+    def estimates(self) -> tuple[dict[str, Any], str]:
+        """Return what the kind of base oil gives of an own oil, and a sentence on where that comes from."""
+        if self.base_oil is None or self.name is not None:
+            return {}, ""
+        points, kinematic = self.nu(), None
+        if len(points) > 1:
+            kinematic = fit_walther([T for T, _ in points], [nu for _, nu in points], density=1.0)
+        stated = {key: getattr(self, key) for key in _PROPERTIES}
+        return estimated(self.base_oil, kinematic, stated)
 
 
 _WHERE = Location({}, ("lubricant",))
+
+
+def _of_the_box(raw: object, where: Location, problems: list[str]) -> PressureViscosity | None:
+    """Read a law that comes with rollslip, by its name or a table with ``model``; packages of others are not asked."""
+    if isinstance(raw, PressureViscosity):
+        return raw
+    table = dict(raw) if isinstance(raw, Mapping) else {"model": raw}
+    try:
+        return structure(law_of_the_box(str(table.pop("model", None))), table, where, problems)
+    except KeyError as error:
+        problems.append(where.says(f"no law of viscosity under pressure is called {error.args[0]!r}"))
+        return None
+
+
 _OF_OILS: Final = fields_dict(Lubricant).keys()
 _OF_TABLE: Final = tuple(fields_dict(OilTable))
 
 
 def lubricant_from_table(
-    data: Mapping[str, object], get_named: Callable[[str], Lubricant], where: Location = _WHERE
+    data: Mapping[str, object],
+    get_named: Callable[[str], Lubricant],
+    where: Location = _WHERE,
+    read_law: ReadLaw = _of_the_box,
 ) -> Lubricant:
     """Make the oil that the ``[lubricant]`` table of a scene describes.
 
     With ``name`` every other key overrides that shipped oil; without it the table describes an own oil, and what it
-    does not give, that oil lacks. ``viscosity_law`` goes through ``points``, each with a ``temperature`` and either a
+    does not give, that oil lacks, or with ``base_oil`` has of its kind: then a data sheet is enough, viscosities at two
+    temperatures or ``iso_grade``. ``viscosity_law`` goes through ``points``, each with a ``temperature`` and either a
     ``viscosity`` or a ``kinematic_viscosity``. The fit holds over the span of the points and 20 K beyond, within the
     range of the named oil, unless ``minimum_temperature`` or ``maximum_temperature`` say otherwise.
 
@@ -232,6 +364,9 @@ def lubricant_from_table(
         Returns the shipped oil of a name; what it raises for an unknown one is passed on.
     where : Location
         Place of the table, for messages; with the origins of a scene they name file and line.
+    read_law : callable
+        Makes the law of viscosity under pressure of its name or table, which stands at a place, or notes the faults;
+        by default it knows those that come with rollslip.
 
     Returns
     -------
@@ -254,24 +389,35 @@ def lubricant_from_table(
     0.0133
     """
     problems: list[str] = []
+    data = _with_law_in_one_table(data)
     table = structure(OilTable, data, where, problems)
-    if table is None:
+    law = None
+    if table is not None and table.pressure_viscosity_law is not None:
+        law = read_law(table.pressure_viscosity_law, where.at("pressure_viscosity_law"), problems)
+    if table is None or problems:
         raise SceneError(problems)
 
     given = {key: value for key in _OF_TABLE if (value := getattr(table, key)) not in (None, ())}
     base = None if table.name is None else get_named(table.name)
     changes = {key: value for key, value in given.items() if key in _OF_OILS} | _laws(given, base)
-    if table.law is not None:
-        changes["pressure_viscosity_law"] = table.law
+    if law is not None:
+        changes["pressure_viscosity_law"] = law
+        if not math.isnan(law.coefficient(300.0)):
+            for key in ("pressure_viscosity", "pressure_thermoviscosity", "pressure_viscosity_kind"):
+                if key in given:
+                    reason = f"not with law {law.name!r}, which fixes it; leave it out"
+                    raise SceneError([where.at(key).says(reason)])
     set_here = ", ".join(key for key in given if key not in ("name", "description", "source"))
     origins = (base.source if base else None, table.source, set_here and f"Set by the scene: {set_here}.")
-    changes["source"] = " ".join(filter(None, origins))
     if base is not None:
         changes["grades"] = FrozenTable({key: grade for key, grade in base.grades.items() if key not in changes})
     try:
         low, high = _ANY if base is None else (base.minimum_temperature, base.maximum_temperature)
-        if table.points:
-            T = [point.temperature for point in table.points]
+        guessed, told = table.estimates()
+        changes = guessed | changes
+        changes["source"] = " ".join(filter(None, (*origins, told)))
+        if table.points or table.iso_grade is not None:
+            T = [T for T, _ in table.nu()] or [point.temperature for point in table.points]
             low, high = max(low, min(T) - _MARGIN), min(high, max(T) + _MARGIN)
             changes["viscosity"] = table.fit()
         for key, value in given.items():
@@ -280,13 +426,44 @@ def lubricant_from_table(
                 if low >= high:
                     raise FieldError(key, "has no temperatures in common with the rest of the oil's data")
         changes = {"minimum_temperature": low, "maximum_temperature": high} | changes
-        return (
-            Lubricant(**{"name": "own oil", "description": "", **changes}) if base is None else evolve(base, **changes)
-        )
+        if base is not None:
+            return evolve(base, **changes)
+        made = Lubricant(**{"name": "own oil", "description": "", **changes})
+        return _with_scatter(made, guessed, "the grade" if table.iso_grade is not None else "")
     except FieldError as error:
         raise SceneError([where.at(error.field).says(error.reason)]) from error
     except ValueError as error:  # from a fit
         raise SceneError([where.at("points").says(str(error))]) from error
+
+
+def _with_law_in_one_table(data: Mapping[str, object]) -> Mapping[str, object]:
+    """Take the constants of a law that stand in a table of their own, as they did, into that of the law."""
+    constants, law = data.get(FORMER_TABLE), data.get("pressure_viscosity_law")
+    if not isinstance(constants, Mapping) or law != FORMER_TABLE:
+        return data
+    said = f"lubricant.{FORMER_TABLE} is deprecated: write pressure_viscosity_law = {{ model = {FORMER_TABLE!r}, ... }}"
+    warnings.warn(said, RollslipDeprecationWarning, stacklevel=3)
+    rest = {key: value for key, value in data.items() if key != FORMER_TABLE}
+    return rest | {"pressure_viscosity_law": {"model": law, **constants}}
+
+
+def _with_scatter(oil: Lubricant, guessed: Mapping[str, Any], graded: str) -> Lubricant:
+    """Return an own oil with the grades and the scatter of what its kind of base oil gives."""
+    if oil.base_oil is None:
+        return oil
+    of = BASE_OILS[oil.base_oil]
+    middle = oil.at((max(oil.minimum_temperature, 290.0) + min(oil.maximum_temperature, 390.0)) / 2)
+    known = math.isfinite(middle.pressure_viscosity) and math.isnan(oil.pressure_viscosity_law.coefficient(300.0))
+    exponent = (
+        exponent_factor(default_law(), of.exponent, middle.viscosity, middle.pressure_viscosity) if known else 0.0
+    )
+    scatter = scatter_of(
+        0.1 if graded else 0.0, "(B)", "ISO 3448 allows a grade 10 % either way",
+        of.alpha_scatter if "pressure_viscosity" in guessed else 0.0, of.alpha_source, exponent,
+    )  # fmt: skip
+    kept = [one for one in scatter if one.quantity in guessed or one.quantity.endswith("_factor")]
+    grades = {key: of.grades[key] for key in guessed}
+    return evolve(oil, scatter=tuple(kept), grades=FrozenTable({**grades, **oil.grades}))
 
 
 def _law(value: float | OverTemperature, *, of_any_sign: bool = False) -> TemperatureLaw:
@@ -308,7 +485,7 @@ def _laws(given: Mapping[str, Any], base: Lubricant | None) -> dict[str, Any]:
             continue
         if key in given and not isinstance(given[key], OverTemperature) and base is not None:
             laws[slope] = getattr(base, slope) or _Fall(base, slope)
-        elif key in given or (key == "viscosity" and "points" in given):
+        elif key in given or (key == "viscosity" and given.keys() & {"points", "iso_grade"}):
             laws[slope] = None  # that of the new law
     return laws
 

@@ -202,7 +202,12 @@ def plan(
             part="viscosity at pressure",
             choice=stated.lubricant.pressure_viscosity_law.name,
             resolution="every loaded slice",
-            reason=f"the law of the oil, {stated.lubricant.name}",
+            reason="; ".join(
+                filter(
+                    None,
+                    (f"the law of the oil, {stated.lubricant.name}", stated.lubricant.pressure_viscosity_law.caution()),
+                )
+            ),
         )
     )
     parts.append(_inlet(stated.film))

@@ -85,7 +85,12 @@ def _of_oil(assembly: Assembly) -> Iterator[Quantity]:
                 value = None if value is None else quantity(value, unit)
             except UnitError:  # a law over temperature
                 value = None
-        yield from _single(f"lubricant.{name}", kinds[name], attribute, value)
+        if kind := attribute.metadata.get("kind"):
+            law = assembly.lubricant.pressure_viscosity_law
+            yield _choice(f"lubricant.{name}", attribute, law.name, kind)
+            yield from _of(law, f"lubricant.{name}")
+        else:
+            yield from _single(f"lubricant.{name}", kinds[name], attribute, value)
 
 
 def _single(key: str, kind: Any, attribute: "attrs.Attribute[Any]", value: object) -> Iterator[Quantity]:

@@ -18,11 +18,15 @@ cdef extern from "stages/table.h" nogil:
         int thermal
         double starvation, layer, exponent
 
+    ctypedef struct barus_params:
+        double factor
+
     ctypedef struct roelands_params:
-        double pole_viscosity, pole_pressure
+        double pole_viscosity, pole_pressure, factor
+        int film
 
     ctypedef struct yasutomi_params:
-        double glass_temperature, a1, a2, b1, b2, c1, c2
+        double glass_temperature, a1, a2, b1, b2, c1, c2, factor
 
     ctypedef struct kragelsky_params:
         double limit, rise, decay

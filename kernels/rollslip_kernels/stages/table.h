@@ -8,8 +8,9 @@ typedef struct { double c, u, g, w; } power_law;
 typedef struct { power_law ri, rp, ei, ep; } regime_laws;
 enum { NO_FACTOR, MURCH_WILSON, GUPTA };
 typedef struct { rs_model film; int thermal; double starvation, layer, exponent; } inlet_params;
-typedef struct { double pole_viscosity, pole_pressure; } roelands_params;
-typedef struct { double glass_temperature, a1, a2, b1, b2, c1, c2; } yasutomi_params;
+typedef struct { double factor; } barus_params;   /* on ln(eta/eta0) */
+typedef struct { double pole_viscosity, pole_pressure, factor; int film; } roelands_params;   /* film: alpha is alpha* */
+typedef struct { double glass_temperature, a1, a2, b1, b2, c1, c2, factor; } yasutomi_params;
 typedef struct { double limit, rise, decay; } kragelsky_params;
 typedef struct { double a, b, c, d, transition; } gupta_params;
 typedef struct { double flash, critical_stress, exponent; } carreau_params;

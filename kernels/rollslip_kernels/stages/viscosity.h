@@ -1,14 +1,16 @@
 /* Viscosity of the oil at the pressure of a slice, and its fall with temperature there. */
 
-/* eta = eta0 exp(alpha p), -dln(eta)/dT = beta0 + gamma p      [Barus 1893] */
+/* Each takes a factor c on ln(eta/eta0), 1 unless the oil says otherwise. */
+
+/* eta = eta0 exp(c alpha p), -dln(eta)/dT = beta0 + c gamma p      [Barus 1893] */
 STAGE(barus, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     const double *pressure = s->pressure;
+    double factor = ((const barus_params *)params)->factor;
     double *viscosity = s->film_viscosity, *fall = s->film_thermoviscosity;
-    double ambient = s->viscosity, alpha = s->pressure_viscosity, beta = s->thermoviscosity;
-    double gamma = s->pressure_thermoviscosity;
+    double ambient = s->viscosity, alpha = factor * s->pressure_viscosity, beta = s->thermoviscosity;
+    double gamma = factor * s->pressure_thermoviscosity;
     uint64_t far = 0;
     size_t n = WHOLE(s->n);
-    (void)params;
     for (size_t i = 0; i < n; i++) far |= rs_bits(700.0 - fabs(alpha * pressure[i]));
     EACH(i, n) {
         viscosity[i] = ambient * rs_exp_normal(alpha * pressure[i]);
@@ -18,21 +20,67 @@ STAGE(barus, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     return 0;
 }
 
-/* eta = eta0 exp(k ((1 + p/p0)^z - 1)), k = ln(eta0/eta_inf), z = alpha p0/k      [Roelands 1966] */
+/* G(s, k) = exp(k) k^-s Gamma(s, k) and its slope over s: Legendre's continued fraction for s in (0, 1], from its end
+ * forwards, then G(s + 1) = (s G(s) + 1)/k, in which nothing cancels. */
+static double PATH(roelands_gamma)(double s, double k, double *slope) {
+    double whole = ceil(s) - 1.0, part = s - whole, terms = 8.0 + 72.0 / k, value, derivative = -1.0;
+    if (!(terms < 400.0)) terms = 400.0;
+    terms = floor(terms);
+    value = k + 2.0 * terms + 1.0 - part;
+    for (double n = terms; n >= 1.0; n -= 1.0) {
+        double over = n * (n - part) / value;
+        derivative = -1.0 + (n + over * derivative) / value;
+        value = k + 2.0 * n - 1.0 - part - over;
+    }
+    derivative = -derivative / (value * value);
+    value = 1.0 / value;
+    for (double at = part; at < s - 0.5; at += 1.0) {
+        derivative = (value + at * derivative) / k;
+        value = (at * value + 1.0) / k;
+    }
+    *slope = derivative;
+    return value;
+}
+
+/* The exponent z with which the film's alpha* of Roelands's law is given, alpha* p0 = a = z/G(1/z, k), and its slopes
+ * over a and k; 0 where there is none. */
+static double PATH(roelands_exponent)(double a, double k, double *over_a, double *over_k) {
+    double z = (a + 1.0) / k, value, slope;
+    for (int turn = 0; turn < 60; turn++) {
+        double gamma = PATH(roelands_gamma)(1.0 / z, k, &slope), bend = 1.0 + slope / (gamma * z);
+        double step = (rs_log(z / gamma) - rs_log(a)) / bend;
+        if (!(fabs(step) < 1e3)) return 0.0;
+        value = z * rs_exp(-(fabs(step) > 1.0 ? copysign(1.0, step) : step));
+        *over_a = z / (a * bend);
+        *over_k = z / bend * (1.0 - 1.0 / (z * k) - 1.0 / (k * gamma));
+        z = value;
+        if (fabs(step) < 1e-14 * (1.0 + k)) return z;
+    }
+    return 0.0;
+}
+
+/* eta = eta0 exp(c k ((1 + p/p0)^z - 1)), k = ln(eta0/eta_inf)      [Roelands 1966]
+ * z = alpha p0/k of the slope alpha at no pressure, or that of which the film's alpha* is the given one */
 STAGE(roelands, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     const roelands_params *q = (const roelands_params *)params;
     const double *pressure = s->pressure;
     double *viscosity = s->film_viscosity, *fall = s->film_thermoviscosity, x[BLOCK], y[BLOCK];
     double ambient = s->viscosity, pole = q->pole_pressure, k = rs_log(ambient / q->pole_viscosity);
-    double z = s->pressure_viscosity * pole / k, beta = s->thermoviscosity;
+    double z = s->pressure_viscosity * pole / k, beta = s->thermoviscosity, rise = q->factor * k;
     double bend = pole * (s->pressure_thermoviscosity - s->pressure_viscosity * s->thermoviscosity / k);
     size_t n = WHOLE(s->n);
     if (!(k > 0.0)) return 1;
+    if (q->film && s->pressure_viscosity > 0.0) {
+        double over_a, over_k;
+        z = PATH(roelands_exponent)(s->pressure_viscosity * pole, k, &over_a, &over_k);
+        if (!(z > 0.0)) return 1;
+        bend = k * (over_a * s->pressure_thermoviscosity * pole + over_k * beta);
+    }
     EACH(i, n) x[i] = rs_log1p(pressure[i] / pole);
     EACH(i, n) y[i] = rs_expm1(z * x[i]);
     EACH(i, n) {
-        viscosity[i] = ambient * rs_exp(k * y[i]);
-        fall[i] = (1.0 + y[i]) * (beta + bend * x[i]);
+        viscosity[i] = ambient * rs_exp(rise * y[i]);
+        fall[i] = (1.0 - q->factor) * beta + q->factor * ((1.0 + y[i]) * (beta + bend * x[i]));
     }
     return 0;
 }
@@ -43,7 +91,7 @@ STAGE(yasutomi, COL_pressure, COL_film_viscosity | COL_film_thermoviscosity) {
     const yasutomi_params *q = (const yasutomi_params *)params;
     const double *pressure = s->pressure;
     double *viscosity = s->film_viscosity, *fall = s->film_thermoviscosity, f[BLOCK], x[BLOCK];
-    double a1 = q->a1, a2 = q->a2, b1 = q->b1, b2 = q->b2, c2 = q->c2, slope = rs_log(10.0) * q->c1 * c2;
+    double a1 = q->a1, a2 = q->a2, b1 = q->b1, b2 = q->b2, c2 = q->c2, slope = q->factor * rs_log(10.0) * q->c1 * c2;
     double ambient = s->viscosity, beta = s->thermoviscosity, x0 = s->temperature - q->glass_temperature;
     uint64_t outside = !(x0 > 0.0);
     size_t n = WHOLE(s->n);

@@ -6,10 +6,12 @@ low and 4 to 17 % high (``docs/scripts/oils.py``). Dynamic viscosity is kinemati
 """
 
 from rollslip.hookspecs import hookimpl
-from rollslip.lubricant import Constant, Hyperbola, Lubricant, Product, Table, Vogel, WuKlausDuda, fit_walther
+from rollslip.lubricant import Constant, Hyperbola, Lubricant, Product, Table, Vogel, fit_walther
+from rollslip.lubricant.base_oil import BASE_OILS, estimated, exponent_factor, falling_density
 from rollslip.references import Reference
 from rollslip_plugins.bibliography import ASTM_D341, GEARPIE, ISO_3448, TU_TP_22S, WINGERTSZAHN_2023, WU_1989
-from rollslip_plugins.data.lubricants import falling_density, scatter_of
+from rollslip_plugins.data.lubricants import scatter_of
+from rollslip_plugins.pressure_viscosity import Roelands
 
 _RANGE = "Range 0 to 120 degC (D), 40 K below and 20 K above the points of the viscosity."
 _GRADE_SCATTER = (0.1, "(B)", "ISO 3448 allows a grade 10 % either way")
@@ -17,7 +19,6 @@ _SHEAR = (
     "Eyring stress 5 MPa: 3 to 8 MPa are recalled of mineral oils, 2 to 6 of others (C); shear modulus 0.3 GPa (C), "
     "published traction curves give 0.05 to 1 GPa."
 )
-_SHARED = {"conductivity": "C", "eyring_stress": "C", "shear_modulus": "C"}
 
 
 def _correlated(
@@ -26,39 +27,36 @@ def _correlated(
     source: str,
     points: dict[float, float],
     density: tuple[float, float],
-    conductivity: float,
-    conductivity_source: str,
+    kind: str,
     *,
     grades: dict[str, str],
     references: tuple[Reference, ...],
     synonyms: tuple[str, ...] = (),
-    alpha: tuple[float, str] = (
-        0.25,
-        "formulas of Gold and of So and Klaus lie within 25 % of that of Wu, Klaus and Duda",
-    ),
 ) -> Lubricant:
     """An oil of two kinematic viscosities [mm2/s] at temperatures [degC], and densities at 15 and 100 degC [kg/m3]."""
     kinematic = fit_walther([T + 273.15 for T in points], [1e-6 * nu for nu in points.values()], density=1.0)
-    rho = falling_density(*density)
+    rho, of = falling_density(*density), BASE_OILS[kind]
+    properties, told = estimated(kind, kinematic, {"density": rho})
+    eta, alpha = kinematic(333.15) * rho(333.15), properties["pressure_viscosity"](333.15)
     return Lubricant(
         name=name,
         description=description,
         viscosity=Product(kinematic, rho),
-        pressure_viscosity=WuKlausDuda(kinematic),
-        conductivity=Constant(conductivity),
         density=rho,
-        eyring_stress=5e6,
-        shear_modulus=0.3e9,
+        **properties,
+        base_oil=kind,
         minimum_temperature=273.15,
         maximum_temperature=393.15,
         source=(
             f"{source} Between and beyond Walther's law. Pressure-viscosity coefficient: formula of Wu, Klaus and Duda "
-            f"on this viscosity (B); it scatters by {alpha[0]:.0%}. Conductivity {conductivity:g} W/(m K), "
-            f"{conductivity_source} (C). {_SHEAR} {_RANGE}"
+            "on this viscosity (B), taken as the slope at no pressure (D: it lies between that and the film's); it "
+            f"scatters by {of.alpha_scatter:.0%}. {told} {_RANGE}"
         ),
         references=(*references, ASTM_D341, WU_1989),
-        scatter=scatter_of(*_GRADE_SCATTER, *alpha),
-        grades=grades | _SHARED,
+        scatter=scatter_of(
+            exponent_factor(Roelands(), of.exponent, eta, alpha), *_GRADE_SCATTER, of.alpha_scatter, of.alpha_source
+        ),
+        grades={**of.grades, **grades},
         synonyms=synonyms,
     )
 
@@ -70,9 +68,8 @@ def _iso_vg(grade: int, at_40: float, at_100: float) -> Lubricant:
         f"Kinematic viscosity {at_40:g} mm2/s at 40 degC and {at_100:g} at 100 degC, density 902 kg/m3 at 15 degC and "
         "858 at 100 degC: from the constants of the mineral oil in the open library GEARpie (B).",
         {40.0: at_40, 100.0: at_100},
-        (902.0, 858.0),
-        0.134,
-        "as printed for FVA 3",
+        BASE_OILS["mineral"].density,
+        "mineral",
         grades={"viscosity": "B", "density": "B", "pressure_viscosity": "B"},
         references=(GEARPIE, ISO_3448),
         synonyms=(f"VG {grade}",),
@@ -99,12 +96,10 @@ pao_68 = _correlated(
     "Kinematic viscosity 67.5 mm2/s at 40 degC and 10.96 at 100 degC, density 859 kg/m3 at 15 degC and 819 at 100 "
     "degC: from the constants of the polyalphaolefin in the open library GEARpie (B).",
     {40.0: 67.5, 100.0: 10.96},
-    (859.0, 819.0),
-    0.15,
-    "recalled of polyalphaolefins",
+    BASE_OILS["pao"].density,
+    "pao",
     grades={"viscosity": "B", "density": "B", "pressure_viscosity": "B"},
     references=(GEARPIE, ISO_3448),
-    alpha=(0.3, "formulas of Gold and of So and Klaus lie within 30 % of that of Wu, Klaus and Duda"),
 )
 
 tp_22s = _correlated(
@@ -114,8 +109,7 @@ tp_22s = _correlated(
     "TU 38.101821-2001 allows, known from a dealer's page (C). Density 880 kg/m3 at 15 degC and 836 at 100 degC (D).",
     {40.0: 32.0, 50.0: 21.5},
     (880.0, 836.0),
-    0.134,
-    "as printed for FVA 3",
+    "mineral",
     grades={"viscosity": "C", "density": "D", "pressure_viscosity": "C"},
     references=(TU_TP_22S,),
 )
@@ -126,6 +120,7 @@ _A1, _A2 = 327.7918e5, 2.9862e5  # Pa, Pa/K
 
 fva_3 = Lubricant(
     name="fva-3",
+    base_oil="mineral",
     description="Reference mineral oil FVA 3 without additives, ISO VG 100, of measured viscosity under pressure",
     viscosity=Vogel(limit=0.062e-3, slope=1021.7, pole=273.15 - 101.5517),
     pressure_viscosity=Hyperbola(limit=0.0, slope=1.0 / _A2, pole=273.15 - _A1 / _A2),
@@ -144,10 +139,10 @@ fva_3 = Lubricant(
     ),
     references=(WINGERTSZAHN_2023.at("Table A1"),),
     scatter=scatter_of(
-        0.03, "(D)", "one oil, measured", 0.05, "measured: slope at no pressure against the reciprocal mean, 4 %"
+        0.074, 0.03, "(D)", "one oil, measured", 0.05, "measured: slope at no pressure against the reciprocal mean, 4 %"
     ),
     grades={"viscosity": "A", "density": "A", "pressure_viscosity": "A", "conductivity": "A", "eyring_stress": "C",
-            "shear_modulus": "C"},
+            "shear_modulus": "C", "pressure_viscosity_kind": "A"},
 )  # fmt: skip
 
 

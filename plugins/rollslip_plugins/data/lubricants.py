@@ -19,7 +19,9 @@ from rollslip.lubricant import (
     Scatter,
     Table,
     Walther,
+    oil,
 )
+from rollslip.lubricant.base_oil import falling_density
 from rollslip_plugins.bibliography import GUPTA_1984
 
 _EYRING_STRESS = 4e6  # Pa
@@ -28,12 +30,13 @@ _SHEAR_SOURCE = (
     "Eyring stress 4 MPa (D), published traction curves give 1 to 10 MPa; shear modulus 0.3 GPa (C), 0.05 to 1 GPa."
 )
 _REFERENCES = (GUPTA_1984,)
+_KIND_SOURCE = "alpha is taken as the slope at no pressure (D): its source does not say which it is."
 _ATTRIBUTION = "as in the lubricant library of the bearing code ADORE (Gupta, 1984; attribution C)"
 
 
 def _grades(**own: str) -> dict[str, str]:
     """Grades of an oil: its own, and those of what is common to all."""
-    return own | {"eyring_stress": "D", "shear_modulus": "C"}
+    return own | {"eyring_stress": "D", "shear_modulus": "C", "pressure_viscosity_kind": "D"}
 
 
 _LOWEST, _HIGHEST = 273.15, 473.15  # K
@@ -46,54 +49,21 @@ _RANGE_SOURCE = (
 _FORMULAS = "correlations of the coefficient after So and Klaus, Wu, Klaus and Duda, and Gold differ by"
 
 
-def falling_density(at_15: float, at_100: float) -> Table:
-    """Density of an oil [kg/m3]: a straight line from 0 to 200 degC through its values at 15 and 100 degC."""
-    slope = (at_100 - at_15) / 85.0
-    return Table((273.15, 473.15), (at_15 - 15.0 * slope, at_15 + 185.0 * slope))
-
-
 def scatter_of(
+    exponent: float,
     viscosity: float,
     grade: str,
     source: str,
     pressure_viscosity: float = 0.25,
     pressure_viscosity_source: str = f"{_FORMULAS} 25 %",
 ) -> tuple[Scatter, ...]:
-    """Return the scatter of an oil: viscosity and alpha, uniform over relative half widths, and what all share."""
-    return (
-        Scatter(
-            quantity="viscosity_factor",
-            distribution="uniform",
-            parameters={"scatter": viscosity},
-            grade=grade,
-            source=source,
-        ),
-        Scatter(
-            quantity="pressure_viscosity_factor",
-            distribution="uniform",
-            parameters={"scatter": pressure_viscosity},
-            grade="(C)",
-            source=pressure_viscosity_source,
-        ),
-        Scatter(
-            quantity="eyring_stress",
-            distribution="log-uniform",
-            parameters={"low": "1 MPa", "high": "10 MPa"},
-            grade="(D)",
-            source="range of published traction curves",
-        ),
-        Scatter(
-            quantity="shear_modulus",
-            distribution="log-uniform",
-            parameters={"low": "0.05 GPa", "high": "1 GPa"},
-            grade="(C)",
-            source="range of published values of fluid films",
-        ),
-    )
+    """Return the scatter of an oil; ``exponent`` is that of ln(eta/eta0), after `rollslip.lubricant.base_oil`."""
+    return oil.scatter_of(viscosity, grade, source, pressure_viscosity, pressure_viscosity_source, exponent)
 
 
 mil_prf_7808 = Lubricant(
     name="mil-prf-7808",
+    base_oil="ester",
     synonyms=("MIL-L-7808",),
     description="Diester turbine oil after MIL-PRF-7808 (formerly MIL-L-7808), 3 mm2/s at 100 degC",
     # Published in natural logarithms: eta = 9.997e-4 [exp(exp(22.216 - 3.7048 ln T)) - 0.87] Pa s.
@@ -106,7 +76,7 @@ mil_prf_7808 = Lubricant(
         "Viscosity, pressure-viscosity coefficient and conductivity: property functions of the bearing code ADORE "
         "(Gupta, 1984) for MIL-L-7808; conductivity as table from 30 to 100 degC, linear between and constant beyond. "
         "The coefficient scatters by 25 % between correlations. Density 921 kg/m3 at 15 degC and 861 at 100 degC, read "
-        f"from a chart (C). {_SHEAR_SOURCE} {_RANGE_SOURCE}"
+        f"from a chart (C). {_KIND_SOURCE} {_SHEAR_SOURCE} {_RANGE_SOURCE}"
     ),
     references=_REFERENCES,
     density=falling_density(920.6, 860.8),
@@ -116,7 +86,10 @@ mil_prf_7808 = Lubricant(
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
     scatter=scatter_of(
-        0.1, "(D)", "the specification sets a least viscosity only; as wide as a grade of ISO 3448, 10 % either way"
+        0.27,
+        0.1,
+        "(D)",
+        "the specification sets a least viscosity only; as wide as a grade of ISO 3448, 10 % either way",
     ),
 )
 
@@ -124,6 +97,7 @@ _VISCOSITY_23699 = Andrade(reference_viscosity=0.0276, reference_temperature=311
 
 mil_prf_23699 = Lubricant(
     name="mil-prf-23699",
+    base_oil="ester",
     synonyms=("MIL-L-23699",),
     description="Polyol ester turbine oil after MIL-PRF-23699 (formerly MIL-L-23699), 5 mm2/s at 100 degC",
     viscosity=_VISCOSITY_23699,
@@ -132,7 +106,7 @@ mil_prf_23699 = Lubricant(
     source=(
         f"Viscosity and pressure-viscosity coefficient: fits for MIL-L-23699 {_ATTRIBUTION}. Conductivity "
         "0.15 W/(m K), common of esters (C). Density 988 kg/m3 at 15 degC and 920 at 100 degC, read from a chart (C). "
-        f"{_SHEAR_SOURCE} {_RANGE_SOURCE}"
+        f"{_KIND_SOURCE} {_SHEAR_SOURCE} {_RANGE_SOURCE}"
     ),
     references=_REFERENCES,
     conductivity=Constant(0.15),
@@ -142,7 +116,7 @@ mil_prf_23699 = Lubricant(
     shear_modulus=_SHEAR_MODULUS,
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
-    scatter=scatter_of(0.05, "(B)", "the specification allows 4.90 to 5.40 mm2/s at 100 degC"),
+    scatter=scatter_of(0.2, 0.05, "(B)", "the specification allows 4.90 to 5.40 mm2/s at 100 degC"),
 )
 
 santotrac_50 = Lubricant(
@@ -165,19 +139,20 @@ santotrac_50 = Lubricant(
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
     scatter=scatter_of(
-        0.1, "(D)", "no tolerance of the maker was found; as wide as a grade of ISO 3448, 10 % either way"
+        0.078, 0.1, "(D)", "no tolerance of the maker was found; as wide as a grade of ISO 3448, 10 % either way"
     ),
 )
 
 sae_30 = Lubricant(
     name="sae-30",
+    base_oil="mineral",
     description="Mineral engine oil of grade SAE 30",
     viscosity=Andrade(reference_viscosity=0.07166, reference_temperature=311.11, slope=4104.3),
     pressure_viscosity=Constant(1.9e-8),
     source=(
         f"Viscosity and pressure-viscosity coefficient: fits {_ATTRIBUTION}; the coefficient does not depend on "
         "temperature there, so its slope is zero. Conductivity 0.134 W/(m K), that of the mineral oil FVA 3 (C). "
-        f"Density of the mineral oils of ISO VG grades here (D). {_SHEAR_SOURCE} {_RANGE_SOURCE}"
+        f"Density of the mineral oils of ISO VG grades here (D). {_KIND_SOURCE} {_SHEAR_SOURCE} {_RANGE_SOURCE}"
     ),
     references=_REFERENCES,
     conductivity=Constant(0.134),
@@ -187,7 +162,7 @@ sae_30 = Lubricant(
     shear_modulus=_SHEAR_MODULUS,
     minimum_temperature=_LOWEST,
     maximum_temperature=_HIGHEST,
-    scatter=scatter_of(0.15, "(B)", "SAE J300 allows 9.3 to 12.5 mm2/s at 100 degC"),
+    scatter=scatter_of(0.077, 0.15, "(B)", "SAE J300 allows 9.3 to 12.5 mm2/s at 100 degC"),
 )
 
 

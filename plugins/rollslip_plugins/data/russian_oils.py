@@ -17,9 +17,10 @@ from rollslip.lubricant import (
     WuKlausDuda,
     fit_walther,
 )
+from rollslip.lubricant.base_oil import falling_density
 from rollslip.references import Reference
 from rollslip_plugins.bibliography import GOST_13076, TU_B_3V, TU_IPM_10
-from rollslip_plugins.data.lubricants import falling_density, mil_prf_23699, scatter_of
+from rollslip_plugins.data.lubricants import mil_prf_23699, scatter_of
 
 
 def _kinematic(at_minus_40: float, at_100: float) -> Walther:
@@ -35,6 +36,8 @@ def _of_limits(
     alpha: TemperatureLaw,
     alpha_source: str,
     specification: Reference,
+    base_oil: str,
+    exponent: float,
 ) -> Lubricant:
     """An oil of which the limits of its viscosity are recalled."""
     rho = falling_density(*density)
@@ -57,7 +60,9 @@ def _of_limits(
             "give 1 to 10 MPa; shear modulus 0.3 GPa (C), 0.05 to 1 GPa. Range 0 to 180 degC (D)."
         ),
         references=(specification,),
+        base_oil=base_oil,
         scatter=scatter_of(
+            exponent,
             0.1,
             "(D)",
             "the specification sets a least viscosity only; as wide as a grade of ISO 3448, 10 % either way",
@@ -65,7 +70,7 @@ def _of_limits(
             "no measurement was found; formulas for esters and polyalphaolefins differ by 30 %",
         ),
         grades={"viscosity": "C", "density": "D", "pressure_viscosity": "D", "conductivity": "C", "eyring_stress": "D",
-                "shear_modulus": "C"},
+                "shear_modulus": "C", "pressure_viscosity_kind": "D"},
     )  # fmt: skip
 
 
@@ -82,6 +87,8 @@ vnii_np_50_1_4u = _of_limits(
     Hyperbola(limit=7.5808e-10, slope=1.0742e-6, pole=215.56),
     "that of mil-prf-7808, an oil of the same class",
     GOST_13076,
+    "ester",
+    0.27,
 )
 ipm_10 = _of_limits(
     "ipm-10",
@@ -91,6 +98,8 @@ ipm_10 = _of_limits(
     WuKlausDuda(_PAO),
     "formula of Wu, Klaus and Duda on this viscosity",
     TU_IPM_10,
+    "pao",
+    0.18,
 )
 b_3v = _of_limits(
     "b-3v",
@@ -100,6 +109,8 @@ b_3v = _of_limits(
     PowerOfViscosity(Product(_ESTER, _B_3V), _OF_23699.factor, _OF_23699.exponent),
     "from this viscosity as for mil-prf-23699, a polyol ester too",
     TU_B_3V,
+    "ester",
+    0.2,
 )
 
 

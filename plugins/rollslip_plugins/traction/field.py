@@ -29,11 +29,12 @@ from numpy.typing import ArrayLike, NDArray
 from rollslip.errors import DomainError
 from rollslip.fields import parameter, positive
 from rollslip.hookspecs import hookimpl
-from rollslip.lubricant.pressure import Barus, PressureViscosity, from_oil
+from rollslip.lubricant.pressure import PressureViscosity, from_oil
 from rollslip.models import FINITE, POSITIVE, Domain, TractionModel, Validity
 from rollslip.references import KLEBANOV, Reference
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_plugins.bibliography import CARSLAW_1959, JOHNSON_TEVAARWERK_1977
+from rollslip_plugins.pressure_viscosity import Barus
 from rollslip_plugins.traction.conduction import (
     Cells,
     ConductedHeat,

@@ -17,9 +17,9 @@ from foreign_stages import EVALUATE, NAME, RsModel, RsSlices
 from rollslip import Chain, Conditions, Slices, available, get_model
 from rollslip.bearing.chain import stage
 from rollslip.errors import DomainError
-from rollslip.lubricant.pressure import Barus, Roelands, Yasutomi
 from rollslip.testing.samples import MAGNITUDES
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
+from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 
 #: 5P4E after Ehret, Dowson and Taylor (1998); the other laws have no constants.
 YASUTOMI = Yasutomi(glass_temperature=244.95, a1=134.2, a2=1.929e-9, b1=4.815, b2=0.160e-9, c1=16.01, c2=20.69)

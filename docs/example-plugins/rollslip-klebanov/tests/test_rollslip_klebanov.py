@@ -7,8 +7,8 @@ import mpmath
 import numpy as np
 import pytest
 from rollslip import Chain, Conditions, Slices, evolve, get_model, run
-from rollslip.lubricant.pressure import Barus
 from rollslip.testing import Conformance
+from rollslip_plugins.pressure_viscosity import Barus
 
 from rollslip_klebanov.__main__ import critical_slips
 from rollslip_klebanov.scenes import SETS, figure_scene

@@ -15,13 +15,14 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.bearing.assembly import read_oil
 from rollslip.bearing.chain import Chain
-from rollslip.catalogue.registry import get_class, structure_model
+from rollslip.catalogue.registry import structure_model
 from rollslip.errors import DomainError, SceneError, nearest
 from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
-from rollslip.lubricant.table import OilTable, lubricant_from_table
+from rollslip.lubricant.table import OilTable
 from rollslip.lubricant.temperature import Constant
 from rollslip.measurement.rig import Rig, RigData
 from rollslip.models import FilmModel, SliceModel, TractionModel
@@ -131,11 +132,8 @@ def rig_problem(data: RigData, rig: Rig, traction: Raw | None = None, film: Raw 
     measured = "film_thickness" in data.columns
     if measured and film is not None:
         raise SceneError([f"{data.source}: film_thickness: is measured; leave out the column, or the film model"])
-    table = dict(rig.lubricant.data)
-    if rig.lubricant.name is not None:
-        table["name"] = rig.lubricant.name
     try:
-        lubricant = lubricant_from_table(table, lambda name: get_class("lubricant", name), where.at("lubricant"))
+        lubricant = read_oil(rig.lubricant, where.at("lubricant"))
     except SceneError as error:
         problems += error.problems
     try:
