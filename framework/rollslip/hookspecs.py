@@ -23,6 +23,11 @@ def film_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 
 @hookspec
+def pressure_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
+    """Models of the pressure in a film that this plugin offers: classes derived from `rollslip.models.PressureModel`."""
+
+
+@hookspec
 def traction_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
     """Traction models this plugin offers: classes derived from `rollslip.models.TractionModel`."""
 

@@ -325,23 +325,10 @@ def evaluate_arrays(model: SliceModel, column: str, **members: "ArrayLike") -> "
     return columns[column]
 
 
-#: Least Moes load parameter M at which the pressure in the film is taken for Hertz's.
-HERTZIAN_FROM: Final = 2.0
-
-
 class ContactModel(SliceModel):
     """Half width and mean pressure from the load per length, and the deflection law behind the load."""
 
     validity: ClassVar[tuple[Validity, ...]] = (
-        Validity(
-            quantity="load_parameter",
-            low=HERTZIAN_FROM,
-            consequence="the pressure in the film is far from Hertz's, on which traction is based: its mean by load is "
-            "at most {error} lower",
-            error=Tabled(((0.1, 95.0), (0.2, 90.0), (0.5, 76.0), (1.0, 58.0), (2.0, 36.0))),
-            remedy="none with a source is known; take what these contacts decide for a trend",
-            source="the isoviscous contact, the worst of L = 0 to 15, by reynolds-line (docs/scripts/validity.py)",
-        ),
         Validity(
             quantity="width_ratio",
             high=0.1,
@@ -395,16 +382,7 @@ class FilmModel(SliceModel):
 
     reads = frozenset({"load", "rolling_speed", "radius", "modulus", "viscosity", "pressure_viscosity"})
     writes = frozenset({"film_thickness"})
-    domain = MappingProxyType(
-        {
-            "load": POSITIVE,
-            "rolling_speed": POSITIVE,
-            "radius": POSITIVE,
-            "modulus": POSITIVE,
-            "viscosity": POSITIVE,
-            "pressure_viscosity": NON_NEGATIVE,
-        }
-    )
+    domain = MappingProxyType({**dict.fromkeys(sorted(reads), POSITIVE), "pressure_viscosity": NON_NEGATIVE})
     #: Which film thickness it returns: "minimum", "central" or "dp/dx = 0".
     location: ClassVar[str]
     #: Film regime it holds in: "IR", "VR", "IE", "VE", or "all".
@@ -423,6 +401,11 @@ class FilmModel(SliceModel):
     def inlet_heating(self) -> str:
         """Law by which shear heating of the inlet thins the film; empty if the inlet is isothermal."""
         return ""
+
+    @property
+    def isothermal(self) -> "FilmModel":
+        """The same film with a cold inlet; itself if its inlet is isothermal."""
+        return self
 
     @property
     def inlet_starvation(self) -> str:
@@ -468,6 +451,15 @@ class FilmModel(SliceModel):
             viscosity=viscosity,
             pressure_viscosity=pressure_viscosity,
         )
+
+
+class PressureModel(SliceModel):
+    """Mean pressure in the film and its half width, which viscosity and traction read; the load stays, w = 2 b p."""
+
+    reads, domain = FilmModel.reads, FilmModel.domain
+    writes = ContactModel.writes
+    #: Whether it leaves what the contact model fills, so that it is no stage of the chain.
+    of_contact: ClassVar[bool] = False
 
 
 class TractionModel(SliceModel):

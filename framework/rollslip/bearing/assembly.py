@@ -21,7 +21,7 @@ from rollslip.errors import DomainError, PluginError, SceneError
 from rollslip.lubricant.oil import Lubricant, OilState
 from rollslip.lubricant.pressure import with_law, without_slope
 from rollslip.lubricant.table import lubricant_from_table
-from rollslip.models import ContactModel, FilmModel, SliceModel, TractionModel
+from rollslip.models import ContactModel, FilmModel, PressureModel, SliceModel, TractionModel
 from rollslip.scene.values import LubricantTable, Scene
 from rollslip.structure import Location
 from rollslip.units import format_quantity
@@ -41,6 +41,7 @@ class Assembly:
     resolution: Resolution
     contact: ContactModel
     film: FilmModel
+    pressure: PressureModel
     traction: TractionModel
     lubricant: Lubricant
     kinematics: Kinematics
@@ -63,7 +64,7 @@ class Assembly:
     @property
     def models(self) -> dict[str, SliceModel]:
         """The models by kind; the oil's law of viscosity with pressure runs before the last."""
-        return {"contact": self.contact, "film": self.film, "traction": self.traction}
+        return {"contact": self.contact, "film": self.film, "pressure": self.pressure, "traction": self.traction}
 
     @property
     def raceways(self) -> tuple[Raceway, Raceway]:
@@ -157,7 +158,7 @@ class Assembly:
 
     def at(self, resolution: Resolution) -> "Assembly":
         """Return the same bearing at another resolution; where its laws are to be others, it is put together anew."""
-        laws = ("traction", "traction_error", "boundary", "compiled")
+        laws = ("traction", "traction_error", "boundary", "inlet_heating", "light_contacts", "compiled")
         if any(getattr(self.resolution, name) != getattr(resolution, name) for name in laws):
             return assemble(self.scene, resolution)
         made = partial(_slicing, self.scene, resolution)
@@ -292,6 +293,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         for kind, choice in (
             ("contact", scene.models.contact),
             ("film", scene.models.film),
+            ("pressure", scene.models.pressure),
             ("traction", scene.models.traction),
         )
     }
@@ -319,7 +321,10 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
     law = lubricant.pressure_viscosity_law
     models = {kind: with_law(model, law, lubricant.slopes) for kind, model in models.items()}
     models["traction"] = simplified(models["traction"], resolution)
-    stages = models["contact"], models["film"], law, models["traction"]
+    if not resolution.inlet_heating:
+        models["film"] = models["film"].isothermal
+    in_film = () if models["pressure"].of_contact or not resolution.light_contacts else (models["pressure"],)
+    stages = models["contact"], models["film"], *in_film, law, models["traction"]
     deflection = models["contact"].deflection()
     _check_given((deflection, *stages), conditions["inner"], lubricant, where)
     chain, approach = Chain(*stages, compiled=resolution.compiled), Chain(deflection, compiled=resolution.compiled)

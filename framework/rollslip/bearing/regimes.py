@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollslip.models import FILM_REGIMES, HERTZIAN_FROM
+from rollslip.models import FILM_REGIMES
 from rollslip_kernels.slices import Slices
 
 Array = NDArray[np.float64]
@@ -40,7 +40,7 @@ DOWSON_1968: Final = PowerLaw(2.65, 0.70, 0.54, -0.13)
 #: Code in the column ``regime`` -> name.
 NAMES: Final = tuple(FILM_REGIMES)
 #: Below this Moes load parameter M the pressure in the film is far from Hertz's.
-LIGHT: Final = HERTZIAN_FROM
+LIGHT: Final = 2.0
 LONG_NAMES: Final = FILM_REGIMES
 
 

@@ -59,6 +59,10 @@ class Resolution:
         Relative error up to which a law may be evaluated more cheaply (`TractionModel.evaluated_to`); 0 for none.
     boundary : bool
         Whether boundary friction takes part; False for the law of the full film alone.
+    inlet_heating : bool
+        Whether the heat of its inlet thins the film, if the film model knows it.
+    light_contacts : bool
+        Whether the film has a pressure of its own, if the scene names a model of it; False for that of the contact.
     table_tolerance : float
         Error of tables: loads over the orbit, effective friction, the slip-drag curve.
     integrator, integrator_tolerance
@@ -82,6 +86,8 @@ class Resolution:
     traction: str = parameter(default="named", doc="hydrodynamic law")
     traction_error: float = parameter(default=0.0, unit="1", doc="relative error of a law", validator=in_range(0, 1))
     boundary: bool = parameter(default=True, doc="whether boundary friction takes part")
+    inlet_heating: bool = parameter(default=True, doc="whether the heat of its inlet thins the film")
+    light_contacts: bool = parameter(default=True, doc="whether the film has a pressure of its own")
     table_tolerance: float = parameter(
         default=1e-3, unit="1", doc="error of tables", validator=in_range(0, 1, open=True)
     )

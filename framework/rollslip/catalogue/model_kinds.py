@@ -7,7 +7,7 @@ from rollslip.datasets import BearingData, SurfaceData
 from rollslip.engine import Engine
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
-from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, TractionModel
+from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, PressureModel, TractionModel
 
 _LAW: Final = "the law in NumPy, what it reads and where it is defined"
 _SCENE: Final = "rollslip run 1032930-70C --set {key}=${{model}}"
@@ -34,6 +34,18 @@ FILM: Final = Kind(
         contents=_LAW,
         use=_SCENE.format(key="models.film"),
         classes=("FilmModel",),
+        compiled=True,
+    ),
+)
+PRESSURE: Final = Kind(
+    name="pressure",
+    hook="pressure_models",
+    base=PressureModel,
+    template=Template(
+        summary="A model of the pressure in a film",
+        contents=_LAW,
+        use=_SCENE.format(key="models.pressure"),
+        classes=("PressureModel",),
         compiled=True,
     ),
 )

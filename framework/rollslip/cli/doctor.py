@@ -204,7 +204,7 @@ def agreement() -> list[tuple[str, float, float]]:
         return Slices(n, raceway.conditions, **{name: getattr(filled, name) for name in COLUMNS})
 
     def stages() -> Iterator[SliceModel]:
-        for kind in ("contact", "film", "traction"):
+        for kind in ("contact", "film", "pressure", "traction"):
             for name, offer in available(kind).items():
                 cls = get_class(kind, name) if offer.package == "rollslip" else None
                 if cls is not None and all(a.default is not attrs.NOTHING for a in attrs.fields(cls)):

@@ -18,7 +18,7 @@ __all__ = ["example", "keys", "keys_of"]
 
 #: What people call a table.
 _TABLES: Final = {"oil": "lubricant", "material": "bearing.material", "model": "models", "studies": "study"}
-_LAWS: Final = ("contact", "film", "traction")
+_LAWS: Final = ("contact", "film", "pressure", "traction")
 
 
 def keys(*, models: bool = False) -> list[SchemaRow]:

@@ -25,7 +25,7 @@ from rollslip.cards import Card
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError, SceneError
-from rollslip.models import FilmModel, SliceModel
+from rollslip.models import FilmModel, PressureModel, SliceModel
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import Location
@@ -421,6 +421,8 @@ def _held(scene: Scene, studies: Mapping[str, Study]) -> list[str]:
 def _stage(kind: str, model: SliceModel, named: Any) -> Part:
     offer = find(kind, model.name)
     compiled = "compiled" if model.kernel() is not None else "NumPy"
+    if isinstance(model, PressureModel) and model.of_contact:
+        compiled = "that of the contact model, no stage"
     return Part(
         part=kind,
         choice=f"{model.name} ({offer.package} {offer.version}, {compiled})",

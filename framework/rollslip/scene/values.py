@@ -109,6 +109,7 @@ class Models:
 
     contact: ModelChoice = field(default=ModelChoice(name="palmgren"), doc="load and deflection of a contact")
     film: ModelChoice = field(default=ModelChoice(name="moes"), doc="thickness of the oil film")
+    pressure: ModelChoice = field(default=ModelChoice(name="light-contact"), doc="pressure in the film")
     traction: ModelChoice = field(default=ModelChoice(name="lambda-blend"), doc="friction of a contact")
     thermal: ModelChoice | None = field(
         default=None,
@@ -232,7 +233,7 @@ class Scene(Card):
                 value, unit = getattr(table, one.name), one.metadata.get("unit")
                 if type(value) in (int, float) and (value or one.default is attrs.NOTHING):
                     rows.append((f"{name}.{one.name}", format_quantity(value, unit) if unit else str(value)))
-        chosen = ((kind, getattr(self.models, kind)) for kind in ("contact", "film", "traction", "thermal"))
+        chosen = ((kind, getattr(self.models, kind)) for kind in ("contact", "film", "pressure", "traction", "thermal"))
         rows += [(f"models.{kind}", choice.name) for kind, choice in chosen if choice is not None]
         rows.append(("lubricant", self.lubricant.name or "own oil"))
         rows.append(("studies", ", ".join(self.study) or DEFAULT_STUDY))

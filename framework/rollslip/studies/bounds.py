@@ -13,6 +13,7 @@ from collections.abc import Mapping
 import attrs
 import numpy as np
 
+from rollslip.bearing.regimes import QUANTITIES, groups
 from rollslip.bearing.resolution import BoundBrokenError, LeftOut, Resolution
 from rollslip.models import TractionModel
 from rollslip_kernels.slices import Slices
@@ -71,17 +72,75 @@ class ExactLaw(LeftOut):
         return attrs.evolve(resolution, traction="named")
 
 
+@attrs.frozen
+class InletHeating(LeftOut):
+    """What the heat of its inlet takes off a film, up to a thermal load."""
+
+    most: float
+
+    @property
+    def what(self) -> str:
+        """The heat of the inlet."""
+        return "the heat of the inlet"
+
+    def __call__(self, slices: Slices) -> None:
+        """Check the largest thermal load."""
+        if len(slices) and not (found := hottest(slices)) <= self.most:
+            raise BoundBrokenError(self, f"a thermal load of {found:.4g} is above {self.most:.4g}")
+
+    def taken_back(self, resolution: Resolution) -> Resolution:
+        """Return the resolution with the heat of the inlet."""
+        return attrs.evolve(resolution, inlet_heating=True)
+
+
+@attrs.frozen
+class LightContacts(LeftOut):
+    """What a light contact spreads its load by, down to the load parameter M of a mean load.
+
+    Some slice hardly touches in any bearing; it carries as little of the friction.
+    """
+
+    least: float
+
+    @property
+    def what(self) -> str:
+        """The film's own pressure."""
+        return "the pressure of light contacts"
+
+    def __call__(self, slices: Slices) -> None:
+        """Check the load parameter of the mean load."""
+        if len(slices) and not (found := mean_load(slices)) >= self.least:
+            raise BoundBrokenError(self, f"a mean load parameter of {found:.4g} is below {self.least:.4g}")
+
+    def taken_back(self, resolution: Resolution) -> Resolution:
+        """Return the resolution with the film's own pressure."""
+        return attrs.evolve(resolution, light_contacts=True)
+
+
+def hottest(slices: Slices) -> float:
+    """Return the largest thermal load of the inlets of slices."""
+    return float(QUANTITIES["thermal_load"].of(slices).max())
+
+
+def mean_load(slices: Slices) -> float:
+    """Return the load parameter M of the mean load of slices, at the mean of their speeds."""
+    U, _, W = groups(slices)
+    return float(W.mean() / np.sqrt(2.0 * U).mean())
+
+
 class Extremes:
-    """What was met in evaluated slices: the smallest film parameter and the largest of each group of a law."""
+    """What was met in evaluated slices: thinnest film, hottest inlet, lightest mean load and largest groups of a law."""
 
     def __init__(self, law: TractionModel) -> None:
         self.thinnest, self.groups, self._law = math.inf, dict[str, float](), law
+        self.hottest, self.lightest = 0.0, math.inf
 
     def __call__(self, slices: Slices) -> None:
         """Take in evaluated slices."""
         if not len(slices):
             return
         self.thinnest = min(self.thinnest, float(slices.film_thickness.min()) / slices.conditions.roughness)
+        self.hottest, self.lightest = max(self.hottest, hottest(slices)), min(self.lightest, mean_load(slices))
         if self._law.closed_form is not None:
             found = _largest(self._law, slices)
             self.groups = {name: max(self.groups.get(name, 0.0), x) for name, x in found.items()}

@@ -8,12 +8,12 @@
   resolutions, or Richardson's rule on them, would often meet a small error by chance.
 - A maximum is flat: the critical slip moves far more than friction does. Its error is that of the vertex of a parabola
   through three slips around it, estimated and bounded like that of friction.
-- Errors of different parts add up at most. Together they get `_AIM` of the tolerance.
+- Errors of different parts add up at most. Together they get `_AIM` of the tolerance; what is left out gets `_LEFT` each.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol, TypeAlias
 
 import attrs
 import numpy as np
@@ -24,7 +24,7 @@ from rollslip.bearing.raceway import Array
 from rollslip.bearing.resolution import LeftOut, Resolution, finest
 from rollslip.errors import ConvergenceError
 from rollslip.studies.answers import Errors, Estimated
-from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes
+from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes, InletHeating, LightContacts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 #: Share of the tolerance that slices and instants may take, and that laws evaluated more cheaply may.
 _AIM: Final = 0.5
 _LAW: Final = 0.1
+#: And each of the parts of a model that are left out, by which every value may move, relative to itself: a slip goes with
+#: the friction at that slip, and not with the largest one.
+_LEFT: Final = 0.2
 #: Slices of the ladder and those they are held against, on some instants of a pitch.
 _SLICES: Final = (8, 12, 16)
 _FINE: Final = 96
@@ -56,6 +59,9 @@ _OF_LAWS: Final = 4
 _LEVEL: Final = 1e-9
 #: How far beyond what was met groups of the rheology may go before a closed form gives way.
 _MARGIN: Final = 1.2
+
+
+Difference: TypeAlias = Callable[[tuple[Array, Array], tuple[Array, Array]], Errors]
 
 
 class Curved(Protocol):
@@ -140,6 +146,14 @@ def difference(coarse: tuple[Array, Array], fine: tuple[Array, Array]) -> Errors
     if fine[1].size:
         found["critical_slip"] = float(np.abs(coarse[1] / fine[1] - 1.0).max())
     return {name: error if error == error else math.inf for name, error in found.items()}
+
+
+def _everywhere(coarse: tuple[Array, Array], fine: tuple[Array, Array]) -> Errors:
+    """Return errors as `difference`, but that of friction relative to its value at each slip."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off = np.abs(coarse[0] / fine[0] - 1.0)[coarse[0] != fine[0]]
+    own = float(off.max(initial=0.0))
+    return {**difference(coarse, fine), "friction": own if own == own else math.inf}
 
 
 @attrs.frozen(kw_only=True)
@@ -266,7 +280,7 @@ def _whole(number: float, least: int, most: int | None) -> int:
 
 
 def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) -> Estimated:
-    """Leave boundary friction out where films are full, and evaluate laws as cheaply as their share allows."""
+    """Leave out what is not needed, or moves too little, and evaluate laws as cheaply as their share allows."""
     accuracy, law, left_out = few.scene.accuracy, few.traction.full_film, list[LeftOut]()
     resolution, errors = chosen.resolution, dict(chosen.errors)
     extremes, limit = Extremes(law), few.traction.full_film_from
@@ -275,13 +289,25 @@ def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) ->
     if limit is not None and extremes.thinnest >= limit:
         resolution = attrs.evolve(resolution, boundary=False)
         left_out.append(BoundaryFriction(limit))
+    reference = probe.measure(few, (_OF_LAWS,), _SMALL)[0] if cheaper_laws else None
     allowed = {name: _LAW * accuracy.of(name) for name in ("friction", "critical_slip")}
 
-    def serves(cheaper: Resolution) -> Errors | None:
-        """Errors that cheaper laws leave, None where they are too large."""
-        found = difference(*(probe.measure(at, (_OF_LAWS,), _SMALL)[0] for at in (few.at(cheaper), few)))
-        return found if all(error <= allowed[name] for name, error in found.items()) else None
+    def serves(cheaper: Resolution, share: float = _LAW, moved: Difference = difference) -> Errors | None:
+        """Errors that less leaves, None where they are too large."""
+        if reference is None:
+            return None
+        found = moved(probe.measure(few.at(cheaper), (_OF_LAWS,), _SMALL)[0], reference)
+        return found if all(error <= share * accuracy.of(name) for name, error in found.items()) else None
 
+    without: list[tuple[str, bool, LeftOut]] = [
+        ("inlet_heating", bool(few.film.inlet_heating), InletHeating(_MARGIN * extremes.hottest)),
+        ("light_contacts", few.pressure in few.inner.chain.models, LightContacts(extremes.lightest / _MARGIN)),
+    ]
+    for name, there, bound in without:
+        left = attrs.evolve(few.resolution, **{name: False})
+        if there and (found := serves(left, _LEFT, _everywhere)) is not None:
+            resolution, errors[name] = attrs.evolve(resolution, **{name: False}), found
+            left_out.append(bound)
     share = min(allowed.values())
     closed = attrs.evolve(few.resolution, traction=law.closed_form or "named")
     cheaper = attrs.evolve(few.resolution, traction_error=share)

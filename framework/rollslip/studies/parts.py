@@ -87,6 +87,19 @@ def friction(assembly: Assembly, estimated: Estimated) -> list[Part]:
                 reason=f"a film is full from a film parameter of {limit:g}; {said}",
             )
         )
+    parts = {"inlet_heating": ("thermal inlet shear", assembly.film.name), "light_contacts": ("pressure", "hertz")}
+    for name, (part, choice) in parts.items():
+        if name in errors:
+            found.append(
+                Part(
+                    part=part,
+                    included=False,
+                    choice=choice,
+                    reason=f"without it results move by some {errors[name]['friction']:.1g} at most, less than its share of "
+                    "the error; that it stays so is watched, and it is taken back in where it does not",
+                    errors=errors[name],
+                )
+            )
     law = assembly.traction.full_film.name
     if "law" in errors:
         found.append(

@@ -25,6 +25,7 @@ from rollslip.catalogue.registry import get_class
 from rollslip.models import (
     ContactModel,
     FilmModel,
+    PressureModel,
     ResistanceModel,
     SliceModel,
     TractionModel,
@@ -52,7 +53,7 @@ __all__ = [
     "told",
 ]
 
-_KINDS: Final = ((ContactModel, "contact"), (FilmModel, "film"), (TractionModel, "traction"))
+_KINDS: Final = ((ContactModel, "contact"), (FilmModel, "film"), (PressureModel, "pressure"), (TractionModel, "traction"))
 
 
 @attrs.frozen(kw_only=True)
@@ -150,6 +151,7 @@ def judged(
     """Return where slices lie outside of what all laws were made for, and what the traction that is named is off."""
     tables = filled(contacts, assembly)
     laws = [model for model in assembly.inner.chain.models if not isinstance(model, TractionModel)]
+    laws += [] if assembly.pressure in laws else [assembly.pressure]
     return outside([*laws, traction], tables), difference(traction, tables, assembly)
 
 

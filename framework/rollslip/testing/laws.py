@@ -23,6 +23,7 @@ from rollslip.models import (
     DragModel,
     FilmModel,
     PocketFriction,
+    PressureModel,
     ResistanceModel,
     SliceModel,
     TractionModel,
@@ -50,7 +51,7 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 # Contact and deflection ----------------------------------------------------------------------------------------------
 
 
-@rule(ContactModel)
+@rule(ContactModel, PressureModel)
 def check_mean_pressure_carries_the_load(model: ContactModel) -> None:
     """The mean pressure over the width 2 b is the load per length, w = 2 b p."""
 
@@ -198,6 +199,15 @@ def check_film_grows_with_the_rolling_speed(model: FilmModel) -> None:
         _monotonic("rolling_speed", {"film_thickness": 1})(filled, form, shaped)
 
     drawn(model, holds)
+
+
+# Pressure in the film ------------------------------------------------------------------------------------------------
+
+
+@rule(PressureModel)
+def check_pressure_does_not_fall_with_the_load(model: PressureModel) -> None:
+    """More load, more pressure in the film, or the same."""
+    drawn(model, _monotonic("load", {"pressure": 0}))
 
 
 # Traction ------------------------------------------------------------------------------------------------------------

@@ -21,6 +21,7 @@ from rollslip.models import (
     FilmModel,
     IntegratorModel,
     PocketFriction,
+    PressureModel,
     ResistanceModel,
     SliceModel,
     TractionModel,
@@ -63,7 +64,7 @@ def rule(*kinds: type | str, first: bool = False) -> Callable[[Check], Check]:
 
 
 MODELS: Final = (SliceModel, DragModel, PocketFriction, IntegratorModel)
-STAGES: Final = (ContactModel, FilmModel, TractionModel, ResistanceModel)
+STAGES: Final = (ContactModel, FilmModel, PressureModel, TractionModel, ResistanceModel)
 
 
 #: Rules of slice models that look at what is declared alone.

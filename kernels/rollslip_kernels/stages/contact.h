@@ -15,6 +15,54 @@ STAGE(hertz_line, COL_load, COL_half_width | COL_pressure) {
     return 0;
 }
 
+/* Where x is between two knots, 0 to 1 */
+RS_INLINE double PATH(part_of)(double x, double low, double high) {
+    double part = (x - low) / (high - low);
+    return part < 0.0 ? 0.0 : part > 1.0 ? 1.0 : part;
+}
+
+/* p = r p_Hertz, b = b_Hertz/r, r = [1 + (M/2)^(-1/i)]^(-i) up to the last L of the fit, r = min(q M/2, 1) from the
+ * first of the table on, with log2(q) linear in log2(M/2) and L; between the two log2(r) is linear in L */
+STAGE(light_contact, COL_load | COL_rolling_speed, COL_half_width | COL_pressure) {
+    const light_params *q = (const light_params *)params;
+    const double *load = s->load, *speed = s->rolling_speed;
+    double *half_width = s->half_width, *pressure = s->pressure, l[BLOCK], L[BLOCK], rise[LIGHT_LOADS];
+    double per_load = 8.0 * s->radius / (RS_PI * s->modulus), per_width = 0.5 / per_load;
+    double Er = s->modulus * s->radius, G = s->pressure_viscosity * s->modulus, last = q->last;
+    uint64_t far = 0;
+    size_t n = WHOLE(s->n);
+    EACH(i, n) {
+        double root = sqrt(2.0 * s->viscosity * speed[i] / Er), M = load[i] / Er / root;
+        l[i] = rs_log2(0.5 * (M > LEAST_LOAD ? M < 1.0 / LEAST_LOAD ? M : 1.0 / LEAST_LOAD : LEAST_LOAD));
+        L[i] = G * sqrt(root);
+    }
+    for (size_t i = 0; i < n; i++) far |= (uint64_t)(L[i] > last);
+    EACH(i, n) {
+        double of_fit = L[i] < last ? L[i] : last, power = q->power[0] + of_fit * (q->power[1] + of_fit * q->power[2]);
+        double smaller = rs_exp2_falling(-fabs(l[i]) / power);
+        pressure[i] = (l[i] < 0.0 ? l[i] : 0.0) - power * rs_log2_plus_one(smaller);
+    }
+    if (far)
+        EACH(i, n) {
+            double x = l[i], tabled = x, share = PATH(part_of)(L[i], last, q->columns[0]);
+            for (int k = 0; k < LIGHT_LOADS - 1; k++) rise[k] = q->rise[0][k + 1] - q->rise[0][k];
+            for (int j = 0; j < LIGHT_COLUMNS - 1; j++) {
+                double part = PATH(part_of)(L[i], q->columns[j], q->columns[j + 1]);
+                for (int k = 0; k < LIGHT_LOADS - 1; k++)
+                    rise[k] += part * ((q->rise[j + 1][k + 1] - q->rise[j + 1][k]) - (q->rise[j][k + 1] - q->rise[j][k]));
+            }
+            for (int k = 0; k < LIGHT_LOADS - 1; k++)
+                tabled += rise[k] * PATH(part_of)(x, q->knots[k], q->knots[k + 1]);
+            pressure[i] += share * ((tabled < 0.0 ? tabled : 0.0) - pressure[i]);
+        }
+    EACH(i, n) {
+        double r = rs_exp2_falling(pressure[i]), b = sqrt(per_load * load[i]);
+        half_width[i] = b / r;
+        pressure[i] = b * per_width * r;
+    }
+    return 0;
+}
+
 /* Q = k l^(8/9) delta^(10/9)      [Palmgren 1959; ISO/TS 16281] */
 STAGE(power_deflection, COL_approach, COL_load | COL_stiffness) {
     const double *approach = s->approach;

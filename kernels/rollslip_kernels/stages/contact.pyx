@@ -1,12 +1,33 @@
-"""Line contact: Hertz half width and pressure, and the deflection laws; the formulas are in stages/contact.h."""
+"""Line contact: half width and pressure, Hertz's and the film's, and the deflection laws; formulas: stages/contact.h."""
 
-from rollslip_blocks cimport rs_active_blocks
+from rollslip_blocks cimport LIGHT_COLUMNS, LIGHT_LOADS, light_params, rs_active_blocks
 from rollslip_stage cimport rs_new_model
 
 
 def hertz_line():
     """Return the stage load -> half width, mean pressure."""
     return rs_new_model(rs_active_blocks().hertz_line, NULL, 0, None)
+
+
+def light_contact(power, double last, knots, columns, rise):
+    """Return the stage load, speed -> half width, mean pressure of the film.
+
+    ``power`` holds the three coefficients of i over L, which serve up to ``last``; ``rise`` the logarithms to base 2 of
+    2 r/M, a row for each L of ``columns``, at the ``knots`` log2(M/2).
+    """
+    cdef light_params q
+    if len(power) != 3 or len(knots) != LIGHT_LOADS or len(columns) != LIGHT_COLUMNS or len(rise) != LIGHT_COLUMNS:
+        raise ValueError(f"the table has {LIGHT_COLUMNS} columns of {LIGHT_LOADS} loads, and i three coefficients")
+    q.last = last
+    for k in range(3):
+        q.power[k] = power[k]
+    for k in range(LIGHT_LOADS):
+        q.knots[k] = knots[k]
+    for j in range(LIGHT_COLUMNS):
+        q.columns[j] = columns[j]
+        for k in range(LIGHT_LOADS):
+            q.rise[j][k] = rise[j][k]
+    return rs_new_model(rs_active_blocks().light_contact, &q, sizeof(q), None)
 
 
 def power_deflection(double coefficient):

@@ -136,12 +136,13 @@ cdef int _rolling(const rs_slices *s, const void *params) noexcept nogil:
     return 0
 
 
-# F = k w b/(3 pi R)
+# F = k w b/(3 pi R), b = sqrt(8 w R/(pi E'))
 cdef int _hysteresis(const rs_slices *s, const void *params) noexcept nogil:
     cdef double factor = (<const double *>params)[0] / (3.0 * M_PI * s.radius)
+    cdef double per_load = 8.0 * s.radius / (M_PI * s.modulus)
     cdef size_t i
     for i in range(s.n):
-        s.resistance[i] = factor * s.load[i] * s.half_width[i]
+        s.resistance[i] = factor * s.load[i] * sqrt(per_load * s.load[i])
     return 0
 
 

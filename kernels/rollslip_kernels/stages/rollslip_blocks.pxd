@@ -6,6 +6,8 @@ from rollslip_abi cimport rs_evaluate, rs_model, rs_slices
 cdef extern from "stages/table.h" nogil:
     enum:
         TERMS
+        LIGHT_LOADS
+        LIGHT_COLUMNS
 
     ctypedef struct power_law:
         double c, u, g, w
@@ -20,6 +22,12 @@ cdef extern from "stages/table.h" nogil:
 
     ctypedef struct barus_params:
         double factor
+    ctypedef struct light_params:
+        double power[3]
+        double last
+        double knots[7]
+        double columns[5]
+        double rise[5][7]
 
     ctypedef struct roelands_params:
         double pole_viscosity, pole_pressure, factor
@@ -69,7 +77,7 @@ cdef extern from "stages/table.h" nogil:
     ) noexcept nogil
 
     ctypedef struct rs_blocks:
-        rs_evaluate hertz_line, power_deflection, lundberg_deflection
+        rs_evaluate hertz_line, light_contact, power_deflection, lundberg_deflection
         rs_evaluate power_film, moes_film, regime_film, inlet_film
         rs_evaluate barus, roelands, yasutomi
         rs_evaluate muraki, maxwell_eyring, eyring, kragelsky, constant, gupta

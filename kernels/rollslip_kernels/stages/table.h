@@ -6,6 +6,12 @@
 /* What the modules that make stages pass to them */
 typedef struct { double c, u, g, w; } power_law;
 typedef struct { power_law ri, rp, ei, ep; } regime_laws;
+enum { LIGHT_LOADS = 7, LIGHT_COLUMNS = 5 };
+#define LEAST_LOAD 1e-250   /* of M, and its inverse the largest, that no logarithm is infinite */
+/* i = power[0] + power[1] L + power[2] L^2 up to L = last; log2 of 2 r/M at knots log2(M/2) and columns L */
+typedef struct {
+    double power[3], last, knots[LIGHT_LOADS], columns[LIGHT_COLUMNS], rise[LIGHT_COLUMNS][LIGHT_LOADS];
+} light_params;
 enum { NO_FACTOR, MURCH_WILSON, GUPTA };
 typedef struct { rs_model film; int thermal; double starvation, layer, exponent; } inlet_params;
 typedef struct { double factor; } barus_params;   /* on ln(eta/eta0) */
@@ -28,7 +34,7 @@ typedef struct {
 } blend_params;
 
 #define STAGES(X) \
-    X(hertz_line) X(power_deflection) X(lundberg_deflection) \
+    X(hertz_line) X(light_contact) X(power_deflection) X(lundberg_deflection) \
     X(power_film) X(moes_film) X(regime_film) X(inlet_film) \
     X(barus) X(roelands) X(yasutomi) \
     X(muraki) X(maxwell_eyring) X(eyring) X(kragelsky) X(constant) X(gupta) \

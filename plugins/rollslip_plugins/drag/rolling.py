@@ -109,27 +109,29 @@ class Hysteresis(ResistanceModel):
     - F: force on each surface for a unit of length [N/m]
     - k: share of the work that is lost (``loss``) [1]
     - w: load per length [N/m]
-    - b: half width of the contact [m]
+    - b: half width after Hertz, sqrt(8 w R/(pi E')), whatever the pressure in the film [m]
     - R: equivalent radius [m]
+    - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
 
-    Range: Hertz's pressure; k is a property of a cycle of stress, and grows with its amplitude. k = 0.01 is an estimate
+    Range: Hertz's pressure. A film that spreads a light load deforms the steel less, by some share of r of
+    ``light-contact``: there the law is high. k is a property of a cycle of stress, and grows with its amplitude. k = 0.01 is an estimate
     for hard steel under pressures that leave it elastic (D).
 
     Examples
     --------
-    0.01 2e5 1e-4/(3 pi 0.01) = 20/(3 pi).
+    With w = pi 2.5e4 N/m Hertz's b is sqrt(8 pi 2.5e4 0.01/(pi 2e11)) = 0.1 mm: 0.01 pi 2.5e4 1e-4/(3 pi 0.01) = 2.5/3.
 
     >>> from rollslip import Conditions, Slices
-    >>> slices = Slices(1, Conditions(radius=0.01), load=2e5, half_width=1e-4)
+    >>> slices = Slices(1, Conditions(radius=0.01, modulus=2e11), load=78539.816340)
     >>> Hysteresis().evaluate(slices)
     >>> f"{slices.resistance[0]:.6f}"
-    '2.122066'
+    '0.833333'
     """
 
     name: ClassVar[str] = "hysteresis"
-    equation: ClassVar[str] = "F = k w b/(3 pi R)"
+    equation: ClassVar[str] = "F = k w b/(3 pi R), b = sqrt(8 w R/(pi E'))"
     references: ClassVar[tuple[Reference, ...]] = (JOHNSON_1985.at("chapter 9"), GREENWOOD_1961)
-    reads = frozenset({"load", "half_width", "radius"})
+    reads = frozenset({"load", "radius", "modulus"})
     domain = MappingProxyType(dict.fromkeys(sorted(reads), POSITIVE))
 
     loss: float = parameter(
@@ -138,8 +140,9 @@ class Hysteresis(ResistanceModel):
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the resistance."""
-        factor = self.loss / (3 * np.pi * slices.conditions.radius)
-        slices.resistance[...] = factor * slices.load * slices.half_width
+        c = slices.conditions
+        half_width = np.sqrt(8 * c.radius / (np.pi * c.modulus) * slices.load)
+        slices.resistance[...] = self.loss / (3 * np.pi * c.radius) * slices.load * half_width
 
     def kernel(self) -> object:
         """Return the compiled form."""

@@ -210,6 +210,11 @@ class InletCorrection(FilmModel):
         return "" if self.thermal == "none" else self.thermal
 
     @property
+    def isothermal(self) -> FilmModel:
+        """The film of a cold inlet, which is starved as much."""
+        return attrs.evolve(self, thermal="none") if self.starvation != 1.0 or self.oil_layer is not None else self.film
+
+    @property
     def inlet_starvation(self) -> str:
         """Factor and layer of the starved inlet, in words."""
         told = [f"a factor of {self.starvation:g}"] if self.starvation < 1 else []
