@@ -132,14 +132,14 @@ class LightContact(PressureModel):
     Examples
     --------
     M = 2e-5/sqrt(2 1e-10) = sqrt(2), of an oil that pressure does not thicken, where i = 0.651:
-    r = (1 + 2^(0.5/0.651))^(-0.651) = 0.5288, and Hertz's mean pressure is 63.66 MPa.
+    r = (1 + 2^(0.5/0.651))^(-0.651) = 0.52345, and Hertz's mean pressure is sqrt(pi 2e11 4e4/0.32) = 280.25 MPa.
 
     >>> from rollslip import Conditions, Slices
     >>> oil = Conditions(radius=0.01, modulus=2e11, viscosity=0.01, pressure_viscosity=0.0)
     >>> slices = Slices(1, oil, load=4e4, rolling_speed=20.0)
     >>> LightContact().evaluate(slices)
     >>> f"{slices.pressure[0] / 1e6:.2f} MPa"
-    '148.24 MPa'
+    '146.70 MPa'
     """
 
     name: ClassVar[str] = "light-contact"

@@ -51,11 +51,7 @@ def ratio(M, L, cells):
 
 
 def rigid():
-    """Return r/M with h = h0 (1 + t^2), x = sqrt(2 R h0) t, p' = 12 eta u (h - hm)/h^3, p = p' = 0 at the exit t = c.
-
-    With q = p/(12 eta u sqrt(2 R h0)/h0^2) the load is w = 24 (eta u R/h0) int q dt, and r/M works out as
-    (3 pi/8) sqrt(2 pi) int q^2 dt/(4 sqrt(24) (int q dt)^2.5) 12/sqrt(...), which is done below in steps.
-    """
+    """Return r/M with h = h0 (1 + t^2), x = sqrt(2 R h0) t, p' = 12 eta u (h - hm)/h^3, p = p' = 0 at the exit t = c."""
     mp = mpmath.mp
     mp.dps = 30
     parts = [-mp.inf, -3, -1, 0]
@@ -74,7 +70,7 @@ def rigid():
     first, second = (mp.quad(lambda g, k=k: flat(g) ** k / mp.cos(g) ** 2, ends) for k in (1, 2))
     # with eta u = R = E' = h0 = 1: length, scale of the pressure, load, mean pressure by load, and Hertz's
     length, scale = mp.sqrt(2), 12 * mp.sqrt(2)
-    load, mean = -scale * length * first, -scale * second / first
+    load, mean = scale * length * first, scale * second / first
     hertz = 8 / (3 * mp.pi) * mp.sqrt(load / (2 * mp.pi))
     return mean / hertz / (load / mp.sqrt(2))
 

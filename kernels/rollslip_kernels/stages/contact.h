@@ -15,10 +15,8 @@ STAGE(hertz_line, COL_load, COL_half_width | COL_pressure) {
     return 0;
 }
 
-/* Where x is between two knots, 0 to 1 */
-RS_INLINE double PATH(part_of)(double x, double low, double high) {
-    double part = (x - low) / (high - low);
-    return part < 0.0 ? 0.0 : part > 1.0 ? 1.0 : part;
+RS_INLINE double PATH(within_one)(double x) {
+    return x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
 }
 
 /* p = r p_Hertz, b = b_Hertz/r, r = [1 + (M/2)^(-1/i)]^(-i) up to the last L of the fit, r = min(q M/2, 1) from the
@@ -26,35 +24,62 @@ RS_INLINE double PATH(part_of)(double x, double low, double high) {
 STAGE(light_contact, COL_load | COL_rolling_speed, COL_half_width | COL_pressure) {
     const light_params *q = (const light_params *)params;
     const double *load = s->load, *speed = s->rolling_speed;
-    double *half_width = s->half_width, *pressure = s->pressure, l[BLOCK], L[BLOCK], rise[LIGHT_LOADS];
+    double *half_width = s->half_width, *pressure = s->pressure, l[BLOCK], L[BLOCK], part[BLOCK];
+    double per_load_parameter[BLOCK], power[BLOCK], inverse[BLOCK];
     double per_load = 8.0 * s->radius / (RS_PI * s->modulus), per_width = 0.5 / per_load;
-    double Er = s->modulus * s->radius, G = s->pressure_viscosity * s->modulus, last = q->last;
-    uint64_t far = 0;
+    double Er = s->modulus * s->radius, per_speed = 2.0 * s->viscosity / Er, G = s->pressure_viscosity * s->modulus;
+    double last = q->last, p0 = q->power[0], p1 = q->power[1], p2 = q->power[2], most = 0.0, least = LARGEST;
     size_t n = WHOLE(s->n);
-    EACH(i, n) {
-        double root = sqrt(2.0 * s->viscosity * speed[i] / Er), M = load[i] / Er / root;
-        l[i] = rs_log2(0.5 * (M > LEAST_LOAD ? M < 1.0 / LEAST_LOAD ? M : 1.0 / LEAST_LOAD : LEAST_LOAD));
-        L[i] = G * sqrt(root);
+    uint64_t speeds = 0;
+    for (size_t i = 0; i < n; i++) speeds |= rs_bits(speed[i]) ^ rs_bits(speed[0]);
+    size_t varied = speeds ? n : 1;   /* as in one position of the cage: once for all */
+    EACH(i, varied) {
+        double root = sqrt(per_speed * speed[i]), lubricant = G * sqrt(root);
+        double of_fit = lubricant < last ? lubricant : last, i_of = p0 + of_fit * (p1 + of_fit * p2);
+        per_load_parameter[i] = 0.5 / (Er * root);
+        L[i] = lubricant;
+        power[i] = i_of;
+        inverse[i] = 1.0 / i_of;
     }
-    for (size_t i = 0; i < n; i++) far |= (uint64_t)(L[i] > last);
-    EACH(i, n) {
-        double of_fit = L[i] < last ? L[i] : last, power = q->power[0] + of_fit * (q->power[1] + of_fit * q->power[2]);
-        double smaller = rs_exp2_falling(-fabs(l[i]) / power);
-        pressure[i] = (l[i] < 0.0 ? l[i] : 0.0) - power * rs_log2_plus_one(smaller);
+    if (!speeds) {
+        double first[] = {per_load_parameter[0], L[0], power[0], inverse[0]};
+        EACH(i, n) per_load_parameter[i] = first[0];
+        EACH(i, n) L[i] = first[1];
+        EACH(i, n) power[i] = first[2];
+        EACH(i, n) inverse[i] = first[3];
     }
-    if (far)
-        EACH(i, n) {
-            double x = l[i], tabled = x, share = PATH(part_of)(L[i], last, q->columns[0]);
-            for (int k = 0; k < LIGHT_LOADS - 1; k++) rise[k] = q->rise[0][k + 1] - q->rise[0][k];
-            for (int j = 0; j < LIGHT_COLUMNS - 1; j++) {
-                double part = PATH(part_of)(L[i], q->columns[j], q->columns[j + 1]);
-                for (int k = 0; k < LIGHT_LOADS - 1; k++)
-                    rise[k] += part * ((q->rise[j + 1][k + 1] - q->rise[j + 1][k]) - (q->rise[j][k + 1] - q->rise[j][k]));
+    EACH(i, n) {
+        double M = load[i] * per_load_parameter[i];   /* M/2 */
+        l[i] = rs_log2(M > LEAST_LOAD ? M < 1.0 / LEAST_LOAD ? M : 1.0 / LEAST_LOAD : LEAST_LOAD);
+    }
+    EACH(i, n) {
+        double smaller = rs_exp2_falling(-fabs(l[i]) * inverse[i]);
+        pressure[i] = (l[i] < 0.0 ? l[i] : 0.0) - power[i] * rs_log2_plus_one(smaller);
+    }
+    for (size_t i = 0; i < n; i++) most = most > L[i] ? most : L[i], least = least < L[i] ? least : L[i];
+    if (most > last) {
+        double per_share = 1.0 / (q->columns[0] - last);
+        EACH(i, n) half_width[i] = l[i];
+        for (int k = 0; k < LIGHT_LOADS - 1; k++) {
+            double low = q->knots[k], per = 1.0 / (q->knots[k + 1] - low), step = q->rise[0][k + 1] - q->rise[0][k];
+            EACH(i, n) {
+                part[i] = PATH(within_one)((l[i] - low) * per);
+                half_width[i] += step * part[i];
             }
-            for (int k = 0; k < LIGHT_LOADS - 1; k++)
-                tabled += rise[k] * PATH(part_of)(x, q->knots[k], q->knots[k + 1]);
-            pressure[i] += share * ((tabled < 0.0 ? tabled : 0.0) - pressure[i]);
+            for (int j = 0; j < LIGHT_COLUMNS - 1 && q->columns[j] < most; j++) {
+                double from = q->columns[j], to = q->columns[j + 1], over = 1.0 / (to - from);
+                double more = q->rise[j + 1][k + 1] - q->rise[j + 1][k] - (q->rise[j][k + 1] - q->rise[j][k]);
+                if (least >= to)
+                    EACH(i, n) half_width[i] += more * part[i];
+                else
+                    EACH(i, n) half_width[i] += more * PATH(within_one)((L[i] - from) * over) * part[i];
+            }
         }
+        EACH(i, n) {
+            double tabled = half_width[i] < 0.0 ? half_width[i] : 0.0;
+            pressure[i] += PATH(within_one)((L[i] - last) * per_share) * (tabled - pressure[i]);
+        }
+    }
     EACH(i, n) {
         double r = rs_exp2_falling(pressure[i]), b = sqrt(per_load * load[i]);
         half_width[i] = b / r;
