@@ -22,6 +22,7 @@ cdef extern from "stages/table.h" nogil:
 
     ctypedef struct barus_params:
         double factor
+
     ctypedef struct light_params:
         double power[3]
         double last
