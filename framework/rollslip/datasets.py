@@ -164,6 +164,12 @@ class Bearing:
         default=None, doc="what the catalogue lists, for makers' rules of the least load"
     )
 
+    @property
+    def boundaries(self) -> tuple[float, float]:
+        """Bore and outside diameter [m], estimated: half a diameter of a roller from the raceways (D)."""
+        bore = max(self.inner_raceway_diameter - self.roller_diameter, 0.5 * self.inner_raceway_diameter)
+        return bore, self.outer_raceway_diameter + self.roller_diameter
+
     def __attrs_post_init__(self) -> None:
         inner, outer = self.inner_raceway_diameter, self.outer_raceway_diameter
         diameter = self.roller_diameter

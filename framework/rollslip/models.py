@@ -174,11 +174,13 @@ def submodel(kind: str, *, factory: Callable[[], object], doc: str) -> Any:
     return attrs.field(factory=factory, metadata={"doc": doc, "unit": None, "kind": kind})
 
 
-#: What a drag can take from the scene -> (SI unit, or None for a text, and meaning).
+#: What a drag or a film can take from the scene -> (SI unit, or None for a text, and meaning).
 SCENE_VALUES: Final[Mapping[str, tuple[str | None, str]]] = MappingProxyType(
     {
         "viscosity": ("Pa s", "viscosity of the oil at operation.temperature and ambient pressure"),
         "density": ("kg/m3", "density of the oil"),
+        "oil_fraction": ("1", "share of oil in the volume between the rings, of lubrication"),
+        "starvation": ("1", "factor of starved inlets, of lubrication"),
         "rollers": ("1", "number of rollers"),
         "roller_diameter": ("m", "diameter of a roller"),
         "roller_length": ("m", "length of a roller"),
@@ -186,7 +188,7 @@ SCENE_VALUES: Final[Mapping[str, tuple[str | None, str]]] = MappingProxyType(
         "elastic_modulus": ("Pa", "Young's modulus of rings and rollers"),
         "guiding_ring": (None, "ring whose land guides the cage"),
         "land_radius": ("m", "radius of the land that guides the cage"),
-        "land_width": ("m", "width of that land, all rails together"),
+        "land_width": ("m", "width of that land that oil fills, all rails together"),
         "land_clearance": ("m", "radial clearance between cage and land"),
     }
 )
@@ -216,7 +218,7 @@ def from_scene(
     usual: tuple[float, float] | None = None,
     possible: tuple[float, float] | None = None,
 ) -> Any:
-    """Declare a parameter of a drag that the scene gives where it is not set: NaN, or an empty text, until then.
+    """Declare a parameter of a drag or a film that the scene gives where it is not set: NaN, or no text, until then.
 
     Parameters
     ----------

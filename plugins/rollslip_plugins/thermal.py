@@ -401,7 +401,7 @@ class Network(ThermalModel):
     def _mounted(self, scene: Scene) -> float:
         """By how much fits and speed widen the clearance [m]."""
         b, o = scene.bearing, scene.operation
-        bore, outside = _boundaries(b)
+        bore, outside = b.boundaries
         inner, outer = b.inner_raceway_diameter, b.outer_raceway_diameter
         pressed, inner_grown, outer_grown = self.shaft_interference, 0.0, 0.0
         if self.centrifugal_growth:
@@ -419,12 +419,6 @@ class Network(ThermalModel):
         return self.oil_inlet_temperature, self.oil_flow * self.oil_specific_heat
 
 
-def _boundaries(bearing: Bearing) -> tuple[float, float]:
-    """Return bore and outside diameter [m], estimated: half a diameter of a roller from the raceways (D)."""
-    bore = max(bearing.inner_raceway_diameter - bearing.roller_diameter, 0.5 * bearing.inner_raceway_diameter)
-    return bore, bearing.outer_raceway_diameter + bearing.roller_diameter
-
-
 def _widened(material: Material, speed: float, bore: float, outside: float) -> tuple[float, float]:
     """By how much a free turning annulus widens at its bore and at its outside [m], of diameters, in plane stress."""
     nu, force = material.poisson_ratio, material.density * speed**2 / (16.0 * material.elastic_modulus)
@@ -439,7 +433,7 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     b, k, scene = assembly.scene.bearing, assembly.kinematics, assembly.scene
     oil, steel = assembly.lubricant.at(scene.operation.temperature), b.material
     width = _WIDTH * b.roller_length
-    bore, outside = _boundaries(b)
+    bore, outside = b.boundaries
     seats = {"shaft": math.pi * bore * width, "housing": math.pi * outside * width}
     area = sum(seats.values())
     flux = _REFERENCE_FLUX * max(area / _REFERENCE_AREA, 1.0) ** _LESS

@@ -9,8 +9,9 @@ from typing import Any, Final, TypeVar
 import attrs
 import numpy as np
 
-from rollslip.bearing.cage import Cage, read_cage, with_drags
+from rollslip.bearing.cage import Cage, read_cage, supplied, with_drags
 from rollslip.bearing.chain import Chain
+from rollslip.bearing.drags import with_values
 from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_pitch
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.profile import profile_drop
@@ -285,7 +286,8 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         oil = _lubricant(scene, where, problems)
         if oil is None:
             raise SceneError(problems)
-        if oil.pressure_viscosity_law == like.lubricant.pressure_viscosity_law and oil.slopes == like.lubricant.slopes:
+        laws = [(of.pressure_viscosity_law, of.slopes) for of in (oil, like.lubricant)]
+        if laws[0] == laws[1] and supplied(scene, oil).starvation == supplied(like.scene, like.lubricant).starvation:
             return _with_oil(like, scene, oil, where)
         problems = []
     models: dict[str, Any] = {
@@ -320,6 +322,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
     conditions = {ring: _conditions(scene, kinematics, lubricant, ring, where) for ring in RINGS}
     law = lubricant.pressure_viscosity_law
     models = {kind: with_law(model, law, lubricant.slopes) for kind, model in models.items()}
+    models["film"] = with_values(models["film"], {"starvation": supplied(scene, lubricant).starvation})
     models["traction"] = simplified(models["traction"], resolution)
     if not resolution.inlet_heating:
         models["film"] = models["film"].isothermal

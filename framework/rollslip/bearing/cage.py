@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple
 
 import attrs
 
-from rollslip.bearing.drags import Drags, TotalResistance
+from rollslip.bearing.drags import Drags, TotalResistance, with_values
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.catalogue.discovery import own_cage
 from rollslip.catalogue.registry import structure_model
@@ -21,8 +21,9 @@ from rollslip.errors import DomainError, RollslipError, SceneError
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
+from rollslip.lubricant.supply import DENSITY, SUPPLIES, Supplied
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
-from rollslip.scene.values import DEFAULT_DRAG, Scene, resolved
+from rollslip.scene.values import DEFAULT_DRAGS, LAND_DRAG, Scene, resolved
 from rollslip.structure import Location, structure
 from rollslip.units import expectation, format_quantity, quantity
 
@@ -189,7 +190,11 @@ class Cage:
         usual=(0, 0.1),
         possible=(0, 1e4),
     )
-    drag: tuple[Any, ...] = field(default=(), doc="what drags cage and rollers: names of kind drag, or tables")
+    drag: tuple[Any, ...] = field(
+        default=(),
+        doc="what drags cage and rollers: names of kind drag, or tables; by default rolling resistance, hysteresis, "
+        "churning and, where a ring guides the cage, its land",
+    )
     named: tuple[Any, ...] = attrs.field(default=(), repr=False, metadata={"key": None})
     drags: Drags = attrs.field(factory=Drags, metadata={"key": None})
 
@@ -253,9 +258,31 @@ def _number(table: Mapping[str, object], key: str, unit: str, otherwise: float) 
         return otherwise
 
 
-def _default_drag(table: Mapping[str, object], guidance: str) -> list[str]:
-    """Names of the drags of a cage of which neither these nor weights are stated: the bearing's own."""
-    return [] if table.keys() & {"mass", "inertia"} else list(DEFAULT_DRAG[guidance])
+def supplied(scene: Scene, lubricant: Lubricant) -> Supplied:
+    """Return what the supply of oil of a scene comes to, at the temperature of the operation.
+
+    Raises
+    ------
+    SceneError
+        If the data of the oil do not reach to that temperature.
+    """
+    o = scene.operation
+    density = DENSITY if lubricant.density is None else lubricant.density(o.temperature)
+    speed = o.inner_speed - o.outer_speed
+    return Supplied.of(scene.lubrication, scene.bearing, speed, _viscosity(scene, lubricant) / density)
+
+
+def _viscosity(scene: Scene, lubricant: Lubricant) -> float:
+    try:
+        return lubricant.at(scene.operation.temperature).viscosity
+    except DomainError as error:
+        raise SceneError([Location(scene.origins, ("operation", "temperature")).says(str(error))]) from error
+
+
+def default_drags(scene: Scene, guidance: object) -> list[object]:
+    """Return what drags rollers and cage where the scene does not say, of a cage with a guidance."""
+    lands = guidance in ("inner", "outer") and SUPPLIES[scene.lubrication.supply].land > 0.0
+    return [*DEFAULT_DRAGS, *([LAND_DRAG] if lands else [])]
 
 
 def read_cage(scene: Scene) -> Cage:
@@ -273,7 +300,7 @@ def read_cage(scene: Scene) -> Cage:
     where, problems = Location(scene.origins, ("cage",)), list[str]()
     table: dict[str, object] = dict(scene.cage or {})
     cage = structure(Cage, {**_estimates(scene.bearing, table), **table}, where, problems)
-    raw = table.get("drag", () if cage is None else _default_drag(table, cage.guidance))
+    raw = table.get("drag", () if cage is None else default_drags(scene, cage.guidance))
     models = [
         structure_model("drag", drag, where.at("drag").at(k), problems)
         for k, drag in enumerate(raw if isinstance(raw, list | tuple) else ())
@@ -370,14 +397,13 @@ def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubr
 
 def _scene_values(scene: Scene, cage: Cage, kinematics: Kinematics, lubricant: Lubricant) -> dict[str, object]:
     """What this scene gives of `SCENE_VALUES`."""
-    b, o = scene.bearing, scene.operation
-    try:
-        viscosity = lubricant.at(o.temperature).viscosity
-    except DomainError as error:
-        raise SceneError([Location(scene.origins, ("operation", "temperature")).says(str(error))]) from error
+    b, oil = scene.bearing, supplied(scene, lubricant)
+    density = None if lubricant.density is None else lubricant.density(scene.operation.temperature)
     values = {
-        "viscosity": viscosity,
-        "density": None if lubricant.density is None else lubricant.density(o.temperature),
+        "viscosity": _viscosity(scene, lubricant),
+        "density": DENSITY if density is None and "drag" not in (scene.cage or {}) else density,
+        "oil_fraction": oil.oil_fraction,
+        "starvation": oil.starvation,
         "rollers": float(b.rollers),
         "roller_diameter": b.roller_diameter,
         "roller_length": b.roller_length,
@@ -385,7 +411,7 @@ def _scene_values(scene: Scene, cage: Cage, kinematics: Kinematics, lubricant: L
         "elastic_modulus": b.material.elastic_modulus,
         "guiding_ring": None if cage.guidance == "roller" else cage.guidance,
         "land_radius": cage.land_radius,
-        "land_width": cage.land_width,
+        "land_width": cage.land_width and cage.land_width * (oil.land or 1.0),
         "land_clearance": cage.land_clearance,
     }
     return {name: value for name, value in values.items() if value is not None}
@@ -393,18 +419,14 @@ def _scene_values(scene: Scene, cage: Cage, kinematics: Kinematics, lubricant: L
 
 def _filled(model: Any, values: Mapping[str, object], where: Location, problems: list[str]) -> Any:
     """Return a drag with all that it leaves to the scene."""
-    changes = {}
-    for attribute in left_to_scene(model):
-        name = attribute.metadata["from_scene"]
-        if name in values:
-            changes[attribute.name] = values[name]
-            continue
-        unit, meaning = SCENE_VALUES[name]
+    filled = with_values(model, values)
+    for attribute in left_to_scene(filled):
+        unit, meaning = SCENE_VALUES[attribute.metadata["from_scene"]]
         remedy = expectation(unit) if unit else "give one here or in cage.guidance"
         problems.append(
             where.at(attribute.name).says(f"drag {model.name!r} needs it, and the scene gives no {meaning}; {remedy}")
         )
-    return attrs.evolve(model, **changes)
+    return filled
 
 
 def _by_sort(models: list[Any], where: Location, problems: list[str]) -> Drags:

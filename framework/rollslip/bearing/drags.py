@@ -1,9 +1,9 @@
 """What drags cage and rollers: the drags of a scene by sort, and their compiled forms."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -12,10 +12,21 @@ from rollslip.bearing.chain import stage
 from rollslip.catalogue.discovery import origin
 from rollslip.errors import DomainError, PluginError, RollslipError, in_words
 from rollslip.fields import parameter
-from rollslip.models import FINITE, Domain, Drag, DragModel, PocketFriction, ResistanceModel
+from rollslip.models import FINITE, Domain, Drag, DragModel, PocketFriction, ResistanceModel, SliceModel, left_to_scene
 from rollslip.references import Reference
 from rollslip_kernels.slices import COLUMNS, Slices
 from rollslip_kernels.stages import drag as compiled
+
+
+def with_values(model: Any, values: Mapping[str, object]) -> Any:
+    """Return a model with what it, and the models in it, leave to the scene, as far as ``values`` has it."""
+    left = ((a.name, a.metadata["from_scene"]) for a in left_to_scene(model))
+    changes = {name: values[of] for name, of in left if of in values}
+    for attribute in attrs.fields(type(model)):
+        value = getattr(model, attribute.name)
+        if isinstance(value, SliceModel) and (changed := with_values(value, values)) is not value:
+            changes[attribute.name] = changed
+    return attrs.evolve(model, **changes) if changes else model
 
 
 @attrs.frozen(kw_only=True)

@@ -21,12 +21,14 @@ import attrs
 from rollslip.cards import Card
 from rollslip.datasets import Bearing, Surface
 from rollslip.fields import FieldError, at_least, field, in_range, non_negative, positive
+from rollslip.lubricant.supply import Lubrication
 from rollslip.structure import FrozenTable, attributes, key_of
 from rollslip.units import format_quantity
 
 __all__ = [
     "Accuracy",
     "LubricantTable",
+    "Lubrication",
     "ModelChoice",
     "Models",
     "Operation",
@@ -108,7 +110,7 @@ class Models:
     """Which law each stage of a contact follows."""
 
     contact: ModelChoice = field(default=ModelChoice(name="palmgren"), doc="load and deflection of a contact")
-    film: ModelChoice = field(default=ModelChoice(name="moes"), doc="thickness of the oil film")
+    film: ModelChoice = field(default=ModelChoice(name="inlet-correction"), doc="thickness of the oil film")
     pressure: ModelChoice = field(default=ModelChoice(name="light-contact"), doc="pressure in the film")
     traction: ModelChoice = field(default=ModelChoice(name="lambda-blend"), doc="friction of a contact")
     thermal: ModelChoice | None = field(
@@ -122,6 +124,10 @@ class Models:
         default=(), doc="formulas of the friction torque that stand beside the losses: one or several; by default none"
     )
 
+
+#: What drags rollers and cage where ``cage.drag`` does not say, and what does besides where the land of a ring guides.
+DEFAULT_DRAGS: Final = ("rolling-resistance", "hysteresis", "churning")
+LAND_DRAG: Final = "petroff-land"
 
 #: What a scene without studies asks for.
 DEFAULT_STUDY: Final = "effective-friction"
@@ -201,6 +207,7 @@ class Scene(Card):
     bearing: Bearing = field(doc="geometry and material of the bearing")
     surface: Surface = field(default=Surface(), doc="roughness of the running surfaces")
     lubricant: LubricantTable = field(doc="the oil")
+    lubrication: Lubrication = field(default=Lubrication(), doc="how oil gets to the bearing, by default from a bath")
     operation: Operation = field(doc="what the bearing is doing")
     models: Models = field(default=Models(), doc="which law each stage of a contact follows")
     cage: FrozenTable | None = field(default=None, doc="the cage; by default that of the bearing, estimated (D)")

@@ -67,6 +67,8 @@ MAGNITUDES: Final[Mapping[str, tuple[float, float, float]]] = {
 SCENE: Final[Mapping[str, float | str]] = {
     "viscosity": 8.58e-3,
     "density": 930.0,
+    "oil_fraction": 0.05,
+    "starvation": 0.9,
     "rollers": 28.0,
     "roller_diameter": 0.015,
     "roller_length": 0.015,

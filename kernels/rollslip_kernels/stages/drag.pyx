@@ -13,6 +13,9 @@ from rollslip_drag cimport rs_new_drag
 from rollslip_errors cimport rs_raise_pending
 from rollslip_stage cimport rs_cut, rs_new_model
 
+cdef extern from "stages/table.h" nogil:
+    double HEATED_INLET(double power)
+
 cdef enum:
     MOST = 8
     BLOCK = 256
@@ -117,22 +120,33 @@ def python_drag(torque):
 
 
 cdef struct rolling_t:
-    double rigid, elastic
+    double rigid, elastic, starvation
+    bint heated, whole
 
 
-# F = (a^-5 + b^-5)^(-1/5), a = 2.0796 sqrt(eta u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126, x = a/b
+# F = C_S C_T (a^-5 + b^-5)^(-1/5) [1 + (0.049 L - 0.16) M^2/(1 + M^2)], the last factor for the whole film;
+# a = 2.0796 sqrt(eta u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126, x = a/b
 cdef int _rolling(const rs_slices *s, const void *params) noexcept nogil:
     cdef const rolling_t *q = <const rolling_t *>params
     cdef double shared = pow(s.pressure_viscosity, 0.342) / (q.elastic * s.radius)
-    cdef double flow, a, x, large, small
+    cdef double heat = s.viscosity * s.thermoviscosity / s.conductivity
+    cdef double flow, a, x, large, small, factor, U, W, square
     cdef size_t i
     for i in range(s.n):
         flow = s.viscosity * s.rolling_speed[i]
         a = q.rigid * sqrt(flow * s.load[i])
-        x = a * shared / (pow(flow / s.radius, 0.658) * pow(s.load[i] / (s.modulus * s.radius), 0.0126))
+        W = s.load[i] / (s.modulus * s.radius)
+        x = a * shared / (pow(flow / s.radius, 0.658) * pow(W, 0.0126))
         large = max(x, 1.0)
         small = min(x, 1.0 / large)
-        s.resistance[i] = a / large * pow(1.0 + small * small * small * small * small, -0.2)
+        factor = q.starvation
+        if q.heated:
+            factor *= HEATED_INLET(pow(heat * (s.rolling_speed[i] * s.rolling_speed[i]), 0.62))
+        if q.whole:
+            U = 2.0 * flow / (s.modulus * s.radius)
+            square = W * W / U
+            factor *= 1.0 + (0.049 * s.pressure_viscosity * s.modulus * sqrt(sqrt(U)) - 0.16) / (1.0 + 1.0 / square)
+        s.resistance[i] = factor * (a / large) * pow(1.0 + small * small * small * small * small, -0.2)
     return 0
 
 
@@ -177,9 +191,12 @@ cdef int _total_resistance(const rs_slices *s, const void *params) noexcept nogi
     return 0
 
 
-def rolling_resistance(double rigid, double elastic):
-    """Return the stage of hydrodynamic rolling resistance; the numbers are those of its two limits."""
-    cdef rolling_t q = rolling_t(rigid, elastic)
+def rolling_resistance(double rigid, double elastic, double starvation, bint heated, bint whole):
+    """Return the stage of hydrodynamic rolling resistance; the numbers are those of its two limits.
+
+    ``starvation`` is a factor, ``heated`` asks for that of Murch and Wilson, ``whole`` for the film behind the inlet.
+    """
+    cdef rolling_t q = rolling_t(rigid, elastic, starvation, heated, whole)
     return rs_new_model(_rolling, &q, sizeof(q), None)
 
 

@@ -210,7 +210,7 @@ STAGE(inlet_factor, COL_rolling_speed | COL_sliding_speed | COL_pressure | COL_f
         return 0;
     }
     if (q->thermal == MURCH_WILSON) {
-        EACH(i, n) factor[i] = starvation * (3.94 / (3.94 + rs_pow(heat * (speed[i] * speed[i]), 0.62)));
+        EACH(i, n) factor[i] = starvation * HEATED_INLET(rs_pow(heat * (speed[i] * speed[i]), 0.62));
     } else {
         EACH(i, n) factor[i] = 1.0 + 2.23 * rs_pow(fabs(sliding[i]) / speed[i], 0.83);
         EACH(i, n) factor[i] = 1.0 + 0.213 * factor[i] * rs_pow(heat * (speed[i] * speed[i]), 0.64);

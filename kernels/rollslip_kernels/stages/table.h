@@ -13,6 +13,8 @@ typedef struct {
     double power[3], last, knots[LIGHT_LOADS], columns[LIGHT_COLUMNS], rise[LIGHT_COLUMNS][LIGHT_LOADS];
 } light_params;
 enum { NO_FACTOR, MURCH_WILSON, GUPTA };
+/* Factor of a heated inlet by Lt^0.62, which film and resistance to rolling share          [Murch and Wilson 1975] */
+#define HEATED_INLET(power) (3.94 / (3.94 + (power)))
 typedef struct { rs_model film; int thermal; double starvation, layer, exponent; } inlet_params;
 typedef struct { double factor; } barus_params;   /* on ln(eta/eta0) */
 typedef struct { double pole_viscosity, pole_pressure, factor; int film; } roelands_params;   /* film: alpha is alpha* */

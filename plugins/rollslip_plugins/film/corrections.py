@@ -1,7 +1,7 @@
 """Film of an inlet that is neither isothermal nor fully flooded: another film model, thinned by factors.
 
 The formulas of the film take oil of the inlet's temperature, and enough of it. Shear warms the oil that the inlet turns
-back, the more the faster it runs, and a starved inlet begins nearer to the contact. Both are off unless a scene asks.
+back, the more the faster it runs, and a starved inlet begins nearer to the contact.
 """
 
 import math
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rollslip.bearing.chain import stage
 from rollslip.errors import DomainError
-from rollslip.fields import FieldError, one_of, parameter, positive
+from rollslip.fields import FieldError, one_of, parameter, positive, within_possible
 from rollslip.hookspecs import hookimpl
 from rollslip.models import (
     FINITE,
@@ -24,6 +24,7 @@ from rollslip.models import (
     FilmModel,
     Validity,
     evaluate_arrays,
+    from_scene,
     submodel,
 )
 from rollslip.references import Reference
@@ -63,6 +64,26 @@ MILD_HEATING: Final = Validity(
 LAWS["gupta"] = {**LAWS["murch-wilson"], "sliding_speed": FINITE, "pressure": POSITIVE, "modulus": POSITIVE}
 
 
+#: Validator of a factor of starved inlets.
+starved: Final = attrs.validators.and_(positive, within_possible)
+
+
+def in_full(starvation: float) -> float:
+    """Return a factor of starved inlets, 1 where neither a scene nor anybody else gives one."""
+    return 1.0 if math.isnan(starvation) else starvation
+
+
+def thermal_load(s: Slices) -> Array:
+    """Return the thermal load Lt = eta0 beta0 u^2/K_f of slices."""
+    c = s.conditions
+    return np.asarray(c.viscosity * c.thermoviscosity / c.conductivity * (s.rolling_speed * s.rolling_speed))
+
+
+def heated_inlet(load: Array) -> Array:
+    """Return Murch and Wilson's factor C_T = 3.94/(3.94 + Lt^0.62) of a heated inlet, of film and of resistance."""
+    return np.asarray(3.94 / (3.94 + load**0.62))
+
+
 @attrs.frozen(kw_only=True)
 class InletCorrection(FilmModel):
     """A film thinned by shear heating of its inlet and by starvation: h = C_T C_S h_film, or less for want of oil.
@@ -85,7 +106,7 @@ class InletCorrection(FilmModel):
     - h_ff: that of a fully flooded inlet [m]
     - h_film: that of the model (``film``) of an isothermal, fully flooded inlet [m]
     - C_T: reduction by shear heating [1]
-    - C_S: reduction by starvation (``starvation``), which the user gives [1]
+    - C_S: reduction by starvation (``starvation``), which the supply of oil gives; 1 outside of a scene [1]
     - h_oil: thickness of the oil on both surfaces together before the contact, which the user gives [m]
     - g: exponent of the flow to the sides (``layer_exponent``) [1]
     - Lt: thermal load eta0 beta0 u^2/K_f, which does not matter below 0.1 [1]
@@ -136,13 +157,8 @@ class InletCorrection(FilmModel):
         validator=one_of(*LAWS),
         doc="reduction by shear heating of the inlet: 'none', 'murch-wilson' or 'gupta'",
     )
-    starvation: float = parameter(
-        default=1.0,
-        unit="1",
-        validator=positive,
-        doc="factor C_S of a starved inlet",
-        usual=(0.1, 1),
-        possible=(0, 1),
+    starvation: float = from_scene(
+        "starvation", validator=starved, doc="factor C_S of a starved inlet", usual=(0.1, 1), possible=(0, 1)
     )
     oil_layer: float | None = parameter(
         default=None,
@@ -217,14 +233,14 @@ class InletCorrection(FilmModel):
     @property
     def inlet_starvation(self) -> str:
         """Factor and layer of the starved inlet, in words."""
-        told = [f"a factor of {self.starvation:g}"] if self.starvation < 1 else []
+        told = [f"a factor of {self.starvation:.3g}"] if self.starvation < 1 else []
         told += [f"an oil layer of {format_quantity(self.oil_layer, 'm', 3)}"] if self.oil_layer is not None else []
         return " and ".join(told)
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the film thickness, and what else the film fills."""
         self.film.evaluate(slices)
-        slices.film_thickness[...] *= self.starvation * self._thermal_factor(slices)
+        slices.film_thickness[...] *= in_full(self.starvation) * self._thermal_factor(slices)
         if self.oil_layer is not None:
             film, oil, g = slices.film_thickness, self.oil_layer, self.layer_exponent
             thin = np.minimum(film, oil)
@@ -235,9 +251,9 @@ class InletCorrection(FilmModel):
         if self.thermal == "none":
             return np.ones(())
         c = s.conditions
-        load = c.viscosity * c.thermoviscosity / c.conductivity * (s.rolling_speed * s.rolling_speed)
+        load = thermal_load(s)
         if self.thermal == "murch-wilson":
-            factor = np.asarray(3.94 / (3.94 + load**0.62))
+            factor = heated_inlet(load)
         else:
             stress, slide = 4 / math.pi * s.pressure / c.modulus, np.abs(s.sliding_speed) / s.rolling_speed
             heated = 1 + 0.213 * (1 + 2.23 * slide**0.83) * load**0.64
@@ -293,7 +309,7 @@ class InletCorrection(FilmModel):
     def kernel(self) -> object:
         """Return the compiled form, with the film's compiled form or a call of its NumPy form."""
         law, layer = list(LAWS).index(self.thermal), self.oil_layer or 0.0
-        return compiled.inlet(stage(self.film), law, self.starvation, layer, self.layer_exponent)
+        return compiled.inlet(stage(self.film), law, in_full(self.starvation), layer, self.layer_exponent)
 
 
 @hookimpl

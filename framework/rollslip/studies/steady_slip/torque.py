@@ -74,8 +74,8 @@ class Duty:
         b, operation, oil = assembly.scene.bearing, assembly.scene.operation, assembly.lubricant
         T = operation.temperature
         return cls(
-            bore=b.inner_raceway_diameter - b.roller_diameter,
-            outside_diameter=b.outer_raceway_diameter + b.roller_diameter,
+            bore=b.boundaries[0],
+            outside_diameter=b.boundaries[1],
             pitch_diameter=0.5 * (b.inner_raceway_diameter + b.outer_raceway_diameter),
             radial_load=operation.radial_load,
             speed=abs(operation.inner_speed - operation.outer_speed),
