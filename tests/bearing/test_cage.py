@@ -28,8 +28,8 @@ WEIGHT = {"mass": "0.4 kg", "inertia": "0.0033 kg m2"}
 
 
 def bearing(*drag, scene=SCENE, **table):
-    """The bearing with a cage."""
-    return assemble(evolve(scene, {"cage": WEIGHT | table | ({"drag": list(drag)} if drag else {})}))
+    """The bearing with a cage that nothing drags but what is named."""
+    return assemble(evolve(scene, {"cage": WEIGHT | table | {"drag": list(drag)}}))
 
 
 def faults(scene=None, /, **table):
@@ -330,13 +330,48 @@ def test_a_drag_takes_from_the_scene_what_it_is_not_given():
         width=a.cage.land_width,
         clearance=a.cage.land_clearance,
     )
-    assert rollers == Churning(
-        density=930.0, rollers=14.0, roller_diameter=0.015, roller_length=0.015, orbit_radius=0.09
+    # a bath of 7.5 mm in rings of 150 and 210 mm: 0.4 7.5/60, and what thick oil adds to that
+    nu = a.lubricant.at(323.15).viscosity / a.lubricant.density(323.15)
+    thick = 1 + (2.6e5 * 1e6 * nu / (6371 * 180**2)) ** 1.38
+    assert rollers.oil_fraction == pytest.approx(0.05 * thick, rel=1e-12)
+    assert attrs.evolve(rollers, oil_fraction=0.1) == Churning(
+        density=930.0, oil_fraction=0.1, rollers=14.0, roller_diameter=0.015, roller_length=0.015, orbit_radius=0.09
     )
     own = bearing(
         {"model": "petroff-land", "viscosity": "2 mPa s", "ring": "inner"}, guidance="outer"
     ).cage.drags.torques[0]
     assert (own.viscosity, own.ring) == (2e-3, "inner")
+
+
+@pytest.mark.parametrize(
+    ("table", "guidance", "named"),
+    [
+        ({}, "roller", ["churning", "rolling-resistance", "hysteresis"]),
+        ({}, "outer", ["churning", "petroff-land", "rolling-resistance", "hysteresis"]),
+        ({"supply": "grease"}, "inner", ["churning", "rolling-resistance", "hysteresis"]),
+        ({"supply": "mist"}, "inner", ["churning", "petroff-land", "rolling-resistance", "hysteresis"]),
+    ],
+)
+def test_a_cage_whose_drags_are_not_stated_has_those_of_its_supply(table, guidance, named):
+    cage = assemble(evolve(SCENE, {"cage": WEIGHT | {"guidance": guidance}, "lubrication": table})).cage
+    assert [drag.name for drag in cage.drags] == named
+    whole = assemble(evolve(SCENE, {"cage": WEIGHT | {"guidance": guidance}})).cage.drags
+    share = {"grease": 0.0, "mist": 0.01 / whole.torques[0].oil_fraction}.get(table.get("supply"), 1.0)
+    assert cage.drags.torques[0].torque(300.0, 667.0, 0.0) == pytest.approx(
+        share * whole.torques[0].torque(300.0, 667.0, 0.0), rel=1e-12
+    )
+    if len(cage.drags.torques) > 1 and table:
+        assert cage.drags.torques[1].width == pytest.approx(whole.torques[1].width / 4, rel=1e-12)
+
+
+def test_drags_that_are_stated_stay_what_they_are():
+    assert not bearing().cage.drags
+    stated = bearing(
+        {"model": "rolling-resistance", "starvation": 0.5}, {"model": "churning", "oil_fraction": 0.3},
+        scene=evolve(SCENE, {"lubrication": "grease"}),
+    )  # fmt: skip
+    assert stated.cage.drags.resistance.starvation == 0.5
+    assert stated.cage.drags.torques[0].oil_fraction == 0.3
 
 
 def test_the_oil_of_a_drag_has_the_temperature_of_the_scene():
@@ -396,7 +431,7 @@ def test_the_drags_are_sorted():
     ).cage.drags
     assert drags == Drags(
         torques=(ConstantTorque(size=0.2),),
-        resistance=TotalResistance(terms=(RollingResistance(), Hysteresis())),
+        resistance=TotalResistance(terms=(RollingResistance(starvation=1.0), Hysteresis())),
         pocket_friction=CoulombPocket(),
     )
     assert [drag.name for drag in drags] == ["constant-torque", "rolling-resistance", "hysteresis", "pocket-friction"]
@@ -406,7 +441,7 @@ def test_the_drags_are_sorted():
 
 
 def test_resistance_runs_behind_the_friction():
-    plain, with_both = bearing(), bearing("rolling-resistance", "hysteresis")
+    plain, with_both = bearing(), bearing({"model": "rolling-resistance", "inlet_heating": "none"}, "hysteresis")
     assert plain.with_resistance() is plain
     resisting = with_both.with_resistance()
     loads = np.linspace(5e3, 5e4, 9)

@@ -68,7 +68,7 @@ def test_a_probability_stands_beside_how_the_cage_runs(results, monkeypatch):
     [
         (0.1, 1.0, "with the drags of the scene the cage runs at a slip of 10 %, and could carry 4 times the drag"),
         (0.1, 0.0, "with the drags of the scene the cage runs at a slip of 10 %"),
-        (0.0, 0.0, "nothing in the scene drags the cage, so it runs without slip; cage.drag names what does"),
+        (0.0, 0.0, "every drag is switched off by cage.drag = [], as in no bearing, so the cage runs without slip"),
         (
             0.5,
             1.0,

@@ -268,8 +268,10 @@ def supplied(scene: Scene, lubricant: Lubricant) -> Supplied:
     """
     o = scene.operation
     density = DENSITY if lubricant.density is None else lubricant.density(o.temperature)
-    speed = o.inner_speed - o.outer_speed
-    return Supplied.of(scene.lubrication, scene.bearing, speed, _viscosity(scene, lubricant) / density)
+    b, speed = scene.bearing, o.inner_speed - o.outer_speed
+    return Supplied.of(
+        scene.lubrication, b.boundaries, b.roller_diameter, speed, _viscosity(scene, lubricant) / density
+    )
 
 
 def _viscosity(scene: Scene, lubricant: Lubricant) -> float:

@@ -72,7 +72,7 @@ class TotalResistance(ResistanceModel):
 
 @attrs.frozen(kw_only=True)
 class Drags:
-    """The drags of a scene by sort; without any there is no slip."""
+    """The drags of a scene by sort."""
 
     torques: tuple[DragModel, ...] = ()
     resistance: ResistanceModel | None = None
@@ -88,6 +88,12 @@ class Drags:
             yield from self.resistance.terms if isinstance(self.resistance, TotalResistance) else (self.resistance,)
         if self.pocket_friction is not None:
             yield self.pocket_friction
+
+    @property
+    def bound_below(self) -> bool:
+        """Whether no drag is the resistance of the oil to rolling: slip and friction torque are then lower bounds."""
+        resistance = self.resistance
+        return resistance is None or "viscosity" not in resistance.reads
 
     def torque(self, cage_speed: float, inner_speed: float, outer_speed: float) -> float:
         """Return the sum of the torques on the cage [N m]; speeds in rad/s."""

@@ -13,7 +13,6 @@ from typing import Final, NamedTuple
 import attrs
 from attrs.validators import optional
 
-from rollslip.datasets import Bearing
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
 
 __all__ = ["DENSITY", "FRACTION_SCATTER", "STARVATION_SCATTER", "SUPPLIES", "Lubrication", "Supplied", "Supply"]
@@ -162,7 +161,14 @@ class Supplied(NamedTuple):
     land: float
 
     @classmethod
-    def of(cls, lubrication: Lubrication, bearing: Bearing, speed: float, viscosity: float) -> "Supplied":
+    def of(
+        cls,
+        lubrication: Lubrication,
+        boundaries: tuple[float, float],
+        roller_diameter: float,
+        speed: float,
+        viscosity: float,
+    ) -> "Supplied":
         """Return that of a bearing.
 
         phi = 0.40 H/(D - d) [1 + (2.6e5 nu/(n d_m^2))^1.38] of a bath, 2 times that at H = D_w/2 where oil is pumped,
@@ -172,8 +178,10 @@ class Supplied(NamedTuple):
         ----------
         lubrication : Lubrication
             Kind of supply.
-        bearing : Bearing
-            Its bore d and outside diameter D are estimated.
+        boundaries : tuple of float
+            Bore d and outside diameter D [m].
+        roller_diameter : float
+            D_w [m].
         speed : float
             Relative speed n of the rings [rad/s].
         viscosity : float
@@ -182,27 +190,24 @@ class Supplied(NamedTuple):
         Examples
         --------
         A bath up to the middle of rollers of 10 mm, D - d = 40 mm: 0.40 5/40 = 0.05. A low one is starved by
-        exp(-3e-8 20 3000 140 sqrt(5.1/80)) = 0.938334.
+        exp(-3e-8 20 3000 140 sqrt(5.1/80)) = 0.938355.
 
-        >>> b = Bearing(rollers=14, roller_diameter=0.01, roller_length=0.01, inner_raceway_diameter=0.06,
-        ...             outer_raceway_diameter=0.08)
-        >>> f"{Supplied.of(Lubrication(), b, 314.159265, 1e-9).oil_fraction:.6f}"
+        >>> rings, n = (0.05, 0.09), 314.159265
+        >>> f"{Supplied.of(Lubrication(), rings, 0.01, n, 1e-9).oil_fraction:.6f}"
         '0.050000'
-        >>> low = Lubrication(oil_level=0.002)
-        >>> f"{Supplied.of(low, b, 314.159265, 20e-6).starvation:.6f}"
-        '0.938334'
+        >>> f"{Supplied.of(Lubrication(oil_level=0.002), rings, 0.01, n, 20e-6).starvation:.6f}"
+        '0.938355'
         """
-        kind, (d, D) = SUPPLIES[lubrication.supply], (1e3 * one for one in bearing.boundaries)
+        kind, (d, D) = SUPPLIES[lubrication.supply], (1e3 * one for one in boundaries)
         n, nu, mean = abs(speed) * 30.0 / math.pi, 1e6 * viscosity, 0.5 * (d + D)
-        middle = 0.5 * bearing.roller_diameter
-        level = kind.level * bearing.roller_diameter if lubrication.oil_level is None else lubrication.oil_level
+        level = kind.level * roller_diameter if lubrication.oil_level is None else lubrication.oil_level
         phi = kind.fraction + kind.times * SLOPE * 1e3 * level / (D - d)
         if level > 0.0:
             phi *= 1.0 + (2.6e5 * nu / (n * mean**2)) ** 1.38
         if lubrication.supply == "jet":
             phi = min(phi, max(phi * (_FAST / (n * mean)) ** 4, _FAST_FRACTION))
         K_rs = kind.starvation
-        if lubrication.supply == "bath" and level < middle:
+        if lubrication.supply == "bath" and level < 0.5 * roller_diameter:
             K_rs = _LOW
         if lubrication.starvation_constant is not None:
             K_rs = lubrication.starvation_constant

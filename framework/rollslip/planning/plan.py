@@ -26,6 +26,7 @@ from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError, SceneError
 from rollslip.models import FilmModel, PressureModel, SliceModel
+from rollslip.results.words import LOWER_BOUNDS, SWITCHED_OFF
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import Location
@@ -380,14 +381,17 @@ def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     if not any(study.with_cage for study in studies.values()):
         reason = "the scene has no study of cage and rollers in motion"
         return [Part(part="cage, drag and integrators", included=False, choice="not loaded", reason=reason)]
-    named = "cage.drag names it" if "drag" in (assembly.scene.cage or {}) else "cage.drag is not stated"
+    named = "drag" in (assembly.scene.cage or {})
+    reason = "cage.drag names it" if named else f"default, of lubrication.supply = {assembly.scene.lubrication.supply!r}"
     choice, known = in_words(assembly.scene, assembly.cage)
-    cage = Part(part="cage", choice=choice, reason=known)
-    drags = [
-        Part(part="drag", choice=model.name, resolution=model.equation, reason=named) for model in assembly.cage.drags
+    parts = [
+        Part(part="cage", choice=choice, reason=known),
+        *(Part(part="drag", choice=one.name, resolution=one.equation, reason=reason) for one in assembly.cage.drags),
     ]
-    reason = "cage.drag names none: nothing holds the cage back, and without drag there is no slip"
-    return [cage, *(drags or [Part(part="drag", included=False, choice="none", reason=reason)])]
+    if assembly.cage.drags.bound_below:
+        reason = LOWER_BOUNDS if len(parts) > 1 else SWITCHED_OFF
+        parts.append(Part(part="drag", included=False, choice="rolling resistance", reason=reason))
+    return parts
 
 
 def _heat(scene: Scene, studies: Mapping[str, Study]) -> list[Part]:

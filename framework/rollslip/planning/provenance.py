@@ -76,6 +76,7 @@ def run_origin(plan: Plan, study: str, warnings: list[str], evaluations: int, wa
         packages=packages_of(offers),
         models=models_told(plan.models),
         lubricant=lubricant_told(assembly.lubricant),
+        **({"bound_below": 1} if "cage" in assembly.known_cage and assembly.cage.drags.bound_below else {}),
         data=[data_told(offer) for offer in named_data(scene.raw or {}) if offer.kind != "lubricant"],
         film_limits=film_limits_told(assembly),
         conditions={raceway.ring: attrs.asdict(raceway.conditions) for raceway in assembly.raceways},

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "LOWER_BOUNDS",
     "REST",
+    "SWITCHED_OFF",
     "TOLD_FROM",
     "UNSURE",
     "counted",
@@ -31,6 +33,11 @@ UNSURE: Final = (
     "23 %, the slip by up to 41 points"
 )
 
+
+#: What is said of a scene that states that nothing drags rollers and cage.
+SWITCHED_OFF: Final = "every drag is switched off by cage.drag = [], as in no bearing"
+#: What is said where no drag is the resistance of the oil to rolling.
+LOWER_BOUNDS: Final = "no rolling resistance among the drags: slip and friction torque are lower bounds"
 
 #: Share of the contact force outside a bound from which on it counts.
 TOLD_FROM: Final = 0.005
@@ -82,7 +89,9 @@ def runs_away(slip: float, drag: float, status: str) -> str:
     return f"the cage runs away at {percent(slip)} cage slip, at a drag of {format_quantity(drag, 'N m', 3)}"
 
 
-def runs_at(slip: float, drag: float, largest: float, at: float) -> str:
+def runs_at(
+    slip: float, drag: float, largest: float, at: float, reached: tuple[float, float] = (math.nan, math.nan)
+) -> str:
     """Say at which slip a cage runs, and how many times the drag there the largest one is; no full stop.
 
     Parameters
@@ -91,29 +100,35 @@ def runs_at(slip: float, drag: float, largest: float, at: float) -> str:
         The least steady cage slip.
     drag, largest, at : float
         Drag torque there, the largest one that the rollers carry [N m], and its slip; NaN where these are not known.
+    reached : tuple of float
+        Largest slip of the range and the torque of the rollers there [N m], the reserve where they have no largest one.
     """
     if not slip > 0.0:
-        return "nothing in the scene drags the cage, so it runs without slip; cage.drag names what does"
+        return f"{SWITCHED_OFF}, so the cage runs without slip"
     said = f"with the drags of the scene the cage runs at a slip of {100.0 * slip:.3g} %"
     if slip > at:
         return f"{said}, beyond that of running away: there its drag falls with slip faster than what the rollers carry"
+    if math.isnan(largest) and drag > 0.0 and reached[1] > drag:
+        times, end = reached[1] / drag, percent(reached[0])
+        return f"{said}, and its rollers drive the more the more it slips, at {end} with {times:.3g} times the drag"
     return f"{said}, and could carry {largest / drag:.3g} times the drag" if drag > 0.0 and largest > 0.0 else said
 
 
 def verdict(datasets: "Iterable[xr.Dataset]") -> list[str]:
-    """Return what has to be known first, one line each, no full stops; nothing where no result has a headline or harm.
+    """Return what has to be known first, one line each, no full stops; nothing where no result has any of it.
 
-    Where the cage runs away; how it runs, with what reserve and how surely; which limits of the surfaces are passed;
-    how far to trust that. Of several results that know how it runs the one speaks whose account knows most.
+    Where the cage runs away; how it runs, with what reserve and how surely; whether a bound is all that is known; which
+    limits of the surfaces are passed; how far to trust that. Of several results that know how it runs the one speaks whose account knows most.
     """
     every = list(datasets)
     first, harms = headline_of(every), [account_of(dataset).harm(dataset) for dataset in every]
-    if not (first or any(harms)):
-        return []
     told = sorted(((account_of(d), d) for d in every), key=lambda one: -one[0].knows_operation)
     runs = next(filter(None, (account.operation(dataset) for account, dataset in told)), "")
+    if not (first or runs or any(harms)):
+        return []
     chance = next(filter(None, (account.chance(dataset) for account, dataset in told)), "")
-    return [*filter(None, [first, "; ".join(filter(None, [runs, chance])), *harms, _trust(every)])]
+    bound = LOWER_BOUNDS if any(dataset.attrs.get("bound_below") for dataset in every) else ""
+    return [*filter(None, [first, "; ".join(filter(None, [runs, chance])), bound, *harms, _trust(every)])]
 
 
 def warned(datasets: "Iterable[xr.Dataset]") -> tuple[list[str], list[str]]:

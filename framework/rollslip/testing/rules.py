@@ -108,7 +108,7 @@ def subjects(model: object) -> list[Any]:
         raise PluginError(f"{model.__qualname__} is a class; the checks take a model, {model.__qualname__}(...)")
     if isinstance(model, ContactModel):
         return [model, model.deflection()]
-    return [with_scene(model) if isinstance(model, Drag) else model]
+    return [with_scene(model) if isinstance(model, Drag | FilmModel) else model]
 
 
 def refuse_unless(holds: object, message: str) -> None:

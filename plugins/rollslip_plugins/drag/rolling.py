@@ -1,5 +1,6 @@
 """Resistance of a loaded contact to rolling: of the oil in the inlet, and of steel that is not quite elastic."""
 
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar, Final
 
@@ -71,7 +72,8 @@ class RollingResistance(ResistanceModel):
     Range: isothermal, against a numerical solution (Barus) -36 to 0 % at M = W/sqrt(2 U) from 0.2 to 20 and
     L = G (2 U)^(1/4) from 5 to 15, of which -15 to 0 % up to M = 1 and L = 10. b counts the inlet alone, which the law
     meets to -23 to +15 %; the exit, where the pressure falls through a film that narrows, adds up to half as much. With
-    ``extent = "film"`` it meets the whole to WHOLE_ERROR. Torques of bearings speak for the inlet alone: real inlets are
+    ``extent = "film"`` it meets the whole to -2 to +7 % for M up to 20 and L from 3.5 to 20; for smaller L it is too large, by 13 % at L = 2 and
+    by far at 0. Torques of bearings speak for the inlet alone: real inlets are
     not that full. How far a bearing follows is known to a factor of 1.35 (a standard deviation, D).
 
     Examples
@@ -110,6 +112,12 @@ class RollingResistance(ResistanceModel):
         validator=one_of("inlet", "film"),
         doc="what resists: the inlet alone, or the whole film",
     )
+
+    @property
+    def expected_failures(self) -> Mapping[str, str]:  # type: ignore[override]
+        """A hot inlet resists less the faster it rolls, from Lt = 11 on: 0.658 = 1.24 Lt^0.62/(3.94 + Lt^0.62)."""
+        hot = "the heat of the inlet takes more from the film than speed adds, beyond Lt = 11"
+        return {} if self.inlet_heating == "none" else {"check_resistance_does_not_fall_with_load_and_speed": hot}
 
     @property
     def reads(self) -> frozenset[str]:  # type: ignore[override]

@@ -93,7 +93,8 @@ def operation(dataset: "xr.Dataset") -> str:
     if not has_steady(dataset) or str(dataset["status"].item()) != "found":
         return str(dataset["status"].item())
     known = (dataset["steady_slip"][0], dataset["torque"][0], dataset["largest_drag"], dataset["largest_drag_slip"])
-    said = runs_at(*map(float, known))
+    reached = float(dataset["cage_slip"][-1]), float(dataset["driving_torque"][-1])
+    said = runs_at(*map(float, known), reached)
     return f"{said}; {_least_load(dataset, needs=False)}" if "least_load" in dataset else said
 
 

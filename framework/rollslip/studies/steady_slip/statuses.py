@@ -7,6 +7,7 @@ import numpy as np
 from rollslip.bearing.critical import MOST_CAGE_SLIP, Critical, look_further
 from rollslip.motion.continuation import Branch, TorqueCurve
 from rollslip.motion.torque_balance import TorqueBalance
+from rollslip.results.words import SWITCHED_OFF
 from rollslip.units import format_quantity
 
 #: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.
@@ -26,7 +27,7 @@ VARIED: Final = {
 def status_of(balance: TorqueBalance, curve: TorqueCurve, largest: Critical, slips: list[float], table: str) -> str:
     """Say whether there are steady slips, or why there are none; ``table`` is that of the study in a scene."""
     if balance.rolls_freely:
-        return "no drag, no slip: nothing resists the cage, which runs at its epicyclic speed"
+        return f"{SWITCHED_OFF}, so the cage runs at its epicyclic speed"
     if slips:
         return "found"
     if balance.excess(float(curve.slip[-1])) > 0.0:
@@ -66,7 +67,7 @@ def no_fold(
     unit, what = VARIED[name]
     low, high = (format_quantity(value, unit) for value in limits)
     if free:
-        return f"no limit of the {what}: without drag there is no slip"
+        return f"no limit of the {what}: {SWITCHED_OFF}"
     unknown = f"no limit of the {what} is known"
     if not branches:
         return f"{unknown}: no steady slip at {low} and none at {high}; none was sought between them"
