@@ -21,6 +21,7 @@ GIVEN = {
     "--load": "5 kN",
     "--temperature": "60 degC",
     "--cage": "polyamide",
+    "--supply": "oil jet",
 }
 
 
@@ -52,6 +53,7 @@ def test_options_make_a_scene_that_says_what_they_say(tmp_path):
     mass, _ = estimated_inertia(scene.bearing, "polyamide")
     assert scene.cage["guidance"] == "roller"
     assert plan(scene).assembly.cage.mass == pytest.approx(mass, rel=5e-3)
+    assert scene.lubrication.supply == "jet"
     assert not implausible(scene)
     assert "ASSUMED" not in scene.text
     assert sorted(plan(scene).studies) == ["effective-friction", "steady-slip"]
@@ -68,7 +70,7 @@ def test_numbers_and_names_are_read_as_people_write_them():
     assert scene.operation.temperature == pytest.approx(344.261, rel=1e-6)
     assert scene.cage == {"make": "polyamide", "guidance": "roller"}  # ECP says so
     assert not scene.raw["cage"]
-    assert "assumed, since no option gives it: oil;" in done.output
+    assert "assumed, since no option gives it: oil, supply;" in done.output
     sheet = new("other.toml", "--bearing", "NU2210 ECP", "--cage", "bronze")
     assert "brass" in sheet.output
 
@@ -88,9 +90,9 @@ def test_all_that_is_wrong_is_told_at_once(capsys):
 def test_what_nobody_gives_is_assumed_and_marked():
     done = new("my")
     assert done.exit_code == 0, done.output
-    assert "assumed, since no option gives it: bearing, oil, speed, load, temperature, cage" in done.stderr
+    assert "assumed, since no option gives it: bearing, oil, speed, load, temperature, cage, supply" in done.stderr
     text = load_scene("my.toml").text
-    assert len(re.findall("ASSUMED, write yours", text)) == 6
+    assert len(re.findall("ASSUMED, write yours", text)) == 7
 
 
 def test_every_commented_value_of_the_bearing_is_the_one_that_counts():
@@ -105,14 +107,15 @@ def test_every_commented_value_of_the_bearing_is_the_one_that_counts():
 
 def test_in_a_terminal_it_asks_and_asks_again(monkeypatch):
     monkeypatch.setattr(run, "at_a_terminal", lambda: True)
-    answers = ["NU9999", "nu2210", "", "3000", "3000 rpm", "90 degC", "wood", "steel"]
+    answers = ["NU9999", "nu2210", "", "3000", "3000 rpm", "90 degC", "wood", "steel", "tap", "drip"]
     done = new("my.toml", "--load", "3 kN", input="\n".join(answers) + "\n")
     assert done.exit_code == 0, done.output
     assert "no bearing is called 'NU9999'" in done.output
     assert "'3000' has no unit" in done.output
     assert "there are cages of brass, steel, polyamide, not of 'wood'" in done.output
     scene = load_scene("my.toml")
-    assert scene.lubricant.name == "iso-vg-68"
+    assert "there are supplies by bath, splash, circulating, jet, mist, grease, not by 'tap'" in done.output
+    assert (scene.lubricant.name, scene.lubrication.supply) == ("iso-vg-68", "mist")
     assert scene.operation.temperature == pytest.approx(363.15)
     assert "ASSUMED" not in scene.text
 

@@ -20,8 +20,11 @@ def results():
     return {name: rollslip.run(steady, name) for name in studies}
 
 
-def test_a_verdict_is_three_lines(results):
-    first, runs, trust = verdict(results.values())
+def test_a_verdict_is_four_lines_where_rolling_resistance_is_switched_off(results):
+    first, runs, bound, trust = verdict(results.values())
+    assert bound == "no rolling resistance among the drags: slip and friction torque are lower bounds"
+    whole = [dataset.drop_attrs().assign_attrs(dataset.attrs | {"bound_below": 0}) for dataset in results.values()]
+    assert verdict(whole) == [first, runs, trust]
     away = results["effective-friction"]
     assert first == runs_away(float(away.runaway_slip), float(away.runaway_drag), "found")
     slip, reserve = float(results["steady-slip"].steady_slip[0]), float(results["steady-slip"].largest_drag)
@@ -40,7 +43,7 @@ def test_a_verdict_is_three_lines(results):
 def test_without_a_study_of_it_the_balance_of_effective_friction_says_how_the_cage_runs(results):
     """Of the same balance of torques; the load that a slip takes is the other study's."""
     assert verdict([results["friction-curve"]]) == []
-    first, runs, trust = verdict([results["effective-friction"]])
+    first, runs, _, trust = verdict([results["effective-friction"]])
     assert first.startswith("the cage runs away at")
     assert trust.startswith("how far to trust it")
     steady = verdict(results.values())[1]
@@ -50,7 +53,7 @@ def test_without_a_study_of_it_the_balance_of_effective_friction_says_how_the_ca
 
 def test_what_is_not_known_is_left_out(results):
     old = results["effective-friction"].drop_vars(["steady_cage_slip", "steady_drag", "steady_status"])
-    assert len(verdict([old])) == 2
+    assert len(verdict([old])) == 3
 
 
 def test_a_probability_stands_beside_how_the_cage_runs(results, monkeypatch):
@@ -87,7 +90,7 @@ def test_a_law_within_what_it_was_made_for_is_not_named(results):
     judged = json.loads(dataset.attrs["validity"])
     judged |= {"approximation": None, "bounds": [one | {"share_outside": 0.004} for one in judged["bounds"]]}
     within = dataset.assign_attrs(validity=json.dumps(judged))
-    assert verdict([within])[2].startswith("how far to trust it: oil data of grades B and C; not told here: ")
+    assert verdict([within])[3].startswith("how far to trust it: oil data of grades B and C; not told here: ")
 
 
 def test_a_cage_that_does_not_run_away_has_the_reason_for_its_headline(results):

@@ -46,6 +46,7 @@ from rollslip.cli.app import (
 @click.option("--load", metavar="LOAD", help="Radial load, such as '2 kN'.")
 @click.option("--temperature", metavar="T", help="Of the bearing, such as '70 degC'.")
 @click.option("--cage", metavar="OF", help="What the cage is of: brass, steel or polyamide.")
+@click.option("--supply", metavar="KIND", help="How oil gets there: bath, splash, circulating, jet, mist or grease.")
 def new(file: Path, **given: str | None) -> None:
     """Write a complete commented scene into FILE, which then runs.
 

@@ -9,15 +9,16 @@ import importlib.resources
 import math
 import re
 import string
+from collections.abc import Collection, Mapping
 from typing import Any, Final
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import MAKES, estimated_inertia
 from rollslip.catalogue.discovery import find, load, own_cage
 from rollslip.errors import SceneError
+from rollslip.lubricant.supply import SUPPLIES
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.reading import parse_scene
-from rollslip.scene.values import DEFAULT_DRAG
 from rollslip.structure import Location
 from rollslip.units import UnitError, format_quantity, quantity
 
@@ -31,6 +32,7 @@ MEANING: Final = {
     "load": "radial load",
     "temperature": "temperature of the bearing",
     "cage": f"cage: {', '.join(MAKES)}",
+    "supply": f"supply of oil: {', '.join(SUPPLIES)}",
 }
 #: What is taken where nothing is said; of the load see `assumed_load`; a cage is the bearing's own if its name has one.
 ASSUMED: Final = {
@@ -39,6 +41,7 @@ ASSUMED: Final = {
     "speed": "1500 rpm",
     "temperature": "70 degC",
     "cage": "brass",
+    "supply": "bath",
 }
 _UNITS: Final = {"speed": "rad/s", "load": "N", "temperature": "K"}
 #: How else people name the makes of cages.
@@ -47,8 +50,21 @@ _CAGES: Final = {
     **dict.fromkeys(("sheet steel", "pressed steel", "pressed"), "steel"),
     **dict.fromkeys(("plastic", "nylon", "pa", "pa66", "pa46"), "polyamide"),
 }
+#: How else people name kinds of supply.
+_SUPPLIES: Final = {
+    **dict.fromkeys(("oil bath", "sump"), "bath"),
+    **dict.fromkeys(("splash oil", "oil splash"), "splash"),
+    **dict.fromkeys(("circulation", "circulating oil", "pumped"), "circulating"),
+    **dict.fromkeys(("oil jet", "injection", "spray"), "jet"),
+    **dict.fromkeys(("oil mist", "oil-air", "oil air", "drip"), "mist"),
+}
 #: A decimal comma that is no comma of thousands.
 _COMMA: Final = re.compile(r"\s*[+-]?(\d*,(\d{1,2}|\d{4,})|0,\d+)(?![\d,.])")
+#: Option of which there are few -> other names, what there is, and what these are.
+_WORDS: Final[Mapping[str, tuple[Mapping[str, str], Collection[str], str]]] = {
+    "cage": (_CAGES, MAKES, "cages of"),
+    "supply": (_SUPPLIES, SUPPLIES, "supplies by"),
+}
 _KINDS: Final = {"bearing": "bearing", "oil": "lubricant"}
 
 
@@ -74,10 +90,11 @@ def checked(option: str, value: str) -> str:
         except UnitError as error:
             raise SceneError([Location({}, (option,)).says(str(error))]) from None
     else:
+        names, kinds, words = _WORDS[option]
         spelled = value.strip().casefold()
-        spelled = _CAGES.get(spelled, spelled)
-        if spelled not in MAKES:
-            raise SceneError([f"{option}: there are cages of {', '.join(MAKES)}, not of {value!r}"])
+        spelled = names.get(spelled, spelled)
+        if spelled not in kinds:
+            raise SceneError([f"{option}: there are {words} {', '.join(kinds)}, not {words.split()[-1]} {value!r}"])
         return spelled
     return value.strip()
 
@@ -98,7 +115,7 @@ def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) 
     assumed : frozenset of str
         Options that nobody gave.
     **given : str
-        ``bearing``, ``oil``, ``speed``, ``load``, ``temperature`` and ``cage``, as `checked` returns them.
+        ``bearing``, ``oil``, ``speed``, ``load``, ``temperature``, ``cage`` and ``supply``, as `checked` returns them.
 
     Raises
     ------
@@ -124,7 +141,7 @@ def _marks(assumed: frozenset[str]) -> dict[str, str]:
     }
 
 
-def _values(*, bearing: str, cage: str, **given: str) -> dict[str, object]:
+def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, object]:
     """Return what the template takes."""
     named: Any = load(find("bearing", bearing))
     b, own = named.bearing, own_cage(bearing)
@@ -147,7 +164,8 @@ def _values(*, bearing: str, cage: str, **given: str) -> dict[str, object]:
         "guidance": guidance,
         "pocket_clearance": format_quantity(make.pocket_clearance * b.roller_diameter, "m", 3),
         "pocket_stiffness": f"{make.pocket_stiffness / 1e6:g} MN/m",
-        "drag": ", ".join(f'"{name}"' for name in DEFAULT_DRAG[guidance]),
+        "supply": supply,
+        "supply_words": SUPPLIES[supply].words,
         **given,
     }
 

@@ -132,12 +132,6 @@ LAND_DRAG: Final = "petroff-land"
 #: What a scene without studies asks for.
 DEFAULT_STUDY: Final = "effective-friction"
 
-#: What guides a cage -> what drags it where the scene states neither drags nor weights of it.
-DEFAULT_DRAG: Final = {
-    "roller": ("churning",),
-    **dict.fromkeys(("inner", "outer"), ("petroff-land", "churning")),
-}
-
 #: What "exact" stands for: from here on everything is computed at its finest, which leaves errors of about this size.
 EXACT: Final = 1e-6
 
