@@ -390,7 +390,7 @@ def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
     ]
     if assembly.cage.drags.bound_below:
         reason = LOWER_BOUNDS if len(parts) > 1 else SWITCHED_OFF
-        parts.append(Part(part="drag", included=False, choice="rolling resistance", reason=reason))
+        parts.append(Part(part="rolling resistance", included=False, choice="none", reason=reason))
     return parts
 
 

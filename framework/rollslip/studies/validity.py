@@ -418,11 +418,8 @@ def _off(off: Difference, found: Sequence[Outside], where: str, what: str) -> st
 
 
 def corrections(film: FilmModel) -> list[str]:
-    """Say that the film is thinned, which a reader must know who compares it with others."""
-    told = [f"shear heating of the inlet after {film.inlet_heating!r}"] if film.inlet_heating else []
-    if film.inlet_starvation:
-        told.append(f"starvation by {film.inlet_starvation}")
-    return [f"the film is thinned for {' and '.join(told)}, as the scene asks"] if told else []
+    """Say that want of oil thins the film, which a reader must know who compares it with others."""
+    return [f"the film is starved by {film.inlet_starvation}"] if film.inlet_starvation else []
 
 
 def record(found: Sequence[Outside], off: Difference | None, said: Sequence[Told] = ()) -> dict[str, Any]:

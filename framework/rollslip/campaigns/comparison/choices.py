@@ -8,7 +8,7 @@ import attrs
 from rollslip.catalogue.discovery import available, get_class
 from rollslip.catalogue.registry import structure_model
 from rollslip.errors import PluginError, SceneError, UnknownNameError
-from rollslip.models import SliceModel
+from rollslip.models import SliceModel, left_to_scene
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 
@@ -101,8 +101,10 @@ def _as_table(kind: str, model: Model) -> dict[str, object]:
         raise PluginError(f"{kind}: {type(model).__qualname__} is not what is called {model.name!r} here; register it")
     cls: Any = type(model)
     table: dict[str, object] = {"model": model.name}
+    left = left_to_scene(model)
     for attribute in attrs.fields(cls):
-        if key := attribute.metadata.get("key", attribute.name):  # else it is none of a scene
+        key = attribute.metadata.get("key", attribute.name)  # None for what is none of a scene
+        if key and attribute not in left:
             value, child = getattr(model, attribute.name), attribute.metadata.get("kind")
             table[key] = _as_table(child, value) if child else value
     return table
