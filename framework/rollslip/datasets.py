@@ -104,10 +104,27 @@ class Profile:
             raise FieldError("position", "must ascend from one end of the roller to the other")
 
 
+def _boundary(what: str) -> Any:
+    return field(
+        default=None,
+        unit="m",
+        doc=f"boundary dimension of ISO 15: {what}",
+        validator=attrs.validators.optional(positive),
+        usual=(3e-3, 4),
+        possible=(1e-4, 50),
+    )
+
+
 @attrs.frozen(kw_only=True)
 class Catalogue:
-    """What a maker's catalogue lists of the bearing: read by rules of its least load alone, never computed with."""
+    """What a maker's catalogue lists of the bearing: read by makers' rules of least load and friction torque alone."""
 
+    series: str = field(
+        default="", doc='dimension series of ISO 15 as designations have it: "2", "3", "10", "22"', bare=True
+    )
+    bore: float | None = _boundary("bore d")
+    outside_diameter: float | None = _boundary("outside diameter D")
+    width: float | None = _boundary("width B")
     dynamic_rating: float | None = field(
         default=None,
         unit="N",
@@ -161,14 +178,15 @@ class Bearing:
     profile: Profile = field(default=Profile(), doc="roller profile")
     material: Material = field(default=Material(), doc="material of rings and rollers")
     catalogue: Catalogue | None = field(
-        default=None, doc="what the catalogue lists, for makers' rules of the least load"
+        default=None, doc="what the catalogue lists, for makers' rules of least load and friction torque"
     )
 
     @property
     def boundaries(self) -> tuple[float, float]:
-        """Bore and outside diameter [m], estimated: half a diameter of a roller from the raceways (D)."""
+        """Bore and outside diameter [m]: listed, or estimated half a diameter of a roller from the raceways (D)."""
+        listed = self.catalogue or Catalogue()
         bore = max(self.inner_raceway_diameter - self.roller_diameter, 0.5 * self.inner_raceway_diameter)
-        return bore, self.outer_raceway_diameter + self.roller_diameter
+        return listed.bore or bore, listed.outside_diameter or self.outer_raceway_diameter + self.roller_diameter
 
     def __attrs_post_init__(self) -> None:
         inner, outer = self.inner_raceway_diameter, self.outer_raceway_diameter

@@ -218,5 +218,5 @@ def test_parameters_of_several_models_can_be_swept() -> None:
     )
     known = quantities(assemble(several), {})
     assert known["models.torque.constant-coefficient.coefficient"].unit == "1"
-    assert known["models.torque.skf.series"].value == "10"
+    assert known["models.torque.skf.drag"].value == "later"
     assert "models.damage.film-parameter.allowed" in known

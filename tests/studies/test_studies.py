@@ -47,7 +47,7 @@ ELSEWHERE = {
                  "least_margin_time", "time_beyond_runaway",
                  "sliding_distance_inner", "sliding_distance_outer", "frictional_work_inner", "frictional_work_outer",
                  *OVER_MOTION},
-    "steady-slip": {"formula_torque", "formula_term", "formula_status"} | {
+    "steady-slip": {
         f"{name}{rest}" for name in ("radial_load", "inner_speed", "temperature") for rest in (
         "", "_slip", "_stable", "_fold", "_branch", "_limit", "_limit_slip", "_limit_status")},
 }  # fmt: skip

@@ -121,7 +121,8 @@ class Models:
         default=(), doc="what measures the damage that slip does: one model or several; by default none"
     )
     torque: tuple[ModelChoice, ...] = field(
-        default=(), doc="formulas of the friction torque that stand beside the losses: one or several; by default none"
+        default=(ModelChoice(name="palmgren-torque"), ModelChoice(name="skf")),
+        doc="formulas of the friction torque that stand beside the losses: one, several, or [] for none",
     )
 
 

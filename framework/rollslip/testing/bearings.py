@@ -241,6 +241,9 @@ def _duties() -> Iterator[Duty]:
             speed=10.0 ** random.uniform(-1.0, 3.5),
             viscosity=10.0 ** random.uniform(-3.0, 0.0),
             density=random.uniform(700.0, 1000.0),
+            width=(outside - bore) * random.uniform(0.3, 0.7),
+            series=str(random.choice(["10", "2", "22", "3", "23", "4"])),
+            supply=str(random.choice(["bath", "splash", "circulating", "jet", "mist", "grease"])),
         )
 
 

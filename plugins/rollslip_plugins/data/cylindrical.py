@@ -322,7 +322,13 @@ def _bearing(name: str, size: _Size, group: str) -> BearingData:
             outer_raceway_diameter=round(1e-3 * (inside.pitch + inside.diameter), 7),
             radial_clearance=round(0.5e-6 * (low + high), 9),
             profile=Profile(shape="iso16281"),
-            catalogue=Catalogue(minimum_load_factor=rule.minimum_load),
+            catalogue=Catalogue(
+                series=size.series.removesuffix("E"),
+                bore=round(1e-3 * size.bore, 7),
+                outside_diameter=round(1e-3 * size.outside, 7),
+                width=round(1e-3 * size.width, 7),
+                minimum_load_factor=rule.minimum_load,
+            ),
         ),
         grades={
             **dict.fromkeys(

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _RPM = 30.0 / math.pi
+#: From which factor on a friction torque is far from makers' formulas, and n d_m [m/s] below which none is judged.
+_FAR, _JUDGED_FROM = 2.0, 5.0
 #: Sources of loss that a sentence names.
 _MOST_SOURCES = 4
 
@@ -94,7 +96,7 @@ def operation(dataset: "xr.Dataset") -> str:
         return str(dataset["status"].item())
     known = (dataset["steady_slip"][0], dataset["torque"][0], dataset["largest_drag"], dataset["largest_drag_slip"])
     reached = float(dataset["cage_slip"][-1]), float(dataset["driving_torque"][-1])
-    said = runs_at(*map(float, known), reached)
+    said = f"{runs_at(*map(float, known), reached)}{_doubted(dataset)}"
     return f"{said}; {_least_load(dataset, needs=False)}" if "least_load" in dataset else said
 
 
@@ -139,9 +141,72 @@ def _losses(dataset: "xr.Dataset") -> list[str]:
         said.append(
             f"at a cage slip of {_percent(float(one['steady_slip']))} the bearing turns "
             f"{format_quantity(total, 'W', 3)} into heat, a friction torque of "
-            f"{format_quantity(float(one['friction_torque']), 'N m', 3)}: {shares}"
+            f"{format_quantity(float(one['friction_torque']), 'N m', 3)}{_beside(dataset, one)}: {shares}"
         )
-    return said + _by_formula(dataset)
+    return said + _judged(dataset) + _by_formula(dataset)
+
+
+def _over_formulas(dataset: "xr.Dataset", one: "xr.Dataset | None" = None) -> float:
+    """Friction torque of one steady slip, by default the least that lasts, over the geometric mean of the formulas."""
+    if "formula_torque" not in dataset or not has_steady(dataset):
+        return math.nan
+    lasting = np.flatnonzero(dataset["stable"].to_numpy() == 1)
+    if one is None and lasting.size:
+        one = dataset.isel(steady=int(lasting[0]))
+    known = dataset["formula_torque"].to_numpy()
+    known = known[np.isfinite(known) & (known > 0.0)]
+    own = math.nan if one is None else float(one["friction_torque"])
+    return own / float(np.exp(np.log(known).mean())) if known.size and own > 0.0 else math.nan
+
+
+def _beside(dataset: "xr.Dataset", one: "xr.Dataset") -> str:
+    """Say what makers' formulas give beside the torque of one steady slip."""
+    if math.isnan(ratio := _over_formulas(dataset, one)):
+        return ""
+    named = zip(dataset["formula"].to_numpy(), dataset["formula_torque"].to_numpy(), strict=True)
+    given = ", ".join(f"{name} {format_quantity(float(value), 'N m', 3)}" for name, value in named if value > 0.0)
+    far = "" if _slow(dataset) or 1.0 / _FAR <= ratio <= _FAR else f", beyond a factor of {_FAR:g} from them"
+    return f", {ratio:.2g} times what makers' formulas give ({given}){far}"
+
+
+def _slow(dataset: "xr.Dataset") -> bool:
+    """Whether the bearing is too slow for a verdict by formulas."""
+    return "formula_speed" in dataset and float(dataset["formula_speed"]) < _JUDGED_FROM
+
+
+def _doubted(dataset: "xr.Dataset") -> str:
+    """Say in a clause that the friction torque is far from makers' formulas; nothing where it is not."""
+    ratio = _over_formulas(dataset)
+    if _slow(dataset) or not (ratio < 1.0 / _FAR or ratio > _FAR):
+        return ""
+    return f"; the friction torque is {ratio:.2g} times what makers' formulas give, beyond a factor of {_FAR:g}"
+
+
+def _judged(dataset: "xr.Dataset") -> list[str]:
+    """Say what a friction torque far from makers' formulas means and what those are, or why none is judged."""
+    ratio = _over_formulas(dataset)
+    if math.isnan(ratio) or "formula_basis" not in dataset:
+        return []
+    if _slow(dataset):
+        n_dm = 6e4 * float(dataset["formula_speed"])
+        return [
+            f"n d_m is {n_dm:.3g} mm/min: below {6e4 * _JUDGED_FROM:.2g} makers' formulas are no measure of the torque "
+            "here, which has no weight of the rollers and little of mixed friction"
+        ]
+    if not _doubted(dataset):
+        return []
+    why = (
+        "a drag is missing or too small, and slip and torque are lower bounds: see cage.drag"
+        if ratio < 1.0
+        else "a drag may stand twice in the scene, or viscosity, level or supply of the oil are not the bearing's"
+    )
+    based = zip(dataset["formula"].to_numpy(), dataset["formula_basis"].to_numpy(), strict=True)
+    what = "; ".join(f"{name!s} is {basis}" for name, basis in based if basis)
+    return [
+        f"so far from makers' formulas {why} ({what}; thermal reference "
+        "speeds that makers print stand for torques that differ by a factor of 1.7 to 2.4, and none of these is a "
+        "measured torque of one bearing)"
+    ]
 
 
 def _by_formula(dataset: "xr.Dataset") -> list[str]:
@@ -160,17 +225,13 @@ def _by_formula(dataset: "xr.Dataset") -> list[str]:
         own = {part.partition(": ")[2]: value for part, value in terms.items() if part.partition(": ")[0] == name}
         shares = ", ".join(f"{_percent(value / torque if torque else 0.0)} {term}" for term, value in own.items())
         said.append(
-            f"by formula {str(name)!r} the friction torque is {format_quantity(float(torque), 'N m', 3)}"
-            f"{_times(dataset, torque)}: {shares}; it knows no slip, and no drag but its own terms"
+            f"by formula {str(name)!r} the friction torque is {format_quantity(float(torque), 'N m', 3)}: {shares}; it "
+            f"knows no slip, and no drag but its own terms"
         )
+    if "formula_estimated" in dataset and (guessed := str(dataset["formula_estimated"].item())):
+        said.append(f"for these formulas {guessed} of the bearing are estimated from its rollers: name the bearing, or "
+                    "give bearing.catalogue")  # fmt: skip
     return said
-
-
-def _times(dataset: "xr.Dataset", torque: float) -> str:
-    """Say how a torque by formula compares with the one that is computed at the least steady slip that lasts."""
-    lasting = np.flatnonzero(dataset["stable"].to_numpy() == 1)
-    own = float(dataset["friction_torque"][lasting[0]]) if lasting.size else math.nan
-    return f", {torque / own:.2g} times the one here" if own > 0.0 else ""
 
 
 def _largest(dataset: "xr.Dataset") -> str:
