@@ -47,8 +47,6 @@ _BY_SUPPLY: Final[Mapping[str, float]] = MappingProxyType(
 _REPLENISHED: Final[Mapping[str, float]] = MappingProxyType(
     {"splash": 3e-8, "circulating": 3e-8, "jet": 3e-8, "mist": 6e-8, "grease": 6e-8}
 )
-#: Share of the way to the middle of the lowest roller from which a bath is no low one.
-_NEARLY: Final = 0.9
 #: (D - d)/d^0.9 [mm] from which a diameter series begins, and B over half of D - d from which a bearing is a wide one.
 _BEGINS, _WIDE = (("4", 2.15), ("3", 1.62), ("2", 1.03), ("10", 0.0)), 1.03
 #: Of catalogues' formulas, in mm, N mm, mm2/s.
@@ -105,7 +103,8 @@ class Skf(TorqueFormula):
     - K_rs: 0 of a bath to the middle of the lowest roller; 3e-8 of a lower bath, of splash, circulating oil and a jet;
       6e-8 of mist and grease [1]
     - K_Z, K_L: 5.1 and 0.65 of these bearings with a cage [1]
-    - H: level of the bath above the lowest point of the outer raceway [m]
+    - H: level of the bath above the lowest point of the outer raceway, by default the middle of the lowest roller, and
+      half of that where oil splashes (D) [m]
     - V_M: losses by the level, 7.3e-4 H/d_m up to H of 0.3 d_m (C): the catalogue has a diagram, of which one point was
       read, 0.3e-4 at 0.041 (A) [1]
 
@@ -169,6 +168,8 @@ class Skf(TorqueFormula):
         flows = duty.supply in ("circulating", "jet")
         middle = _MM * _lowest_middle(duty)
         level = middle if flows or duty.oil_level is None else _MM * duty.oil_level
+        if duty.supply == "splash" and duty.oil_level is None:
+            level *= 0.5
         if level > _DEEPEST * d_m:
             most, came = (format_quantity(H / _MM, "m", 4) for H in (_DEEPEST * d_m, level))
             raise DomainError(
@@ -196,7 +197,7 @@ def _lowest_middle(duty: Duty) -> float:
 def _replenishment(duty: Duty) -> float:
     """Return K_rs."""
     if duty.supply == "bath":
-        low = duty.oil_level is not None and duty.oil_level < _NEARLY * _lowest_middle(duty)
+        low = duty.oil_level is not None and duty.oil_level < _lowest_middle(duty)
         return 3e-8 if low else 0.0
     return _of_kind(_REPLENISHED, duty)
 

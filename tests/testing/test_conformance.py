@@ -98,7 +98,7 @@ class TestDamage(Conformance):
 
 
 class TestTorque(Conformance):
-    models = (*box("torque"), get_model("torque", "skf", series="23", supply="grease or oil-air"))
+    models = (*box("torque"), get_model("torque", "skf", series="23", drag="2006"))
 
 
 DATA = [kind for kind in kinds() if get_kind(kind).data]
