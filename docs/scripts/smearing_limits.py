@@ -14,8 +14,8 @@ from rollslip.studies.steady_slip.minimum_load import RULES
 SCENES = ("1032930-30C", "1032930-50C", "1032930-70C")
 SLIPS = (None, 0.1, 0.3, 0.6)
 MEASURES = {
-    "ISO, stage 6": {"model": "scuffing-iso", "fzg_stage": 6},
-    "ISO, stage 12": {"model": "scuffing-iso", "fzg_stage": 12},
+    "ISO, stage 6": {"model": "scuffing-iso", "fzg_stage": 6, "oil": "mineral"},
+    "ISO, stage 12": {"model": "scuffing-iso", "fzg_stage": 12, "oil": "mineral"},
     "AGMA, 10 %": {"model": "scuffing-agma", "oil": "MIL-PRF-7808"},
     "film": "film-parameter",
 }

@@ -1,6 +1,7 @@
 """Measures of damage: against numbers by hand, mpmath, limits, and heat parted point by point."""
 
 import csv
+import math
 from pathlib import Path
 
 import attrs
@@ -229,9 +230,55 @@ def test_scuffing_temperatures_take_the_oil_of_the_scene():
     oil = assembly.lubricant
     assert ScuffingIso(fzg_stage=8).of(assembly).viscosity == oil.at(343.15).viscosity
     assert ScuffingIso(fzg_stage=8, viscosity=0.02).of(assembly).viscosity == 0.02
-    assert ScuffingAgma().of(assembly).viscosity_40 == pytest.approx(oil.at(313.15).viscosity / 930.0)
+    mineral = ScuffingAgma(oil="mineral")
+    assert mineral.of(assembly).viscosity_40 == pytest.approx(oil.at(313.15).viscosity / 930.0)
     assert ScuffingAgma(viscosity_40=5e-5).of(assembly).viscosity_40 == 5e-5
     assert ScuffingAgma(oil="MIL-PRF-23699").of(assembly).viscosity_40 is None
+
+
+@pytest.mark.parametrize(
+    ("oil", "iso", "agma"),
+    [
+        # X_L of ISO's kinds is 1 of mineral oils and 0.8 of polyalphaolefins; AGMA has no synthetic hydrocarbons
+        ("iso-vg-68", 1.0, "mineral"),
+        ("pao-68", 0.8, None),
+        ("ipm-10", 0.8, None),
+        ("b-3v", None, None),
+        ("mil-prf-7808", None, 205.0),
+        ("mil-prf-23699", None, 220.0),
+    ],
+)
+def test_the_kind_of_the_oil_is_that_of_the_oil_that_the_scene_names(oil, iso, agma):
+    assembly = assemble(evolve(load_scene("1032930-70C"), {"lubricant": {"name": oil}}))
+    by_stage, by_kind = ScuffingIso(fzg_stage=8).of(assembly), ScuffingAgma(risk=0.5).of(assembly)
+    eta = 1e3 * assembly.lubricant.at(343.15).viscosity
+    if iso is None:
+        assert math.isnan(by_stage.limit[0])
+        assert f"no factor of the kind of this oil, ester as '{oil}' is; name one of its kinds" in by_stage.limit[1]
+    else:
+        assert degrees(by_stage) == pytest.approx(80.0 + 2.25 * iso * eta**-0.05 * 64.0, rel=1e-12)
+        assert f"as '{oil}' is" in by_stage.limit[1]
+    if agma is None:
+        assert math.isnan(by_kind.limit[0])
+        assert "AGMA 925 has no scuffing temperature of the kind of this oil" in by_kind.limit[1]
+    elif agma == "mineral":
+        nu = 1e6 * assembly.lubricant.at(313.15).viscosity / assembly.lubricant.density(313.15)
+        assert degrees(by_kind) == pytest.approx(63.0 + 33.0 * math.log(nu), rel=1e-12)
+    else:
+        assert degrees(by_kind) == pytest.approx(agma, rel=1e-12)
+
+
+def test_an_oil_that_does_not_say_what_it_is_made_of_is_taken_for_mineral_and_that_is_told():
+    assembly = assemble(evolve(load_scene("1032930-70C"), {"lubricant": {"name": "iso-vg-68"}}))
+    unsaid = attrs.evolve(assembly, lubricant=attrs.evolve(assembly.lubricant, base_oil=None))
+    for model in (ScuffingIso(fzg_stage=8), ScuffingAgma()):
+        said, taken = (model.of(one) for one in (assembly, unsaid))
+        assert taken.limit[0] == said.limit[0]
+        assert "mineral as ASSUMED: 'iso-vg-68' does not say its base oil" in taken.limit[1]
+        assert "ASSUMED" not in said.limit[1]
+        chosen = attrs.evolve(model, oil="mineral").of(unsaid)
+        assert chosen.limit[0] == said.limit[0]
+        assert "ASSUMED" not in chosen.limit[1]
 
 
 @pytest.mark.parametrize(
@@ -239,7 +286,7 @@ def test_scuffing_temperatures_take_the_oil_of_the_scene():
     [
         ("scuffing-iso", r"models.damage: scuffing-iso needs fzg_stage, .* take it from the oil's data sheet"),
         ({"model": "scuffing-iso", "fzg_stage": 20}, r"models.damage\[0\].fzg_stage: must be from 1 to 14, not 20"),
-        ({"model": "scuffing-agma", "oil": "ester"}, r"models.damage\[0\].oil: must be one of 'mineral'"),
+        ({"model": "scuffing-agma", "oil": "ester"}, r"models.damage\[0\].oil: must be one of '', 'mineral'"),
         ({"model": "scuffing-agma", "risk": 1.0}, r"models.damage\[0\].risk: "),
     ],
 )
@@ -256,7 +303,7 @@ def test_an_oil_without_density_or_data_at_40_degrees_is_told_by_what_needs_it()
     ):
         other = attrs.evolve(assembly, lubricant=attrs.evolve(assembly.lubricant, **oil))
         with pytest.raises(SceneError, match=words):
-            ScuffingAgma().of(other)
+            ScuffingAgma(oil="mineral").of(other)
 
 
 def test_contacts_of_a_bearing_have_the_temperatures_and_speeds_of_its_scene():

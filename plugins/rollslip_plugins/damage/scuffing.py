@@ -17,6 +17,7 @@ from rollslip_plugins.damage.sources import AGMA_925, BLOK_1937, ISO_13989
 
 if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly
+    from rollslip.lubricant import Lubricant
 
 __all__ = ["ScuffingAgma", "ScuffingIso"]
 
@@ -26,6 +27,9 @@ _KINDS: Final = {
     "mineral": 1.0, "polyalphaolefin": 0.8, "polyglycol": 0.7, "water-soluble polyglycol": 0.6,
     "phosphate ester": 1.3, "traction fluid": 1.5,
 }  # fmt: skip
+#: Kind of base oil of a data set -> kind of the standard; it has no esters of engines.
+_OF_BASE: Final = {"mineral": "mineral", "pao": "polyalphaolefin", "pag": "polyglycol"}
+_NO_KIND: Final = "name one of its kinds as the model's oil to judge by it all the same"
 #: Mineral oil -> addend of its mean scuffing temperature [degC], and the factor of the viscosity's logarithm (C).
 _MINERAL: Final = {"mineral": 63.0, "mineral, antiscuff additives": 118.0}
 _BY_VISCOSITY: Final = 33.0
@@ -52,7 +56,8 @@ class ScuffingIso(BulkAndFlash):
     - S: load stage (``fzg_stage``); there is no limit without it [-]
     - X_W: structural factor (``structural_factor``): 1 for through-hardened steel, and for case-hardened steel with 10
       to 20 % austenite; 1.5 nitrided [-]
-    - X_L, k: factor of the oil and that of its kind (``oil``) [-]
+    - X_L, k: factor of the oil and that of its kind (``oil``), by default of the scene's oil; mineral, which is told,
+      where that does not say what it is made of [-]
     - eta: viscosity of the oil (``viscosity``), by default at ``operation.temperature`` [Pa s]
 
     Range: gears of steel with oils of the kinds listed; esters of aircraft engines are not among them. The bulk
@@ -82,7 +87,10 @@ class ScuffingIso(BulkAndFlash):
         doc="load stage of FZG's test A/8.3/90 at which the oil scuffs, of its data sheet",
         validator=attrs.validators.optional(in_range(1, 14)),
     )
-    oil: str = parameter(default="mineral", doc="kind of the oil", validator=one_of(*_KINDS))
+    oil: str = parameter(
+        default="", doc="kind of the oil; empty for that of the scene's oil", validator=one_of("", *_KINDS)
+    )
+    taken: str = attrs.field(default="", repr=False, metadata={"key": None})
     structural_factor: float = parameter(
         default=1.0, unit="1", doc="structural factor X_W of the steel", validator=positive, usual=(0.45, 1.5),
         possible=(0.1, 5),
@@ -115,16 +123,23 @@ class ScuffingIso(BulkAndFlash):
                 ]
             )
         viscosity = assembly.lubricant.at(assembly.scene.operation.temperature).viscosity
-        return self if self.viscosity is not None else attrs.evolve(self, viscosity=viscosity)
+        known = self if self.viscosity is not None else attrs.evolve(self, viscosity=viscosity)
+        if self.oil:
+            return known
+        base = assembly.lubricant.base_oil
+        return attrs.evolve(known, oil=_OF_BASE.get(base or "mineral", ""), taken=_taken(assembly.lubricant))
 
     @property
     def limit(self) -> tuple[float, str] | None:
         """The scuffing temperature."""
         if self.fzg_stage is None or self.viscosity is None:
             return None
-        factor = _KINDS[self.oil] * (1e3 * self.viscosity) ** -0.05
+        if not self.oil and self.taken:
+            return math.nan, f"ISO/TR 13989-1 has no factor of the kind of this oil, {self.taken}; {_NO_KIND}"
+        factor = _KINDS[self.oil or "mineral"] * (1e3 * self.viscosity) ** -0.05
         rise = (0.85 + 1.4 * self.structural_factor) * factor * self.fzg_stage**2
-        return _CELSIUS + 80.0 + rise, f"ISO/TR 13989-1 (2000), gears, FZG load stage {self.fzg_stage} (grade B)"
+        source = f"ISO/TR 13989-1 (2000), gears, FZG load stage {self.fzg_stage}, {self.taken or self.oil} (grade B)"
+        return _CELSIUS + 80.0 + rise, source.replace(", (", " (")
 
 
 @attrs.frozen(kw_only=True)
@@ -140,7 +155,8 @@ class ScuffingAgma(BulkAndFlash):
     - T_S: temperature at which the share P (``risk``) of gears scuff, counted in degC; z is the quantile of the normal
       distribution [degC]
     - T_m: mean scuffing temperature, of mineral oils without and with antiscuff additives, of MIL-PRF-7808 and of
-      MIL-PRF-23699 (``oil``), the last two on steel AISI 9310 [degC]
+      MIL-PRF-23699, the last two on steel AISI 9310 (``oil``); by default that of the scene's oil, which is taken for a
+      mineral one without additives where it does not say what it is made of [degC]
     - nu_40: kinematic viscosity at 40 degC (``viscosity_40``), by default that of the scene's oil [mm2/s]
 
     The standard calls a risk below 10 % low and above 30 % high. All numbers are recalled (C).
@@ -166,8 +182,11 @@ class ScuffingAgma(BulkAndFlash):
     )
 
     oil: str = parameter(
-        default="mineral", doc="kind of the oil, or its specification", validator=one_of(*_MINERAL, *_AIRCRAFT)
+        default="",
+        doc="kind of the oil, or its specification; empty for that of the scene's oil",
+        validator=one_of("", *_MINERAL, *_AIRCRAFT),
     )
+    taken: str = attrs.field(default="", repr=False, metadata={"key": None})
     viscosity_40: float | None = parameter(
         default=None,
         unit="m2/s",
@@ -193,9 +212,13 @@ class ScuffingAgma(BulkAndFlash):
         SceneError
             If the oil's kinematic viscosity at 40 degC is needed and not known.
         """
-        if self.viscosity_40 is not None or self.oil in _AIRCRAFT:
-            return self
         oil, T = assembly.lubricant, _CELSIUS + 40.0
+        if not self.oil and not self.taken:
+            named = oil.name.upper()
+            kind = named if named in _AIRCRAFT else "mineral" if oil.base_oil in (None, "mineral") else ""
+            return attrs.evolve(self, oil=kind, taken=_taken(oil)).of(assembly)
+        if self.viscosity_40 is not None or self.oil not in _MINERAL:
+            return self
         try:
             if oil.density is None:
                 raise DomainError("the density of the oil is not known; give lubricant.density, such as '870 kg/m3'")
@@ -208,14 +231,27 @@ class ScuffingAgma(BulkAndFlash):
     @property
     def limit(self) -> tuple[float, str] | None:
         """The scuffing temperature at the risk that is taken."""
+        if not self.oil and self.taken:
+            return math.nan, f"AGMA 925 has no scuffing temperature of the kind of this oil, {self.taken}; {_NO_KIND}"
         if self.oil in _AIRCRAFT:
             mean = _AIRCRAFT[self.oil]
         elif self.viscosity_40 is None:
             return None
         else:
-            mean = _MINERAL[self.oil] + _BY_VISCOSITY * math.log(1e6 * self.viscosity_40)
-        said = f"AGMA 925, {100 * self.risk:.3g} % of gears scuff with oil {self.oil!r}, recalled (grade C)"
+            mean = _MINERAL[self.oil or "mineral"] + _BY_VISCOSITY * math.log(1e6 * self.viscosity_40)
+        said = (
+            f"AGMA 925, {100 * self.risk:.3g} % of gears scuff with oil {self.oil or 'mineral'!r}, recalled (grade C)"
+        )
+        if self.taken and self.oil not in _AIRCRAFT:
+            said += f", {self.taken}"
         return _CELSIUS + mean * (1.0 + _SCATTER * NormalDist().inv_cdf(self.risk)), said
+
+
+def _taken(oil: "Lubricant") -> str:
+    """Say what is known of the kind of a scene's oil."""
+    if oil.base_oil is None:
+        return f"mineral as ASSUMED: {oil.name!r} does not say its base oil; give the model's oil"
+    return f"{oil.base_oil} as {oil.name!r} is"
 
 
 @hookimpl

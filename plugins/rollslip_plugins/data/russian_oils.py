@@ -44,6 +44,7 @@ def _of_limits(
     return Lubricant(
         name=name,
         description=description,
+        base_oil=base_oil,
         viscosity=Product(_kinematic(*limits), rho),
         pressure_viscosity=alpha,
         conductivity=Constant(0.15),
