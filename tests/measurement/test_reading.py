@@ -42,6 +42,7 @@ def test_what_the_template_writes_is_a_data_set(written, tmp_path):
     assert series.rows[0].changes == {"operation.radial_load": "150 N"}
     assert set(made.estimated) == {"lubricant.name", "bearing.radial_clearance"}
     assert not made.is_form
+    assert "FORM" not in made.description
 
 
 def test_equal_folders_give_equal_data_sets_wherever_they_stand(tmp_path):
@@ -173,6 +174,7 @@ def test_a_form_has_no_numbers_but_a_recipe(written, tmp_path):
         read(tmp_path / "data", empty | {"measurement.toml": toml})
     made = read(tmp_path / "data", empty | {"measurement.toml": toml.replace("# recipe", "recipe")})
     assert made.is_form
+    assert made.description.startswith("A FORM without numbers, no measurement yet: ")
 
 
 def test_every_data_set_of_the_box_is_read_and_its_quantities_are_known():

@@ -19,6 +19,7 @@ from rollslip.errors import SceneError, nearest
 from rollslip.files import content_of, decoded, readable
 from rollslip.measurement.rig import FilmRow, Rig, RigData, TractionRow, load_rig, read_data
 from rollslip.measurement.values import (
+    FORM,
     QUANTITIES,
     ContactSeries,
     Measurement,
@@ -132,7 +133,7 @@ class _Reader:
         has_values = any(one is None or one.rows for one in series) or bool(said)
         self._check_source(table.source, has_values)
         self._check_estimates()
-        return Measurement(
+        made = Measurement(
             name=table.name,
             description=table.description,
             references=references,
@@ -145,6 +146,7 @@ class _Reader:
             statements=tuple(one for one in said if one is not None),
             folder=str(self.folder),
         )
+        return attrs.evolve(made, description=f"{FORM}: {made.description}") if made.is_form else made
 
     # About the whole -------------------------------------------------------------------------------------------------
 

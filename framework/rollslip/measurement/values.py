@@ -23,7 +23,7 @@ from rollslip.structure import FrozenTable, attributes
 from rollslip.units import format_quantity
 
 __all__ = [
-    "EXPECTED", "LICENCES", "MEASUREMENT", "QUANTITIES", "READ", "ContactSeries", "Measured", "Measurement",
+    "EXPECTED", "FORM", "LICENCES", "MEASUREMENT", "QUANTITIES", "READ", "ContactSeries", "Measured", "Measurement",
     "Quantity", "Row", "Series", "SeriesTable", "SourceTable", "Statement", "StatementTable", "Step",
 ]  # fmt: skip
 
@@ -55,6 +55,8 @@ QUANTITIES: Final[Mapping[str, Quantity]] = MappingProxyType(
 )
 #: How values came from their source into the file.
 READ: Final = ("printed", "digitised", "computed", "recalled", "to be digitised")
+#: How the description of a data set begins whose numbers are still to be read off, wherever it is listed.
+FORM: Final = "A FORM without numbers, no measurement yet"
 #: What a statement may expect of the values along its steps.
 EXPECTED: Final = ("rises", "falls", "below", "above", "none")
 LICENCES: Final = "a licence such as 'CC BY 4.0', 'facts' for single numbers, or 'not redistributable' with a recipe"
