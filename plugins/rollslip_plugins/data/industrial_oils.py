@@ -120,7 +120,6 @@ _A1, _A2 = 327.7918e5, 2.9862e5  # Pa, Pa/K
 
 fva_3 = Lubricant(
     name="fva-3",
-    base_oil="mineral",
     description="Reference mineral oil FVA 3 without additives, ISO VG 100, of measured viscosity under pressure",
     viscosity=Vogel(limit=0.062e-3, slope=1021.7, pole=273.15 - 101.5517),
     pressure_viscosity=Hyperbola(limit=0.0, slope=1.0 / _A2, pole=273.15 - _A1 / _A2),

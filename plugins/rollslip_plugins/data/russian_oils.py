@@ -61,7 +61,6 @@ def _of_limits(
             "give 1 to 10 MPa; shear modulus 0.3 GPa (C), 0.05 to 1 GPa. Range 0 to 180 degC (D)."
         ),
         references=(specification,),
-        base_oil=base_oil,
         scatter=scatter_of(
             exponent,
             0.1,
