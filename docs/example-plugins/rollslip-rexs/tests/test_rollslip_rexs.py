@@ -194,3 +194,56 @@ def test_a_result_without_a_slip_that_lasts_is_not_written(tmp_path: Path) -> No
     assert any(
         "only that of steady-slip has a place" in note for note in write_foreign(scene, tmp_path / "d.rexs", other)
     )
+
+
+#: As most files have it: the designation of a bearing, and nothing of what is inside.
+NAMED = (
+    FILE.replace("rolling_bearing_with_detailed_geometry", "rolling_bearing_with_catalog_geometry")
+    .replace(
+        '<attribute id="bearing_type" unit="none">radial_roller_bearing</attribute>',
+        '<attribute id="catalogue_designation" unit="none">NU 2210 ECP/C3</attribute>',
+    )
+    .replace('<attribute id="number_of_rolling_elements" unit="none">16</attribute>', "")
+    .replace('<attribute id="diameter_of_rolling_element" unit="mm">11.0</attribute>', "")
+    .replace('<attribute id="length_of_rolling_element" unit="mm">12.0</attribute>', "")
+    .replace('<attribute id="operating_radial_bearing_clearance" unit="mum">25.0</attribute>', "")
+)
+
+
+def test_a_designation_is_looked_up(tmp_path: Path) -> None:
+    scene, notes = put(tmp_path, NAMED)
+    same = evolve(load_scene("1032930-50C"), {"bearing": {"name": "NU 2210 ECP/C3"}})
+    assert scene.bearing == same.bearing
+    assert scene.bearing.radial_clearance == pytest.approx(65e-6)  # C3 over 40 to 50 mm: 50 to 80 um
+    assert scene.cage is not None
+    assert (scene.cage["make"], scene.cage["guidance"]) == ("polyamide", "roller")
+    (told,) = (note for note in notes if "catalogue_designation" in note)
+    assert "gives rollers, roller_diameter, roller_length, radial_clearance, raceways where the file does not" in told
+    assert assemble(scene).cage.make == "polyamide"
+
+
+def test_what_a_file_says_beside_a_designation_counts(tmp_path: Path) -> None:
+    row = '<attribute id="number_of_rolling_elements" unit="none">16</attribute>'
+    element = '<attribute id="diameter_of_rolling_element" unit="mm">11.5</attribute>'
+    text = NAMED.replace('type="rolling_bearing_row">', f'type="rolling_bearing_row">{row}')
+    text = text.replace('type="rolling_element">', f'type="rolling_element">{element}')
+    scene, _ = put(tmp_path, text)
+    other = evolve(load_scene("1032930-50C"), {"bearing": {"name": "NU 2210"}}).bearing
+    assert (scene.bearing.rollers, scene.bearing.roller_diameter) == (16, 0.0115)
+    pitch = other.inner_raceway_diameter + other.outer_raceway_diameter
+    assert scene.bearing.inner_raceway_diameter + scene.bearing.outer_raceway_diameter == pytest.approx(pitch)
+    assert scene.bearing.outer_raceway_diameter - scene.bearing.inner_raceway_diameter == pytest.approx(0.023)
+    assert scene.bearing.roller_length == other.roller_length
+
+
+@pytest.mark.parametrize(
+    ("designation", "said"),
+    [
+        ("6210-2RS", "this is a deep groove ball bearing"),
+        ("NU 999", "no bearing is called 'NU 999'"),
+        ("NU 2232 ECM", "of another bearing"),
+    ],
+)
+def test_a_designation_of_another_bearing_is_refused(designation: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match=re.escape(said)):
+        put(tmp_path, NAMED.replace("NU 2210 ECP/C3", designation))

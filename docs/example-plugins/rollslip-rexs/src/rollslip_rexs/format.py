@@ -3,6 +3,8 @@
 - The names of components and attributes are those of the REXS database of version 2.0.0, each looked up there. Those of
   versions 1.0 to 1.6 were looked up where the table in README.md says so.
 - A number comes in the unit that the file states. All that was missing or not used is told, attribute by attribute.
+- Most files hold of a bearing its designation and its boundary dimensions. What is inside is that of this name in
+  rollslip's catalogue, where the file does not say it.
 - What REXS has no attribute for, roughness, cage, models and rheology of the oil, is estimated and told, or left out.
 """
 
@@ -16,7 +18,9 @@ from typing import Any, ClassVar
 import attrs
 import xarray as xr
 from rollslip.bearing.assembly import assemble
-from rollslip.errors import SceneError
+from rollslip.catalogue.discovery import get_class
+from rollslip.datasets import Bearing
+from rollslip.errors import PluginError, SceneError
 from rollslip.hookspecs import hookimpl
 from rollslip.scene.formats import Read, SceneFormat, Written
 from rollslip.scene.interchange import FORMAT, VERSION, from_parameters
@@ -26,6 +30,8 @@ from rollslip_rexs.model import Component, Model, read
 BEARINGS = ("rolling_bearing_with_detailed_geometry", "rolling_bearing_with_catalog_geometry")
 #: Types of bearing that rollslip computes.
 ROLLER_BEARINGS = ("radial_roller_bearing", "radial_needle_roller_bearing")
+#: Attribute of either type of bearing that most files have, where they have nothing of what is inside.
+DESIGNATION = "catalogue_designation"
 #: ISO viscosity grades of the oils in the box, middles at 40 degC [mm2/s].
 GRADES = (32, 46, 68, 100, 150, 220, 320)
 #: Rollers of one bearing may differ by as much, as a share: digits of the program that wrote them.
@@ -99,7 +105,8 @@ class Rexs(SceneFormat):
             raise SceneError([f"{source}: {problem}" for problem in it.problems])
         it.notes += [
             "surface: REXS has no roughness of raceways and rollers; those of 'ground' are taken, an estimate",
-            "cage: REXS has none; set cage.mass, cage.inertia and others for studies of the cage",
+            "cage: REXS has none; that of the designation is taken, or one of the bearing's size, an estimate; set "
+            "cage.make, cage.mass and others where you know them",
             "models: REXS names none; rollslip's defaults are taken",
         ]
         if model.load_cases > 1:
@@ -177,14 +184,33 @@ def _once(components: Iterable[Component]) -> list[Component]:
     return list({one.id: one for one in components}.values())
 
 
+def _text(component: Component, attribute: str) -> str:
+    return component.attributes.get(attribute, ("", ""))[1]
+
+
+def _catalogued(designation: str) -> tuple[Bearing | None, str]:
+    """The bearing of a designation, and why there is none."""
+    try:
+        return (get_class("bearing", designation).bearing, "") if designation else (None, "")
+    except PluginError as error:
+        return None, str(error)
+
+
 def _bearing_of(model: Model, source: str) -> Component:
     """The one bearing of a file that rollslip can compute."""
     bearings = [one for one in model.components.values() if one.type in BEARINGS]
-    types = {one.id: one.attributes.get("bearing_type", ("", ""))[1] for one in bearings}
-    rollers = [one for one in bearings if types[one.id] in ROLLER_BEARINGS]
+    types = {one.id: _text(one, "bearing_type") for one in bearings}
+    named = {one.id: _catalogued(_text(one, DESIGNATION)) for one in bearings}
+    rollers = [
+        one
+        for one in bearings
+        if types[one.id] in ROLLER_BEARINGS or (not types[one.id] and named[one.id][0] is not None)
+    ]
     if len(rollers) == 1:
         return rollers[0]
-    shown = ", ".join(f"{one.id} {one.name!r} ({types[one.id] or 'without bearing_type'})" for one in bearings)
+    shown = ", ".join(
+        f"{one.id} {one.name!r} ({types[one.id] or named[one.id][1] or 'without bearing_type'})" for one in bearings
+    )
     wanted = f"one component with bearing_type {' or '.join(map(repr, ROLLER_BEARINGS))} is read"
     have = f"there are: {shown}" if bearings else "there is no bearing"
     remedy = "leave one in a copy of the file" if rollers else "only cylindrical roller bearings are computed"
@@ -206,14 +232,52 @@ def _geometry(
     bearing: Component, row: Component | None, elements: list[Component], steel: Component | None, it: _Reading
 ) -> dict[str, Any]:
     element = elements[0] if elements else None
-    rollers = it.needed(row, "number_of_rolling_elements", "bearing.rollers", "rolling_bearing_row")
-    diameter = it.needed(element, "diameter_of_rolling_element", "bearing.roller_diameter", "rolling_element")
-    length = it.needed(element, "length_of_rolling_element", "bearing.roller_length", "rolling_element")
+    designation = _text(bearing, DESIGNATION)
+    it.used.add((bearing.id, DESIGNATION))
+    known, why = _catalogued(designation)
+    asked = it.needed if known is None else lambda of, attribute, key, component: it.number(of, attribute)
+    before = len(it.problems)
+    rollers = asked(row, "number_of_rolling_elements", "bearing.rollers", "rolling_bearing_row")
+    diameter = asked(element, "diameter_of_rolling_element", "bearing.roller_diameter", "rolling_element")
+    length = asked(element, "length_of_rolling_element", "bearing.roller_length", "rolling_element")
+    if why and len(it.problems) > before:
+        it.problems.append(f"{bearing}, {DESIGNATION}: {why}")
     contacts = [it.number(row, f"significant_contact_length_{ring}_ring") for ring in ("inner", "outer")]
-    if length is not None and (lengths := [one for one in contacts if one is not None]):
+    if lengths := [one for one in contacts if one is not None and (length is not None or known is not None)]:
         length = min(lengths, key=lambda one: float(one["value"]))
         it.notes.append("significant_contact_length: the shorter one is the effective length of the rollers")
+    told: dict[str, Any] = {"rollers": None if rollers is None else _whole(rollers["value"], it)}
+    told |= {"roller_diameter": diameter, "roller_length": length}
+    if known is None or diameter is not None:
+        told |= _raceways(_pitch(bearing, row, known, it), diameter, it)
+    clearance = it.number(bearing, "operating_radial_bearing_clearance")
+    if clearance is None and known is None:
+        it.notes.append(f"{bearing}, operating_radial_bearing_clearance: missing; 0 is taken")
+        clearance = {"value": 0.0, "unit": "um"}
+    told["radial_clearance"] = clearance
+    if known is not None:
+        _check_size(bearing, designation, known, it)
+        it.notes.append(
+            f"{bearing}, {DESIGNATION}: of {designation!r} rollslip's catalogue gives "
+            f"{', '.join(key for key in (*told, 'raceways') if told.get(key) is None and 'raceway_' not in key)} "
+            "where the file does not say it, an estimate; its clearance is that before mounting"
+        )
+        told = {"name": designation, **{key: value for key, value in told.items() if value is not None}}
+    material = {
+        key: one
+        for key in ("elastic_modulus", "poisson_ratio", "density")
+        if (one := it.number(steel, key)) is not None
+    }
+    missing = [key for key in ("elastic_modulus", "poisson_ratio", "density") if key not in material]
+    it.notes += [f"{steel or 'material'}, {key}: missing; that of bearing steel is taken" for key in missing]
+    return told | ({"material": material} if material else {})
+
+
+def _pitch(bearing: Component, row: Component | None, known: Bearing | None, it: _Reading) -> Quantity | None:
+    """Diameter of the pitch circle: as it is stated, of the catalogue, or the mean of bore and outside diameter."""
     pitch = it.number(row, "reference_diameter_rolling_bearing")
+    if pitch is None and known is not None:
+        return {"value": 500.0 * (known.inner_raceway_diameter + known.outer_raceway_diameter), "unit": "mm"}
     sides = ("inner", "outer") if pitch is None else ()
     bore, outside = [it.number(bearing, f"{side}_diameter") for side in sides] or (None, None)
     if pitch is None and bore is not None and outside is not None:
@@ -227,27 +291,29 @@ def _geometry(
             "rolling_bearing_row, reference_diameter_rolling_bearing: missing, and so are inner_diameter and "
             "outer_diameter of the bearing, to estimate it; add one of them to the file"
         )
-    told: dict[str, Any] = {"rollers": None if rollers is None else _whole(rollers["value"], it)}
-    told |= {"roller_diameter": diameter, "roller_length": length}
-    if pitch is not None and diameter is not None:
-        for ring, sign in (("inner", -1.0), ("outer", 1.0)):
-            value = pitch["value"] + sign * diameter["value"]
-            told[f"{ring}_raceway_diameter"] = {"value": value, "unit": pitch["unit"]}
-        if pitch["unit"] != diameter["unit"]:
-            it.problems.append(f"diameters of one bearing in {pitch['unit']} and {diameter['unit']}; use one unit")
-    clearance = it.number(bearing, "operating_radial_bearing_clearance")
-    if clearance is None:
-        it.notes.append(f"{bearing}, operating_radial_bearing_clearance: missing; 0 is taken")
-        clearance = {"value": 0.0, "unit": "um"}
-    told["radial_clearance"] = clearance
-    material = {
-        key: one
-        for key in ("elastic_modulus", "poisson_ratio", "density")
-        if (one := it.number(steel, key)) is not None
+    return pitch
+
+
+def _raceways(pitch: Quantity | None, diameter: Quantity | None, it: _Reading) -> dict[str, Any]:
+    if pitch is None or diameter is None:
+        return {}
+    if pitch["unit"] != diameter["unit"]:
+        it.problems.append(f"diameters of one bearing in {pitch['unit']} and {diameter['unit']}; use one unit")
+    return {
+        f"{ring}_raceway_diameter": {"value": pitch["value"] + sign * diameter["value"], "unit": pitch["unit"]}
+        for ring, sign in (("inner", -1.0), ("outer", 1.0))
     }
-    missing = [key for key in ("elastic_modulus", "poisson_ratio", "density") if key not in material]
-    it.notes += [f"{steel or 'material'}, {key}: missing; that of bearing steel is taken" for key in missing]
-    return told | ({"material": material} if material else {})
+
+
+def _check_size(bearing: Component, designation: str, known: Bearing, it: _Reading) -> None:
+    """Refuse a designation whose raceways do not fit between bore and outside diameter of the file."""
+    bore, outside = (it.number(bearing, f"{side}_diameter") for side in ("inner", "outer"))
+    for stated, raceway, sign in ((bore, known.inner_raceway_diameter, 1), (outside, known.outer_raceway_diameter, -1)):
+        if stated is not None and stated["unit"] == "mm" and sign * (1e3 * raceway - stated["value"]) <= 0.0:
+            it.problems.append(
+                f"{bearing}, {DESIGNATION}: {designation!r} has a raceway of {1e3 * raceway:g} mm, and the file a "
+                f"ring of {stated['value']:g} mm; one of them is of another bearing"
+            )
 
 
 def _whole(value: float, it: _Reading) -> int | None:
