@@ -4,7 +4,7 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip import evolve, load_scene, plan, register
+from rollslip import evolve, load_scene, plan, register, run, sweep
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import ALTERNATIVES, MAKES, Cage, estimated_inertia, unstated_scatter
 from rollslip.bearing.drags import Drags, TotalResistance, torque_capsule
@@ -199,7 +199,7 @@ def test_the_plan_says_what_of_the_cage_is_estimated():
     (note,) = (text for text in plan(scene).foreseen if text.startswith("the cage"))
     assert "MA of NU 2312 MA says so" in note
     bare = plan(evolve(scene, {"bearing.name": "NU 2312"})).foreseen
-    assert any("make assumed, most makers' for NU 2312; cage.make says another" in text for text in bare)
+    assert any("the make is assumed, as most makers have it in NU 2312; state cage.make where" in text for text in bare)
     stated = evolve(scene, {"cage.mass": "450 g"})
     assert not any(text.startswith("the cage") for text in plan(stated).foreseen)
 
@@ -475,3 +475,12 @@ def test_a_drag_of_this_process_is_taken(monkeypatch):
 
     register(Linear)
     assert bearing("linear").cage.drags.torque(3.0, 0.0, 0.0) == -3.0
+
+
+def test_sweeps_over_names_of_bearings_take_the_cage_of_each():
+    scene = parse_scene(NAMED + "[study.steady-slip]\n[accuracy]\ntolerance = 1e-2\nslices = 5\n", "mine.toml")
+    names = ["NU 2312 ECP", "NU 2312 MA"]
+    swept = sweep(scene, {"bearing.name": names}, study="steady-slip", output=["friction_torque"], engine="serial")
+    alone = [run(evolve(scene, {"bearing.name": name}), "steady-slip").friction_torque[0] for name in names]
+    assert swept.friction_torque.values.ravel() == pytest.approx([float(one) for one in alone], rel=1e-6)
+    assert not np.isclose(float(alone[0]), float(alone[1]), rtol=1e-3)

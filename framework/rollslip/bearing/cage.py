@@ -327,11 +327,11 @@ def in_words(scene: Scene, cage: Cage) -> tuple[str, str]:
     if "make" in written:
         known = "cage.make says so"
     elif own is None:
-        known = "make assumed, cage.make says another"
+        known = "the make is assumed; state cage.make where yours is another"
     elif own.letters:
         known = f"{own.letters} of {name} says so"
     else:
-        known = f"make assumed, most makers' for {name}; cage.make says another"
+        known = f"the make is assumed, as most makers have it in {name}; state cage.make where yours is another"
     silent = [key for key in ("mass", "inertia", "pocket_clearance", "pocket_stiffness") if key not in written]
     silent += [key for key in ("land_radius", "land_width", "land_clearance") if getattr(cage, key) is not None]
     silent = [key for key in silent if key not in written]

@@ -317,7 +317,8 @@ def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluat
         for name in ("tolerance", "critical_slip", "friction", "cage_speed")
         if (value := getattr(scene.accuracy, name)) is not None and value < EXACT
     ]
-    if any(study.with_cage for study in studies.values()) and "mass" not in (scene.cage or {}):
+    caged = any(study.with_cage or getattr(study, "runaway_range", 0.0) for study in studies.values())
+    if caged and "mass" not in (scene.cage or {}):
         said.append(f"the cage is the bearing's own, {'; '.join(in_words(scene, read_cage(scene)))}")
     if held := _held(scene, studies):
         said.append(

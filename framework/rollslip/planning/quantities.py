@@ -17,7 +17,7 @@ from rollslip.catalogue.registry import structure_model
 from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
 from rollslip.scene.changes import Quantity
-from rollslip.scene.values import ModelChoice, Scene
+from rollslip.scene.values import LubricantTable, ModelChoice, Scene
 from rollslip.structure import Location
 from rollslip.units import UnitError, quantity
 
@@ -28,6 +28,7 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     """Return what can be varied of a scene, by key."""
     scene = assembly.scene
     found = [
+        *_named(scene),
         *_of(scene.bearing, "bearing"),
         *_of(scene.surface, "surface"),
         *_of(scene.operation, "operation"),
@@ -48,6 +49,14 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     for name, study in studies.items():
         found += _of(study, f"study.{name}")
     return {one.key: one for one in found}
+
+
+def _named(scene: Scene) -> Iterator[Quantity]:
+    """Name of the bearing, where the scene starts from one: its cage and all that is not stated follow."""
+    table = None if scene.raw is None else scene.raw.get("bearing")
+    if isinstance(table, Mapping) and isinstance(name := table.get("name"), str):
+        attribute = attrs.fields_dict(LubricantTable)["name"]
+        yield Quantity("bearing.name", None, "name of a bearing that a plugin ships", name, False, attribute)
 
 
 def _thermal(scene: Scene) -> Any:
