@@ -54,11 +54,6 @@ ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", 
         (SCENE, {"indices": 12}, "indices: the design after Saltelli needs a power of two, 4 or more rows, not 12"),
         (SCENE, {"steady_indices": 2}, "steady_indices: the design after Saltelli needs a power of two"),
         (
-            attrs.evolve(SCENE, cage=None),
-            {"samples": 8, "steady_indices": 4},
-            "steady_indices: the scene has no table [cage], so there is no steady slip",
-        ),
-        (
             uncertain(
                 lubricant={
                     "pressure_viscosity_factor": {"distribution": "uniform", "scatter": 0.2},

@@ -10,6 +10,7 @@ import pytest
 from rollslip import plan
 from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.catalogue.discovery import find, get_class
+from rollslip.cli.models import kinds_of
 from rollslip.datasets import BearingData, Family
 from rollslip.errors import UnknownNameError
 from rollslip.planning.plausibility import implausible
@@ -99,6 +100,12 @@ def test_other_bearings_are_called_what_they_are():
         assert f" {what}" in str(error.value), written
         assert "did you mean" not in str(error.value)
         assert "rollslip models cylindrical roller bearings with a cage" in str(error.value)
+
+
+def test_the_list_of_models_tells_of_other_bearings_too():
+    with pytest.raises(UnknownNameError, match="nothing is called '6205': this is a deep groove ball bearing"):
+        kinds_of("6205")
+    assert kinds_of("SKF NU 205 ECP") == ["bearing"]
 
 
 def test_a_cage_that_no_letter_tells_is_the_one_that_makers_put_in():

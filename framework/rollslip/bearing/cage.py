@@ -73,7 +73,7 @@ SCATTER: Final = (
     Scatter(
         quantity="land_clearance",
         distribution="lognormal",
-        parameters={"scatter": 0.7},
+        parameters={"scatter": 0.795},  # 0.7 of the logarithm
         grade="(D)",
         source="estimated at 0.25 % of the land's radius; with it the torque of the land scatters by a factor of 2",
     ),

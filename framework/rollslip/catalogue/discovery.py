@@ -216,11 +216,8 @@ def find(kind: str, name: str) -> Offer:
         if meant:
             those = " and ".join(f"{offer.name!r} of package {offer.package}" for offer in meant)
             raise UnknownNameError(f"{kind} {as_written(name)} may be {those}; write one of these names")
-        if other := next(filter(None, (family.other(name) for _, family in families(kind))), None):
-            raise UnknownNameError(
-                f"no {kind} is called {as_written(name)}: this is {other}; rollslip models cylindrical roller bearings "
-                f"with a cage ('rollslip models {kind}' lists them)"
-            )
+        if other := is_another(kind, name):
+            raise UnknownNameError(f"no {kind} is called {as_written(name)}: {other}")
     own = [*available(kind)]
     names = own + [one for _, family in families(kind) for one in family.names]
     if get_kind(kind).data:
@@ -250,11 +247,24 @@ def _meant(kind: str, name: str) -> list[Offer]:
     return found
 
 
+def is_another(kind: str, name: str) -> str | None:
+    """Return in words what something is of which a family knows the name, but not the data; None where none does."""
+    other = _said_by("other", kind, name)
+    lists = f"'rollslip models {kind}' lists them"
+    return other and f"this is {other}; rollslip models cylindrical roller bearings with a cage ({lists})"
+
+
 def own_cage(designation: object) -> Any:
     """Return the `rollslip.datasets.OwnCage` of a designation; None where no family of bearings has one."""
     if not isinstance(designation, str) or not designation:
         return None
-    return next(filter(None, (family.cage(designation) for _, family in families("bearing"))), None)
+    return _said_by("cage", "bearing", designation)
+
+
+def _said_by(method: str, kind: str, name: str) -> Any:
+    """Return what the first family says that knows something of a name; nothing where none does."""
+    said = (getattr(family, method, lambda _: None)(name) for _, family in families(kind))
+    return next(filter(None, said), None)
 
 
 def named_data(raw: Mapping[str, object]) -> list[Offer]:

@@ -6,7 +6,7 @@ from typing import Any
 import attrs
 import click
 
-from rollslip.catalogue.discovery import Offer, available, catalogue, families, find, get_class, load
+from rollslip.catalogue.discovery import Offer, available, catalogue, families, find, get_class, is_another, load
 from rollslip.catalogue.kinds import get_kind, offered_kinds
 from rollslip.cli.console import print_table
 from rollslip.errors import PluginError, UnknownNameError, nearest
@@ -79,6 +79,8 @@ def kinds_of(name: str) -> list[str]:
         kind for kind in offered_kinds() if get_kind(kind).data and _is_called(kind, name)
     ]
     if not offering:
+        if other := is_another("bearing", name):
+            raise UnknownNameError(f"nothing is called {name!r}: {other}")
         names = [offer.name for kind in offered_kinds() for offer in _every(kind)]
         near = nearest(name, [*offered_kinds(), *names], cutoff=0.4)
         hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip models' lists them"
