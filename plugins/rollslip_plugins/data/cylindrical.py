@@ -142,12 +142,9 @@ _CLEARANCES: Final = (
 _GROUPS: Final = ("C2", "CN", "C3", "C4", "C5")
 #: What part of a group a letter behind it leaves: its lower half, its middle, its upper half (SKF; C).
 _PARTS: Final = {"": (0.0, 1.0), "L": (0.0, 0.5), "M": (0.25, 0.75), "H": (0.5, 1.0)}
-#: Types that are offered of each series.
-_TYPES: Final = {
-    **dict.fromkeys(("2E", "3E"), ("NU", "NJ", "NUP", "N")),
-    **dict.fromkeys(("22E", "23E"), ("NU", "NJ", "NUP")),
-    **dict.fromkeys(("10", "10E"), ("NU", "NJ", "N")),
-}
+#: Types that are offered of series 22 and 23; of all others there is N too.
+_TYPES: Final = dict.fromkeys(("22E", "23E"), ("NU", "NJ", "NUP"))
+_ALL: Final = ("NU", "NJ", "NUP", "N")
 #: What a cage is of where no letter says so: up to this bore [mm] a maker's designations of type E say polyamide on the
 #: rollers (TVP3), above it brass on them (M6); brass on them in series 4 (M), brass on the outer ring in 10 (MPA);
 #: NKE, general catalogue (A). Others do likewise, up to 100 to 130 mm.
@@ -234,7 +231,7 @@ class CylindricalRollerBearings(Family):
     def names(self) -> tuple[str, ...]:
         """All designations, of normal clearance."""
         return tuple(
-            _name(kind, series, code, "CN") for series, code in self._sizes for kind in _TYPES.get(series, ("NU", "NJ"))
+            _name(kind, series, code, "CN") for series, code in self._sizes for kind in _TYPES.get(series, _ALL)
         )
 
     def called(self, written: str) -> str | None:
@@ -245,7 +242,7 @@ class CylindricalRollerBearings(Family):
         plain = read.old or (read.series in _AS_SAID and not read.reinforced)
         series = read.series if plain else f"{read.series}E"
         sized = (series, read.code) in self._sizes and not (read.old and read.series in _AS_SAID)
-        if not sized or read.type not in _TYPES.get(series, ("NU", "NJ")):
+        if not sized or read.type not in _TYPES.get(series, _ALL):
             return None
         return _name(read.type, series, read.code, read.group or "CN")
 

@@ -47,9 +47,10 @@ _SILENT: Final = (
     "PHA?S?|P[0456]|P63|S[0-4]|SN|NA|R\\d{2,3}|W\\d{2,3}|L4B|L5B|V[ACEQL]\\d{3,4}|J20[A-Z]{0,2}|F1|FV|AH|XL|W33|Q"
 )
 _CAGE: Final = "|".join(sorted(_CAGES, key=len, reverse=True))
+#: A class of clearance stands behind the cage or, with some, before it; SNR's J30 is C3.
 _TAIL: Final = re.compile(
-    rf"(?P<design>OLD|EC|EXL|E|R)?(?:XL)?(?:(?P<cage>{_CAGE})|PHA?S?)?(?:{_SILENT})*?"
-    rf"(?:(?P<group>C[2345N])(?P<half>[LMH])?)?(?:{_SILENT})*"
+    rf"(?P<design>OLD|EC|EA|EXL|E|R)?(?:XL)?(?P<first>C[2345N][LMH]?)?(?:(?P<cage>{_CAGE})|PHA?S?)?(?:{_SILENT})*?"
+    rf"(?P<group>C[2345N][LMH]?|J[34]0)?(?:{_SILENT})*"
 )
 _NUMBER: Final = re.compile(r"(?P<type>NUP|NU|NJ|N)(?P<series>10|22|23|2|3|4)(?P<code>\d\d)(?!\d)(?P<tail>.*)")
 
@@ -79,8 +80,8 @@ class Designation(NamedTuple):
 
 
 def _bare(written: str) -> str:
-    """Return a designation in capitals, without makers around it."""
-    return _BEHIND.sub("", _FRAMED.sub("", written.upper().strip()))
+    """Return a designation in capitals, without makers around it and the angle ring that may come with it."""
+    return re.sub(r"\s*\+\s*HJ.*", "", _BEHIND.sub("", _FRAMED.sub("", written.upper().strip())))
 
 
 def _packed(written: str) -> str:
@@ -100,7 +101,9 @@ def read_designation(written: str) -> Designation | None:
     tail = None if number is None else _TAIL.fullmatch(number["tail"])
     if number is None or tail is None:
         return None
-    cage = None
+    if tail["first"] and tail["group"]:
+        return None
+    cage, group = None, tail["first"] or tail["group"]
     if tail["cage"] is not None:
         make, guidance = _CAGES[tail["cage"]]
         ribbed = "inner" if number["type"] == "N" else "outer"
@@ -109,10 +112,10 @@ def read_designation(written: str) -> Designation | None:
         number["type"],
         number["series"],
         number["code"],
-        tail["design"] in ("E", "EC", "EXL", "R"),
+        tail["design"] in ("E", "EC", "EA", "EXL", "R"),
         tail["design"] == "OLD",
         cage,
-        None if tail["group"] is None else tail["group"] + (tail["half"] or ""),
+        group.replace("J", "C").removesuffix("0") if group else None,
     )
 
 
@@ -150,13 +153,13 @@ _LETTERED: Final = tuple(
         (r"GE[HGZ]?\d|GI?[AEX]?K?[RL]?\d|G[AI]\w*\d|S[AI]L?\w?\d|GX\d", "spherical plain bearing or rod end"),
         (r"QJF?\d", "four-point contact ball bearing"),
         (r"C\d{4}", "toroidal roller bearing"),
-        (r"T\d[A-Z]{2}\d|J?L?H?[LHM]M?\d{5,6}|J[LHMWF]M?\d|HH\d|EE\d|(?:4T|ET|HR|TR)\d", "taper roller bearing"),
+        (r"T\d[A-Z]{2}\d|K?J?L?H?[LHM]M?\d{5,6}|J[LHMWF]M?\d|HH\d|EE\d|(?:4T|ET|HR|TR)\d", "taper roller bearing"),
         (r"LM\d+UU|LME?\d|LB[BCE]R?\d|KH\d", "linear ball bearing"),
     )
 )
 #: Letters before a number that change nothing of what it is: hybrid, stainless, coated, for spindles.
 _BEFORE: Final = re.compile(r"(?:E2|BB1|HCB|HCS|XCB|HSS|HC|HS|SS|S|W|B|4T|ET|HR|TR)[\s.\-]*(?=\d{3})")
-_CORE: Final = re.compile(r"(?P<series>\d+?)(?P<code>\d\d|/\d+)(?=\D|2(?:RS|Z|RZ|LS)|$)")
+_CORE: Final = re.compile(r"(?P<series>\d+?)(?P<code>\d\d|/\d+)(?=[^\d/]|/(?!\d{1,3}\b)|2(?:RS|Z|RZ|LS)|$)")
 
 
 def other_bearing(written: str) -> str | None:
@@ -176,7 +179,7 @@ def other_bearing(written: str) -> str | None:
     plain = _BEFORE.sub("", bare, count=1) if _BEFORE.match(bare) else bare
     core = _CORE.match(re.sub(r"(?<=\d)\s(?=\d\d\b)", "", plain))
     what = None if core is None else _SERIES.get(core["series"])
-    if core is not None and what is None and "/" in core["code"]:
+    if re.match(r"\d{4,6}[A-Z]?[/-]\d{4,6}", plain):
         what = "taper roller bearing"  # cone and cup of inch sizes, 15101/15245
     what = what or next((what for begins, what in _LETTERED if begins.match(packed)), None)
     if what is None and re.match(r"N(?:UP?|JP?|F|P)?\d", packed):
