@@ -508,7 +508,8 @@ def test_what_is_wrong_is_said_before_anything_runs(arguments, message, code, ca
 def test_a_study_without_what_it_needs_has_no_results(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = "\n".join(line for line in load_scene("1032930-30C").text.splitlines())
-    (tmp_path / "own.toml").write_text(re.sub(r"\[cage\].*?(?=\[operation\])", "", text, flags=re.S))
+    land = '[cage]\ndrag = ["petroff-land"]\n'  # and no ring that has one
+    (tmp_path / "own.toml").write_text(re.sub(r"\[cage\].*?(?=\[operation\])", land, text, flags=re.S))
     code, _, err = answer(capsys, "own.toml", "--study", "dynamics")
     assert code == 2
     assert "cage" in err
