@@ -252,10 +252,12 @@ def _lands(bearing: Bearing) -> dict[str, float]:
 
 
 def _number(table: Mapping[str, object], key: str, unit: str, otherwise: float) -> float:
+    """Return a positive number of a table; what the reader will refuse does not count."""
     try:
-        return quantity(table.get(key, otherwise), unit)
-    except ValueError:  # the reader says so
+        stated = quantity(table.get(key, otherwise), unit)
+    except ValueError:
         return otherwise
+    return stated if stated > 0 else otherwise
 
 
 def supplied(scene: Scene, lubricant: Lubricant) -> Supplied:
