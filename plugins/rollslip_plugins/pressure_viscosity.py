@@ -5,6 +5,7 @@ alpha it gives, the slope of ln(eta) at no pressure ("tangent") or alpha* = 1/in
 """
 
 import math
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar, Final
 
@@ -82,9 +83,10 @@ class Barus(PressureViscosity):
 
     def caution(self) -> str:
         """Say that it is too steep."""
+        times = 1.0 + _above_roelands(0.4e9) / 100.0
         return (
-            f"Barus's law is too steep above 0.1 GPa: at 0.4 GPa an oil of 8.6 mPa s is {_above_roelands(0.4e9):.0f} % "
-            "thicker than by Roelands's law, the default, so that slip and friction come out of another oil"
+            "viscosity under pressure follows Barus's law, as the scene names it: too steep above 0.1 GPa; at 0.4 GPa "
+            f"Roelands's law, the default, gives an oil of 8.6 mPa s 1/{times:.1f} of its viscosity, and more slip"
         )
 
     def kernel(self) -> object:
@@ -121,14 +123,16 @@ def _exponent_of_film(a: ArrayLike, k: ArrayLike) -> tuple[Array, Array, Array]:
     of, k = np.broadcast_arrays(np.asarray(a, dtype=float), np.asarray(k, dtype=float))
     z = (of + 1.0) / k
     for _ in range(60):
+        if not np.all(z > 5e-3):  # G overflows
+            break
         g, slope = _gamma(1.0 / z, k)
         bend = 1.0 + slope / (g * z)
         change = (np.log(z / g) - np.log(of)) / bend
         over_a, over_k = z / (of * bend), z / bend * (1.0 - 1.0 / (z * k) - 1.0 / (k * g))
         z = z * np.exp(-np.clip(change, -1.0, 1.0))
-        if np.all(np.abs(change) < 1e-14 * (1.0 + k)):
-            break
-    return z, over_a, over_k
+        if np.all(np.abs(change) < 1e-13 * (1.0 + k)):
+            return z, over_a, over_k
+    raise DomainError("roelands: slice 0 is outside its domain: no exponent z gives alpha* of the film")
 
 
 @attrs.frozen
@@ -160,6 +164,9 @@ class Roelands(PressureViscosity):
     equation: ClassVar[str] = "eta = eta0 exp{k [(1 + p/p0)^z - 1]}, k = ln(eta0/6.315e-5), z = alpha p0/k"
     references: ClassVar[tuple[Reference, ...]] = (ROELANDS,)
     reads = Barus.reads
+    expected_failures: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"check_does_not_know_metre_kilogram_second_and_kelvin": "eta_inf and p0 are numbers of the law with units"}
+    )
     domain = MappingProxyType({**Barus.domain, "viscosity": (math.nextafter(POLE_VISCOSITY, 1.0), FINITE[1])})
     alpha: str = alpha_of_oil()
     factor: float = factor_of_oil()
@@ -236,7 +243,7 @@ class Yasutomi(PressureViscosity):
     def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
         """Return viscosity and its fall with temperature."""
         c, p = conditions, np.asarray(pressure, dtype=float)
-        x0 = c.temperature - self.glass_temperature
+        x0 = np.float64(c.temperature) - self.glass_temperature  # whose square may overflow without a word
         share = 1 - self.b1 * np.log1p(self.b2 * p)
         x = (x0 - self.a1 * np.log1p(self.a2 * p)) * share
         glass = ~((share > 0) & (x >= 0) & (x0 > 0))

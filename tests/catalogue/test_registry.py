@@ -17,6 +17,7 @@ from rollslip.engine import Engine
 from rollslip.errors import PluginError, SceneError
 from rollslip.hookspecs import hookspec
 from rollslip.lubricant import Lubricant
+from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, TractionModel
 from rollslip.references import Reference
 from rollslip.studies.steady_slip.torque import TorqueFormula
@@ -31,7 +32,7 @@ PROMISED = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_tex
 KINDS = PROMISED.pop("rollslip.kind")
 FAMILIES = {name: path for names in PROMISED.values() for name, path in names.items() if ":" in path}
 OFFERED = [
-    (group.removeprefix("rollslip."), name)
+    (group.removeprefix("rollslip.").replace("_", "-"), name)
     for group, names in PROMISED.items()
     for name in names
     if name not in FAMILIES
@@ -40,6 +41,7 @@ BASES = {
     "contact": ContactModel,
     "film": FilmModel,
     "traction": TractionModel,
+    "pressure-viscosity": PressureViscosity,
     "drag": Drag,
     "integrator": IntegratorModel,
 }
@@ -148,7 +150,7 @@ def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
         assert not isinstance(thing, type)  # data: a value, checked when it was made
         assert isinstance(thing, Lubricant) == (kind == "lubricant")
     offer = find(kind, name)
-    assert (offer.package, offer.module) == ("rollslip", PROMISED[f"rollslip.{kind}"][name])
+    assert (offer.package, offer.module) == ("rollslip", PROMISED[f"rollslip.{kind.replace('-', '_')}"][name])
     assert get_class(kind, name) is thing
 
 

@@ -23,10 +23,16 @@ from rollslip.fields import FieldError
 pytestmark = pytest.mark.quick
 
 WRITTEN = [kind for kind in kinds() if get_kind(kind).template is not None]
-FORMS = [(kind, False) for kind in WRITTEN] + [(kind, True) for kind in ("contact", "film", "traction", "drag")]
+COMPILED = ("contact", "drag", "film", "pressure-viscosity", "traction")
+FORMS = [(kind, False) for kind in WRITTEN] + [(kind, True) for kind in COMPILED]
 every_form = pytest.mark.parametrize(
     ("kind", "compiled"), FORMS, ids=[f"{kind}-compiled" if compiled else kind for kind, compiled in FORMS]
 )
+
+
+def file_of(kind: str) -> str:
+    """Name of the module, and of the group of entry points, of a kind: neither takes hyphens."""
+    return kind.replace("-", "_")
 
 
 @every_form
@@ -35,7 +41,7 @@ def test_a_package_is_written_whole(kind: str, compiled: bool, tmp_path: Path) -
     assert made == tmp_path / "rollslip-my-law"
     source = "src/rollslip_my_law"
     expected = {".gitignore", "LICENSE", "README.md", "pyproject.toml", f"{source}/__init__.py", f"{source}/py.typed"}
-    expected |= {f"{source}/{kind}.py", "tests/test_rollslip_my_law.py"}
+    expected |= {f"{source}/{file_of(kind)}.py", "tests/test_rollslip_my_law.py"}
     expected |= {f"{source}/heun.py"} if kind == "integrator" else set()
     expected |= {f"{source}/{path}" for path in get_kind(kind).template.files}
     if compiled:
@@ -55,13 +61,13 @@ def test_the_metadata_lead_to_the_model(kind: str, compiled: bool) -> None:
     metadata = tomllib.loads(texts["pyproject.toml"])
     project = metadata["project"]
     assert project["name"] == "rollslip-my-law"
-    assert project["entry-points"] == {f"rollslip.{kind}": {"my-law": f"rollslip_my_law.{kind}"}}
+    assert project["entry-points"] == {f"rollslip.{file_of(kind)}": {"my-law": f"rollslip_my_law.{file_of(kind)}"}}
     assert "rollslip>=0.1,<0.2" in project["dependencies"]
     assert project["optional-dependencies"] == {"test": ["rollslip[kit]"]}
     builders = {re.split("[<>=]", one)[0] for one in metadata["build-system"]["requires"]}
     assert builders == ({"setuptools", "Cython", "rollslip"} if compiled else {"setuptools"})
 
-    tree = ast.parse(texts[f"src/rollslip_my_law/{kind}.py"])
+    tree = ast.parse(texts[f"src/rollslip_my_law/{file_of(kind)}.py"])
     hooks = [
         node.name
         for node in tree.body
@@ -238,7 +244,7 @@ def test_the_frame_of_a_compiled_form_holds_all_but_the_law(tmp_path: Path) -> N
     ("kind", "spoil", "sentence"),
     [
         ("", "", "is no package that can be read"),
-        ("study", "", "offers rollslip.study; a form is added to one module of contact, drag, film, traction"),
+        ("study", "", f"offers rollslip.study; a form is added to one module of {', '.join(COMPILED)}"),
         ("traction", "pyproject.toml", "does not hold requires"),
         ("traction", "traction.py", "cannot be used (ZeroDivisionError"),
     ],
@@ -321,7 +327,7 @@ def test_an_unknown_kind_is_refused(kind: str, sentence: str, tmp_path: Path) ->
     "kind", ["integrator", "engine", "thermal", "damage", "torque", "lubricant", "bearing", "surface"]
 )
 def test_what_has_no_compiled_form_is_refused_one(kind: str, tmp_path: Path) -> None:
-    with pytest.raises(FieldError, match=f"{kind} has no compiled form, only contact, drag, film, traction have"):
+    with pytest.raises(FieldError, match=f"{kind} has no compiled form, only {', '.join(COMPILED)} have"):
         new("law", kind, True, tmp_path)
     assert list(tmp_path.iterdir()) == []
 

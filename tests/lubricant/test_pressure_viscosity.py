@@ -16,10 +16,11 @@ from hypothesis import strategies as st
 from rollslip import Chain, Conditions, evolve, get_model, load_scene, plan, register, run
 from rollslip.bearing.assembly import assemble
 from rollslip.catalogue import discovery
-from rollslip.errors import DomainError, SceneError
+from rollslip.errors import DomainError, PluginError, RollslipDeprecationWarning, SceneError
 from rollslip.lubricant import Constant, Lubricant, lubricant_from_table
 from rollslip.lubricant.pressure import PressureViscosity, from_oil, with_law
 from rollslip.models import TractionModel
+from rollslip.results.words import verdict
 from rollslip_kernels.slices import Slices
 from rollslip_plugins.data.lubricants import mil_prf_7808
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
@@ -286,3 +287,103 @@ def test_an_oil_without_the_data_of_its_law_is_refused_in_words(monkeypatch):
     with pytest.raises(DomainError, match="barus: needs"):
         Chain(Barus())(slices)
     assert get_model("traction", "muraki").reads >= {"film_viscosity", "film_thermoviscosity"}
+
+
+# Which alpha an oil gives ----------------------------------------------------------------------------------------------
+
+FILM_CASES = [(8.58e-3, 1.074e-8), (0.06, 2.18e-8), (3e-3, 8e-9), (1.0, 3e-8), (2e-3, 3e-9)]
+
+
+@pytest.mark.parametrize(("viscosity", "alpha"), FILM_CASES)
+def test_alpha_of_the_film_is_the_reciprocal_of_the_integral(viscosity, alpha):
+    """1/int(eta0/eta dp) by quadrature in 30 digits of the law as published, with the z that the law has taken."""
+    here = Conditions(viscosity=viscosity, pressure_viscosity=alpha, thermoviscosity=0.03, pressure_thermoviscosity=0.0)
+    for form in (Roelands(alpha="film"), NumpyForm(Roelands(alpha="film"))):
+        slices = evaluated(form, here, pressure=[1e9])
+        with mpmath.workdps(30):
+            k = mpmath.log(mpmath.mpf(viscosity)) + mpmath.mpf("9.67")
+            p0 = 1 / mpmath.mpf("5.1e-9")
+            rise = mpmath.log(mpmath.mpf(float(slices.film_viscosity[0])) / viscosity)
+            z = mpmath.log(1 + rise / k) / mpmath.log(1 + 1e9 / p0)
+            steps = [0, 1, 3, 10, 30, 100, 1000, mpmath.inf]
+            integral = p0 * mpmath.quad(lambda x: mpmath.exp(-k * ((1 + x) ** z - 1)), steps)
+            assert float(1 / integral) == pytest.approx(alpha, rel=1e-9)
+        assert float(z) > alpha * float(p0) / float(k)  # its tangent at no pressure is steeper
+
+
+def test_by_barus_the_alpha_of_the_film_is_the_tangent():
+    with mpmath.workdps(20):
+        integral = mpmath.quad(lambda p: mpmath.exp(-mpmath.mpf(20) * p), [0, mpmath.inf])  # p in GPa
+    assert float(1 / integral) == pytest.approx(20.0, rel=1e-12)
+    assert Barus().of_oil("film") == Barus()
+
+
+def test_the_fall_with_temperature_has_both_parts_of_the_film():
+    """Against differences of the law itself in temperature, eta0 and alpha* both functions of it."""
+    law, T, p, step = Roelands(alpha="film"), 343.15, 4e8, 0.05
+    film = attrs.evolve(oil(Roelands()), pressure_viscosity_kind="film")
+    assert film.pressure_viscosity_law == law
+
+    def at(temperature):
+        return float(np.log(law.at(conditions_of(film, temperature), p)[0]))
+
+    fall = -(at(T + step) - at(T - step)) / (2 * step)
+    assert float(law.at(conditions_of(film, T), p)[1]) == pytest.approx(fall, rel=1e-6)
+
+
+def conditions_of(lubricant, temperature):
+    state = lubricant.at(temperature)
+    names = ("temperature", "viscosity", "pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity")
+    return Conditions(**{name: getattr(state, name) for name in names})
+
+
+def test_an_oil_says_which_alpha_it_gives():
+    table = {"name": "mil-prf-7808", "pressure_viscosity_kind": "film"}
+    made = lubricant_from_table(table, lambda name: mil_prf_7808)
+    assert made.pressure_viscosity_law == Roelands(alpha="film")
+    assert made.at(343.15).pressure_viscosity == mil_prf_7808.at(343.15).pressure_viscosity  # films take it as it is
+    back = attrs.evolve(made, pressure_viscosity_kind="tangent")
+    assert back.pressure_viscosity_law == Roelands()
+
+
+def test_the_table_of_constants_that_was_goes_on_working_with_a_word():
+    table = {"name": "mil-prf-7808", "pressure_viscosity_law": "yasutomi", "yasutomi": ETHER}
+    with pytest.warns(RollslipDeprecationWarning, match=r"lubricant\.yasutomi is deprecated: write pressure_visc"):
+        made = lubricant_from_table(table, lambda name: mil_prf_7808)
+    assert made.pressure_viscosity_law == FIVE_RINGS
+
+
+@attrs.frozen
+class Flat(PressureViscosity):
+    """A stranger's law: no rise at all, and no factor."""
+
+    name, equation, references = "flat", "eta = eta0", ("A test, this file, 2026.",)
+    reads = frozenset({"pressure", "viscosity", "thermoviscosity"})
+    domain = MappingProxyType(dict.fromkeys(("pressure", "viscosity", "thermoviscosity"), (0.0, 1e300)))
+
+    def at(self, conditions, pressure):
+        shape = np.ones_like(np.asarray(pressure, dtype=float))
+        return conditions.viscosity * shape, conditions.thermoviscosity * shape
+
+
+def test_a_strangers_law_is_named_like_ours(monkeypatch):
+    monkeypatch.setattr(discovery, "_registered", {})
+    register(Flat)
+    scene = evolve(load_scene("1032930-70C"), {"lubricant.pressure_viscosity_law": "flat"})
+    assert assemble(scene).lubricant.pressure_viscosity_law == Flat()
+    with pytest.raises(SceneError, match="pressure_exponent_factor: law 'flat' takes none"):
+        assemble(evolve(scene, {"lubricant.pressure_exponent_factor": 1.2}))
+    with pytest.raises(
+        PluginError, match=r"lubricant\.pressure_viscosity_law: no pressure-viscosity is called 'flatt'"
+    ):
+        assemble(evolve(scene, {"lubricant.pressure_viscosity_law": "flatt"}))
+
+
+def test_barus_is_told_first_where_a_scene_names_it():
+    scene = evolve(load_scene("1032930-70C"), {"study.effective-friction.points": 9, "accuracy.slices": 11})
+    told = verdict([run(scene, "effective-friction")])
+    assert any("follows Barus's law, as the scene names it: too steep above 0.1 GPa" in line for line in told)
+    part = next(part for part in plan(scene).parts if part.part == "viscosity at pressure")
+    assert "Roelands's law, the default, gives" in part.reason
+    quiet = evolve(scene, {"lubricant.pressure_viscosity_law": "roelands"})
+    assert not any("Barus" in line for line in verdict([run(quiet, "effective-friction")]))

@@ -87,6 +87,7 @@ def test_every_oil_runs_every_traction_and_film_and_the_drags(oil, law):
 @every_oil
 def test_every_oil_grades_what_it_gives_and_says_how_uncertain_it_is(oil):
     given = {"viscosity", "pressure_viscosity", "conductivity", "density", "eyring_stress", "shear_modulus"}
+    given |= {"pressure_viscosity_kind"}
     assert oil.grades.keys() == given
     assert set(oil.grades.values()) <= GRADES.keys()
     assert all(f"({grade})" in oil.source for grade in set(oil.grades.values()) - {"B"})

@@ -34,12 +34,11 @@ from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equi
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.profile import profile_drop, slice_positions
 from rollslip.errors import ConvergenceError, DomainError, SceneError
-from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.scene.schema import schema
 from rollslip.testing.samples import NumpyForm, picked, table
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 from rollslip_kernels.stages import stress as compiled_stress
-from rollslip_plugins.pressure_viscosity import Barus
+from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from rollslip_plugins.traction import stress as readable_stress
 
 EPS, TINY, HUGE = sys.float_info.epsilon, sys.float_info.min, sys.float_info.max
@@ -146,9 +145,8 @@ def subjects():
                 found.append(Subject(kind, name, model))
                 if kind == "contact":
                     found.append(Subject("deflection", f"{name} deflection", model.deflection()))
-    for law in PressureViscosity.__subclasses__():
-        if law.__module__ == PressureViscosity.__module__:
-            found.append(Subject("viscosity", law.name, law(**MADE.get(law.name, {}))))
+    for law in (Barus, Roelands, Yasutomi):
+        found.append(Subject("viscosity", law.name, law(**MADE.get(law.name, {}))))
     found += [Subject("stress law", name) for name in STRESS_LAWS]
     found += [Subject("study", name) for name in STUDIES]
     found += [Subject(name, name) for name in MECHANICS]

@@ -21,6 +21,7 @@ from rollslip.testing import (
 )
 from rollslip_plugins.drag.torques import ConstantTorque, PetroffLand
 from rollslip_plugins.film.formulas import PanHamrock
+from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 from rollslip_plugins.traction.blend import LambdaBlend
 from rollslip_plugins.traction.boundary import Constant, Kragelsky
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
@@ -50,6 +51,13 @@ class TestContact(Conformance):
 
 class TestFilm(Conformance):
     models = (*box("film"), PanHamrock(thickness="central"))
+
+
+class TestPressureViscosity(Conformance):
+    models = (
+        Barus(), Roelands(), Barus(factor=1.2), Roelands(factor=0.8), Roelands(alpha="film"),
+        Yasutomi(glass_temperature=200.0, a1=60.0, a2=1e-9, b1=0.2, b2=5e-9, c1=16.0, c2=22.0),
+    )  # fmt: skip
 
 
 class TestTraction(Conformance):
@@ -110,7 +118,7 @@ class TestData(Conformance):
 
 def test_no_kind_is_left_out():
     classes = {"contact", "film", "traction", "drag", "integrator", "engine", "study", "thermal", "damage", "torque"}
-    assert set(kinds()) == {*classes, *DATA}
+    assert set(kinds()) == {*classes, "pressure-viscosity", *DATA}
 
 
 # The function --------------------------------------------------------------------------------------------------------

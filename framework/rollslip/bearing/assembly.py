@@ -282,6 +282,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
     resolution = as_stated(scene) if resolution is None else resolution
     where = Location(scene.origins)
     problems: list[str] = []
+    loads: dict[tuple[Hashable, ...], Any]
     if like is not None and _loaded_alike(scene, resolution, like):
         oil = _lubricant(scene, where, problems)
         if oil is None:
@@ -290,6 +291,9 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         if laws[0] == laws[1] and supplied(scene, oil).starvation == supplied(like.scene, like.lubricant).starvation:
             return _with_oil(like, scene, oil, where)
         problems = []
+        loads = like.known_loads
+    else:
+        loads = {}
     models: dict[str, Any] = {
         kind: structure_model(kind, {"model": choice.name, **choice.parameters}, where.at("models").at(kind), problems)
         for kind, choice in (
@@ -342,6 +346,7 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         drop=drop,
         inner=inner,
         outer=outer,
+        known_loads=loads,
         **models,
     )
 

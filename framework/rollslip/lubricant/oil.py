@@ -278,7 +278,7 @@ class Lubricant:
         )
 
     def notes(self, temperature: float) -> list[str]:
-        """Say in words what its law of pressure is known for, and where beta0 or gamma is not that of its property.
+        """Say in words where beta0 or gamma is not the slope of the property that it belongs to.
 
         Papers list both as constants, which fit together at one temperature only. That is allowed; what follows from it
         is said.
@@ -288,11 +288,10 @@ class Lubricant:
         temperature : float
             T [K].
         """
-        caution = self.pressure_viscosity_law.caution()
         alpha, alpha_fall = _evaluate(self.pressure_viscosity, temperature)
         eta0, eta0_fall = _evaluate(self.viscosity, temperature)
         beta0, gamma = self.falls(temperature)
-        found = [f"lubricant.pressure_viscosity_law: {caution}"] if caution else []
+        found = []
         for key, of, given, own, unit, size in (
             ("thermoviscosity", "viscosity", beta0, eta0_fall / eta0, "1/K", 1.0),
             ("pressure_thermoviscosity", "pressure_viscosity", gamma, alpha_fall, "1/(Pa K)", alpha),

@@ -20,6 +20,7 @@ from rollslip.lubricant.base_oil import (
     estimated,
     exponent_factor,
     falling_density,
+    viscosity_index,
 )
 from rollslip.lubricant.fits import fit_vogel, fit_walther
 from rollslip.lubricant.oil import Lubricant, positive_field, scatter_of
@@ -434,6 +435,18 @@ def lubricant_from_table(
         raise SceneError([where.at(error.field).says(error.reason)]) from error
     except ValueError as error:  # from a fit
         raise SceneError([where.at("points").says(str(error))]) from error
+
+
+def index_of(data: Mapping[str, object]) -> float:
+    """Return the viscosity index of the points of a table ``[lubricant]``; nan where they tell none."""
+    table = structure(OilTable, _with_law_in_one_table(data), _WHERE, [])
+    if table is None or len(points := table.nu()) < 2 or not table.points:
+        return math.nan
+    try:
+        law = fit_walther([T for T, _ in points], [nu for _, nu in points], density=1.0)
+        return viscosity_index(law(_AT_40), law(_AT_100))
+    except (ValueError, ArithmeticError):  # who reads it says so
+        return math.nan
 
 
 def _with_law_in_one_table(data: Mapping[str, object]) -> Mapping[str, object]:

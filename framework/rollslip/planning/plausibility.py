@@ -10,14 +10,15 @@ from typing import Any
 from rollslip.bearing.cage import Cage, doubts
 from rollslip.errors import RollslipError
 from rollslip.fields import unusual
-from rollslip.lubricant.table import OilTable
+from rollslip.lubricant.base_oil import HIGHEST_INDEX
+from rollslip.lubricant.table import OilTable, index_of
 from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.plausibility import unusual_model, unusual_relations, unusual_values
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import Location
 from rollslip.studies.study import study_class
-from rollslip.toml import split_key
-from rollslip.units import unit_given
+from rollslip.toml import parse, split_key
+from rollslip.units import as_written, unit_given
 
 __all__ = ["implausible", "implausible_along"]
 
@@ -28,6 +29,7 @@ def implausible(scene: Scene) -> list[str]:
     where = Location(scene.origins)
     found = [*unusual_values(Scene, raw, where)]
     found += unusual_values(OilTable, raw.get("lubricant"), where.at("lubricant"))
+    found += _oil(scene, raw, where.at("lubricant"))
     found += unusual_values(Cage, raw.get("cage"), where.at("cage"))
     found += _models(raw, where)
     studies = raw.get("study")
@@ -39,6 +41,32 @@ def implausible(scene: Scene) -> list[str]:
     if not any(path[0] == "bearing" for path in told):  # of a bearing in doubt none of a cage is
         found += [(at, text) for at, text in doubts(scene) if at.path not in told]
     return [*dict.fromkeys(at.says(told) for at, told in found)]
+
+
+def _oil(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
+    """Say what viscosities no oil has, and what a name in place of another keeps and leaves of the table as written."""
+    now = raw.get("lubricant")
+    now = {"name": now} if isinstance(now, str) else now if isinstance(now, Mapping) else {}
+    index = index_of(now)
+    if index > HIGHEST_INDEX:
+        yield (
+            where.at("points"),
+            f"the viscosities make a viscosity index of {index:.0f}, oils have -50 to 300; check them",
+        )
+    try:
+        before = parse(scene.text, "")[0].get("lubricant")
+    except (RollslipError, ValueError):  # the text of another program
+        return
+    if not isinstance(before, Mapping) or now.get("name") in (None, before.get("name")):
+        return
+    own = {key: as_written(value) for key, value in before.items() if key != "name"}
+    kept = [f"{key} = {value}" for key, value in own.items() if key in now and now[key] == before[key]]
+    left = [f"{key} = {value}" for key, value in own.items() if key not in now]
+    name = now["name"]
+    if kept:
+        yield where, f"{name!r} keeps what the scene states: {', '.join(kept)}; lubricant={name} alone leaves it out"
+    if left:
+        yield where, f"{name!r} leaves out what the scene states: {', '.join(left)}; lubricant.name={name} keeps it"
 
 
 def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:

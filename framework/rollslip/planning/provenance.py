@@ -145,6 +145,7 @@ def lubricant_told(oil: "Lubricant") -> dict[str, Any]:
         "source": oil.source,
         "grades": dict(oil.grades),
         "pressure_viscosity_law": repr(oil.pressure_viscosity_law),
+        "caution": oil.pressure_viscosity_law.caution(),
     }
 
 

@@ -115,20 +115,24 @@ def runs_at(
 
 
 def verdict(datasets: "Iterable[xr.Dataset]") -> list[str]:
-    """Return what has to be known first, one line each, no full stops; nothing where no result has any of it.
+    """Return what has to be known first, one line each, no full stops; cautions alone where no result has any of it.
 
     Where the cage runs away; how it runs, with what reserve and how surely; whether a bound is all that is known; which
-    limits of the surfaces are passed; how far to trust that. Of several results that know how it runs the one speaks whose account knows most.
+    limits of the surfaces are passed; what a law that somebody chose is known for; how far to trust that. Of several
+    results that know how it runs the one speaks whose account knows most.
     """
     every = list(datasets)
     first, harms = headline_of(every), [account_of(dataset).harm(dataset) for dataset in every]
+    oils: list[dict[str, Any]] = [json.loads(d.attrs["lubricant"]) for d in every if d.attrs.get("lubricant")]
+    cautions = dict.fromkeys(one["caution"] for one in oils if one.get("caution"))
     told = sorted(((account_of(d), d) for d in every), key=lambda one: -one[0].knows_operation)
     runs = next(filter(None, (account.operation(dataset) for account, dataset in told)), "")
     if not (first or runs or any(harms)):
-        return []
+        return [*cautions]
     chance = next(filter(None, (account.chance(dataset) for account, dataset in told)), "")
     bound = LOWER_BOUNDS if any(dataset.attrs.get("bound_below") for dataset in every) else ""
-    return [*filter(None, [first, "; ".join(filter(None, [runs, chance])), bound, *harms, _trust(every)])]
+    said = [first, "; ".join(filter(None, [runs, chance])), bound, *harms, *cautions, _trust(every)]
+    return [*filter(None, said)]
 
 
 def warned(datasets: "Iterable[xr.Dataset]") -> tuple[list[str], list[str]]:

@@ -17,7 +17,9 @@ from hypothesis import strategies as st
 
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, EngineError
+from rollslip.fields import FieldError
 from rollslip.lubricant.oil import Lubricant
+from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.models import (
     ContactModel,
     DragModel,
@@ -264,6 +266,69 @@ def check_friction_is_below_one_in_a_bearing(model: TractionModel) -> None:
             refuse_unless(
                 abs(filled.friction[i]) <= 1, f"{form} form: mu = {filled.friction[i]:g}; at {shown(shaped, filled, i)}"
             )
+
+
+# Viscosity under pressure ---------------------------------------------------------------------------------------------
+
+
+@rule(PressureViscosity)
+def check_without_pressure_the_oil_is_as_it_was(law: PressureViscosity) -> None:
+    """A law says how viscosity rises: at no pressure eta is eta0 and its fall with temperature beta0."""
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        still = changed(filled, shaped, pressure=0.0)
+        refuse_unless(still is not None, f"{form} form refuses no pressure; at {shown(shaped, filled, 0)}")
+        if still is not None:
+            ambient = copy_of(still)
+            ambient.film_viscosity[:] = still.conditions.viscosity
+            ambient.film_thermoviscosity[:] = still.conditions.thermoviscosity
+            same(still, ambient, shaped, max(1e-12, law.tolerance), f"{form} form, at no pressure against the oil's")
+
+    drawn(law, holds)
+
+
+@rule(PressureViscosity)
+def check_viscosity_does_not_fall_with_pressure(law: PressureViscosity) -> None:
+    """An oil that is pressed does not thin."""
+    drawn(law, _monotonic("pressure", {"film_viscosity": 0}))
+
+
+@rule(PressureViscosity)
+def check_values_at_pressures_are_those_of_the_stage(law: PressureViscosity) -> None:
+    """``at``, which traction models ask for pressures within a contact, gives what the stage gives for a slice."""
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        asked = copy_of(filled)
+        values = law.at(filled.conditions, filled.pressure.reshape(1, -1))
+        refuse_unless(all(np.shape(one) == (1, len(filled)) for one in values), "at() loses the shape of its pressures")
+        asked.film_viscosity[:], asked.film_thermoviscosity[:] = (np.ravel(one) for one in values)
+        same(asked, filled, shaped, max(1e-9, law.tolerance), f"{form} form, at() against it", ["film_viscosity"])
+
+    drawn(law, holds)
+
+
+@rule(PressureViscosity)
+def check_takes_what_an_oil_says_of_pressure(law: PressureViscosity) -> None:
+    """A law that takes a factor of the oil multiplies ln(eta/eta0) by it, and one that takes none refuses one."""
+    plain = law.of_oil()
+    try:
+        raised = law.of_oil(factor=1.5)
+    except FieldError:
+        return
+
+    def holds(filled: Slices, form: str, shaped: SliceModel) -> None:
+        with np.errstate(all="ignore"):
+            rise, more = (
+                np.log(one.at(filled.conditions, filled.pressure)[0] / filled.conditions.viscosity)
+                for one in (plain, raised)
+            )
+        assume(np.all(rise < 400.0))
+        refuse_unless(
+            np.allclose(more, 1.5 * rise, rtol=1e-9, atol=1e-12),
+            f"ln(eta/eta0) is {rise[0]:g}, with a factor of 1.5 {more[0]:g}; at {shown(shaped, filled, 0)}",
+        )
+
+    drawn(law, holds)
 
 
 # Drag ----------------------------------------------------------------------------------------------------------------

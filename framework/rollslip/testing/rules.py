@@ -13,6 +13,7 @@ from hypothesis import assume
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
 from rollslip.lubricant.oil import Lubricant
+from rollslip.lubricant.pressure import PressureViscosity
 from rollslip.measurement import Measurement
 from rollslip.models import (
     ContactModel,
@@ -64,7 +65,7 @@ def rule(*kinds: type | str, first: bool = False) -> Callable[[Check], Check]:
 
 
 MODELS: Final = (SliceModel, DragModel, PocketFriction, IntegratorModel)
-STAGES: Final = (ContactModel, FilmModel, PressureModel, TractionModel, ResistanceModel)
+STAGES: Final = (ContactModel, FilmModel, PressureModel, PressureViscosity, TractionModel, ResistanceModel)
 
 
 #: Rules of slice models that look at what is declared alone.

@@ -47,6 +47,7 @@ static double PATH(roelands_gamma)(double s, double k, double *slope) {
 static double PATH(roelands_exponent)(double a, double k, double *over_a, double *over_k) {
     double z = (a + 1.0) / k, value, slope;
     for (int turn = 0; turn < 60; turn++) {
+        if (!(z > 5e-3)) return 0.0;   /* below it G overflows */
         double gamma = PATH(roelands_gamma)(1.0 / z, k, &slope), bend = 1.0 + slope / (gamma * z);
         double step = (rs_log(z / gamma) - rs_log(a)) / bend;
         if (!(fabs(step) < 1e3)) return 0.0;
@@ -54,7 +55,7 @@ static double PATH(roelands_exponent)(double a, double k, double *over_a, double
         *over_a = z / (a * bend);
         *over_k = z / bend * (1.0 - 1.0 / (z * k) - 1.0 / (k * gamma));
         z = value;
-        if (fabs(step) < 1e-14 * (1.0 + k)) return z;
+        if (fabs(step) < 1e-13 * (1.0 + k)) return z;
     }
     return 0.0;
 }
