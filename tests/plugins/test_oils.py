@@ -92,7 +92,8 @@ def test_every_oil_grades_what_it_gives_and_says_how_uncertain_it_is(oil):
     assert set(oil.grades.values()) <= GRADES.keys()
     assert all(f"({grade})" in oil.source for grade in set(oil.grades.values()) - {"B"})
     scatter = {one.quantity: one for one in oil.scatter}
-    assert {"viscosity_factor", "pressure_viscosity_factor", "eyring_stress", "shear_modulus"} == scatter.keys()
+    factors = {"viscosity_factor", "pressure_viscosity_factor", "pressure_exponent_factor"}
+    assert {*factors, "eyring_stress", "shear_modulus"} == scatter.keys()
 
 
 # Constants ------------------------------------------------------------------------------------------------------------
