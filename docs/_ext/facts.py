@@ -29,7 +29,6 @@ from rollslip.studies.study import study_class
 from rollslip.studies.validity import bound_of
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
-from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 
 ROOT = Path(__file__).parents[2]
 #: Head of a table of keys.
@@ -166,10 +165,6 @@ def validity():
             if isinstance(get_class(kind, name), type):
                 for one in models_as_dict(name)[kind].get("made_for", ()):
                     rows.setdefault(tuple(one.values()), []).append(f"``{name}``")
-    for law in (Barus, Roelands, Yasutomi):
-        for one in law.validity:
-            row = (bound_of(one), one.told, one.remedy, one.source)
-            rows.setdefault(row, []).append(f"``{law.name}``")
     lines = table(
         ("laws", "made for", "outside", "remedy", "rests on"), [(", ".join(names), *row) for row, names in rows.items()]
     )

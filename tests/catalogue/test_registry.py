@@ -38,7 +38,9 @@ OFFERED = [
     if name not in FAMILIES
 ]
 #: Parameters of laws that have no defaults: constants are an oil's own.
-MADE = {"yasutomi": dict(glass_temperature=245.0, a1=134.0, a2=2e-9, b1=4.8, b2=1.6e-10, c1=16.0, c2=20.7)}
+MADE = {
+    "yasutomi": {"glass_temperature": 245.0, "a1": 134.0, "a2": 2e-9, "b1": 4.8, "b2": 1.6e-10, "c1": 16.0, "c2": 20.7}
+}
 BASES = {
     "contact": ContactModel,
     "film": FilmModel,

@@ -258,6 +258,7 @@ def _search(start: float, low: float | None, high: float | None) -> dict[str, fl
 #: Values of an oil that are not fitted: their factors are, or nothing in a contact reads them, or chains hold them.
 _BY_FACTOR: Final = (
     "viscosity", "thermoviscosity", "pressure_thermoviscosity", "density", "eyring_stress_slope", "shear_modulus_slope",
+    "pressure_exponent_factor",
 )  # fmt: skip
 
 

@@ -33,6 +33,7 @@ def with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     own = {
         "viscosity_factor": "points" in data or "viscosity" in data,
         "pressure_viscosity_factor": fixed or "pressure_viscosity" in data,
+        "pressure_exponent_factor": fixed or "pressure_exponent_factor" in data,
     }
     used: dict[str, list[Scatter]] = {"lubricant": [one for one in oil.scatter if not own.get(one.quantity, False)]}
     raw = dict(scene.raw or resolved(scene))
