@@ -24,7 +24,7 @@ def film_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 @hookspec
 def pressure_models() -> Iterable[type[Any]]:  # type: ignore[empty-body]
-    """Models of the pressure in a film that this plugin offers: classes derived from `rollslip.models.PressureModel`."""
+    """Models of the pressure in a film of this plugin: classes derived from `rollslip.models.PressureModel`."""
 
 
 @hookspec

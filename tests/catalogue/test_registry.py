@@ -18,7 +18,7 @@ from rollslip.errors import PluginError, SceneError
 from rollslip.hookspecs import hookspec
 from rollslip.lubricant import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
-from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, TractionModel
+from rollslip.models import ContactModel, Drag, FilmModel, IntegratorModel, PressureModel, TractionModel
 from rollslip.references import Reference
 from rollslip.studies.steady_slip.torque import TorqueFormula
 from rollslip.studies.study import Study
@@ -44,6 +44,7 @@ MADE = {
 BASES = {
     "contact": ContactModel,
     "film": FilmModel,
+    "pressure": PressureModel,
     "traction": TractionModel,
     "pressure-viscosity": PressureViscosity,
     "drag": Drag,

@@ -67,7 +67,7 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
     folder = "1032930-70C-results"
     assert warned[-1].endswith(f"rollslip info of the .nc files in {folder} tells of each")
     told = command("info", f"{folder}/effective-friction.nc", cwd=tmp_path).stdout
-    assert "contact 'palmgren' was made for load parameter M >= 2; " in told
+    assert "pressure 'hertz' was made for load parameter M >= 2; " in told
     assert "film 'moes' was made for film parameter Lambda >= 3; " in told.split("bounds left with less consequence")[1]
     names = {path.name for path in (tmp_path / "1032930-70C-results").iterdir()}
     assert {"effective-friction.nc", "friction-curve.nc", "report.html"} <= names

@@ -16,7 +16,7 @@ from rollslip.bearing.resolution import BoundBrokenError, Resolution, finest
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import changed, plan
 from rollslip.planning.verification import verify
-from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes
+from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes, InletHeating, LightContacts
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.estimates import Bound, difference
 
@@ -287,3 +287,72 @@ def test_a_followed_branch_is_watched_too():
     result = execute(made, "steady-slip")
     assert "boundary friction was left out" in json.loads(result.attrs["taken_back"])[0]
     assert json.loads(result.attrs["resolution"])["boundary"]
+
+
+#: Slow, heavy and cold: films of the dry contact's pressure, and inlets that hardly warm.
+HEAVY = evolve(
+    BASE,
+    SMOOTH
+    | {
+        "operation.inner_speed": "40 rpm",
+        "operation.radial_load": "60 kN",
+        "models.pressure": "light-contact",
+        "models.film": {"model": "inlet-correction", "thermal": "murch-wilson"},
+        "models.traction": {"model": "muraki"},
+        "bearing.profile": "none",
+        "study.effective-friction.max_cage_slip": 0.5,
+    },
+)
+PARTS = {"inlet_heating": ("thermal inlet shear", InletHeating), "light_contacts": ("pressure", LightContacts)}
+
+
+def kept(made):
+    return {name for name in PARTS if getattr(made.estimated[STUDY].resolution, name)}
+
+
+@pytest.mark.parametrize("tolerance", [3e-2, 0.09])
+@pytest.mark.parametrize("speed", ["40 rpm", "200 rpm", "2000 rpm"])
+def test_what_moves_no_value_by_a_fifth_of_the_tolerance_is_left_out(speed, tolerance):
+    heavy = evolve(HEAVY, {"accuracy.tolerance": tolerance, "operation.inner_speed": speed})
+    made = plan(heavy, STUDY)
+    result = execute(made, STUDY)
+    whole = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, inlet_heating=True, light_contacts=True))
+    for name, (part, bound) in PARTS.items():
+        without = attrs.evolve(whole.estimated[STUDY].resolution, **{name: False})
+        own = execute(whole, STUDY).effective_friction
+        less = execute(attrs.evolve(whole).at(STUDY, without), STUDY).effective_friction
+        moved = float(np.abs(less / own - 1.0)[own != 0.0].max())
+        lines = [one for one in made.parts if one.part == part and one.study == STUDY]
+        if name in kept(made):
+            assert moved > 0.1 * tolerance, "it should have been left out"
+            assert not lines
+        else:
+            assert moved <= 0.3 * tolerance
+            assert not lines[0].included
+            assert any(isinstance(one, bound) for one in made.estimated[STUDY].left_out)
+    assert json.loads(result.attrs["taken_back"]) == []
+    if (speed, tolerance) == ("40 rpm", 0.09):
+        assert not kept(made), "of a slow and heavy bearing, asked for roughly, neither is needed"
+    if speed == "2000 rpm":
+        assert kept(made) == {*PARTS}, "of a fast one both"
+
+
+@pytest.mark.parametrize(("name", "bound", "said"), [
+    ("inlet_heating", InletHeating(1e-9), "the heat of the inlet was left out, but a thermal load of"),
+    ("light_contacts", LightContacts(1e9), "the pressure of light contacts was left out, but a mean load parameter of"),
+])  # fmt: skip
+def test_what_was_left_out_is_taken_back_in_beyond_its_bound(name, bound, said):
+    fast = evolve(HEAVY, {"operation.inner_speed": "2000 rpm"})
+    honest = plan(fast, STUDY)
+    chosen = attrs.evolve(honest.estimated[STUDY], left_out=(bound,))
+    less = attrs.evolve(chosen.resolution, **{name: False})
+    wrong = attrs.evolve(honest, estimated={STUDY: chosen}).at(STUDY, less)
+    result = execute(wrong, STUDY)
+    assert np.array_equal(result.effective_friction, execute(honest, STUDY).effective_friction)
+    (told,) = json.loads(result.attrs["taken_back"])
+    assert said in told
+
+
+def test_models_that_are_compared_keep_all_their_parts():
+    heavy = evolve(HEAVY, {"accuracy.tolerance": 0.09})
+    assert kept(plan(heavy, STUDY, cheaper_laws=False)) == {*PARTS}

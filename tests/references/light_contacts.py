@@ -1,8 +1,8 @@
 """Write light_contacts.csv: the mean pressure in the film of a line contact over Hertz's, from solutions of its own.
 
 r = (int p^2 dx/int p dx)/(8/(3 pi) p_H), with the pressures of the finite volumes of reynolds_line.py; nothing of
-rollslip goes in. In Moes's groups p_H = sqrt(M/(2 pi)). Written are values extrapolated from 400 and 800 cells for second
-order, and as uncertainty the relative change by the extrapolation. The first row, with M = 0, is r/M of a rigid,
+rollslip goes in. In Moes's groups p_H = sqrt(M/(2 pi)). Written are values extrapolated from 400 and 800 cells for
+second order, and as uncertainty the relative change by the extrapolation. The first row, with M = 0, is r/M of a rigid,
 isoviscous contact, by quadrature in 30 digits. Takes four minutes.
 """
 
@@ -51,7 +51,7 @@ def ratio(M, L, cells):
 
 
 def rigid():
-    """Return r/M with h = h0 (1 + t^2), x = sqrt(2 R h0) t, p' = 12 eta u (h - hm)/h^3, p = p' = 0 at the exit t = c."""
+    """Return r/M with h = h0 (1 + t^2), x = sqrt(2 R h0) t, p' = 12 eta u (h - hm)/h^3, p = p' = 0 at t = c."""
     mp = mpmath.mp
     mp.dps = 30
     parts = [-mp.inf, -3, -1, 0]

@@ -19,6 +19,7 @@ from rollslip.studies.study import settings
 from rollslip.studies.thermal_balance.balance import Curve, Heated, State
 from rollslip.studies.thermal_balance.figures import thermal_figures
 from rollslip.studies.thermal_balance.model import ThermalModel
+from rollslip.studies.thermal_balance.study import _jumps
 
 SCENE = evolve(
     load_scene("1032930-70C"),
@@ -47,6 +48,7 @@ class Made(Heated):
 
     def __init__(self, model, losses, ends=np.inf):
         self.model, self.scene, self.sharp, self.jumps, self.evaluations = model, SCENE, False, [], 0
+        self.unknown = []
         self._losses, self._ends = losses, ends
 
     def at(self, temperatures):
@@ -207,6 +209,33 @@ def test_a_jump_of_the_losses_past_zero_is_no_balance():
     curve, places = falls.curve(290.0, 450.0, 12)
     assert [falls.balance(places[x]) for x in falls.zeros(curve, places)] == [None]
     assert falls.jumps[0] == pytest.approx((330.0, 330.0), abs=0.01)
+
+
+class Gaps(Made):
+    """One whose search comes to no end at some temperatures of the oil."""
+
+    def __init__(self, model, losses, at):
+        super().__init__(model, losses)
+        self._at = at
+
+    def at(self, temperatures):
+        if any(abs(temperatures[0] - gap) < 0.5 for gap in self._at):
+            return State(np.nan, refusal="no periodic spin was found", by_film=True, lost=True)
+        return super().at(temperatures)
+
+
+def test_a_temperature_at_which_a_search_comes_to_no_end_is_passed_over_and_told():
+    """100 W from 300 K on at 20 W/K: the balance at 305 K is between the points at 300 and 310 K that are left."""
+    heated = Gaps(OIL, {"oil": lambda T: 100.0 + 0.0 * T[0]}, [304.0, 308.0])
+    curve, places = heated.curve(300.0, 320.0, 6)
+    assert heated.unknown == []  # two beside each other end the curve
+    heated = Gaps(OIL, {"oil": lambda T: 100.0 + 0.0 * T[0]}, [308.0])
+    curve, places = heated.curve(300.0, 320.0, 6)
+    assert heated.unknown == [308.0]
+    assert curve.temperature.tolist() == [300.0, 304.0, 312.0, 316.0, 320.0]
+    (zero,) = heated.zeros(curve, places)
+    assert float(heated.balance(places[zero]).temperatures[0]) == pytest.approx(305.0, abs=1e-9)
+    assert _jumps(heated) == "at 34.85 degC of the oil no steady state was found, and the curve passes over it"
 
 
 def test_temperatures_over_time_are_those_of_the_exponential():

@@ -22,6 +22,7 @@ from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.models import models_as_dict
 from rollslip.errors import DomainError
 from rollslip.models import ISOTHERMAL, ContactModel, FilmModel, SliceModel, Tabled, TractionModel, Validity
+from rollslip.lubricant.pressure import Barus, Roelands
 from rollslip.planning.execution import warnings
 from rollslip.results.words import warned as together
 from rollslip.studies.effective_friction.study import EffectiveFriction
@@ -88,7 +89,7 @@ def tables(force=(1.0, 3.0), **columns):
 
 
 def test_the_pressure_of_light_contacts_is_that_of_the_table():
-    error = bound(ContactModel, "load_parameter").error
+    error = bound(get_model("pressure", "hertz"), "load_parameter").error
     table = {float(row["M"]): row for row in rows("validity_pressure")}
     assert sorted(table) == [M for M, _ in error.points] == [0.1, 0.2, 0.5, 1.0, 2.0]
     for M, row in table.items():
@@ -233,14 +234,14 @@ def test_a_share_is_of_the_force_and_of_the_ring_that_has_more_of_it():
     light = [2.0 * math.sqrt(2 * 8.58e-3 * 25.0 / (2.2857e11 * 6.875e-3)) * 2.2857e11 * 6.875e-3 * x for x in (0.5, 2)]
     inner = tables(load=light)
     outer = [Filled("outer", inner[0].slices, np.array([3.0, 1.0]))]
-    contact = get_model("contact", "palmgren")
+    contact = get_model("pressure", "hertz")
     (found,) = (one for one in outside([contact], [*inner, *outer]) if one.validity.quantity == "load_parameter")
     assert (found.share, found.ring, found.values) == (0.75, "outer", (pytest.approx(1.0),) * 2)
     (found,) = (one for one in outside([contact], inner * 2) if one.validity.quantity == "load_parameter")
     assert (found.share, found.ring) == (0.25, ""), "both alike"
     (said,) = sentences(told([found], None))
-    assert said.startswith("contact 'palmgren' was made for load parameter M >= 2; 25 % of the contact force is out")
-    assert "its mean by load is at most 58 % lower; remedy: none" in said
+    assert said.startswith("pressure 'hertz' was made for load parameter M >= 2; 25 % of the contact force is out")
+    assert "its mean by load is at most 58 % lower; remedy: models.pressure = 'light-contact'" in said
 
 
 def test_nothing_is_said_within_the_bounds_and_of_what_is_not_known():
@@ -367,7 +368,7 @@ def test_every_study_tells_it(study):
     drags = {"cage.drag": ["petroff-land", "rolling-resistance"]}
     found = run(evolve(PAPER, QUICK | drags | {"accuracy.tolerance": 1e-2}), study)
     assert sum("the law that it approximates" in text for text in warned(found)) == 1
-    assert any(text.startswith("contact 'palmgren' was made for load parameter M >= 2; ") for text in warned(found))
+    assert any(text.startswith("pressure 'hertz' was made for load parameter M >= 2; ") for text in warned(found))
     bounds = json.loads(found.attrs["validity"])["bounds"]
     assert {row["law"] for row in bounds} == {"contact 'palmgren'", "film 'moes'", "'barus'", "traction 'muraki'"} | (
         {"drag 'rolling-resistance'"} if study == "steady-slip" else set()

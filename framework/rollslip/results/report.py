@@ -342,7 +342,7 @@ def _regimes(datasets: "Datasets") -> str:
     head = ("contact", "film regime", "smallest film parameter Λ", "largest M", f"at M < {LIGHT:g}")
     note = (
         f"Below M = {LIGHT:g} (Moes load parameter) the pressure in the film is far from Hertz's, on which traction is "
-        "based: friction there is uncertain."
+        "based: friction there is uncertain, less so with models.pressure = 'light-contact'."
     )
     return _table(head, rows) + _tag("p", note)
 

@@ -129,7 +129,7 @@ def mean_load(slices: Slices) -> float:
 
 
 class Extremes:
-    """What was met in evaluated slices: thinnest film, hottest inlet, lightest mean load and largest groups of a law."""
+    """What was met in slices: thinnest film, hottest inlet, lightest mean load, largest of each group of a law."""
 
     def __init__(self, law: TractionModel) -> None:
         self.thinnest, self.groups, self._law = math.inf, dict[str, float](), law

@@ -8,7 +8,8 @@
   resolutions, or Richardson's rule on them, would often meet a small error by chance.
 - A maximum is flat: the critical slip moves far more than friction does. Its error is that of the vertex of a parabola
   through three slips around it, estimated and bounded like that of friction.
-- Errors of different parts add up at most. Together they get `_AIM` of the tolerance; what is left out gets `_LEFT` each.
+- Errors of different parts add up at most. Together they get `_AIM` of the tolerance, and each part that is
+  left out `_LEFT`.
 """
 
 import math
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
 #: Share of the tolerance that slices and instants may take, and that laws evaluated more cheaply may.
 _AIM: Final = 0.5
 _LAW: Final = 0.1
-#: And each of the parts of a model that are left out, by which every value may move, relative to itself: a slip goes with
-#: the friction at that slip, and not with the largest one.
+#: And each part of a model that is left out, by which every value may move, relative to itself: a slip goes with the
+#: friction at that slip, and not with the largest one.
 _LEFT: Final = 0.2
 #: Slices of the ladder and those they are held against, on some instants of a pitch.
 _SLICES: Final = (8, 12, 16)

@@ -95,8 +95,8 @@ def friction(assembly: Assembly, estimated: Estimated) -> list[Part]:
                     part=part,
                     included=False,
                     choice=choice,
-                    reason=f"without it results move by some {errors[name]['friction']:.1g} at most, less than its share of "
-                    "the error; that it stays so is watched, and it is taken back in where it does not",
+                    reason=f"without it results move by some {errors[name]['friction']:.1g} at most, less than its "
+                    "share of the error; that it stays so is watched, and it is taken back in where it does not",
                     errors=errors[name],
                 )
             )

@@ -49,7 +49,7 @@ REGIMES: Final[Mapping[str, Output]] = MappingProxyType(
         "regime_share": Output("ring regime", "1", "share of the contact forces in a film regime"),
         "load_parameter": Output("ring", "1", "largest Moes load parameter M"),
         "light_share": Output(
-            "ring", "1", f"share of the contact forces at M < {LIGHT:g}, where the pressure is not Hertz's"
+            "ring", "1", f"share of the contact forces at M < {LIGHT:g}, where the film's pressure is not Hertz's"
         ),
     }
 )

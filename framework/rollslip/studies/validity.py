@@ -53,7 +53,12 @@ __all__ = [
     "told",
 ]
 
-_KINDS: Final = ((ContactModel, "contact"), (FilmModel, "film"), (PressureModel, "pressure"), (TractionModel, "traction"))
+_KINDS: Final = (
+    (ContactModel, "contact"),
+    (FilmModel, "film"),
+    (PressureModel, "pressure"),
+    (TractionModel, "traction"),
+)
 
 
 @attrs.frozen(kw_only=True)

@@ -49,8 +49,9 @@ STAGE(light_contact, COL_load | COL_rolling_speed, COL_half_width | COL_pressure
         EACH(i, n) inverse[i] = first[3];
     }
     EACH(i, n) {
-        double M = load[i] * per_load_parameter[i];   /* M/2 */
-        l[i] = rs_log2(M > LEAST_LOAD ? M < 1.0 / LEAST_LOAD ? M : 1.0 / LEAST_LOAD : LEAST_LOAD);
+        double M = load[i] * per_load_parameter[i], k;   /* M/2 */
+        double low = rs_log2_parts(M > LEAST_LOAD ? M < 1.0 / LEAST_LOAD ? M : 1.0 / LEAST_LOAD : LEAST_LOAD, &k);
+        l[i] = k + low;
     }
     EACH(i, n) {
         double smaller = rs_exp2_falling(-fabs(l[i]) * inverse[i]);

@@ -26,9 +26,9 @@ cdef extern from "stages/table.h" nogil:
     ctypedef struct light_params:
         double power[3]
         double last
-        double knots[7]
+        double knots[10]
         double columns[5]
-        double rise[5][7]
+        double rise[5][10]
 
     ctypedef struct roelands_params:
         double pole_viscosity, pole_pressure, factor

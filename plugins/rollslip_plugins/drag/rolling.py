@@ -167,9 +167,9 @@ class Hysteresis(ResistanceModel):
     - R: equivalent radius [m]
     - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
 
-    Range: Hertz's pressure. A film that spreads a light load deforms the steel less, by some share of r of
-    ``light-contact``: there the law is high. k is a property of a cycle of stress, and grows with its amplitude. k = 0.01 is an estimate
-    for hard steel under pressures that leave it elastic (D).
+    Range: Hertz's pressure. A film that spreads a light load deforms the steel less, by some share of r of ``light-
+    contact``: there the law is high. k is a property of a cycle of stress, and grows with its amplitude. k = 0.01
+    is an estimate for hard steel under pressures that leave it elastic (D).
 
     Examples
     --------

@@ -50,8 +50,10 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "film_thickness": Output(_OF_CURVE, "m", "film thickness"),
         "film_parameter": Output(_OF_CURVE, "1", "film parameter Lambda"),
         "regime": Output(_OF_CURVE, "1", "film regime"),
-        "half_width": Output(_OF_FORCE, "m", "Hertz half width"),
-        "pressure": Output(_OF_FORCE, "Pa", "mean Hertz pressure"),
+        "half_width": Output(
+            _OF_FORCE, "m", "half width that carries the load, Hertz's or the film's (models.pressure)"
+        ),
+        "pressure": Output(_OF_FORCE, "Pa", "mean pressure, Hertz's or the film's (models.pressure)"),
         "load_parameter": Output(_OF_FORCE, "1", "Moes load parameter M"),
         "lubricant_parameter": Output(_OF_FORCE, "1", "Moes lubricant parameter L"),
     }

@@ -13,7 +13,7 @@
 
 import itertools
 from collections.abc import Mapping
-from typing import Final
+from typing import Any, Final
 
 import attrs
 import numpy as np
@@ -30,9 +30,15 @@ from rollslip.studies.thermal_balance.model import PLACES, ThermalModel
 
 __all__ = ["Balance", "Curve", "Heated", "State"]
 
-#: Temperature that the nodes that follow may miss while the curve is scanned [K], and how often they are put right.
-_FOLLOWED: Final = 2e-3
+#: Temperature that the nodes that follow may miss while the curve is scanned [K], how often they are put right, and
+#: how the other method is asked for it.
+_FOLLOWED: Final = 1e-2
 _MOST: Final = 25
+_POWELL: Final[Any] = {"xtol": 1e-6, "maxfev": 40}
+#: How near the temperatures of a state have to be [K] whose slip is where the next one is sought, to what a slip is
+#: found from there, relative to it, and how much it may move.
+_BESIDE: Final = 3.0
+_FOUND, _MOVED = 1e-7, 0.2
 #: Step of temperature by which flows are differentiated [K].
 _STEP: Final = 0.02
 #: Relative accuracy of a steady slip, and step by which its excess torque is differentiated.
@@ -40,7 +46,7 @@ _PRECISE, _NUDGE = 1e-12, 1e-4
 #: Heat that may be left of the nodes that follow, relative to the losses, where they are found by another method.
 _LEFT: Final = 1e-4
 #: Halvings that place the end of a curve.
-_HALVINGS: Final = 12
+_HALVINGS: Final = 7
 #: Heat that may be left of a balance, relative to the losses.
 _BALANCED: Final = 1e-6
 #: Coldest temperature of the leading node at which balances are sought [K].
@@ -63,12 +69,18 @@ class State:
         Why there is no slip or no film, in words; empty if there are.
     by_film : bool
         Whether it is the cage that runs away, and not an oil beyond its data.
+    lost : bool
+        Whether a search came to no end, which says nothing of the bearing.
+    slope : float
+        How the excess torque rises with the slip there [N m]; NaN where it was not needed.
     """
 
     slip: float
     power: PowerBalance | None = None
     refusal: str = ""
     by_film: bool = False
+    lost: bool = False
+    slope: float = np.nan
 
     @property
     def heat(self) -> dict[str, float]:
@@ -124,8 +136,12 @@ class Heated:
         self.assembly, self.model, self._study = assembly, model, study
         self.scene = assembly.scene
         self._known = dict[tuple[float, ...], State]()
+        #: temperatures of states whose least slip was sought over the whole range, by what the model changes
+        self._sought = list[tuple[Mapping[str, float], State]]()
         #: ranges of the leading temperature in which the excess heat jumps past zero
         self.jumps: list[tuple[float, float]] = []
+        #: single temperatures of the leading node at which a search came to no end, and which the curve passes over
+        self.unknown: list[float] = []
         #: whether slips are found to the last digits, as differences of flows need them, and not to the tolerance alone
         self.sharp = False
         self.evaluations = 0
@@ -153,17 +169,42 @@ class Heated:
             scene = evolve(self.scene, changes) if changes else self.scene
             there = assemble(scene, self.assembly.resolution, like=self.assembly)
             there = there.with_bounds(*bounds).with_resistance()
+            if (beside := self._beside(there, changes)) is not None:
+                return beside
             found, _ = self._study.only(there, frozenset({"steady_slip", "status"})) or ({}, {})
             slips, status = found["steady_slip"][1], str(found["status"][1])
             balance = self._study.balance(there)
             slip = self._held(balance, [float(one) for one in slips if np.isfinite(one)])
             if slip is None:
                 return State(np.nan, refusal=status if status != "found" else "no slip is held", by_film=True)
-            return State(slip, power_balance(balance, balance.orbit(slip)))
+            state = State(slip, power_balance(balance, balance.orbit(slip)))
+            self._sought.append((changes, state))
+            return state
         except (SceneError, DomainError) as error:  # of temperatures that nobody wrote into a scene
             return State(np.nan, refusal=str(error).removeprefix("changes: "))
         except ConvergenceError as error:
-            return State(np.nan, refusal=str(error), by_film=True)
+            return State(np.nan, refusal=str(error), by_film=True, lost=True)
+
+    def _beside(self, there: Assembly, changes: Mapping[str, float]) -> State | None:
+        """The state on the branch of one at nearly the same temperatures, by secants; None where they tell of none."""
+        near, of = min(
+            ((max(abs(known[key] - changes[key]) for key in changes), k) for k, (known, _) in enumerate(self._sought)
+             if known.keys() == changes.keys() and changes), default=(np.inf, -1),
+        )  # fmt: skip
+        if near > _BESIDE or (start := self._sought[of][1].slip) == 0.0:
+            return None
+        balance, known = self._study.balance(there), self._sought[of][1]
+        if np.isnan(known.slope):
+            before = balance.excess(start)
+            slope = (balance.excess(start * (1.0 + _NUDGE)) - before) / (_NUDGE * start)
+        else:
+            slope = known.slope
+        found = crossing(balance.excess, start, slope, self._study.max_cage_slip, _PRECISE if self.sharp else _FOUND)
+        if found is None or not found[1] > 0.0 or abs(found[0] - start) > _MOVED * start:
+            return None
+        slip, slope = found
+        self._sought[of] = (self._sought[of][0], attrs.evolve(known, slope=slope))
+        return State(slip, power_balance(balance, balance.orbit(slip)), slope=slope)
 
     def _held(self, balance: TorqueBalance, slips: list[float]) -> float | None:
         """The least slip that the cage holds, to the last digits."""
@@ -186,8 +227,8 @@ class Heated:
 
     # The curve ------------------------------------------------------------------------------------------------------
 
-    def followed(self, leading: float, guess: Array) -> Array:
-        """Temperatures of all nodes where the leading one is held and the others are in balance, from a guess."""
+    def followed(self, leading: float, guess: Array) -> tuple[Array, Mapping[str, float]]:
+        """Temperatures of all nodes where the leading one is held and the others follow, and the losses there."""
         T = np.concatenate(([leading], guess[1:]))
         before: tuple[Array, Array] | None = None
         for _ in range(_MOST):
@@ -196,14 +237,15 @@ class Heated:
                 raise _Refused(state)
             moved = self._cooled(T, state.heat) - T
             if float(np.abs(moved).max(initial=0.0)) <= _FOLLOWED:
-                return T + moved
+                return T + moved, state.heat
             mixed = moved
             if before is not None:  # Anderson's acceleration with one step behind
                 change, step = moved - before[1], T - before[0]
                 if (size := float(change @ change)) > 0.0:
                     mixed = moved - float(moved @ change) / size * (step + change)
             before, T = (T, moved), T + mixed
-        return self._by_powell(leading, guess)
+        T = self._by_powell(leading, guess)
+        return T, self.at(T).heat
 
     def _by_powell(self, leading: float, guess: Array) -> Array:
         """Temperatures as `followed` gives them, by Powell's hybrid method, where going on does not settle."""
@@ -212,10 +254,10 @@ class Heated:
         def left(following: Array) -> Array:
             return self.inflows(np.concatenate(([leading], following)))[1:]
 
-        found = root(left, guess[1:], method="hybr", options={"xtol": 1e-6})
+        found = root(left, guess[1:], method="hybr", options=_POWELL)
         if not float(np.abs(found.fun).max()) <= _LEFT * self._lost(T := np.concatenate(([leading], found.x))):
             said = f"beside {leading - 273.15:.4g} degC the other parts find no temperatures: losses jump with them"
-            raise _Refused(State(np.nan, refusal=said))
+            raise _Refused(State(np.nan, refusal=said, lost=True))
         return T
 
     def _cooled(self, temperatures: Array, heat: Mapping[str, float]) -> Array:
@@ -234,8 +276,8 @@ class Heated:
 
     def excess(self, leading: float, guess: Array) -> tuple[float, Array]:
         """Excess heat of the leading node [W] at its temperature [K], and the temperatures of all nodes."""
-        T = self.followed(leading, guess)
-        return float(self.inflows(T)[0]), T
+        T, heat = self.followed(leading, guess)
+        return float(self.model.inflows(T, heat)[0]), T
 
     def curve(self, lowest: float, highest: float, points: int) -> tuple[Curve, dict[float, Array]]:
         """Return the excess heat over the range, and temperatures of all nodes by that of the leading one.
@@ -255,17 +297,22 @@ class Heated:
             return x not in refused
 
         for x in grid:
-            if look(x, guess):
-                guess = places[x]
+            look(x, _foreseen(x, places) if places else guess)
         while known[grid[0]] < 0.0 and (colder := grid[0] - (grid[1] - grid[0])) >= _COLDEST:
-            look(colder, places[grid[0]])
+            look(colder, _foreseen(colder, places))
             grid.insert(0, colder)
+        for a, x, b in zip(grid, grid[1:], grid[2:], strict=False):
+            if x in refused and refused[x].lost and a not in refused and b not in refused:
+                self.unknown.append(x)
+        for x in self.unknown:
+            grid.remove(x)
+            del known[x], refused[x]
         for a, b in itertools.pairwise(grid):  # where the curve ends
             if (a in refused) != (b in refused):
                 good, bad = (b, a) if a in refused else (a, b)
                 for _ in range(_HALVINGS):
                     middle = 0.5 * (good + bad)
-                    good, bad = (middle, bad) if look(middle, places[good]) else (good, middle)
+                    good, bad = (middle, bad) if look(middle, _foreseen(middle, places)) else (good, middle)
         order = sorted(known)
         states = tuple(refused.get(x, State(0.0)) for x in order)
         return Curve(np.array(order), np.array([known[x] for x in order]), states), places
@@ -277,8 +324,7 @@ class Heated:
         x, values = list(curve.temperature), list(curve.excess)
 
         def excess(at: float) -> float:
-            near = min(places, key=lambda known: abs(known - at))
-            value, places[at] = self.excess(at, places[near])
+            value, places[at] = self.excess(at, _foreseen(at, places))
             return value
 
         scale = float(np.nanmax(np.abs(curve.excess), initial=1.0))
@@ -330,8 +376,7 @@ class Heated:
         low, high = whole[max(k - 1, 0)][0], whole[k + 1][0]
 
         def excess(at: float) -> float:
-            near = min(places, key=lambda known: abs(known - at))
-            return self.excess(at, places[near])[0]
+            return self.excess(at, _foreseen(at, places))[0]
 
         best = minimize_scalar(excess, bounds=(max(low, begin), high), method="bounded", options={"xatol": 0.05})
         return float(best.x), float(best.fun), None
@@ -415,6 +460,15 @@ class Heated:
             ended = refusal.state.refusal
         slips = np.array([self.at(row).slip for row in rows])
         return np.array(times), np.array(rows), slips, ended
+
+
+def _foreseen(at: float, places: Mapping[float, Array]) -> Array:
+    """Temperatures of all nodes where the leading one has some, on the line through those of the two nearest."""
+    near = sorted(places, key=lambda known: abs(known - at))[:2]
+    if len(near) < 2:
+        return places[near[0]]
+    (a, b), (here, there) = near, (places[one] for one in near)
+    return np.asarray(here + (at - a) / (b - a) * (there - here))
 
 
 def _unit(n: int, k: int) -> Array:

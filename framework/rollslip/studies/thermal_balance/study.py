@@ -318,14 +318,18 @@ class ThermalBalance(Study):
 
 def _jumps(heated: Heated) -> str:
     """Say where the excess heat jumps past zero."""
+    node, unknown = heated.model.nodes[0], ", ".join(f"{x - 273.15:.4g}" for x in heated.unknown)
+    passed = (
+        f"at {unknown} degC of the {node} no steady state was found, and the curve passes over it" if unknown else ""
+    )
     if not heated.jumps:
-        return "none"
-    node = heated.model.nodes[0]
+        return passed or "none"
     places = " and ".join(
         f"from {low - 273.15:.4g} to {high - 273.15:.4g} degC" if high - low > 0.1 else f"at {low - 273.15:.4g} degC"
         for low, high in heated.jumps
     )
-    return f"{places} of the {node} losses jump past what is carried away, with the steady slip: no balance is there"
+    said = f"{places} of the {node} losses jump past what is carried away, with the steady slip: no balance is there"
+    return f"{said}; {passed}" if passed else said
 
 
 def _stability(balance: Balance) -> str:
