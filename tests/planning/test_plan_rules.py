@@ -310,30 +310,31 @@ def kept(made):
     return {name for name in PARTS if getattr(made.estimated[STUDY].resolution, name)}
 
 
-@pytest.mark.parametrize("tolerance", [3e-2, 0.09])
-@pytest.mark.parametrize("speed", ["40 rpm", "200 rpm", "2000 rpm"])
-def test_what_moves_no_value_by_a_fifth_of_the_tolerance_is_left_out(speed, tolerance):
-    heavy = evolve(HEAVY, {"accuracy.tolerance": tolerance, "operation.inner_speed": speed})
+@pytest.mark.parametrize("tolerance", [1e-2, 3e-2])
+@pytest.mark.parametrize(("speed", "load"), [("40 rpm", "60 kN"), ("400 rpm", "20 kN"), ("4000 rpm", "3 kN")])
+def test_what_moves_no_value_by_a_fifth_of_the_tolerance_is_left_out(speed, load, tolerance):
+    changes = {"accuracy.tolerance": tolerance, "operation.inner_speed": speed, "operation.radial_load": load}
+    heavy = evolve(HEAVY, changes)
     made = plan(heavy, STUDY)
     result = execute(made, STUDY)
     whole = made.at(STUDY, attrs.evolve(made.estimated[STUDY].resolution, inlet_heating=True, light_contacts=True))
     for name, (part, bound) in PARTS.items():
         without = attrs.evolve(whole.estimated[STUDY].resolution, **{name: False})
-        own = execute(whole, STUDY).effective_friction
-        less = execute(attrs.evolve(whole).at(STUDY, without), STUDY).effective_friction
-        moved = float(np.abs(less / own - 1.0)[own != 0.0].max())
+        own = execute(whole, STUDY).effective_friction.to_numpy()
+        less = execute(whole.at(STUDY, without), STUDY).effective_friction.to_numpy()
+        moved = float(np.abs(less[own != 0.0] / own[own != 0.0] - 1.0).max())
         lines = [one for one in made.parts if one.part == part and one.study == STUDY]
         if name in kept(made):
-            assert moved > 0.1 * tolerance, "it should have been left out"
+            assert moved > 0.03 * tolerance, "it should have been left out"
             assert not lines
         else:
-            assert moved <= 0.3 * tolerance
+            assert moved <= 0.2 * tolerance
             assert not lines[0].included
             assert any(isinstance(one, bound) for one in made.estimated[STUDY].left_out)
     assert json.loads(result.attrs["taken_back"]) == []
-    if (speed, tolerance) == ("40 rpm", 0.09):
-        assert not kept(made), "of a slow and heavy bearing, asked for roughly, neither is needed"
-    if speed == "2000 rpm":
+    if speed == "40 rpm":
+        assert not kept(made), "of a slow and heavy bearing neither is needed"
+    if speed == "4000 rpm":
         assert kept(made) == {*PARTS}, "of a fast one both"
 
 

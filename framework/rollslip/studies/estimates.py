@@ -305,9 +305,9 @@ def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) ->
         ("light_contacts", few.pressure in few.inner.chain.models, LightContacts(extremes.lightest / _MARGIN)),
     ]
     for name, there, bound in without:
-        left = attrs.evolve(few.resolution, **{name: False})
-        if there and (found := serves(left, _LEFT, _everywhere)) is not None:
-            resolution, errors[name] = attrs.evolve(resolution, **{name: False}), found
+        out: dict[str, Any] = {name: False}
+        if there and (found := serves(attrs.evolve(few.resolution, **out), _LEFT, _everywhere)) is not None:
+            resolution, errors[name] = attrs.evolve(resolution, **out), found
             left_out.append(bound)
     share = min(allowed.values())
     closed = attrs.evolve(few.resolution, traction=law.closed_form or "named")

@@ -46,7 +46,7 @@ _PRECISE, _NUDGE = 1e-12, 1e-4
 #: Heat that may be left of the nodes that follow, relative to the losses, where they are found by another method.
 _LEFT: Final = 1e-4
 #: Halvings that place the end of a curve.
-_HALVINGS: Final = 7
+_HALVINGS: Final = 12
 #: Heat that may be left of a balance, relative to the losses.
 _BALANCED: Final = 1e-6
 #: Coldest temperature of the leading node at which balances are sought [K].
