@@ -14,6 +14,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Protocol, TypeAlias
 
 import attrs
@@ -290,14 +291,12 @@ def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) ->
     if limit is not None and extremes.thinnest >= limit:
         resolution = attrs.evolve(resolution, boundary=False)
         left_out.append(BoundaryFriction(limit))
-    reference = probe.measure(few, (_OF_LAWS,), _SMALL)[0] if cheaper_laws else None
+    reference = cache(lambda: probe.measure(few, (_OF_LAWS,), _SMALL)[0])
     allowed = {name: _LAW * accuracy.of(name) for name in ("friction", "critical_slip")}
 
     def serves(cheaper: Resolution, share: float = _LAW, moved: Difference = difference) -> Errors | None:
         """Errors that less leaves, None where they are too large."""
-        if reference is None:
-            return None
-        found = moved(probe.measure(few.at(cheaper), (_OF_LAWS,), _SMALL)[0], reference)
+        found = moved(probe.measure(few.at(cheaper), (_OF_LAWS,), _SMALL)[0], reference())
         return found if all(error <= share * accuracy.of(name) for name, error in found.items()) else None
 
     without: list[tuple[str, bool, LeftOut]] = [
@@ -306,7 +305,11 @@ def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) ->
     ]
     for name, there, bound in without:
         out: dict[str, Any] = {name: False}
-        if there and (found := serves(attrs.evolve(few.resolution, **out), _LEFT, _everywhere)) is not None:
+        if (
+            cheaper_laws
+            and there
+            and (found := serves(attrs.evolve(few.resolution, **out), _LEFT, _everywhere)) is not None
+        ):
             resolution, errors[name] = attrs.evolve(resolution, **out), found
             left_out.append(bound)
     share = min(allowed.values())
