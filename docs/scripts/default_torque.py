@@ -1,0 +1,109 @@
+"""Write the table default_torque.csv of docs/theory/motion.rst: friction torque by default over ISO 15312's formula.
+
+Every NU bearing of the catalogue at the reference conditions of ISO 15312: oil of 12 mm2/s at 70 degC, a twentieth of
+the static rating, and the speed at which the formula's torque is what 16 kW/m2 of the seats carry off, less above
+0.05 m2. Cages are guided by rollers; a land would add to it. The formula is Palmgren's, of tests in oil baths, and not
+a measurement of these bearings. Beside it how it changes away from there, and by kind of supply. A minute.
+"""
+
+import itertools
+import math
+import re
+
+import numpy as np
+from output import write_table
+from scipy.optimize import brentq
+
+from rollslip import evolve, plan
+from rollslip.planning.new_scene import new_scene
+from rollslip.scene.reading import parse_scene
+from rollslip.studies.steady_slip.minimum_load import static_rating
+from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip.studies.thermal_balance.balance import Heated
+from rollslip_plugins.data.cylindrical import CATALOGUE
+from rollslip_plugins.thermal import Given
+
+#: Series -> factors f_0r and f_1r of ISO 15312 for an oil bath (B).
+FACTORS = {"10": (2, 2e-4), "2": (2, 3e-4), "22": (3, 4e-4), "3": (2, 3.5e-4), "23": (4, 4e-4), "4": (2, 4e-4)}
+FLUX, AREA, LESS = 1.6e4, 0.05, -0.34
+ASKED = {"oil": "iso-vg-32", "speed": "3000 rpm", "load": "2 kN", "temperature": "70 degC", "cage": "polyamide"}
+
+
+def by_formula(series, mean, nu, rpm, load):
+    """ISO 15312's torque [N m], in mm, mm2/s, 1/min and N."""
+    f_0, f_1 = FACTORS[series]
+    return 1e-3 * (f_0 * 1e-7 * max(nu * rpm, 2000.0) ** (2 / 3) * mean**3 + f_1 * load * mean)
+
+
+def scene(name, **changes):
+    """A bearing as ``rollslip new`` writes it, with a twentieth of its static rating."""
+    made = parse_scene(new_scene(name, bearing=name, supply="bath", **ASKED), name)
+    own = {"operation.radial_load": 0.05 * static_rating(made.bearing), "accuracy.tolerance": 0.01}
+    return evolve(made, own | changes)
+
+
+def torque(one, rpm, nu):
+    """Friction torque [N m] at a speed, in an oil of a viscosity [mm2/s], and what makes it."""
+    oil = plan(one, "steady-slip").assembly.lubricant
+    factor = nu * 1e-6 * oil.density(343.15) / oil.at(343.15).viscosity
+    at = evolve(one, {"operation.inner_speed": rpm * math.pi / 30.0, "lubricant.viscosity_factor": factor})
+    power = Heated(plan(at, "steady-slip").assembly, Given(), SteadySlip(inertia=False)).given().power
+    return power.total / (rpm * math.pi / 30.0)
+
+
+def reference_speed(series, bore, outside, width, load):
+    """Speed [1/min] at which ISO's formula makes as much heat as the seats carry off."""
+    area = math.pi * 1e-6 * width * (bore + outside)
+    carried = FLUX * (area if area <= AREA else area * (area / AREA) ** LESS)
+    mean = 0.5 * (bore + outside)
+
+    def excess(rpm):
+        return by_formula(series, mean, 12.0, rpm, load) * rpm * math.pi / 30.0 - carried
+
+    return brentq(excess, 10.0, 1e6)
+
+
+def spread(values):
+    """Median, and from where to where nine of ten lie."""
+    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95])
+    return f"{middle:.2f} ({low:.2f} to {high:.2f})"
+
+
+def main():
+    """Write the table."""
+    ratios, few = {}, []
+    for name in CATALOGUE.names:
+        series = CATALOGUE.series(name).removesuffix("E")
+        if not name.startswith("NU") or name.startswith("NUP") or name.endswith("-old") or series not in FACTORS:
+            continue
+        size = re.search(r"(\d+) x (\d+) x (\d+) mm", CATALOGUE[name].description)
+        bore, outside, width = map(int, size.groups())
+        one = scene(name)
+        load = one.operation.radial_load
+        rpm = reference_speed(series, bore, outside, width, load)
+        mean = 0.5 * (bore + outside)
+        ratios.setdefault(series, []).append(torque(one, rpm, 12.0) / by_formula(series, mean, 12.0, rpm, load))
+        few.append((name, one, series, mean))
+    rows = [[f"series {series}", len(found), spread(found)] for series, found in ratios.items()]
+    every = list(itertools.chain(*ratios.values()))
+    rows.append(["all, at the reference conditions", len(every), spread(every)])
+    some = few[:: max(len(few) // 12, 1)]
+    for turned in (5e4, 1e5, 2e5, 3.5e5, 5e5, 7.5e5):
+        found = [
+            torque(one, turned / mean, nu) / by_formula(series, mean, nu, turned / mean, one.operation.radial_load)
+            for (_, one, series, mean), nu in itertools.product(some, (8.0, 30.0, 100.0))
+        ]
+        rows.append([f"n d_m = {turned:g} mm/min, oil of 8, 30, 100 mm2/s", len(found), spread(found)])
+    for supply in ({"oil_level": 0.002}, {"supply": "jet"}, {"supply": "mist"}, {"supply": "grease"}):
+        found = [
+            torque(evolve(one, {"lubrication": {"supply": "bath"} | supply}), turned / mean, nu)
+            / torque(one, turned / mean, nu)
+            for (_, one, _, mean), nu, turned in itertools.product(some[::3], (12.0, 40.0), (2e5, 4.6e5))
+        ]
+        told = ", ".join(map(str, supply.values())) if "supply" in supply else "a bath of 2 mm"
+        rows.append([f"{told}, over the bath", len(found), spread(found)])
+    write_table("default_torque", ["bearings", "points", "median (5 to 95 %)"], rows)
+
+
+if __name__ == "__main__":
+    main()
