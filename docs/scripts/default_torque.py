@@ -1,6 +1,6 @@
 """Write the table default_torque.csv of docs/theory/motion.rst: friction torque by default over ISO 15312's formula.
 
-Every NU bearing of the catalogue at the reference conditions of ISO 15312: oil of 12 mm2/s at 70 degC, a twentieth of
+NU bearings of the catalogue at the reference conditions of ISO 15312: oil of 12 mm2/s at 70 degC, a twentieth of
 the static rating, and the speed at which the formula's torque is what 16 kW/m2 of the seats carry off, less above
 0.05 m2. Cages are guided by rollers; a land would add to it. The formula is Palmgren's, of tests in oil baths, and not
 a measurement of these bearings. Beside it how it changes away from there, and by kind of supply. A minute.
@@ -25,6 +25,8 @@ from rollslip_plugins.thermal import Given
 
 #: Series -> factors f_0r and f_1r of ISO 15312 for an oil bath (B).
 FACTORS = {"10": (2, 2e-4), "2": (2, 3e-4), "22": (3, 4e-4), "3": (2, 3.5e-4), "23": (4, 4e-4), "4": (2, 4e-4)}
+#: One in so many designations of the catalogue is computed.
+STEP = 5
 FLUX, AREA, LESS = 1.6e4, 0.05, -0.34
 ASKED = {"oil": "iso-vg-32", "speed": "3000 rpm", "load": "2 kN", "temperature": "70 degC", "cage": "polyamide"}
 
@@ -48,7 +50,7 @@ def torque(one, rpm, nu):
     factor = nu * 1e-6 * oil.density(343.15) / oil.at(343.15).viscosity
     at = evolve(one, {"operation.inner_speed": rpm * math.pi / 30.0, "lubricant.viscosity_factor": factor})
     power = Heated(plan(at, "steady-slip").assembly, Given(), SteadySlip(inertia=False)).given().power
-    return power.total / (rpm * math.pi / 30.0)
+    return math.nan if power is None else power.total / (rpm * math.pi / 30.0)  # where it skids there is none
 
 
 def reference_speed(series, bore, outside, width, load):
@@ -65,14 +67,14 @@ def reference_speed(series, bore, outside, width, load):
 
 def spread(values):
     """Median, and from where to where nine of ten lie."""
-    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95])
+    low, middle, high = np.nanquantile(values, [0.05, 0.5, 0.95])
     return f"{middle:.2f} ({low:.2f} to {high:.2f})"
 
 
 def main():
     """Write the table."""
     ratios, few = {}, []
-    for name in CATALOGUE.names:
+    for name in CATALOGUE.names[::STEP]:
         series = CATALOGUE.series(name).removesuffix("E")
         if not name.startswith("NU") or name.startswith("NUP") or name.endswith("-old") or series not in FACTORS:
             continue
@@ -87,13 +89,13 @@ def main():
     rows = [[f"series {series}", len(found), spread(found)] for series, found in ratios.items()]
     every = list(itertools.chain(*ratios.values()))
     rows.append(["all, at the reference conditions", len(every), spread(every)])
-    some = few[:: max(len(few) // 12, 1)]
+    some = few[:: max(len(few) // 8, 1)]
     for turned in (5e4, 1e5, 2e5, 3.5e5, 5e5, 7.5e5):
         found = [
             torque(one, turned / mean, nu) / by_formula(series, mean, nu, turned / mean, one.operation.radial_load)
-            for (_, one, series, mean), nu in itertools.product(some, (8.0, 30.0, 100.0))
+            for (_, one, series, mean), nu in itertools.product(some, (8.0, 100.0))
         ]
-        rows.append([f"n d_m = {turned:g} mm/min, oil of 8, 30, 100 mm2/s", len(found), spread(found)])
+        rows.append([f"n d_m = {turned:g} mm/min, oil of 8 and 100 mm2/s", np.isfinite(found).sum(), spread(found)])
     for supply in ({"oil_level": 0.002}, {"supply": "jet"}, {"supply": "mist"}, {"supply": "grease"}):
         found = [
             torque(evolve(one, {"lubrication": {"supply": "bath"} | supply}), turned / mean, nu)

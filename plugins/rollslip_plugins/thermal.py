@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
 import attrs
 import numpy as np
 
-from rollslip.datasets import Bearing, Material
+from rollslip.datasets import Material
 from rollslip.errors import SceneError
 from rollslip.fields import in_range, non_negative, parameter, positive
 from rollslip.hookspecs import hookimpl

@@ -41,7 +41,14 @@ FILMS = [
 COLD = RollingResistance(inlet_heating="none")
 WHOLE = RollingResistance(inlet_heating="none", extent="film")
 LAND = {"ring": "outer", "viscosity": 0.01, "radius": 0.1, "width": 0.01, "clearance": 1e-4}
-ROLLERS = {"density": 900.0, "oil_fraction": 0.02, "rollers": 20.0, "roller_diameter": 0.01, "roller_length": 0.02, "orbit_radius": 0.05}
+ROLLERS = {
+    "density": 900.0,
+    "oil_fraction": 0.02,
+    "rollers": 20.0,
+    "roller_diameter": 0.01,
+    "roller_length": 0.02,
+    "orbit_radius": 0.05,
+}
 
 
 def resistance(model, conditions=STEEL, **columns):
@@ -238,7 +245,9 @@ def test_what_is_left_to_a_scene_is_refused_outside_of_one():
                 DomainError, match=rf"drag '{drag.name}' takes .* from a scene; outside of one give them"
             ):
                 use()
-    with pytest.raises(DomainError, match="takes oil_fraction, rollers, roller_diameter, roller_length, orbit_radius from"):
+    with pytest.raises(
+        DomainError, match="takes oil_fraction, rollers, roller_diameter, roller_length, orbit_radius from"
+    ):
         Churning(density=900.0).kernel()
 
 

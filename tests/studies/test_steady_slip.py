@@ -490,11 +490,11 @@ def test_pocket_friction_brakes_the_spin_by_the_force_that_carries_the_roller():
 # What the study says ------------------------------------------------------------------------------------------------
 
 
-def test_no_drag_no_slip():
+def test_a_cage_whose_drags_are_switched_off_runs_without_slip():
     found = run(dragged(STRAIGHT), points=8)
     assert found.steady_slip.values.tolist() == [0.0]
     assert str(found.stability[0].item()) == "stable"
-    assert str(found.status.item()).startswith("no drag, no slip")
+    assert str(found.status.item()).startswith("every drag is switched off by cage.drag = []")
 
 
 def test_a_drag_beyond_the_fold_runs_away_in_words_and_is_stored(tmp_path):
@@ -597,7 +597,10 @@ def test_a_drag_that_is_carried_at_neither_load_has_no_limit_that_is_known():
     assert "0.196 N m at a slip of 0.2, where it still rises): slip leaves the range" in status
     assert "runs away" not in status, "beyond the range a balance may be"
     free = run(dragged(STRAIGHT), points=8, max_cage_slip=0.2, radial_load=(20.0, 200.0))
-    assert str(free.radial_load_limit_status.item()) == "no limit of the radial load: without drag there is no slip"
+    assert (
+        str(free.radial_load_limit_status.item())
+        == "no limit of the radial load: every drag is switched off by cage.drag = [], as in no bearing"
+    )
 
 
 @pytest.mark.parametrize(("values", "which"), [([1.2, 1.0, 1.1], "least"), ([0.8, 1.0, 0.9], "largest")])
@@ -772,7 +775,10 @@ def test_a_slip_that_the_cage_does_not_hold_has_no_least_load():
 def test_without_drag_no_load_is_needed():
     found = run(evolve(STRAIGHT, {"cage.drag": []}), points=8, acceptable_slip=0.05)
     assert np.isnan(found.least_load)
-    assert str(found.least_load_status.item()) == "no load is needed: without drag there is no slip"
+    assert (
+        str(found.least_load_status.item())
+        == "no load is needed: every drag is switched off by cage.drag = [], as in no bearing"
+    )
 
 
 def test_makers_rules_differ_as_they_are_said_to():

@@ -21,8 +21,8 @@ from rollslip.errors import DomainError, RollslipError, SceneError
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import with_law
-from rollslip.lubricant.supply import DENSITY, SUPPLIES, Supplied
 from rollslip.models import SCENE_VALUES, DragModel, PocketFriction, ResistanceModel, left_to_scene
+from rollslip.scene.supply import DENSITY, SUPPLIES, Supplied
 from rollslip.scene.values import DEFAULT_DRAGS, LAND_DRAG, Scene, resolved
 from rollslip.structure import Location, structure
 from rollslip.units import expectation, format_quantity, quantity

@@ -16,9 +16,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import MAKES, estimated_inertia
 from rollslip.catalogue.discovery import find, load, own_cage
 from rollslip.errors import SceneError
-from rollslip.lubricant.supply import SUPPLIES
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.reading import parse_scene
+from rollslip.scene.supply import SUPPLIES
 from rollslip.structure import Location
 from rollslip.units import UnitError, format_quantity, quantity
 

@@ -383,7 +383,8 @@ def _cage(assembly: Assembly, studies: Mapping[str, Study]) -> list[Part]:
         reason = "the scene has no study of cage and rollers in motion"
         return [Part(part="cage, drag and integrators", included=False, choice="not loaded", reason=reason)]
     named = "drag" in (assembly.scene.cage or {})
-    reason = "cage.drag names it" if named else f"default, of lubrication.supply = {assembly.scene.lubrication.supply!r}"
+    supply = assembly.scene.lubrication.supply
+    reason = "cage.drag names it" if named else f"default, of lubrication.supply = {supply!r}"
     choice, known = in_words(assembly.scene, assembly.cage)
     parts = [
         Part(part="cage", choice=choice, reason=known),

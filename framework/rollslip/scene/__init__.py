@@ -1,6 +1,7 @@
 """What the user wrote: a scene as frozen, checked values, and how it is read and changed."""
 
 from rollslip.datasets import Bearing, Material, Profile, Surface
+from rollslip.scene.supply import Lubrication
 from rollslip.scene.values import (
     Accuracy,
     LubricantTable,
@@ -19,6 +20,7 @@ __all__ = [
     "Bearing",
     "FrozenTable",
     "LubricantTable",
+    "Lubrication",
     "Material",
     "ModelChoice",
     "Models",

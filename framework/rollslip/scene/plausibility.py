@@ -19,6 +19,7 @@ import attrs
 
 from rollslip.errors import PluginError
 from rollslip.fields import FieldError, Span, as_given, span_in_words, unusual
+from rollslip.scene.supply import DEEPEST
 from rollslip.structure import Location, attributes, key_of, types_of
 from rollslip.units import UnitError, format_quantity, likely, quantity, unit_given
 
@@ -258,6 +259,16 @@ RELATIONS: Final = (
         (-math.inf, math.inf),
         "SKF, general catalogue 17000, page 509: F = k_r (6 + 4 n/n_r) (d_m/100)^2 kN; makers' rules differ by a "
         "factor of 4 to 5",
+    ),
+    Relation(
+        "lubrication",
+        "oil_level",
+        lambda scene: math.nan if (level := scene.lubrication.oil_level) is None else level / _pitch(scene),
+        "1",
+        "of the pitch diameter",
+        (0, DEEPEST),
+        (0, 2),
+        "SKF's bath drag, up to which the oil between the rollers was held against it: `rollslip.scene.supply`",
     ),
     *(
         Relation(

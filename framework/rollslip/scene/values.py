@@ -21,7 +21,7 @@ import attrs
 from rollslip.cards import Card
 from rollslip.datasets import Bearing, Surface
 from rollslip.fields import FieldError, at_least, field, in_range, non_negative, positive
-from rollslip.lubricant.supply import Lubrication
+from rollslip.scene.supply import Lubrication
 from rollslip.structure import FrozenTable, attributes, key_of
 from rollslip.units import format_quantity
 

@@ -45,10 +45,10 @@ def _compared(quantity: str, low: float, high: float) -> Validity:
 class RollingResistance(ResistanceModel):
     """Resistance of the oil's pressure to rolling, between the rigid and the elastic limit.
 
-    F = C_T C_S (a^-5 + b^-5)^(-1/5), a = 2.0796 sqrt(eta0 u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126. a is exact for
-    a rigid, isoviscous contact; b is Goksem and Hargreaves's fit for an elastic one. With ``extent = "film"`` it is
+    F = C_T C_S (a^-5 + b^-5)^(-1/5), a = 2.0796 sqrt(eta0 u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126. a is exact
+    for a rigid, isoviscous contact; b is Goksem and Hargreaves's fit for an elastic one. With ``extent = "film"`` it is
     that times 1 + (0.049 L - 0.16) M^2/(1 + M^2), a fit of numerical solutions. Heat and want of oil thin the inlet as
-    they thin the film: C_T = 3.94/(3.94 + Lt^0.62), which agrees with SKF's regression of tests within 4 %.
+    they thin the film: C_T = 3.94/(3.94 + Lt^0.62), which agrees with SKF's regression of tests within 4 % (C).
 
     Symbols:
 
@@ -72,9 +72,10 @@ class RollingResistance(ResistanceModel):
     Range: isothermal, against a numerical solution (Barus) -36 to 0 % at M = W/sqrt(2 U) from 0.2 to 20 and
     L = G (2 U)^(1/4) from 5 to 15, of which -15 to 0 % up to M = 1 and L = 10. b counts the inlet alone, which the law
     meets to -23 to +15 %; the exit, where the pressure falls through a film that narrows, adds up to half as much. With
-    ``extent = "film"`` it meets the whole to -2 to +7 % for M up to 20 and L from 3.5 to 20; for smaller L it is too large, by 13 % at L = 2 and
-    by far at 0. Torques of bearings speak for the inlet alone: real inlets are
-    not that full. How far a bearing follows is known to a factor of 1.35 (a standard deviation, D).
+    ``extent = "film"`` it meets the whole to -2 to +7 % for M up to 20 and L from 3.5 to 20; for smaller L it is too
+    large, by 13 % at L = 2 and by far at 0. Torques of bearings speak for the inlet alone: real inlets are not that
+    full. How far a bearing follows is known to a factor of 1.35 (a standard deviation, D). Beyond Lt = 10 C_T was held
+    against nothing.
 
     Examples
     --------

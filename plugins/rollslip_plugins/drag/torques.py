@@ -10,10 +10,10 @@ from rollslip.bearing.cage import Cage
 from rollslip.datasets import Bearing
 from rollslip.fields import Ranges, non_negative, one_of, parameter, positive, within_possible
 from rollslip.hookspecs import hookimpl
-from rollslip.lubricant.supply import Lubrication
 from rollslip.lubricant.table import OilTable
 from rollslip.models import Drag, DragModel, PocketFriction, from_scene
 from rollslip.references import Reference
+from rollslip.scene.supply import Lubrication
 from rollslip_kernels.stages import drag as compiled
 from rollslip_plugins.bibliography import HARRIS_2007, PARKER_1984, PETROFF_1883
 
@@ -175,7 +175,7 @@ class Churning(DragModel):
 
     Range: turbulent wakes; the mist itself stands still. C_D is about 1 for a long cylinder alone (Re from 1e3 to 1e5)
     and less in the wake of the next; the default of 0.5 is an estimate (D). phi follows from the supply of oil, with
-    which the torque of a bath is that of SKF's later bath drag (C): `rollslip.lubricant.supply`. The torque is in
+    which the torque of a bath is that of SKF's later bath drag (C): `rollslip.scene.supply`. The torque is in
     proportion to both: it is known to a factor of two.
 
     Raises
@@ -187,7 +187,8 @@ class Churning(DragModel):
     --------
     10 rollers of 10 x 10 mm on 0.1 m at 100 rad/s in 0.5 0.02 1000 kg/m3 = 10 kg/m3: 10 10 1e-4 0.1^3 1e4/2 N m.
 
-    >>> mist = Churning(density=1000.0, oil_fraction=0.02, rollers=10, roller_diameter=0.01, roller_length=0.01, orbit_radius=0.1)
+    >>> rollers = {"rollers": 10, "roller_diameter": 0.01, "roller_length": 0.01, "orbit_radius": 0.1}
+    >>> mist = Churning(density=1000.0, oil_fraction=0.02, **rollers)
     >>> round(mist.torque(100.0, 200.0, 0.0), 12)
     -0.05
     """

@@ -97,7 +97,7 @@ def operation(dataset: "xr.Dataset") -> str:
     known = (dataset["steady_slip"][0], dataset["torque"][0], dataset["largest_drag"], dataset["largest_drag_slip"])
     reached = float(dataset["cage_slip"][-1]), float(dataset["driving_torque"][-1])
     least = f"; {_least_load(dataset, needs=False)}" if "least_load" in dataset else ""
-    return f"{runs_at(*map(float, known), reached)}{_doubted(dataset)}{least}"
+    return f"{runs_at(*map(float, known), reached=reached)}{_doubted(dataset)}{least}"
 
 
 def _inertia(dataset: "xr.Dataset") -> str:

@@ -16,6 +16,7 @@ import attrs
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.torque_balance import TorqueBalance
+from rollslip.results.words import SWITCHED_OFF
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.units import format_quantity
 
@@ -48,7 +49,7 @@ def least_load(balance: Callable[[float], TorqueBalance], load: float, slip: flo
         return balance(math.exp(log)).excess(slip)
 
     if balance(load).rolls_freely:
-        return math.nan, "no load is needed: without drag there is no slip"
+        return math.nan, f"no load is needed: {SWITCHED_OFF}"
     begin = low = high = math.log(load)
     try:
         over = excess(begin)

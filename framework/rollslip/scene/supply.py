@@ -84,7 +84,8 @@ SUPPLIES: Final[Mapping[str, Supply]] = MappingProxyType(
             f"as circulating (A), above 5e5 mm/min less, down to 3 % (C, 1 to 5 % are told); {_SKF} of a jet",
         ),
         "mist": Supply(
-            "oil with air, or drops", 0.0, 1.0, 0.01, _LEAN, 0.25, f"1 % of the volume, a quarter of the land (D); {_SKF}"
+            "oil with air, or drops", 0.0, 1.0, 0.01, _LEAN, 0.25,
+            f"1 % of the volume, a quarter of the land (D); {_SKF}",
         ),
         "grease": Supply(
             "grease that is run in, with the viscosity of its base oil", 0.0, 1.0, 0.0, _LEAN, 0.0,
@@ -104,8 +105,8 @@ class Lubrication:
     oil_level: float | None = field(
         default=None,
         unit="m",
-        doc="level H of a bath at rest above the lowest point of the outer raceway; by default the middle of the lowest "
-        "roller, of splash half of that (D)",
+        doc="level H of a bath at rest above the lowest point of the outer raceway; by default the middle of the "
+        "lowest roller, of splash half of that (D)",
         validator=optional(non_negative),
         usual=(0, 0.5),
         possible=(0, 30),
@@ -113,8 +114,8 @@ class Lubrication:
     oil_flow: float | None = field(
         default=None,
         unit="m3/s",
-        doc="flow of oil through the bearing; it carries off heat where models.thermal has an oil_inlet_temperature, and "
-        "nothing else is made of it",
+        doc="flow of oil through the bearing; it carries off heat where models.thermal has an oil_inlet_temperature, "
+        "and nothing else is made of it",
         validator=optional(positive),
         usual=(1e-9, 0.01),
         possible=(1e-15, 10),
