@@ -14,7 +14,7 @@ from output import write_table
 from scipy.optimize import brentq
 
 from rollslip import evolve, plan
-from rollslip.planning.new_scene import new_scene
+from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip.studies.steady_slip.minimum_load import static_rating
 from rollslip.studies.steady_slip.study import SteadySlip
@@ -29,8 +29,8 @@ FLUX, AREA, LESS = 1.6e4, 0.05, -0.34
 
 def scene(name):
     """The bearing at the reference conditions, at any speed, as ``rollslip new`` writes it."""
-    asked = {"oil": "iso-vg-32", "speed": "3000 rpm", "load": "1 kN", "temperature": "70 degC", "cage": "brass"}
-    written = parse_scene(new_scene(name, bearing=name, **asked), name)
+    asked = {"bearing": name, "oil": "iso-vg-32", "speed": "3000 rpm", "load": "1 kN", "cage": "brass"}
+    written = parse_scene(new_scene(name, **(ASSUMED | asked)), name)
     load = 0.05 * static_rating(written.bearing)
     return evolve(written, {"operation.radial_load": load, "accuracy.tolerance": 0.01})
 

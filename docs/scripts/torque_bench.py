@@ -25,7 +25,7 @@ from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.motion.losses import power_balance
 from rollslip.motion.torque_balance import TorqueBalance
-from rollslip.planning.new_scene import new_scene
+from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip.structure import Location, structure
 from rollslip.studies.steady_slip.minimum_load import static_rating
@@ -94,8 +94,8 @@ def states():
 @cache
 def written(name, oil, temperature):
     """The scene that is written for a bearing."""
-    asked = {"oil": oil, "speed": "3000 rpm", "load": "1 kN", "temperature": temperature, "cage": "polyamide"}
-    return evolve(parse_scene(new_scene(name, bearing=name, **asked), name), {"accuracy.slices": _SLICES})
+    asked = {"bearing": name, "oil": oil, "load": "1 kN", "temperature": temperature, "cage": "polyamide"}
+    return evolve(parse_scene(new_scene(name, **(ASSUMED | asked)), name), {"accuracy.slices": _SLICES})
 
 
 def scene(name, n_dm, oil, load, supply, **changes):

@@ -12,7 +12,7 @@ from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
-from rollslip.planning.new_scene import new_scene
+from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip.studies.steady_slip.findings import topics
 from rollslip.studies.steady_slip.torque import Duty
@@ -267,8 +267,8 @@ def test_two_formulas_stand_there_by_default_an_empty_list_is_none_and_a_name_st
 
 def named(name, **changes):
     """A catalogue bearing with the drags of an oil bath, at n d_m of 4.2e5 mm/min."""
-    text = new_scene("-", bearing=name, oil="iso-vg-68", speed="6000 rpm", load="2 kN", temperature="70 degC",
-                     cage="polyamide")  # fmt: skip
+    asked = {"bearing": name, "oil": "iso-vg-68", "speed": "6000 rpm", "load": "2 kN", "cage": "polyamide"}
+    text = new_scene("-", **(ASSUMED | asked))
     drags = ["rolling-resistance", "hysteresis", {"model": "churning", "oil_fraction": 0.055}]
     return evolve(parse_scene(text, "-"), {"cage.drag": drags} | changes)
 
