@@ -1,0 +1,63 @@
+"""The default friction torque beside makers' formulas, on a sample of the bench of the whole catalogue."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+from rollslip import evolve, run
+from rollslip.bearing.assembly import assemble
+from rollslip.scene.values import Scene
+
+SCRIPTS = Path(__file__).parents[2] / "docs" / "scripts"
+#: Every fourteenth size of the catalogue, so that all series and bores are there.
+EVERY = 14
+
+pytestmark = pytest.mark.skipif(
+    "lubrication" not in Scene.__annotations__, reason="the drags by default follow from the table of lubrication"
+)
+
+
+@pytest.fixture(scope="module")
+def bench():
+    """The script that holds the whole catalogue."""
+    with pytest.MonkeyPatch.context() as path:
+        path.syspath_prepend(str(SCRIPTS))
+        spec = importlib.util.spec_from_file_location("torque_bench", SCRIPTS / "torque_bench.py")
+        module = importlib.util.module_from_spec(spec)
+        path.setitem(sys.modules, "torque_bench", module)
+        spec.loader.exec_module(module)
+        yield module
+
+
+def some(bench):
+    """A few states of each bearing of the sample, other ones of the next, such that all are there."""
+    judged = [state for state in bench.states() if state[0] in bench.SPEEDS]
+    for k, name in enumerate(bench.bearings()[::EVERY]):
+        yield name, judged[k % 9 :: 9]
+
+
+def test_the_default_torque_of_a_sample_is_near_makers_formulas(bench):
+    found = [one for name, states in some(bench) for one in bench.held(name, only=states)]
+    assert {one.series for one in found} == set(bench.SERIES)
+    assert {one.supply for one in found} == set(bench.SUPPLIES)
+    share, median = bench.verdict(found)
+    assert bench.MEDIAN[0] <= median <= bench.MEDIAN[1]
+    # what is asked of all bearings is 99 of 100; of a hundred states that leaves two, of which three are too many
+    assert round((1.0 - share) * len(found)) <= 2
+
+
+def test_churning_alone_does_not_pass(bench):
+    found = [one for name, states in some(bench) for one in bench.held(name, only=states[:2], **bench.BEFORE)]
+    share, median = bench.verdict(found)
+    assert share < 0.01
+    assert median < 0.3
+
+
+def test_the_torque_of_the_bench_is_that_of_the_study(bench):
+    one = bench.scene("NU2216E", 4.6e5, 1, 1, "bath")
+    quick, steady = bench.torque(assemble(one))
+    whole = run(evolve(one, {"accuracy.slices": "auto", "models.torque": []}), "steady-slip")
+    assert steady == quick
+    assert quick == pytest.approx(float(whole.friction_torque[0]), rel=0.021)
