@@ -163,7 +163,7 @@ class Skf(TorqueFormula):
         if duty.supply in ("mist", "grease"):
             return 0.0
         if duty.width is None:
-            raise DomainError("needs the width of the bearing: give bearing.catalogue.width, such as '20 mm'")
+            raise DomainError("needs the width of the bearing: give bearing.catalogue, such as { width = '20 mm' }")
         d, D, d_m, B = (_MM * x for x in (duty.bore, duty.outside_diameter, duty.mean_diameter, duty.width))
         flows = duty.supply in ("circulating", "jet")
         middle = _MM * _lowest_middle(duty)
