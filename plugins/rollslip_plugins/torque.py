@@ -126,7 +126,7 @@ class Skf(TorqueFormula):
     >>> duty = Duty(bore=0.05, outside_diameter=0.09, pitch_diameter=0.07, width=0.02, series="2", oil_level=0.005,
     ...             radial_load=2e3, speed=314.159265, viscosity=9e-3, density=900.0)
     >>> {term: round(1e3 * torque, 2) for term, torque in Skf().terms(duty).items()}
-    {'rolling': 148.47, 'sliding': 5.14, 'bath': 7.63}
+    {'rolling': 148.47, 'sliding': 5.14, 'oil drag': 7.63}
     """
 
     name: ClassVar[str] = "skf"
@@ -155,7 +155,7 @@ class Skf(TorqueFormula):
         sliding = _SLIDING * d_m * load * (mixed * _MIXED + (1.0 - mixed) * _FULL)
         found = {"rolling": rolling, "sliding": sliding}
         if self.drag != "none":
-            found["bath"] = self._drag(duty, nu, n)
+            found["oil drag"] = self._drag(duty, nu, n)
         return {term: _PER_NMM * torque for term, torque in found.items()}
 
     def _drag(self, duty: Duty, nu: float, n: float) -> float:

@@ -125,7 +125,7 @@ def test_the_drag_of_a_bath_is_that_of_the_catalogue(duty, of, form):
     level = of * 0.3 * duty.mean_diameter * 0.999
     wide = attrs.evolve(duty, width=0.4 * (duty.outside_diameter - duty.bore), series="2")
     expected = drag_of_a_bath(wide, level, form) / 1000
-    assert Skf(drag=form).terms(attrs.evolve(wide, oil_level=level))["bath"] == pytest.approx(expected, rel=1e-11)
+    assert Skf(drag=form).terms(attrs.evolve(wide, oil_level=level))["oil drag"] == pytest.approx(expected, rel=1e-11)
     flooded = attrs.evolve(wide, oil_level=0.301 * duty.mean_diameter)
     with pytest.raises(DomainError, match=r"knows the drag of a bath up to 0\.3 of the mean diameter"):
         Skf(drag=form).terms(flooded)
@@ -137,18 +137,18 @@ def test_one_bath_worked_by_hand():
     # = 0.709 N mm
     duty = Duty(bore=0.05, outside_diameter=0.09, pitch_diameter=0.0705, width=0.02, series="2", oil_level=0.005,
                 radial_load=2e3, speed=100 * math.pi, viscosity=9e-3, density=900.0)  # fmt: skip
-    assert Skf().terms(duty)["bath"] == pytest.approx(7.630e-3, rel=2e-4)
+    assert Skf().terms(duty)["oil drag"] == pytest.approx(7.630e-3, rel=2e-4)
     # the older form: 10 5.2143e-5 1.16025e-11 20 70^4 3000^2 N mm
-    assert Skf(drag="2006").terms(duty)["bath"] == pytest.approx(26.15e-3, rel=2e-4)
+    assert Skf(drag="2006").terms(duty)["oil drag"] == pytest.approx(26.15e-3, rel=2e-4)
 
 
 def test_oil_that_flows_drags_twice_as_a_bath_to_the_lowest_roller_and_mist_not_at_all():
-    bath, middle = Skf().terms(DUTY)["bath"], drag_of_a_bath(DUTY, 0.5 * 0.0195, "later") / 1000
+    bath, middle = Skf().terms(DUTY)["oil drag"], drag_of_a_bath(DUTY, 0.5 * 0.0195, "later") / 1000
     assert bath == pytest.approx(middle, rel=1e-11)
     for supply, times in {"circulating": 2, "jet": 2, "mist": 0, "grease": 0}.items():
-        assert Skf().terms(attrs.evolve(DUTY, supply=supply))["bath"] == pytest.approx(times * middle, rel=1e-11)
+        assert Skf().terms(attrs.evolve(DUTY, supply=supply))["oil drag"] == pytest.approx(times * middle, rel=1e-11)
     half = drag_of_a_bath(DUTY, 0.25 * 0.0195, "later") / 1000
-    assert Skf().terms(attrs.evolve(DUTY, supply="splash"))["bath"] == pytest.approx(half, rel=1e-11)
+    assert Skf().terms(attrs.evolve(DUTY, supply="splash"))["oil drag"] == pytest.approx(half, rel=1e-11)
     low, full = (Skf().terms(attrs.evolve(DUTY, oil_level=of * 0.0195))["rolling"] for of in (0.2, 0.5))
     assert low < full == Skf().terms(DUTY)["rolling"]  # a low bath starves
 
