@@ -219,7 +219,7 @@ def by_series_and_speed(found, before):
 
     def cell(some, series, n_dm):
         over = [one.over for one in some if one.series == series and one.n_dm == n_dm and one.supply == "bath"]
-        return "{:.2f} ({:.2f} to {:.2f})".format(*np.quantile(over, (0.5, 0.01, 0.99)))
+        return "{:.2g} ({:.2g} to {:.2g})".format(*np.quantile(over, (0.5, 0.01, 0.99)))
 
     for series in SERIES:
         for what, some in (("before", before), ("now", found)):
