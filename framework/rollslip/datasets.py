@@ -17,7 +17,10 @@ __all__ = [
     "BearingData",
     "Catalogue",
     "Family",
+    "FitData",
     "Material",
+    "MountedClearance",
+    "Mounting",
     "OwnCage",
     "Profile",
     "Scatter",
@@ -145,6 +148,109 @@ class Catalogue:
     )
 
 
+def _length(doc: str, usual: Any, possible: Any, default: float | None = None, validator: Any = None) -> Any:
+    return field(default=default, unit="m", doc=doc, usual=usual, possible=possible, validator=validator)
+
+
+def _interference(of: str) -> Any:
+    doc = f"interference of {of}, of diameters, before it is smoothed, below zero for play; in place of the fit"
+    return _length(doc, (-2e-4, 5e-4), (-1e-2, 1e-2))
+
+
+def _fit(of: str, usual: str) -> Any:
+    return field(default=None, doc=f"fit of {of} by its name in ISO 286; {usual}")
+
+
+@attrs.frozen(kw_only=True)
+class Mounting:
+    """Seats and temperatures of rings: what they leave of the clearance that the bearing has before it is mounted."""
+
+    initial_clearance: float | None = _length(
+        "clearance before mounting; by default the middle of the clearance class, or what the diameters leave",
+        (0, 1e-3), (-0.1, 1),
+    )  # fmt: skip
+    initial_tolerance: float = _length(
+        "width of the range in which the clearance before mounting lies, as that of a class", (0, 2e-4), (0, 1e-2), 0.0
+    )
+    clearance_deviation: float = _length(
+        "what is added to the clearance in operation, as it scatters", (-1e-4, 1e-4), (-1e-2, 1e-2), 0.0
+    )
+    shaft_fit: str | None = _fit("the shaft", "by default k5 up to a bore of 50 mm, m5 to 100 mm, m6 above")
+    housing_fit: str | None = _fit("the housing", "by default H7")
+    shaft_interference: float | None = _interference("the inner ring on its shaft")
+    housing_interference: float | None = _interference("the outer ring in its housing")
+    smoothing: float = field(
+        default=0.8,
+        unit="1",
+        doc="share of an interference that is left when its roughness is flattened (C)",
+        validator=in_range(0, 1),
+        usual=(0.5, 1),
+    )
+    temperature_difference: float = field(
+        default=5.0,
+        unit="K",
+        doc="inner ring and rollers above outer ring, where operation gives no temperature of a ring (D)",
+        usual=(-20, 40),
+        possible=(-150, 150),
+    )
+    expansion: float = field(
+        default=12e-6, unit="1/K", doc="thermal expansion of rings and rollers (B)", validator=non_negative,
+        usual=(0, 3e-5), possible=(0, 1e-3),
+    )  # fmt: skip
+    growth: bool = field(default=True, doc="whether rings and shaft that turn widen by their centrifugal force")
+    bore: float | None = _length(
+        "bore of the bearing; by default by its name, or estimated: half a roller from the raceway (D)",
+        (3e-3, 2), (1e-4, 50), validator=attrs.validators.optional(positive),
+    )  # fmt: skip
+    outside_diameter: float | None = _length(
+        "outside diameter of the bearing; by default by its name, or estimated: half a roller from the raceway (D)",
+        (6e-3, 3.5), (1e-4, 50), validator=attrs.validators.optional(positive),
+    )  # fmt: skip
+    shaft_bore: float = _length("bore of a hollow shaft, of the rings' steel", (0, 2), (0, 50), 0.0, non_negative)
+    housing_outside_diameter: float | None = _length(
+        "outside diameter of the housing, of the rings' steel; by default it is thick",
+        (1e-2, 5), (1e-4, 100), validator=attrs.validators.optional(positive),
+    )  # fmt: skip
+
+    def __attrs_post_init__(self) -> None:
+        for part in ("shaft", "housing"):
+            if getattr(self, f"{part}_fit") is not None and getattr(self, f"{part}_interference") is not None:
+                raise FieldError(f"{part}_interference", f"{part}_fit says the same; leave one of them out")
+
+
+@attrs.frozen
+class MountedClearance:
+    """How the clearance in operation came about.
+
+    Parameters
+    ----------
+    terms : tuple
+        What each part of it is called, and its share [m], the clearance before mounting first.
+    deviation : float
+        Standard deviation of the clearance [m]: of class, seats and rings, each even over its tolerance.
+    assumed : tuple of str
+        Keys of `Mounting` that nobody stated.
+    """
+
+    terms: tuple[tuple[str, float], ...]
+    deviation: float
+    assumed: tuple[str, ...] = ()
+
+    @property
+    def clearance(self) -> float:
+        """The clearance in operation [m]."""
+        return round(math.fsum(size for _, size in self.terms), 12) + 0.0
+
+    def __str__(self) -> str:
+        (first, initial), *others = self.terms
+        text = f"{initial * 1e6:.4g} {first}"
+        for name, size in others:
+            if abs(size) >= 5e-8:
+                sign, shown = "+" if size > 0.0 else "-", abs(size) * 1e6
+                text += f" {sign} {shown:.{0 if shown >= 9.95 else 1}f} {name}"
+        return f"{text} = {self.clearance * 1e6:.3g} um"
+
+
 def _radial_clearance(bearing: "Bearing") -> float:
     gap = bearing.outer_raceway_diameter - bearing.inner_raceway_diameter - 2 * bearing.roller_diameter
     # The subtraction leaves rounding noise: on a grid of a picometre a nominal clearance of zero is zero (not -0.0).
@@ -171,15 +277,26 @@ class Bearing:
     radial_clearance: float = field(
         default=attrs.Factory(_radial_clearance, takes_self=True),
         unit="m",
-        doc="radial internal clearance in operation (full play); from the diameters if left out",
+        doc="radial internal clearance in operation (full play); if left out, what mounting leaves, or the diameters",
         usual=(-3e-4, 2e-3),
         possible=(-0.1, 1),
     )
+    clearance_class: str | None = field(
+        default=None, doc="class of the clearance before mounting (ISO 5753-1), such as C3; by default that of the name"
+    )
+    mounting: Mounting | None = field(default=None, doc="seats and temperatures, which change the clearance")
     profile: Profile = field(default=Profile(), doc="roller profile")
     material: Material = field(default=Material(), doc="material of rings and rollers")
     catalogue: Catalogue | None = field(
         default=None, doc="what the catalogue lists, for makers' rules of least load and friction torque"
     )
+    #: How `radial_clearance` came about in a scene; None where that is stated.
+    mounted: MountedClearance | None = attrs.field(default=None, eq=False, repr=False, metadata={"key": None})
+
+    @property
+    def nominal_clearance(self) -> float:
+        """What the diameters leave [m]."""
+        return _radial_clearance(self)
 
     @property
     def boundaries(self) -> tuple[float, float]:
@@ -337,6 +454,38 @@ class OwnCage(NamedTuple):
     make: str
     guidance: str
     letters: str = ""
+
+
+@attrs.frozen(kw_only=True)
+class FitData:
+    """A fit of a shaft or a housing, which a scene names under ``[bearing.mounting]``.
+
+    Parameters
+    ----------
+    name, description, source, validity, references
+        As in `BearingData`.
+    ring : str
+        "inner" for a shaft, "outer" for a housing.
+    limits : tuple
+        Up to which nominal diameter, lower and upper deviation of the seat, those of the ring [m]; ascending.
+    """
+
+    name: str
+    description: str
+    source: str
+    validity: str
+    references: tuple[Citation, ...] = ()
+    ring: str
+    limits: tuple[tuple[float, float, float, float, float], ...]
+
+    def interference(self, diameter: float) -> tuple[float, float]:
+        """Return mean and standard deviation of the interference [m], seat and ring even over their tolerances."""
+        for up_to, low, high, ring_low, ring_high in self.limits:
+            if diameter <= up_to:
+                mean = 0.5 * (low + high - ring_low - ring_high)
+                return mean if self.ring == "inner" else -mean, math.hypot(high - low, ring_high - ring_low) / 12**0.5
+        most = format_quantity(self.limits[-1][0], "m")
+        raise ValueError(f"{self.name} is known up to {most}, not for {format_quantity(diameter, 'm')}")
 
 
 class Family(abc.ABC):

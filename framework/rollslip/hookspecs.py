@@ -100,3 +100,8 @@ def measurements() -> Iterable[Any]:  # type: ignore[empty-body]
 @hookspec
 def surfaces() -> Iterable[Any]:  # type: ignore[empty-body]
     """Surfaces this plugin offers: values of `rollslip.datasets.SurfaceData`."""
+
+
+@hookspec
+def fits() -> Iterable[Any]:  # type: ignore[empty-body]
+    """Fits this plugin offers: values of `rollslip.datasets.FitData`."""

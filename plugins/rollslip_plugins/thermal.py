@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
 import attrs
 import numpy as np
 
-from rollslip.datasets import Material
 from rollslip.errors import SceneError
 from rollslip.fields import in_range, non_negative, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.references import Reference
+from rollslip.scene.clearance import boundaries, operating
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.thermal_balance.model import Array, ThermalModel
@@ -134,17 +134,6 @@ def _factor(doc: str) -> Any:
     )
 
 
-def _interference(doc: str) -> Any:
-    return parameter(
-        default=0.0,
-        unit="m",
-        doc=f"interference of {doc} before mounting, of diameters; 0 for a clearance that holds after it",
-        validator=non_negative,
-        usual=(0, 2e-4),
-        possible=(0, 1e-2),
-    )
-
-
 def _temperature(doc: str, default: float | None) -> Any:
     return parameter(
         default=default,
@@ -188,14 +177,10 @@ class Network(ThermalModel):
 
     ``oil_factor``, ``contact_factor`` and ``surroundings_factor`` multiply what is estimated, so that it can scatter.
 
-    ``expansion`` a is the thermal expansion of steel; 0 leaves the clearance as the scene gives it. With it that holds
-    at the temperatures of the scene, and changes with those of the parts by a (E_o dT_o - E_i dT_i - 2 D dT_r).
-
-    ``shaft_interference`` I_s and ``housing_interference`` I_h take the given clearance for that before mounting: a
-    solid shaft widens the inner raceway by I_s d/E_i, a thick housing narrows the outer one by I_h E_o/D_o, with bore d
-    and outside diameter D_o (Lame, rings and seats of one steel; d and D_o are estimated, half a roller from the
-    raceways). With ``centrifugal_growth`` turning rings widen as free annuli; what that and the growth of the shaft
-    leave of I_s still presses. Seats of other temperatures than their rings do not change I_s and I_h here.
+    A bearing with ``bearing.mounting`` has the clearance that its seats leave at the temperatures of the nodes, as every
+    study computes it (`rollslip.scene.clearance.operating`). Where ``bearing.radial_clearance`` is stated, or follows
+    from the diameters alone, ``expansion`` a lets it change with the temperatures of the parts: it holds at those of
+    the scene, and changes by a (E_o dT_o - E_i dT_i - 2 D dT_r). 0 leaves it as it is.
 
     Range: one temperature for each part, which is what lumped nodes can say; no radiation by itself, no boiling oil.
 
@@ -250,14 +235,11 @@ class Network(ThermalModel):
     expansion: float = parameter(
         default=0.0,
         unit="1/K",
-        doc="thermal expansion of rings and rollers; 0 for a clearance that stays",
+        doc="thermal expansion of rings and rollers, where the clearance is stated; 0 for one that stays",
         validator=non_negative,
         usual=(0, 3e-5),
         possible=(0, 1e-3),
     )
-    shaft_interference: float = _interference("the inner ring on its shaft")
-    housing_interference: float = _interference("the outer ring in its housing")
-    centrifugal_growth: bool = parameter(default=False, doc="whether rings that turn widen by their centrifugal force")
     oil_factor: float = _factor("between oil and parts")
     contact_factor: float = _factor("between rings and rollers")
     surroundings_factor: float = _factor("between rings and surroundings")
@@ -387,29 +369,17 @@ class Network(ThermalModel):
             "operation.roller_temperature": rollers,
             "operation.outer_ring_temperature": outer,
         }
-        grown = self._mounted(scene)
-        if self.expansion > 0.0:
-            grown += self.expansion * (
+        if b.mounted is not None:
+            found["bearing.radial_clearance"] = operating(
+                b, (o.inner_speed, o.outer_speed), (inner, rollers, outer)
+            ).clearance
+        elif self.expansion > 0.0:
+            found["bearing.radial_clearance"] = b.radial_clearance + self.expansion * (
                 b.outer_raceway_diameter * (outer - o.outer_ring_temperature)
                 - b.inner_raceway_diameter * (inner - o.inner_ring_temperature)
                 - 2.0 * b.roller_diameter * (rollers - o.roller_temperature)
             )
-        if grown != 0.0 or self.expansion > 0.0:
-            found["bearing.radial_clearance"] = b.radial_clearance + grown
         return found
-
-    def _mounted(self, scene: Scene) -> float:
-        """By how much fits and speed widen the clearance [m]."""
-        b, o = scene.bearing, scene.operation
-        bore, outside = b.boundaries
-        inner, outer = b.inner_raceway_diameter, b.outer_raceway_diameter
-        pressed, inner_grown, outer_grown = self.shaft_interference, 0.0, 0.0
-        if self.centrifugal_growth:
-            at_bore, inner_grown = _widened(b.material, o.inner_speed, bore, inner)
-            outer_grown, _ = _widened(b.material, o.outer_speed, outer, outside)
-            _, shaft = _widened(b.material, o.inner_speed, 0.0, bore)
-            pressed = max(pressed - (at_bore - shaft), 0.0)
-        return outer_grown - self.housing_interference * outer / outside - inner_grown - pressed * bore / inner
 
     @property
     def inlet(self) -> tuple[float, float] | None:
@@ -419,21 +389,12 @@ class Network(ThermalModel):
         return self.oil_inlet_temperature, self.oil_flow * self.oil_specific_heat
 
 
-def _widened(material: Material, speed: float, bore: float, outside: float) -> tuple[float, float]:
-    """By how much a free turning annulus widens at its bore and at its outside [m], of diameters, in plane stress."""
-    nu, force = material.poisson_ratio, material.density * speed**2 / (16.0 * material.elastic_modulus)
-    return (
-        force * bore * ((3.0 + nu) * outside**2 + (1.0 - nu) * bore**2),
-        force * outside * ((1.0 - nu) * outside**2 + (3.0 + nu) * bore**2),
-    )
-
-
 def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     """What a bearing's size and speed say of conductances and capacities; see `Network`."""
     b, k, scene = assembly.scene.bearing, assembly.kinematics, assembly.scene
     oil, steel = assembly.lubricant.at(scene.operation.temperature), b.material
     width = _WIDTH * b.roller_length
-    bore, outside = b.boundaries
+    bore, outside = boundaries(b)
     seats = {"shaft": math.pi * bore * width, "housing": math.pi * outside * width}
     area = sum(seats.values())
     flux = _REFERENCE_FLUX * max(area / _REFERENCE_AREA, 1.0) ** _LESS

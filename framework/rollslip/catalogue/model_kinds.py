@@ -3,7 +3,7 @@
 from typing import Final
 
 from rollslip.catalogue.kinds import Kind, Template
-from rollslip.datasets import BearingData, SurfaceData
+from rollslip.datasets import BearingData, FitData, SurfaceData
 from rollslip.engine import Engine
 from rollslip.lubricant.oil import Lubricant
 from rollslip.lubricant.pressure import PressureViscosity
@@ -147,3 +147,4 @@ SURFACE: Final = Kind(
         needs=(),
     ),
 )
+FIT: Final = Kind(name="fit", hook="fits", base=FitData, data=True)

@@ -24,6 +24,7 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rollslip.datasets import MountedClearance
     from rollslip.planning.plan import Plan
     from rollslip.studies.answers import Part
 
@@ -34,8 +35,19 @@ Sections = dict[str, list[tuple[str, str]]]
 
 
 def headline(plan: "Plan") -> str:
-    """Return the first line of every run: version, scene and hash, models, with the packages of others."""
-    return headline_of(plan.scene, ((kind, model.name, model.name) for kind, model in plan.models))
+    """Return the first line of every run: version, scene and hash, models, with the packages of others.
+
+    A second one says how the clearance in operation came about, where that is not stated.
+    """
+    first = headline_of(plan.scene, ((kind, model.name, model.name) for kind, model in plan.models))
+    mounted = plan.scene.bearing.mounted
+    return first if mounted is None else f"{first}\nclearance in operation: {clearance_told(mounted)}"
+
+
+def clearance_told(mounted: "MountedClearance") -> str:
+    """Say how a clearance in operation came about, and what of it nobody stated."""
+    assumed = f"; assumed: {' and '.join(mounted.assumed)} (bearing.mounting)" if mounted.assumed else ""
+    return f"{mounted}{assumed}"
 
 
 def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
@@ -262,6 +274,7 @@ def _held(dataset: "xr.Dataset") -> Sections:
             ("created", a["created"]),
             ("dimensions", ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())),
             ("variables", ", ".join(map(str, dataset.data_vars))),
+            *([("clearance", json.loads(a["clearance"])["text"])] if "clearance" in a else []),
             *([("evaluations", f"{a['evaluations']} slices in {a['wall_time']:.2g} s")] if "evaluations" in a else []),
             *([("accuracy", accuracy_and_time(dataset))] if "accuracy" in a else []),
             *((about, "; ".join(texts)) for about, texts in account_of(dataset).topics(dataset).items()),
@@ -292,6 +305,7 @@ def scene_info(scene: Scene) -> Sections:
     sections: Sections = {
         "bearing": [
             ("radial clearance", format_quantity(scene.bearing.radial_clearance, "m")),
+            *([] if (mounted := scene.bearing.mounted) is None else [("clearance is", clearance_told(mounted))]),
             ("roller mass", format_quantity(assembly.roller_mass, "kg")),
             ("epicyclic cage speed", format_quantity(k.epicyclic_cage_speed, "rad/s")),
             ("epicyclic roller spin", format_quantity(k.epicyclic_roller_speed, "rad/s")),

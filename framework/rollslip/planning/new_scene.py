@@ -12,10 +12,14 @@ import string
 from collections.abc import Collection, Mapping
 from typing import Any, Final
 
+import attrs
+
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import MAKES, estimated_inertia
 from rollslip.catalogue.discovery import find, load, own_cage
+from rollslip.datasets import Bearing
 from rollslip.errors import SceneError
+from rollslip.scene.clearance import boundaries, operating, usual_fit
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import SUPPLIES
@@ -155,7 +159,8 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
         "bearing": bearing,
         "estimated": "estimated (D)" if "D" in named.grades.values() else "known",
         "rollers": b.rollers,
-        **{name: format_quantity(getattr(b, name), "m") for name in (*lengths, "radial_clearance")},
+        **{name: format_quantity(getattr(b, name), "m") for name in lengths},
+        **_clearance(b),
         "follows": "# " if follows else "",
         "make": cage,
         "why_make": f"{make.words}{f': {says} in the name' if says else ': most makers put it in' if follows else ''}",
@@ -167,6 +172,23 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
         "supply": supply,
         "supply_words": SUPPLIES[supply].words,
         **given,
+    }
+
+
+def _clearance(b: Bearing) -> dict[str, object]:
+    """Return what the template takes of the clearance; a bearing without a table of it has no mounting."""
+    if b.mounting is None:
+        size = format_quantity(b.radial_clearance, "m")
+        known = {"mounted": "# ", "clearance": "a bearing without clearance classes", "clearance_class": "CN"}
+        return known | {"radial_clearance": size, "shaft_fit": usual_fit(boundaries(b)[0])}
+    mounting = attrs.evolve(b.mounting, initial_clearance=b.radial_clearance)
+    mounted = operating(attrs.evolve(b, mounting=mounting), (0.0, 0.0))
+    return {
+        "mounted": "",
+        "clearance": mounted,
+        "clearance_class": b.clearance_class,
+        "radial_clearance": format_quantity(mounted.clearance, "m", 3),
+        "shaft_fit": usual_fit(boundaries(b)[0]),
     }
 
 

@@ -32,6 +32,7 @@ from rollslip.scene.values import EXACT, Scene
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.study import Study, settings
+from rollslip.units import format_quantity
 
 _log = logging.getLogger(__name__)
 
@@ -212,6 +213,9 @@ def plan(
         )
     )
     parts.append(_inlet(stated.film))
+    if (mounted := scene.bearing.mounted) is not None:
+        clearance = format_quantity(mounted.clearance, "m", 3)
+        parts.append(Part(part="clearance", choice=clearance, resolution="in operation", reason=str(mounted)))
     for name, one in studies.items():
         assembly = stated.at(estimated[name].resolution)
         try:

@@ -13,6 +13,7 @@ from rollslip.fields import unusual
 from rollslip.lubricant.base_oil import HIGHEST_INDEX
 from rollslip.lubricant.table import OilTable, index_of
 from rollslip.scene.changes import Quantity, evolve
+from rollslip.scene.clearance import unused
 from rollslip.scene.plausibility import unusual_model, unusual_relations, unusual_values
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import Location
@@ -40,6 +41,7 @@ def implausible(scene: Scene) -> list[str]:
     told = {at.path for at, _ in found}
     if not any(path[0] == "bearing" for path in told):  # of a bearing in doubt none of a cage is
         found += [(at, text) for at, text in doubts(scene) if at.path not in told]
+    found += _clearance(scene, raw, where.at("bearing"))
     return [*dict.fromkeys(at.says(told) for at, told in found)]
 
 
@@ -67,6 +69,16 @@ def _oil(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tupl
         yield where, f"{name!r} keeps what the scene states: {', '.join(kept)}; lubricant={name} alone leaves it out"
     if left:
         yield where, f"{name!r} leaves out what the scene states: {', '.join(left)}; lubricant.name={name} keeps it"
+
+
+def _clearance(scene: Scene, raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:
+    """Yield what is stated beside a clearance in operation and not used, and that seats leave a preload."""
+    for key in unused(raw.get("bearing", {})):
+        yield where.at(key), "is not used: bearing.radial_clearance is stated, that in operation"
+    mounted = scene.bearing.mounted
+    if mounted is not None and mounted.clearance < 0.0:
+        said = f"the bearing runs preloaded: {mounted}; rings are rigid here, so that forces of rollers are too large"
+        yield where.at("mounting"), f"{said}; take a looser fit or class, or a smaller temperature_difference"
 
 
 def _models(raw: Mapping[str, Any], where: Location) -> Iterator[tuple[Location, str]]:

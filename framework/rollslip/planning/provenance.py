@@ -98,13 +98,14 @@ def together(origins: Iterable[Mapping[str, Any]], key: str) -> list[Any]:
 
 def scene_told(scene: Scene, given: Scene | None = None) -> dict[str, Any]:
     """Return title, text and hash of a scene; `given` is the scene as it was written, where a campaign changes it."""
-    given = given or scene
+    given, mounted = given or scene, scene.bearing.mounted
     return {
         "title": scene.title,
         "source": given.source,
         "scene": given.text,
         "scene_resolved": resolved(scene),
         "scene_hash": scene_hash(scene),
+        **({} if mounted is None else {"clearance": {"text": str(mounted), "terms": mounted.terms}}),
     }
 
 

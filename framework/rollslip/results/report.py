@@ -309,6 +309,8 @@ def _oil(datasets: "Datasets") -> str:
     for heading, named in _per_study(datasets, "data", structured=True):
         for one in named:
             body += heading + _tag("p", f"{one['kind'].capitalize()} {one['name']}. {one['source']} {one['validity']}")
+    for heading, clearance in _per_study(datasets, "clearance", structured=True):
+        body += heading + _tag("p", f"Clearance in operation: {clearance['text']}.")
     for heading, rings in _per_study(datasets, "conditions", structured=True):
         rows = [
             [meaning, *(_value(conditions.get(key), unit) for conditions in rings.values())]

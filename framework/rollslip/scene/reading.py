@@ -17,6 +17,7 @@ import attrs
 
 from rollslip.errors import PluginError, SceneError, nearest
 from rollslip.files import content_of, decoded, readable
+from rollslip.scene.clearance import FOLLOWS, before_mounting, in_operation, listed
 from rollslip.scene.plausibility import impossible_relations
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable, Location, attributes, bare_key, key_of, structure, thawed
@@ -132,6 +133,7 @@ def checked_scene(
     complete = _with_own_cage(raw, _with_named_data(raw, Location(origins), problems))
     scene = structure(Scene, complete, Location(origins), problems, known)
     if scene is not None:
+        scene = in_operation(scene, complete, Location(origins), problems)
         problems += impossible_relations(scene, complete, Location(origins))
     if scene is None or problems:
         raise SceneError(problems)
@@ -153,10 +155,16 @@ def _with_named_data(raw: dict[str, object], where: Location, problems: list[str
         from rollslip.catalogue.discovery import get_class  # only a scene that names data needs a plugin
 
         try:
-            complete[kind] = _filled(own, get_class(kind, name).data)
+            data = get_class(kind, name).data
+            if kind == "bearing":
+                data = listed(own, name, data, where.at(kind), problems)
+            complete[kind] = filled = _filled(own, data)
+            gives = any(filled[key] != own.get(key) for key in filled if key not in FOLLOWS)
+            if kind == "bearing":
+                before_mounting(filled, own, data)
         except PluginError as error:
             raise type(error)(at.says(str(error))) from error
-        if complete[kind] == own:  # as when a name is set in a scene that spells all values out
+        if not gives:  # as when a name is set in a scene that spells all values out
             problems.append(at.says(f"{name!r} gives nothing, every value is written out; leave out what it gives"))
     return complete
 

@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Final, NamedTuple
 
-from rollslip.datasets import Bearing, BearingData, Catalogue, Family, OwnCage, Profile, Scatter
+from rollslip.datasets import Bearing, BearingData, Catalogue, Family, Mounting, OwnCage, Profile, Scatter
 from rollslip_plugins.bibliography import GOST_22696, ISO_15, ISO_76, ISO_5753
 from rollslip_plugins.data.designations import other_bearing, read_designation
 
@@ -309,7 +309,7 @@ def _bearing(name: str, size: _Size, group: str) -> BearingData:
             f"name. Clearance: middle of group {group} of ISO 5753-1, {low:g} to {high:g} um. Profile: that of "
             "ISO/TS 16281 for rollers of unknown profile (D). Factor of the least load: SKF (A)."
         ),
-        validity="Before mounting: fits, speed and temperature change the clearance, a scene gives that in operation.",
+        validity="Before mounting: a scene says what fits, speed and temperature leave of the clearance.",
         references=(ISO_15, ISO_5753, GOST_22696, ISO_76),
         bearing=Bearing(
             rollers=inside.rollers,
@@ -318,6 +318,12 @@ def _bearing(name: str, size: _Size, group: str) -> BearingData:
             inner_raceway_diameter=round(1e-3 * (inside.pitch - inside.diameter), 7),
             outer_raceway_diameter=round(1e-3 * (inside.pitch + inside.diameter), 7),
             radial_clearance=round(0.5e-6 * (low + high), 9),
+            clearance_class=group,
+            mounting=Mounting(
+                bore=round(1e-3 * size.bore, 7),
+                outside_diameter=round(1e-3 * size.outside, 7),
+                initial_tolerance=round(1e-6 * (high - low), 9),
+            ),
             profile=Profile(shape="iso16281"),
             catalogue=Catalogue(
                 series=size.series.removesuffix("E"),
@@ -342,13 +348,6 @@ def _bearing(name: str, size: _Size, group: str) -> BearingData:
                 grade="(D)",
                 source="rollers times length of bearings of two makers against the rule of it; the number of rollers "
                 "and their diameter stay as they are",
-            ),
-            Scatter(
-                quantity="radial_clearance",
-                distribution="uniform",
-                parameters={"low": f"{low:g} um", "high": f"{high:g} um"},
-                grade="(B)",
-                source=f"group {group} of ISO 5753-1, before mounting",
             ),
         ),
     )

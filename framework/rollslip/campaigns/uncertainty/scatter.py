@@ -9,6 +9,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.catalogue.discovery import load, named_data
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
+from rollslip.scene.clearance import clearance_scatter
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable
 
@@ -42,6 +43,7 @@ def with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
         if offer.kind != "lubricant" and isinstance(written, Mapping):
             scatter = getattr(load(offer), "scatter", ())
             used[offer.kind] = [one for one in scatter if one.quantity not in written]
+    used["bearing"] = [*used.get("bearing", ()), *clearance_scatter(scene.bearing)]
     used = {table: scatters for table, scatters in used.items() if scatters}
     if not used:
         raise SceneError(

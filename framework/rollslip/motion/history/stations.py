@@ -278,6 +278,7 @@ class Stations:
         read = {name for r in bearing.raceways for name in conditions_read(r.deflection)}
         key = (
             *(value for axis, value in zip(self.axes, place, strict=True) if axis.unit != "K"),
+            bearing.scene.bearing.radial_clearance,  # which rings of other temperatures change
             *(getattr(raceway.conditions, name) for raceway in bearing.raceways for name in sorted(read)),
         )
         tolerance = self.friction.table_tolerance(bearing)

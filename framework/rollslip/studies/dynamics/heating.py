@@ -193,7 +193,7 @@ def heated(study: Warming, assembly: Assembly, progress: Callable[[str, float], 
     at = np.tile(start, (times.size, 1))
     tried, moved, halved = list[Array](), list[Array](), 0
     for count in range(1, _MOST + 1):
-        history = _history(study, bearing, model, given, times, at, most)
+        history = _history(study, assembly, bearing, model, given, times, at, most)
         if progress is not None:
             progress(f"temperatures, pass {count}", (count - 1) / max(_USUAL + 1, count + 1))
         try:
@@ -239,6 +239,7 @@ def _accelerated(tried: list[Array], moved: list[Array]) -> Array:
 
 def _history(
     study: Warming,
+    written: Assembly,
     assembly: Assembly,
     model: ThermalModel,
     given: History | None,
@@ -249,7 +250,7 @@ def _history(
     """The operation with temperatures of the nodes (m, n) at times; as it is given where they stay."""
     if not np.ptp(at, axis=0).any():
         return given
-    rows = [model.changes(row, assembly.scene) for row in at]
+    rows = [model.changes(row, written.scene) for row in at]  # of the scene as it is written: no change comes twice
     values = {key: np.array([row[key] for row in rows]) for key in rows[0]}
     path = ThermalPath.through(times, values, error)
     own = {key.removeprefix("operation."): course for key, course in path.courses.items() if key != CLEARANCE}

@@ -1,0 +1,300 @@
+"""The clearance of a bearing in operation: what seats, temperatures and speed leave of that before mounting.
+
+G = G_0 - k I_s W_s - k I_h W_h - a (E_i dT_i + 2 D dT_r) + growth by speed + deviation.
+
+- G_0 is the clearance before mounting, I_s and I_h are the interferences of the seats, k is what smoothing leaves of
+  them, 0 where a seat is loose. W_s and W_h are the shares that come through a ring to its raceway (Lame, `widened` and
+  `narrowed`): d/E_i of a solid shaft and E_o/D_o of a thick housing of the rings' steel.
+- dT_i and dT_r are the temperatures of inner ring and rollers above that of the outer ring.
+- It is computed once, when a scene is read, and stands in ``bearing.radial_clearance``: every study reads it there. A
+  thermal model asks `operating` for other temperatures, and gets the same answer for the same ones.
+- Rings are round and rigid otherwise: seats that are out of round, and bending of thin housings, are not in it.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import attrs
+
+from rollslip.datasets import Bearing, Material, MountedClearance, Mounting, Scatter
+from rollslip.errors import PluginError
+from rollslip.fields import FieldError
+from rollslip.structure import Location
+from rollslip.units import as_written, format_quantity
+
+__all__ = [
+    "FOLLOWS", "before_mounting", "boundaries", "clearance_scatter", "in_operation", "listed", "narrowed", "operating",
+    "spun", "unused", "usual_fit", "widened",
+]  # fmt: skip
+
+#: Keys of a bearing from which its clearance in operation follows.
+FOLLOWS = ("clearance_class", "mounting")
+#: Up to which bore [m] which fit of a shaft is usual; the outer ring stands still in H7.
+_USUAL = ((0.05, "k5"), (0.1, "m5"), (math.inf, "m6"))
+_USUAL_HOUSING = "H7"
+
+
+def usual_fit(bore: float) -> str:
+    """Return the fit that is assumed of a shaft under a ring that turns; ``bore`` in m."""
+    return next(fit for up_to, fit in _USUAL if bore <= up_to)
+
+
+def boundaries(bearing: Bearing) -> tuple[float, float]:
+    """Return bore and outside diameter [m]; where nobody gives them, half a roller from the raceways (D)."""
+    m = bearing.mounting or Mounting()
+    least = 0.5 * bearing.inner_raceway_diameter
+    bore = m.bore or max(bearing.inner_raceway_diameter - bearing.roller_diameter, least)
+    return bore, m.outside_diameter or bearing.outer_raceway_diameter + bearing.roller_diameter
+
+
+# Elasticity ----------------------------------------------------------------------------------------------------------
+
+
+def _yielding(material: Material, inside: float, outside: float, pressed: str) -> float:
+    """Change of the pressed diameter of a ring for its size and a pressure of 1 [1/Pa], in plane stress (Lame)."""
+    thick = 1.0 if math.isinf(outside) else (outside**2 + inside**2) / (outside**2 - inside**2)
+    return (thick + (1 if pressed == "inside" else -1) * material.poisson_ratio) / material.elastic_modulus
+
+
+def widened(
+    interference: float, ring: Material, bore: float, raceway: float, shaft_bore: float = 0.0,
+    shaft: Material | None = None,
+) -> float:  # fmt: skip
+    """Return by how much a shaft widens the raceway of an inner ring [m], of diameters.
+
+    p = I/(d (w_r + w_s)); dE_i = 2 p d^2 E_i/(E (E_i^2 - d^2)), with w as Lame's thick rings yield.
+
+    Examples
+    --------
+    A solid shaft of the ring's steel: I d/E_i.
+
+    >>> round(1e6 * widened(20e-6, Material(), 0.08, 0.1), 9)
+    16.0
+    """
+    both = _yielding(ring, bore, raceway, "inside") + _yielding(shaft or ring, shaft_bore, bore, "outside")
+    return interference / both * 2.0 * bore * raceway / (ring.elastic_modulus * (raceway**2 - bore**2))
+
+
+def narrowed(
+    interference: float, ring: Material, raceway: float, outside: float, housing_outside: float = math.inf,
+    housing: Material | None = None,
+) -> float:  # fmt: skip
+    """Return by how much a housing narrows the raceway of an outer ring [m], of diameters.
+
+    Examples
+    --------
+    A thick housing of the ring's steel: I E_o/D_o.
+
+    >>> round(1e6 * narrowed(20e-6, Material(), 0.08, 0.1), 9)
+    16.0
+    """
+    both = _yielding(ring, raceway, outside, "outside") + _yielding(
+        housing or ring, outside, housing_outside, "inside"
+    )
+    return interference / both * 2.0 * raceway * outside / (ring.elastic_modulus * (outside**2 - raceway**2))
+
+
+def spun(material: Material, speed: float, inside: float, outside: float) -> tuple[float, float]:
+    """Return by how much a free turning annulus widens inside and outside [m], of diameters, in plane stress.
+
+    Parameters
+    ----------
+    material : Material
+        Of the annulus.
+    speed : float
+        [rad/s].
+    inside, outside : float
+        Its diameters [m].
+    """
+    nu, force = material.poisson_ratio, material.density * speed**2 / (16.0 * material.elastic_modulus)
+    return (
+        force * inside * ((3.0 + nu) * outside**2 + (1.0 - nu) * inside**2),
+        force * outside * ((1.0 - nu) * outside**2 + (3.0 + nu) * inside**2),
+    )
+
+
+# The clearance -------------------------------------------------------------------------------------------------------
+
+
+def operating(
+    bearing: Bearing, speeds: tuple[float, float], temperatures: tuple[float, float, float] | None = None
+) -> MountedClearance:
+    """Return the clearance in operation of a bearing that has a mounting.
+
+    Parameters
+    ----------
+    bearing : Bearing
+        The bearing.
+    speeds : tuple of float
+        Of inner and outer ring [rad/s].
+    temperatures : tuple of float, optional
+        Of inner ring, rollers and outer ring [K]; by default those that the mounting says differ.
+
+    Raises
+    ------
+    FieldError
+        If a fit is not known, or a diameter of a seat does not fit the rings.
+    """
+    m, steel = bearing.mounting or Mounting(), bearing.material
+    inner, outer = bearing.inner_raceway_diameter, bearing.outer_raceway_diameter
+    bore, outside = boundaries(bearing)
+    around = math.inf if m.housing_outside_diameter is None else m.housing_outside_diameter
+    for name, small, large in (
+        ("bore", bore, inner), ("outside_diameter", outer, outside), ("shaft_bore", m.shaft_bore, bore),
+        ("housing_outside_diameter", outside, around),
+    ):  # fmt: skip
+        if small >= large:
+            raise FieldError(name, f"{format_quantity(small, 'm')} leaves nothing of {format_quantity(large, 'm')}")
+    shaft = _seat(m, "shaft", usual_fit(bore), bore)
+    housing = _seat(m, "housing", _USUAL_HOUSING, outside)
+
+    def seated(speed: float = 0.0) -> float:
+        """Widening of the inner raceway [m]."""
+        at_bore, grown = spun(steel, speed, bore, inner)
+        left = m.smoothing * shaft[1] - at_bore + spun(steel, speed, m.shaft_bore, bore)[1]
+        return widened(max(left, 0.0), steel, bore, inner, m.shaft_bore) + grown
+
+    turned = 0.0
+    if m.growth:
+        turned = spun(steel, speeds[1], outer, outside)[0] - seated(speeds[0]) + seated()
+    warm = m.temperature_difference
+    rollers = warm
+    if temperatures is not None:
+        warm, rollers = (one - temperatures[2] for one in temperatures[:2])
+    before = bearing.nominal_clearance if m.initial_clearance is None else m.initial_clearance
+    through = (widened(m.smoothing, steel, bore, inner, m.shaft_bore), narrowed(m.smoothing, steel, outer, outside, around))
+    of_housing = max(housing[1], 0.0) * through[1]
+    known = [shaft[2] * through[0] * (shaft[1] > 0.0), housing[2] * through[1] * (housing[1] > 0.0)]
+    return MountedClearance(
+        terms=(
+            (bearing.clearance_class or "before mounting", before),
+            (shaft[0], -seated()),
+            (housing[0], -of_housing),
+            (f"for {warm:.3g} K", -m.expansion * (inner * warm + 2.0 * bearing.roller_diameter * rollers)),
+            ("for speed", turned),
+            ("of deviation", m.clearance_deviation),
+        ),
+        deviation=math.hypot(m.initial_tolerance / math.sqrt(12.0), *known),
+        assumed=tuple(
+            f"{part}_fit"
+            for part in ("shaft", "housing")
+            if getattr(m, f"{part}_fit") is None and getattr(m, f"{part}_interference") is None
+        ),
+    )
+
+
+def _seat(m: Mounting, part: str, usual: str, diameter: float) -> tuple[str, float, float]:
+    """Return name, mean interference and its standard deviation [m] of a seat."""
+    from rollslip.catalogue.discovery import families, get_class  # only a bearing on seats needs a plugin
+
+    given = getattr(m, f"{part}_interference")
+    if given is not None:
+        return f"{part} fit", given, 0.0
+    key, name = f"{part}_fit", getattr(m, f"{part}_fit") or usual
+    ring = "inner" if part == "shaft" else "outer"
+    try:
+        fit = get_class("fit", name)
+    except PluginError:
+        every = [one for _, family in families("fit") for one in family.names]
+        there = ", ".join(one for one in every if one[0].islower() == (part == "shaft"))
+        raise FieldError(
+            key, f"no fit of a {part} is called {as_written(name)}; there are {there}, or give {part}_interference"
+        ) from None
+    if fit.ring != ring:
+        raise FieldError(key, f"{name!r} is no fit of a {part}: shafts have small letters, housings capital ones")
+    try:
+        return fit.name, *fit.interference(diameter)
+    except ValueError as error:
+        raise FieldError(key, f"{error}; give {part}_interference") from None
+
+
+# In a scene ----------------------------------------------------------------------------------------------------------
+
+
+def listed(own: dict[str, object], name: str, data: Bearing, where: Location, problems: list[str]) -> Bearing:
+    """Return a named bearing, in the clearance class that the own keys of its table name."""
+    from rollslip.catalogue.discovery import find, get_class  # only a class that is named needs a plugin
+
+    wanted = own.get("clearance_class")
+    if not isinstance(wanted, str):
+        return data
+    plain = find("bearing", name).name.partition("-C")[0]
+    try:
+        found: Bearing = get_class("bearing", f"{plain}-{wanted.strip().lstrip('/')}").data
+    except PluginError:
+        problems.append(
+            where.at("clearance_class").says(
+                f"{plain!r} is not listed in class {as_written(wanted)}: write C2, CN, C3 or C4, or another class that "
+                "'rollslip models bearing' lists it in, or give bearing.mounting.initial_clearance"
+            )
+        )
+        return data
+    own["clearance_class"] = found.clearance_class
+    return found
+
+
+def before_mounting(filled: dict[str, Any], own: Mapping[str, object], data: Bearing) -> None:
+    """Take the clearance of a named bearing for that before mounting, where its data say so."""
+    if data.mounting is None or not isinstance(table := filled.get("mounting"), dict):
+        return
+    if "radial_clearance" not in own:
+        filled.pop("radial_clearance", None)
+    given = own.get("mounting")
+    if isinstance(given, Mapping) and "initial_clearance" in given:
+        if "initial_tolerance" not in given:
+            table["initial_tolerance"] = 0.0
+    else:
+        table["initial_clearance"] = data.radial_clearance
+
+
+def in_operation(scene: Any, raw: Mapping[str, Any], where: Location, problems: list[str]) -> Any:
+    """Return a scene with the clearance in operation, where none is stated and the bearing has a mounting."""
+    bearing, o, at = scene.bearing, scene.operation, where.at("bearing")
+    table, given = raw["bearing"], raw["operation"]
+    mine = at.at("radial_clearance")
+    if "radial_clearance" in table:
+        stated = where.origins.get(mine.path)
+        said = "changes nothing, since bearing.radial_clearance is stated, that in operation; leave that out, or change it"
+        new = {path[1:2] for path, origin in where.origins.items() if path[:1] == ("bearing",) and origin == "changes"}
+        problems += [at.at(key).says(said) for key in unused(table) if (key,) in new and stated != "changes"]
+        return scene if bearing.mounted is None else attrs.evolve(scene, bearing=attrs.evolve(bearing, mounted=None))
+    if bearing.mounting is None and bearing.clearance_class is None:
+        return scene
+    if bearing.clearance_class is not None and (bearing.mounting is None or bearing.mounting.initial_clearance is None):
+        problems.append(
+            at.at("clearance_class").says(
+                "only a bearing with bearing.name has classes; give bearing.mounting.initial_clearance, the middle of it"
+            )
+        )
+        return scene
+    rings = {"inner_ring_temperature", "outer_ring_temperature"} & given.keys()
+    warm = (o.inner_ring_temperature, o.roller_temperature, o.outer_ring_temperature) if rings else None
+    try:
+        mounted = operating(bearing, (o.inner_speed, o.outer_speed), warm)
+        made = attrs.evolve(bearing, radial_clearance=mounted.clearance, mounted=mounted)
+    except FieldError as error:
+        at = at if error.field == "radial_clearance" else at.at("mounting")
+        problems.append(at.at(error.field).says(error.reason))
+        return scene
+    return attrs.evolve(scene, bearing=made)
+
+
+def unused(table: Mapping[str, Any]) -> list[str]:
+    """Return the keys of a table of a bearing that say nothing where its clearance in operation is stated."""
+    return [key for key in FOLLOWS if key in table] if "radial_clearance" in table else []
+
+
+def clearance_scatter(bearing: Bearing) -> tuple[Scatter, ...]:
+    """Return how the clearance in operation of a bearing in a scene scatters; nothing where that is stated."""
+    if bearing.mounted is None or not bearing.mounted.deviation > 0.0:
+        return ()
+    return (
+        Scatter(
+            quantity="mounting.clearance_deviation",
+            distribution="normal",
+            parameters={"mean": "0 um", "deviation": f"{bearing.mounted.deviation * 1e6:.3g} um"},
+            grade="(B)",
+            source=f"clearance in operation, {bearing.mounted}: class, seats and rings each even over their tolerances",
+        ),
+    )
