@@ -125,12 +125,6 @@ ISO_76: Final = Reference(kind="standard", title="Rolling bearings: static load 
 ISO_5753: Final = Reference(
     kind="standard", title="Rolling bearings: internal clearance, part 1: radial clearance", number="ISO 5753-1"
 )
-ISO_286: Final = Reference(
-    kind="standard", title="ISO code system for tolerances on linear sizes, parts 1 and 2", number="ISO 286"
-)
-ISO_492: Final = Reference(
-    kind="standard", title="Rolling bearings: radial bearings, dimensional and geometrical tolerances", number="ISO 492"
-)
 GOST_22696: Final = Reference(
     kind="standard", title="Rolling bearings: short cylindrical rollers", number="GOST 22696-2013"
 )

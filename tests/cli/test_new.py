@@ -99,10 +99,35 @@ def test_every_commented_value_of_the_bearing_is_the_one_that_counts():
     new("my.toml", "--bearing", "NU1010")
     scene = load_scene("my.toml")
     comments = [line[2:] for line in scene.text.partition("[surface]")[0].splitlines() if re.match(r"# \w+ = ", line)]
-    assert len(comments) == 6
+    assert len(comments) == 7
     written = structure(Bearing, tomllib.loads("\n".join(comments)), Location({}), [])
-    for name in ("rollers", "roller_diameter", "roller_length", "inner_raceway_diameter", "radial_clearance"):
+    for name in ("rollers", "roller_diameter", "roller_length", "inner_raceway_diameter"):
         assert getattr(written, name) == pytest.approx(getattr(scene.bearing, name), rel=1e-12)
+    assert written.clearance_class == scene.bearing.clearance_class
+    assert written.radial_clearance == pytest.approx(scene.bearing.radial_clearance, abs=1e-7)  # at rest, in 3 digits
+
+
+@pytest.mark.parametrize(
+    ("bearing", "fit", "says"),
+    [
+        ("NU210", "k5", "45 CN - 9.1 k5 - 4.9 for 5 K = 31 um"),
+        ("NU 2216 ECP", "m5", "57.5 CN - 17 m5 - 7.6 for 5 K = 33 um"),
+        ("NU 322/C3", "m6", "105 C3 - 21 m6 - 13 for 5 K = 71 um"),
+    ],
+)
+def test_a_new_scene_says_how_its_clearance_comes_about(bearing, fit, says):
+    done = new("my.toml", "--bearing", bearing, "--speed", "1 rpm")
+    assert done.exit_code == 0, done.output
+    scene = load_scene("my.toml")
+    assert f"[bearing.mounting]                       # clearance in operation: {says}\n" in scene.text
+    assert str(scene.bearing.mounted) == says
+    assert scene.bearing.mounted.assumed == ()
+    assert (scene.bearing.mounting.shaft_fit, scene.bearing.mounting.housing_fit) == (fit, "H7")
+
+
+def test_a_bearing_without_clearance_classes_is_not_mounted():
+    assert new("my.toml", "--bearing", "1032930").exit_code == 0
+    assert load_scene("my.toml").bearing.mounted is None
 
 
 def test_in_a_terminal_it_asks_and_asks_again(monkeypatch):

@@ -200,7 +200,10 @@ def test_the_scatter_of_each_rule_is_that_of_the_table_of_errors():
 def test_a_scene_with_a_name_of_the_catalogue_is_planned_and_cites_the_standards():
     read = scene("name = 'NU 2210 ECP/C3'\nrollers = 16")
     assert read.bearing.rollers == 16
-    assert read.bearing.radial_clearance == pytest.approx(65e-6)
+    # 65 um of C3, less k5 (2 to 13 um on a bore of 0 to -12 um) at a raceway of 59.5 mm, less 5 K; speed takes 0.03 um
+    left = 65e-6 - 0.8 * 13.5e-6 * 50.0 / 59.5 - 12e-6 * 5.0 * read.bearing.outer_raceway_diameter
+    assert read.bearing.inner_raceway_diameter == pytest.approx(59.5e-3)
+    assert read.bearing.radial_clearance == pytest.approx(left, abs=5e-8)
     assert read.surface.roller_roughness == 1e-7
     made = plan(read)
     assert made.scene is read
@@ -208,11 +211,10 @@ def test_a_scene_with_a_name_of_the_catalogue_is_planned_and_cites_the_standards
 
 def test_its_scatter_is_taken_where_the_scene_says_nothing_of_it():
     made, said = with_scatter(scene("name = 'NU2210'"))
-    assert made.uncertainty["bearing"]["radial_clearance"] == {
-        "distribution": "uniform",
-        "low": "30 um",
-        "high": "60 um",
-    }
+    # class 30 to 60 um, k5 11 um and bore 12 um wide, each even
+    left = ((30.0**2 + (0.8 * 50.0 / 59.5) ** 2 * (11.0**2 + 12.0**2)) / 12.0) ** 0.5
+    table = made.uncertainty["bearing"]["mounting.clearance_deviation"]
+    assert table == {"distribution": "normal", "mean": "0 um", "deviation": f"{left:.3g} um"}
     assert made.uncertainty["bearing"]["roller_length"]["scatter"] == RULES["22E"].scatter
     assert any(text.startswith("bearing.roller_length (D): ") for text in said)
     own, _ = with_scatter(scene("name = 'NU2210'\nradial_clearance = '20 um'"))

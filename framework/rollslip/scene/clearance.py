@@ -140,12 +140,13 @@ def operating(
     inner, outer = bearing.inner_raceway_diameter, bearing.outer_raceway_diameter
     bore, outside = boundaries(bearing)
     around = math.inf if m.housing_outside_diameter is None else m.housing_outside_diameter
-    for name, small, large in (
-        ("bore", bore, inner), ("outside_diameter", outer, outside), ("shaft_bore", m.shaft_bore, bore),
-        ("housing_outside_diameter", outside, around),
+    for name, size, low, high in (
+        ("bore", bore, 0.0, inner), ("outside_diameter", outside, outer, math.inf), ("shaft_bore", m.shaft_bore, -1.0, bore),
+        ("housing_outside_diameter", around, outside, math.inf),
     ):  # fmt: skip
-        if small >= large:
-            raise FieldError(name, f"{format_quantity(small, 'm')} leaves nothing of {format_quantity(large, 'm')}")
+        if not low < size < high and not math.isinf(size):
+            bound = f"less than {format_quantity(high, 'm')}" if size >= high else f"more than {format_quantity(low, 'm')}"
+            raise FieldError(name, f"must be {bound}, not {format_quantity(size, 'm')}")
     shaft = _seat(m, "shaft", usual_fit(bore), bore)
     housing = _seat(m, "housing", _USUAL_HOUSING, outside)
 

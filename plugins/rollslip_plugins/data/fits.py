@@ -1,20 +1,27 @@
 """Fits of ISO 286 for shafts and housings of bearings of tolerance class Normal (ISO 492), as tables of the standards.
 
-- All numbers are those of the printed tables, in micrometres (B: recalled, and held by tests against printed limits of
-  common fits). The deviations of holes follow from those of shafts by the standard's rule: with the opposite sign, and
+- All numbers are those of the standards' tables, in micrometres. Up to 250 mm, and to 400 mm of N and P, they were held
+  against tables that makers print (A); the rest is recalled (B). ``tests/references/iso_286.csv`` has what was read. The deviations of holes follow from those of shafts by the standard's rule: with the opposite sign, and
   from grade 3 of K, M, N and 3 of P and R on enlarged by Delta = IT(n) - IT(n-1) between 3 and 500 mm.
-- The formulas behind them, i = 0.45 D^(1/3) + 0.001 D and IT6 = 10 i, IT7 = 16 i, are rounded in the standard by rules
-  of its own; a test holds the tables against them.
+- The formulas behind the grades, i = 0.45 D^(1/3) + 0.001 D with 7, 10, 16 and 25 i, are rounded in the standard by
+  rules of its own; a test holds the tables against them.
 """
 
-import math
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Final
 
 from rollslip.datasets import Family, FitData
-from rollslip_plugins.bibliography import ISO_286, ISO_492
+from rollslip.references import Reference
 
+_REFERENCES: Final = (
+    Reference(
+        kind="standard", title="ISO code system for tolerances on linear sizes, parts 1 and 2", number="ISO 286"
+    ),
+    Reference(
+        kind="standard", title="Rolling bearings: radial bearings, dimensional tolerances", number="ISO 492"
+    ),
+)
 #: Steps of the nominal diameter, up to [mm].
 _STEPS: Final = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500, 630, 800, 1000)
 #: Grade -> tolerance of each step [um] (ISO 286-1, table 1).
@@ -147,9 +154,9 @@ class Iso286(Family):
         return FitData(
             name=name,
             description=f"{part} {name} with a bearing of class Normal, up to {ends[len(limits) - 1]} mm",
-            source="ISO 286 for the seat, ISO 492 class Normal for the bearing; tables recalled (B)",
+            source="ISO 286 for the seat, ISO 492 class Normal for the bearing: tables that makers print (A), else (B)",
             validity="Solid or thick seats of even roughness; what flattening leaves of it is the scene's.",
-            references=(ISO_286, ISO_492),
+            references=_REFERENCES,
             ring=of,
             limits=tuple(limits),
         )
@@ -157,18 +164,3 @@ class Iso286(Family):
 
 FITS: Final = Iso286()
 
-
-def formula(grade: int, low: float, high: float) -> float:
-    """Return the tolerance [um] that the standard's formula gives for a step of diameters [mm], before rounding.
-
-    i = 0.45 D^(1/3) + 0.001 D up to 500 mm, I = 0.004 D + 2.1 above, D the geometric mean of the ends; IT5, 6, 7 and 8
-    are 7, 10, 16 and 25 of it.
-
-    Examples
-    --------
-    >>> round(formula(7, 50, 80))
-    30
-    """
-    D = math.sqrt(low * high)
-    unit = 0.45 * D ** (1 / 3) + 0.001 * D if high <= 500 else 0.004 * D + 2.1
-    return {5: 7, 6: 10, 7: 16, 8: 25}[grade] * unit
