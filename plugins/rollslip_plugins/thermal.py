@@ -177,8 +177,8 @@ class Network(ThermalModel):
 
     ``oil_factor``, ``contact_factor`` and ``surroundings_factor`` multiply what is estimated, so that it can scatter.
 
-    A bearing with ``bearing.mounting`` has the clearance that its seats leave at the temperatures of the nodes, as every
-    study computes it (`rollslip.scene.clearance.operating`). Where ``bearing.radial_clearance`` is stated, or follows
+    A bearing with ``bearing.mounting`` has the clearance that its seats leave at the temperatures of the nodes, as in
+    every study (`rollslip.scene.clearance.operating`). Where ``bearing.radial_clearance`` is stated, or follows
     from the diameters alone, ``expansion`` a lets it change with the temperatures of the parts: it holds at those of
     the scene, and changes by a (E_o dT_o - E_i dT_i - 2 D dT_r). 0 leaves it as it is.
 

@@ -103,7 +103,7 @@ def test_a_broken_family_says_why_and_hides_no_other_name(monkeypatch, module, t
 
 def test_two_that_mean_the_same_are_both_named(monkeypatch):
     twin = discovery.Offer(
-        kind="bearing", name="twin", package="other", version="1", module=FAMILIES["cylindrical-roller"]
+        kind="bearing", name="twin", package="other", version="1", module=FAMILIES["cylindrical-roller"][1]
     )
     installed = (*discovery._installed(), twin)
     monkeypatch.setattr(discovery, "_installed", lambda: installed)

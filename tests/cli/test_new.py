@@ -104,7 +104,7 @@ def test_every_commented_value_of_the_bearing_is_the_one_that_counts():
     for name in ("rollers", "roller_diameter", "roller_length", "inner_raceway_diameter"):
         assert getattr(written, name) == pytest.approx(getattr(scene.bearing, name), rel=1e-12)
     assert written.clearance_class == scene.bearing.clearance_class
-    assert written.radial_clearance == pytest.approx(scene.bearing.radial_clearance, abs=1e-7)  # at rest, in 3 digits
+    assert written.radial_clearance == pytest.approx(scene.bearing.radial_clearance, abs=1e-7)  # 3 digits
 
 
 @pytest.mark.parametrize(

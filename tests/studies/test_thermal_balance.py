@@ -373,7 +373,9 @@ def test_a_tight_fit_loads_more_rollers_and_slips_less():
 
     def fitted(size):
         seat = still | {"shaft_interference": size}
-        return run(evolve(from_raw(raw, "fit"), {"bearing.mounting": seat, "models.thermal": network()}), "thermal-balance")
+        return run(
+            evolve(from_raw(raw, "fit"), {"bearing.mounting": seat, "models.thermal": network()}), "thermal-balance"
+        )
 
     loose, tight = fitted(0.0), fitted(5e-5)
     assert {str(loose.status.item()), str(tight.status.item())} == {"found"}

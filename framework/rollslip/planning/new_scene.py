@@ -12,14 +12,11 @@ import string
 from collections.abc import Collection, Mapping
 from typing import Any, Final
 
-import attrs
-
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import MAKES, estimated_inertia
 from rollslip.catalogue.discovery import find, load, own_cage
-from rollslip.datasets import Bearing
 from rollslip.errors import SceneError
-from rollslip.scene.clearance import boundaries, operating, usual_fit
+from rollslip.scene.clearance import boundaries, usual_fit
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import SUPPLIES
@@ -126,7 +123,11 @@ def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) 
     SceneError, PluginError
         If it would not run, such as where the oil's data end below the temperature.
     """
-    text = _aligned(_template().substitute(_values(**given), **_marks(assumed)))
+    values, template = _values(**given) | _marks(assumed), _template()
+    left = parse_scene(template.substitute(values, clearance="", radial_clearance=""), source).bearing
+    told = {"clearance": left.mounted or "of a bearing without clearance classes"}
+    told["radial_clearance"] = format_quantity(left.radial_clearance, "m", 3)
+    text = _aligned(template.substitute(values | told))
     assemble(parse_scene(text, source)).load_distribution()
     return text
 
@@ -160,7 +161,9 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
         "estimated": "estimated (D)" if "D" in named.grades.values() else "known",
         "rollers": b.rollers,
         **{name: format_quantity(getattr(b, name), "m") for name in lengths},
-        **_clearance(b),
+        "clearance_class": b.clearance_class or "CN",
+        "mounted": "" if b.mounting else "# ",
+        "shaft_fit": usual_fit(boundaries(b)[0]),
         "follows": "# " if follows else "",
         "make": cage,
         "why_make": f"{make.words}{f': {says} in the name' if says else ': most makers put it in' if follows else ''}",
@@ -172,23 +175,6 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
         "supply": supply,
         "supply_words": SUPPLIES[supply].words,
         **given,
-    }
-
-
-def _clearance(b: Bearing) -> dict[str, object]:
-    """Return what the template takes of the clearance; a bearing without a table of it has no mounting."""
-    if b.mounting is None:
-        size = format_quantity(b.radial_clearance, "m")
-        known = {"mounted": "# ", "clearance": "a bearing without clearance classes", "clearance_class": "CN"}
-        return known | {"radial_clearance": size, "shaft_fit": usual_fit(boundaries(b)[0])}
-    mounting = attrs.evolve(b.mounting, initial_clearance=b.radial_clearance)
-    mounted = operating(attrs.evolve(b, mounting=mounting), (0.0, 0.0))
-    return {
-        "mounted": "",
-        "clearance": mounted,
-        "clearance_class": b.clearance_class,
-        "radial_clearance": format_quantity(mounted.clearance, "m", 3),
-        "shaft_fit": usual_fit(boundaries(b)[0]),
     }
 
 

@@ -3,8 +3,8 @@
 G = G_0 - k I_s W_s - k I_h W_h - a (E_i dT_i + 2 D dT_r) + growth by speed + deviation.
 
 - G_0 is the clearance before mounting, I_s and I_h are the interferences of the seats, k is what smoothing leaves of
-  them, 0 where a seat is loose. W_s and W_h are the shares that come through a ring to its raceway (Lame, `widened` and
-  `narrowed`): d/E_i of a solid shaft and E_o/D_o of a thick housing of the rings' steel.
+  them, 0 where a seat is loose. W_s and W_h are the shares that come through a ring to its raceway (Lame, `share`):
+  d/E_i of a solid shaft and E_o/D_o of a thick housing of the rings' steel.
 - dT_i and dT_r are the temperatures of inner ring and rollers above that of the outer ring.
 - It is computed once, when a scene is read, and stands in ``bearing.radial_clearance``: every study reads it there. A
   thermal model asks `operating` for other temperatures, and gets the same answer for the same ones.
@@ -24,8 +24,8 @@ from rollslip.structure import Location
 from rollslip.units import as_written, format_quantity
 
 __all__ = [
-    "FOLLOWS", "before_mounting", "boundaries", "clearance_scatter", "in_operation", "listed", "narrowed", "operating",
-    "spun", "unused", "usual_fit", "widened",
+    "FOLLOWS", "before_mounting", "boundaries", "clearance_scatter", "in_operation", "listed", "operating", "share",
+    "spun", "unused", "usual_fit",
 ]  # fmt: skip
 
 #: Keys of a bearing from which its clearance in operation follows.
@@ -48,65 +48,37 @@ def boundaries(bearing: Bearing) -> tuple[float, float]:
     return bore, m.outside_diameter or bearing.outer_raceway_diameter + bearing.roller_diameter
 
 
-# Elasticity ----------------------------------------------------------------------------------------------------------
+def share(ring: Material, raceway: float, seat: float, beyond: float, other: Material | None = None) -> float:
+    """Return the share of an interference that comes through a ring to its raceway, of diameters, in plane stress.
 
-
-def _yielding(material: Material, inside: float, outside: float, pressed: str) -> float:
-    """Change of the pressed diameter of a ring for its size and a pressure of 1 [1/Pa], in plane stress (Lame)."""
-    thick = 1.0 if math.isinf(outside) else (outside**2 + inside**2) / (outside**2 - inside**2)
-    return (thick + (1 if pressed == "inside" else -1) * material.poisson_ratio) / material.elastic_modulus
-
-
-def widened(
-    interference: float, ring: Material, bore: float, raceway: float, shaft_bore: float = 0.0,
-    shaft: Material | None = None,
-) -> float:  # fmt: skip
-    """Return by how much a shaft widens the raceway of an inner ring [m], of diameters.
-
-    p = I/(d (w_r + w_s)); dE_i = 2 p d^2 E_i/(E (E_i^2 - d^2)), with w as Lame's thick rings yield.
-
-    Examples
-    --------
-    A solid shaft of the ring's steel: I d/E_i.
-
-    >>> round(1e6 * widened(20e-6, Material(), 0.08, 0.1), 9)
-    16.0
-    """
-    both = _yielding(ring, bore, raceway, "inside") + _yielding(shaft or ring, shaft_bore, bore, "outside")
-    return interference / both * 2.0 * bore * raceway / (ring.elastic_modulus * (raceway**2 - bore**2))
-
-
-def narrowed(
-    interference: float, ring: Material, raceway: float, outside: float, housing_outside: float = math.inf,
-    housing: Material | None = None,
-) -> float:  # fmt: skip
-    """Return by how much a housing narrows the raceway of an outer ring [m], of diameters.
-
-    Examples
-    --------
-    A thick housing of the ring's steel: I E_o/D_o.
-
-    >>> round(1e6 * narrowed(20e-6, Material(), 0.08, 0.1), 9)
-    16.0
-    """
-    both = _yielding(ring, raceway, outside, "outside") + _yielding(
-        housing or ring, outside, housing_outside, "inside"
-    )
-    return interference / both * 2.0 * raceway * outside / (ring.elastic_modulus * (outside**2 - raceway**2))
-
-
-def spun(material: Material, speed: float, inside: float, outside: float) -> tuple[float, float]:
-    """Return by how much a free turning annulus widens inside and outside [m], of diameters, in plane stress.
+    2 s r/(E |r^2 - s^2| (w + w')), with w = ((x^2 + s^2)/|x^2 - s^2| +- nu)/E of ring and seat (Lame).
 
     Parameters
     ----------
-    material : Material
-        Of the annulus.
-    speed : float
-        [rad/s].
-    inside, outside : float
-        Its diameters [m].
+    ring, other : Material
+        Of the ring, and of shaft or housing, by default the same.
+    raceway, seat, beyond : float
+        Diameters [m]: r, s, and the other end of shaft or housing, 0 for a solid shaft and inf for a thick housing.
+
+    Examples
+    --------
+    A solid shaft of the ring's steel: d/E_i.
+
+    >>> round(share(Material(), 0.1, 0.08, 0.0), 12)
+    0.8
     """
+    outward = 1 if raceway > seat else -1
+
+    def yields(material: Material, far: float, sign: int) -> float:
+        thick = 1.0 if math.isinf(far) else (far**2 + seat**2) / abs(far**2 - seat**2)
+        return (thick + sign * material.poisson_ratio) / material.elastic_modulus
+
+    both = yields(ring, raceway, outward) + yields(other or ring, beyond, -outward)
+    return 2.0 * seat * raceway / (ring.elastic_modulus * abs(raceway**2 - seat**2) * both)
+
+
+def spun(material: Material, speed: float, inside: float, outside: float) -> tuple[float, float]:
+    """Return by how much the diameters [m] of a free annulus widen at a speed [rad/s], in plane stress."""
     nu, force = material.poisson_ratio, material.density * speed**2 / (16.0 * material.elastic_modulus)
     return (
         force * inside * ((3.0 + nu) * outside**2 + (1.0 - nu) * inside**2),
@@ -114,22 +86,12 @@ def spun(material: Material, speed: float, inside: float, outside: float) -> tup
     )
 
 
-# The clearance -------------------------------------------------------------------------------------------------------
-
-
 def operating(
     bearing: Bearing, speeds: tuple[float, float], temperatures: tuple[float, float, float] | None = None
 ) -> MountedClearance:
-    """Return the clearance in operation of a bearing that has a mounting.
+    """Return the clearance in operation at speeds of inner and outer ring [rad/s].
 
-    Parameters
-    ----------
-    bearing : Bearing
-        The bearing.
-    speeds : tuple of float
-        Of inner and outer ring [rad/s].
-    temperatures : tuple of float, optional
-        Of inner ring, rollers and outer ring [K]; by default those that the mounting says differ.
+    ``temperatures`` are those of inner ring, rollers and outer ring [K]; by default they differ as the mounting says.
 
     Raises
     ------
@@ -141,42 +103,44 @@ def operating(
     bore, outside = boundaries(bearing)
     around = math.inf if m.housing_outside_diameter is None else m.housing_outside_diameter
     for name, size, low, high in (
-        ("bore", bore, 0.0, inner), ("outside_diameter", outside, outer, math.inf), ("shaft_bore", m.shaft_bore, -1.0, bore),
+        ("bore", bore, 0.0, inner),
+        ("outside_diameter", outside, outer, math.inf),
+        ("shaft_bore", m.shaft_bore, -1.0, bore),
         ("housing_outside_diameter", around, outside, math.inf),
-    ):  # fmt: skip
+    ):
         if not low < size < high and not math.isinf(size):
-            bound = f"less than {format_quantity(high, 'm')}" if size >= high else f"more than {format_quantity(low, 'm')}"
+            bound = (
+                f"less than {format_quantity(high, 'm')}" if size >= high else f"more than {format_quantity(low, 'm')}"
+            )
             raise FieldError(name, f"must be {bound}, not {format_quantity(size, 'm')}")
-    shaft = _seat(m, "shaft", usual_fit(bore), bore)
-    housing = _seat(m, "housing", _USUAL_HOUSING, outside)
+    shaft, pressed, of_shaft = _seat(m, "shaft", usual_fit(bore), bore)
+    housing, tight, of_housing = _seat(m, "housing", _USUAL_HOUSING, outside)
+    through = share(steel, inner, bore, m.shaft_bore), share(steel, outer, outside, around)
 
-    def seated(speed: float = 0.0) -> float:
+    def seated(speed: float) -> float:
         """Widening of the inner raceway [m]."""
         at_bore, grown = spun(steel, speed, bore, inner)
-        left = m.smoothing * shaft[1] - at_bore + spun(steel, speed, m.shaft_bore, bore)[1]
-        return widened(max(left, 0.0), steel, bore, inner, m.shaft_bore) + grown
+        left = m.smoothing * pressed - at_bore + spun(steel, speed, m.shaft_bore, bore)[1]
+        return through[0] * max(left, 0.0) + grown
 
-    turned = 0.0
-    if m.growth:
-        turned = spun(steel, speeds[1], outer, outside)[0] - seated(speeds[0]) + seated()
-    warm = m.temperature_difference
-    rollers = warm
+    turned = spun(steel, speeds[1], outer, outside)[0] - seated(speeds[0]) + seated(0.0) if m.growth else 0.0
+    warm = rollers = m.temperature_difference
     if temperatures is not None:
         warm, rollers = (one - temperatures[2] for one in temperatures[:2])
     before = bearing.nominal_clearance if m.initial_clearance is None else m.initial_clearance
-    through = (widened(m.smoothing, steel, bore, inner, m.shaft_bore), narrowed(m.smoothing, steel, outer, outside, around))
-    of_housing = max(housing[1], 0.0) * through[1]
-    known = [shaft[2] * through[0] * (shaft[1] > 0.0), housing[2] * through[1] * (housing[1] > 0.0)]
+    scatters = zip(through, (of_shaft, of_housing), (pressed, tight), strict=True)
     return MountedClearance(
         terms=(
             (bearing.clearance_class or "before mounting", before),
-            (shaft[0], -seated()),
-            (housing[0], -of_housing),
+            (shaft, -seated(0.0)),
+            (housing, -m.smoothing * through[1] * max(tight, 0.0)),
             (f"for {warm:.3g} K", -m.expansion * (inner * warm + 2.0 * bearing.roller_diameter * rollers)),
             ("for speed", turned),
             ("of deviation", m.clearance_deviation),
         ),
-        deviation=math.hypot(m.initial_tolerance / math.sqrt(12.0), *known),
+        deviation=math.hypot(
+            m.initial_tolerance / math.sqrt(12.0), *(m.smoothing * a * b for a, b, mean in scatters if mean > 0.0)
+        ),
         assumed=tuple(
             f"{part}_fit"
             for part in ("shaft", "housing")
@@ -208,9 +172,6 @@ def _seat(m: Mounting, part: str, usual: str, diameter: float) -> tuple[str, flo
         return fit.name, *fit.interference(diameter)
     except ValueError as error:
         raise FieldError(key, f"{error}; give {part}_interference") from None
-
-
-# In a scene ----------------------------------------------------------------------------------------------------------
 
 
 def listed(own: dict[str, object], name: str, data: Bearing, where: Location, problems: list[str]) -> Bearing:
@@ -249,36 +210,33 @@ def before_mounting(filled: dict[str, Any], own: Mapping[str, object], data: Bea
         table["initial_clearance"] = data.radial_clearance
 
 
-def in_operation(scene: Any, raw: Mapping[str, Any], where: Location, problems: list[str]) -> Any:
-    """Return a scene with the clearance in operation, where none is stated and the bearing has a mounting."""
-    bearing, o, at = scene.bearing, scene.operation, where.at("bearing")
-    table, given = raw["bearing"], raw["operation"]
-    mine = at.at("radial_clearance")
-    if "radial_clearance" in table:
-        stated = where.origins.get(mine.path)
-        said = "changes nothing, since bearing.radial_clearance is stated, that in operation; leave that out, or change it"
-        new = {path[1:2] for path, origin in where.origins.items() if path[:1] == ("bearing",) and origin == "changes"}
-        problems += [at.at(key).says(said) for key in unused(table) if (key,) in new and stated != "changes"]
-        return scene if bearing.mounted is None else attrs.evolve(scene, bearing=attrs.evolve(bearing, mounted=None))
-    if bearing.mounting is None and bearing.clearance_class is None:
-        return scene
-    if bearing.clearance_class is not None and (bearing.mounting is None or bearing.mounting.initial_clearance is None):
-        problems.append(
-            at.at("clearance_class").says(
-                "only a bearing with bearing.name has classes; give bearing.mounting.initial_clearance, the middle of it"
-            )
-        )
-        return scene
-    rings = {"inner_ring_temperature", "outer_ring_temperature"} & given.keys()
+def in_operation(scene: Any, raw: Mapping[str, Any], where: Location, problems: list[str]) -> Bearing:
+    """Return the bearing of a scene with its clearance in operation, where none is stated and it has a mounting."""
+    b: Bearing = scene.bearing
+    o, at = scene.operation, where.at("bearing")
+    if "radial_clearance" in raw["bearing"]:
+        if where.origins.get(("bearing", "radial_clearance")) != "changes":
+            new = {
+                path[1] for path, origin in where.origins.items() if path[0:1] == ("bearing",) and origin == "changes"
+            }
+            said = "changes nothing, since bearing.radial_clearance is stated, that in operation; leave that out"
+            problems += [at.at(key).says(said) for key in unused(raw["bearing"]) if key in new]
+        return b if b.mounted is None else attrs.evolve(b, mounted=None)
+    if b.clearance_class is not None and (b.mounting is None or b.mounting.initial_clearance is None):
+        said = "only a bearing with bearing.name has classes; give bearing.mounting.initial_clearance, the middle of it"
+        problems.append(at.at("clearance_class").says(said))
+        return b
+    if b.mounting is None:
+        return b
+    rings = {"inner_ring_temperature", "outer_ring_temperature"} & raw["operation"].keys()
     warm = (o.inner_ring_temperature, o.roller_temperature, o.outer_ring_temperature) if rings else None
     try:
-        mounted = operating(bearing, (o.inner_speed, o.outer_speed), warm)
-        made = attrs.evolve(bearing, radial_clearance=mounted.clearance, mounted=mounted)
+        mounted = operating(b, (o.inner_speed, o.outer_speed), warm)
+        return attrs.evolve(b, radial_clearance=mounted.clearance, mounted=mounted)
     except FieldError as error:
         at = at if error.field == "radial_clearance" else at.at("mounting")
         problems.append(at.at(error.field).says(error.reason))
-        return scene
-    return attrs.evolve(scene, bearing=made)
+        return b
 
 
 def unused(table: Mapping[str, Any]) -> list[str]:

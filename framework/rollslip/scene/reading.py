@@ -133,7 +133,7 @@ def checked_scene(
     complete = _with_own_cage(raw, _with_named_data(raw, Location(origins), problems))
     scene = structure(Scene, complete, Location(origins), problems, known)
     if scene is not None:
-        scene = in_operation(scene, complete, Location(origins), problems)
+        scene = attrs.evolve(scene, bearing=in_operation(scene, complete, Location(origins), problems))
         problems += impossible_relations(scene, complete, Location(origins))
     if scene is None or problems:
         raise SceneError(problems)

@@ -1,8 +1,9 @@
 """Fits of ISO 286 for shafts and housings of bearings of tolerance class Normal (ISO 492), as tables of the standards.
 
 - All numbers are those of the standards' tables, in micrometres. Up to 250 mm, and to 400 mm of N and P, they were held
-  against tables that makers print (A); the rest is recalled (B). ``tests/references/iso_286.csv`` has what was read. The deviations of holes follow from those of shafts by the standard's rule: with the opposite sign, and
-  from grade 3 of K, M, N and 3 of P and R on enlarged by Delta = IT(n) - IT(n-1) between 3 and 500 mm.
+  against tables that makers print (A); the rest is recalled (B). ``tests/references/iso_286.csv`` has what was read.
+- The deviations of holes follow from those of shafts by the standard's rule: with the opposite sign, and of K, M, N, P
+  and R enlarged by Delta = IT(n) - IT(n-1) between 3 and 500 mm.
 - The formulas behind the grades, i = 0.45 D^(1/3) + 0.001 D with 7, 10, 16 and 25 i, are rounded in the standard by
   rules of its own; a test holds the tables against them.
 """
@@ -15,12 +16,8 @@ from rollslip.datasets import Family, FitData
 from rollslip.references import Reference
 
 _REFERENCES: Final = (
-    Reference(
-        kind="standard", title="ISO code system for tolerances on linear sizes, parts 1 and 2", number="ISO 286"
-    ),
-    Reference(
-        kind="standard", title="Rolling bearings: radial bearings, dimensional tolerances", number="ISO 492"
-    ),
+    Reference(kind="standard", title="ISO code system for tolerances on linear sizes, parts 1 and 2", number="ISO 286"),
+    Reference(kind="standard", title="Rolling bearings: radial bearings, dimensional tolerances", number="ISO 492"),
 )
 #: Steps of the nominal diameter, up to [mm].
 _STEPS: Final = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500, 630, 800, 1000)
@@ -163,4 +160,3 @@ class Iso286(Family):
 
 
 FITS: Final = Iso286()
-
