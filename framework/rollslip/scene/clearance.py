@@ -217,7 +217,9 @@ def in_operation(scene: Any, raw: Mapping[str, Any], where: Location, problems: 
     if "radial_clearance" in raw["bearing"]:
         if where.origins.get(("bearing", "radial_clearance")) != "changes":
             new = {
-                path[1] for path, origin in where.origins.items() if path[0:1] == ("bearing",) and origin == "changes"
+                path[1]
+                for path, origin in where.origins.items()
+                if origin == "changes" and len(path) > 1 and path[0] == "bearing"
             }
             said = "changes nothing, since bearing.radial_clearance is stated, that in operation; leave that out"
             problems += [at.at(key).says(said) for key in unused(raw["bearing"]) if key in new]
