@@ -11,7 +11,7 @@ from rollslip.errors import SceneError
 from rollslip.fields import in_range, non_negative, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.references import Reference
-from rollslip.scene.clearance import boundaries, operating
+from rollslip.scene.clearance import operating
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.thermal_balance.model import Array, ThermalModel
@@ -394,7 +394,7 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
     b, k, scene = assembly.scene.bearing, assembly.kinematics, assembly.scene
     oil, steel = assembly.lubricant.at(scene.operation.temperature), b.material
     width = _WIDTH * b.roller_length
-    bore, outside = boundaries(b)
+    bore, outside = b.boundaries
     seats = {"shaft": math.pi * bore * width, "housing": math.pi * outside * width}
     area = sum(seats.values())
     flux = _REFERENCE_FLUX * max(area / _REFERENCE_AREA, 1.0) ** _LESS

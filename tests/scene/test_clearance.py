@@ -14,7 +14,7 @@ from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.datasets import Bearing, Material, Mounting
 from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
-from rollslip.scene.clearance import boundaries, operating, share, spun, usual_fit
+from rollslip.scene.clearance import operating, share, spun, usual_fit
 from rollslip.scene.reading import from_raw, parse_scene
 from rollslip.scene.values import resolved, scene_hash
 from rollslip_plugins.data.cylindrical import CATALOGUE
@@ -230,8 +230,8 @@ def test_classes_stand_in_their_order(name):
 
 def test_the_usual_fit_follows_the_bore():
     assert [usual_fit(1e-3 * bore) for bore in (20, 50, 55, 100, 105, 300)] == ["k5", "k5", "m5", "m5", "m6", "m6"]
-    assert boundaries(scene().bearing) == (0.08, 0.14)
-    assert boundaries(PLAIN) == (pytest.approx(0.15), pytest.approx(0.21))  # estimated: half a roller
+    assert scene().bearing.boundaries == (0.08, 0.14)
+    assert PLAIN.boundaries == (pytest.approx(0.15), pytest.approx(0.21))  # estimated: half a roller
 
 
 # One clearance in every study ---------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import MAKES, estimated_inertia
 from rollslip.catalogue.discovery import find, load, own_cage
 from rollslip.errors import SceneError
-from rollslip.scene.clearance import boundaries, usual_fit
+from rollslip.scene.clearance import usual_fit
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import SUPPLIES
@@ -163,7 +163,7 @@ def _values(*, bearing: str, cage: str, supply: str, **given: str) -> dict[str, 
         **{name: format_quantity(getattr(b, name), "m") for name in lengths},
         "clearance_class": b.clearance_class or "CN",
         "mounted": "" if b.mounting else "# ",
-        "shaft_fit": usual_fit(boundaries(b)[0]),
+        "shaft_fit": usual_fit(b.boundaries[0]),
         "follows": "# " if follows else "",
         "make": cage,
         "why_make": f"{make.words}{f': {says} in the name' if says else ': most makers put it in' if follows else ''}",

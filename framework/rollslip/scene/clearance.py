@@ -24,7 +24,7 @@ from rollslip.structure import Location
 from rollslip.units import as_written, format_quantity
 
 __all__ = [
-    "FOLLOWS", "before_mounting", "boundaries", "clearance_scatter", "in_operation", "listed", "operating", "share",
+    "FOLLOWS", "before_mounting", "clearance_scatter", "in_operation", "listed", "operating", "share",
     "spun", "unused", "usual_fit",
 ]  # fmt: skip
 
@@ -38,14 +38,6 @@ _USUAL_HOUSING = "H7"
 def usual_fit(bore: float) -> str:
     """Return the fit that is assumed of a shaft under a ring that turns; ``bore`` in m."""
     return next(fit for up_to, fit in _USUAL if bore <= up_to)
-
-
-def boundaries(bearing: Bearing) -> tuple[float, float]:
-    """Return bore and outside diameter [m]; where nobody gives them, half a roller from the raceways (D)."""
-    m = bearing.mounting or Mounting()
-    least = 0.5 * bearing.inner_raceway_diameter
-    bore = m.bore or max(bearing.inner_raceway_diameter - bearing.roller_diameter, least)
-    return bore, m.outside_diameter or bearing.outer_raceway_diameter + bearing.roller_diameter
 
 
 def share(ring: Material, raceway: float, seat: float, beyond: float, other: Material | None = None) -> float:
@@ -100,7 +92,7 @@ def operating(
     """
     m, steel = bearing.mounting or Mounting(), bearing.material
     inner, outer = bearing.inner_raceway_diameter, bearing.outer_raceway_diameter
-    bore, outside = boundaries(bearing)
+    bore, outside = bearing.boundaries
     around = math.inf if m.housing_outside_diameter is None else m.housing_outside_diameter
     for name, size, low, high in (
         ("bore", bore, 0.0, inner),
