@@ -188,7 +188,7 @@ class Mounting:
     )
     temperature_difference: float = field(
         default=5.0,
-        unit="K",
+        unit="K/1",
         doc="inner ring and rollers above outer ring, where operation gives no temperature of a ring (D)",
         usual=(-20, 40),
         possible=(-150, 150),

@@ -133,6 +133,7 @@ _QUANTITIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "1/K": ("a temperature coefficient", "0.02 1/K", ("1/K",)),
     "1/(Pa K)": ("a pressure-temperature coefficient", "0.07 1/(GPa K)", ("1/(GPa K)",)),
     "K": ("a temperature", "70 degC", ("degC",)),
+    "K/1": ("a difference of temperatures", "5 K", ("K",)),
     "W": ("a power", "50 W", ("mW", "W", "kW")),
     "W/m2": ("a power per area", "20 MW/m2", ("W/m2", "kW/m2", "MW/m2")),
     "J/m2": ("an energy per area", "2 kJ/m2", ("J/m2", "kJ/m2")),
