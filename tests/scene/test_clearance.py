@@ -269,7 +269,10 @@ def test_a_stated_clearance_is_that_in_operation_and_the_rest_is_told_as_unused(
         ({"bearing.mounting.outside_diameter": "100 mm"}, "outside_diameter: must be more than 127 mm, not 100 mm"),
         ({"bearing.mounting.shaft_bore": "80 mm"}, "shaft_bore: must be less than 80 mm, not 80 mm"),
         ({"bearing.mounting.housing_outside_diameter": "120 mm"}, "must be more than 140 mm, not 120 mm"),
-        ({"bearing.mounting.temperature_difference": "70 N"}, "a difference of temperatures is expected, such as '5 K'"),
+        (
+            {"bearing.mounting.temperature_difference": "70 N"},
+            "a difference of temperatures is expected, such as '5 K'",
+        ),
         ({"bearing.mounting.temperature_difference": "300 K"}, "must be from -150 K to 150 K, not 300 K"),
         ({"bearing.mounting": {"shaft_fit": "m5", "shaft_interference": "9 um"}}, "shaft_fit says the same"),
         ({"bearing.mounting.initial_clearance": "20 mm"}, "radial_clearance: must be less than the roller diameter"),

@@ -156,14 +156,15 @@ def _seat(m: Mounting, part: str, usual: str, diameter: float) -> tuple[str, flo
         every = [one for _, family in families("fit") for one in family.names]
         there = ", ".join(one for one in every if one[0].islower() == (part == "shaft"))
         raise FieldError(
-            key, f"no fit of a {part} is called {as_written(name)}; there are {there}, or give {part}_interference"
+            key,
+            f"no fit of a {part} is called {as_written(name)}; there are {there}, or give an interference",
         ) from None
     if fit.ring != ring:
         raise FieldError(key, f"{name!r} is no fit of a {part}: shafts have small letters, housings capital ones")
     try:
         return fit.name, *fit.interference(diameter)
     except ValueError as error:
-        raise FieldError(key, f"{error}; give {part}_interference") from None
+        raise FieldError(key, f"{error}; give an interference in its place") from None
 
 
 def listed(own: dict[str, object], name: str, data: Bearing, where: Location, problems: list[str]) -> Bearing:

@@ -41,8 +41,6 @@ def rows_of(cls: type, prefix: str) -> Iterator[SchemaRow]:
         kind, metadata = kinds[attribute.name], attribute.metadata
         free = metadata.get("rest") or FrozenTable in (kind, *get_args(kind))
         key = prefix + ("*" if metadata.get("rest") else f"{name}.*" if free else name)
-        tables = [one for one in get_args(kind) if attrs.has(one) and bare_key(one) is None]
-        kind = tables[0] if tables and get_origin(kind) is not tuple else kind  # a table that may be left out
         if attrs.has(kind):
             if bare_key(kind) is not None:
                 yield SchemaRow(key, "", shown_default(attribute), metadata["doc"], type="a name, or a table")
@@ -59,6 +57,8 @@ def rows_of(cls: type, prefix: str) -> Iterator[SchemaRow]:
             usual, possible = (shown_range(attribute, which) for which in ("usual", "possible"))
             unit, shown = metadata["unit"] or "", shown_type(kind, attribute)
             yield SchemaRow(key, unit, shown_default(attribute), metadata["doc"], usual, possible, shown)
+            if shown == "table" and get_origin(kind) is not tuple:  # one that may be left out
+                yield from (row for one in get_args(kind) if attrs.has(one) for row in rows_of(one, f"{key}."))
 
 
 def shown_type(kind: Any, attribute: "attrs.Attribute[Any]") -> str:
