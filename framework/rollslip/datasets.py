@@ -351,12 +351,13 @@ class Surface:
 
 @attrs.frozen(kw_only=True)
 class Scatter:
-    """How uncertain a datum of an oil or a bearing is, and who says so.
+    """How uncertain a datum of an oil or a bearing is, or a value that a field has by default, and who says so.
 
     Parameters
     ----------
     quantity : str
-        Key of the table of a scene, ``[lubricant]`` or ``[bearing]``, that scatters.
+        Key of the table of a scene, ``[lubricant]`` or ``[bearing]``, that scatters; empty where a field declares it
+        of itself: ``parameter(..., scatter=Scatter(...))``.
     distribution : str
         Name of its distribution, as in the table ``[uncertainty]`` of a scene.
     parameters : mapping
@@ -367,7 +368,7 @@ class Scatter:
         Where it comes from, in a sentence.
     """
 
-    quantity: str
+    quantity: str = ""
     distribution: str
     parameters: Mapping[str, object] = attrs.field(converter=FrozenTable)
     grade: str

@@ -73,6 +73,7 @@ def field(
     words: Mapping[str, object] | None = None,
     usual: Span | None = None,
     possible: Span | None = None,
+    scatter: object | None = None,
 ) -> Any:
     """Declare a field of a frozen attrs class that a scene can fill.
 
@@ -98,6 +99,8 @@ def field(
         Least and largest value that is met in practice, in `unit`; outside of it a warning. Of each value of a list.
     possible
         Least and largest value that anything can have; outside of it an error.
+    scatter
+        How uncertain a value is that no scene states, a `rollslip.datasets.Scatter`; None for not.
     """
     metadata: dict[str, object] = {
         "doc": doc,
@@ -107,6 +110,7 @@ def field(
         "words": words or {},
         "usual": usual,
         "possible": possible,
+        "scatter": scatter,
     }
     if key is not None:
         metadata["key"] = key
@@ -128,12 +132,13 @@ def parameter(
     validator: Callable[[Any, Any, Any], object] | None = None,
     usual: Span | None = None,
     possible: Span | None = None,
+    scatter: object | None = None,
 ) -> Any:
     """Declare a parameter of a model or a setting of a study.
 
     Parameters
     ----------
-    doc, unit, default, validator, usual, possible
+    doc, unit, default, validator, usual, possible, scatter
         As in `field`.
 
     Examples
@@ -146,7 +151,9 @@ def parameter(
     ...
     rollslip.fields.FieldError: stress: must be above 0, not -1 Pa
     """
-    return field(doc=doc, unit=unit, default=default, validator=validator, usual=usual, possible=possible)
+    return field(
+        doc=doc, unit=unit, default=default, validator=validator, usual=usual, possible=possible, scatter=scatter
+    )
 
 
 def _shown(value: object, attribute: "attrs.Attribute[Any]") -> str:

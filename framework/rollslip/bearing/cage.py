@@ -7,7 +7,7 @@
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final, NamedTuple
 
 import attrs
@@ -16,7 +16,7 @@ from rollslip.bearing.drags import Drags, TotalResistance, with_values
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.catalogue.discovery import own_cage
 from rollslip.catalogue.registry import structure_model
-from rollslip.datasets import Bearing, Scatter
+from rollslip.datasets import Bearing
 from rollslip.errors import DomainError, RollslipError, SceneError
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
 from rollslip.lubricant.oil import Lubricant
@@ -68,16 +68,6 @@ ALTERNATIVES: Final[Mapping[str, tuple[object, ...]]] = {
     "cage.make": tuple(MAKES),
     "cage.land_clearance": (0.5, 2.0),
 }
-#: How estimates of a cage scatter, where a scene does not state them.
-SCATTER: Final = (
-    Scatter(
-        quantity="land_clearance",
-        distribution="lognormal",
-        parameters={"scatter": 0.795},  # 0.7 of the logarithm
-        grade="(D)",
-        source="estimated at 0.25 % of the land's radius; with it the torque of the land scatters by a factor of 2",
-    ),
-)
 
 
 def _of_the_bearing(cage: "Cage") -> float:
@@ -303,8 +293,10 @@ def read_cage(scene: Scene) -> Cage:
     """
     where, problems = Location(scene.origins, ("cage",)), list[str]()
     table: dict[str, object] = dict(scene.cage or {})
-    cage = structure(Cage, {**_estimates(scene.bearing, table), **table}, where, problems)
-    raw = table.get("drag", () if cage is None else default_drags(scene, cage.guidance))
+    estimates = _estimates(scene.bearing, table)
+    usual = default_drags(scene, table.get("guidance", estimates["guidance"]))
+    raw = table["drag"] = _drags(table.get("drag", usual), usual, where.at("drag"), problems)
+    cage = structure(Cage, {**estimates, **table}, where, problems)
     models = [
         structure_model("drag", drag, where.at("drag").at(k), problems)
         for k, drag in enumerate(raw if isinstance(raw, list | tuple) else ())
@@ -312,6 +304,19 @@ def read_cage(scene: Scene) -> Cage:
     if cage is None or problems:
         raise SceneError(problems)
     return attrs.evolve(cage, named=tuple(models))
+
+
+def _drags(raw: object, usual: Sequence[object], where: Location, problems: list[str]) -> object:
+    """Return drags as they are listed; of a table with parameters by name, ``[cage.drag.churning]``, the usual ones."""
+    if not isinstance(raw, Mapping):
+        return raw
+    own = {str(one.get("model")) if isinstance(one, Mapping) else str(one): one for one in usual}
+    for name in raw.keys() - own.keys():
+        known = ", ".join(own) or "none"
+        problems.append(where.at(name).says(f"no drag that acts by default is called so; there are: {known}; list it"))
+    changes = {name: dict(table) for name, table in raw.items() if isinstance(table, Mapping)}
+    tables = {name: dict(one) if isinstance(one, Mapping) else {"model": name} for name, one in own.items()}
+    return [{**table, **changes.get(name, {})} for name, table in tables.items()]
 
 
 def _written(scene: Scene) -> tuple[str, Mapping[str, Any]]:
@@ -339,14 +344,6 @@ def in_words(scene: Scene, cage: Cage) -> tuple[str, str]:
     silent = [key for key in silent if key not in written]
     estimated = f"; estimated (D): {', '.join(silent)}" if silent else ""
     return f"{cage.make}, {format_quantity(cage.mass, 'kg', 3)}, guided by {guide}", known + estimated
-
-
-def unstated_scatter(scene: Scene, cage: Cage) -> tuple[Scatter, ...]:
-    """Return of `SCATTER` what is of this cage, and not stated."""
-    _, written = _written(scene)
-    return tuple(
-        one for one in SCATTER if one.quantity not in written and getattr(cage, one.quantity, None) is not None
-    )
 
 
 def doubts(scene: Scene) -> Iterator[tuple[Location, str]]:

@@ -1,8 +1,8 @@
 """The values of a scene that can be varied: by dotted key, each with unit, meaning and what it is now.
 
 They are taken from the fields of the bound bearing, so that defaults, the parameters of the models chosen and those of
-the models in them are among them. Lists and tables are not: they are no single value; of a list of models the
-parameters of each are.
+the models in them are among them. Lists and tables are not: they are no single value; of a list of models, such as the
+drags of a cage, the parameters of each are.
 """
 
 import contextlib
@@ -27,14 +27,8 @@ __all__ = ["quantities"]
 def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -> dict[str, Quantity]:
     """Return what can be varied of a scene, by key."""
     scene = assembly.scene
-    found = [
-        *_named(scene),
-        *_of(scene.bearing, "bearing"),
-        *_of(scene.surface, "surface"),
-        *_of(scene.operation, "operation"),
-        *_of(scene.accuracy, "accuracy"),
-        *_of_oil(assembly),
-    ]
+    found = [*_named(scene), *(one for table in _tables(scene) for one in _of(getattr(scene, table), table))]
+    found += _of_oil(assembly)
     for attribute in attrs.fields(type(scene.models)):
         kind, choice = attribute.name, getattr(scene.models, attribute.name)
         if isinstance(choice, ModelChoice):
@@ -46,6 +40,8 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
                 found += _of(made, f"models.{kind}.{one.name}")
     with contextlib.suppress(RollslipError):  # the study that needs a cage says so
         found += _of(assembly.cage, "cage")
+        for drag in assembly.cage.drags:
+            found += _of(drag, f"cage.drag.{drag.name}")
     for name, study in studies.items():
         found += _of(study, f"study.{name}")
     return {one.key: one for one in found}
@@ -57,6 +53,12 @@ def _named(scene: Scene) -> Iterator[Quantity]:
     if isinstance(table, Mapping) and isinstance(name := table.get("name"), str):
         attribute = attrs.fields_dict(LubricantTable)["name"]
         yield Quantity("bearing.name", None, "name of a bearing that a plugin ships", name, False, attribute)
+
+
+def _tables(scene: Scene) -> list[str]:
+    """Tables of a scene that are values themselves; oil and models name what has them."""
+    tables = [a.name for a in attrs.fields(Scene) if attrs.has(type(getattr(scene, a.name)))]
+    return [name for name in tables if name not in ("lubricant", "models", "plugins")]
 
 
 def _thermal(scene: Scene) -> Any:

@@ -10,7 +10,7 @@ from rollslip.errors import SceneError, nearest
 from rollslip.fields import FieldError
 from rollslip.files import readable
 from rollslip.scene.reading import checked_scene
-from rollslip.scene.values import Scene, resolved
+from rollslip.scene.values import ModelChoice, Scene, resolved
 from rollslip.structure import attributes, bare_key, key_of, thawed, types_of
 from rollslip.toml import DEEPEST, KeyPath, split_key
 from rollslip.units import as_written, quantity, unit_given
@@ -170,6 +170,8 @@ def _set(table: Any, path: tuple[str, ...], value: object) -> tuple[object, KeyP
         kind = types_of(kind)[attribute.name] if attribute is not None else None
         below = table.get(part)
         several = get_args(kind)[0] if get_origin(kind) is tuple else None
+        if kind is None and isinstance(below, list):  # models in a table that is read with its own class
+            several = ModelChoice
         if several is not None and attrs.has(several) and bare_key(several) is not None:
             kind = several
             below = [below] if isinstance(below, str | dict) else list(below or ())

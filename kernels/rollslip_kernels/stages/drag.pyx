@@ -120,7 +120,7 @@ def python_drag(torque):
 
 
 cdef struct rolling_t:
-    double rigid, elastic, starvation
+    double rigid, elastic, factor
     bint heated, whole
 
 
@@ -139,7 +139,7 @@ cdef int _rolling(const rs_slices *s, const void *params) noexcept nogil:
         x = a * shared / (pow(flow / s.radius, 0.658) * pow(W, 0.0126))
         large = max(x, 1.0)
         small = min(x, 1.0 / large)
-        factor = q.starvation
+        factor = q.factor
         if q.heated:
             factor *= HEATED_INLET(pow(heat * (s.rolling_speed[i] * s.rolling_speed[i]), 0.62))
         if q.whole:
@@ -191,12 +191,12 @@ cdef int _total_resistance(const rs_slices *s, const void *params) noexcept nogi
     return 0
 
 
-def rolling_resistance(double rigid, double elastic, double starvation, bint heated, bint whole):
-    """Return the stage of hydrodynamic rolling resistance; the numbers are those of its two limits.
+def rolling_resistance(double rigid, double elastic, double factor, bint heated, bint whole):
+    """Return the stage of hydrodynamic rolling resistance: the numbers of its two limits, and a factor on it.
 
-    ``starvation`` is a factor, ``heated`` asks for that of Murch and Wilson, ``whole`` for the film behind the inlet.
+    ``heated`` asks for the factor of Murch and Wilson, ``whole`` for the film behind the inlet.
     """
-    cdef rolling_t q = rolling_t(rigid, elastic, starvation, heated, whole)
+    cdef rolling_t q = rolling_t(rigid, elastic, factor, heated, whole)
     return rs_new_model(_rolling, &q, sizeof(q), None)
 
 

@@ -117,22 +117,28 @@ class Normal(Distribution):
 
 @attrs.frozen(kw_only=True)
 class LogNormal(Distribution):
-    """ln x = ln median + s z, with z normal and scatter^2 = exp(s^2) - 1."""
+    """ln x = ln median + s z, with z normal and scatter^2 = exp(s^2) - 1; s is given itself as deviation_of_ln."""
 
     median: Any = own_unit("median; by default the value of the scene")
     scatter: float | None = parameter(default=None, unit="1", doc="standard deviation over mean", validator=_optional)
+    deviation_of_ln: float | None = parameter(
+        default=None, unit="1", doc="standard deviation s of the logarithm, in place of scatter", validator=_optional
+    )
 
     def centred(self, nominal: float | None) -> "LogNormal":
         """Return it with its median."""
         median = _needed(self.median, "median", nominal)
         if not median > 0.0:
             raise FieldError("median", "must be above 0")
-        if self.scatter is None:
+        if self.scatter is None and self.deviation_of_ln is None:
             raise FieldError("scatter", "missing, but required (standard deviation over mean); such as 0.1")
+        _one_of_two(self.scatter, self.deviation_of_ln, ("scatter", "deviation_of_ln"))
         return attrs.evolve(self, median=median)
 
     @property
     def _sigma(self) -> float:
+        if self.deviation_of_ln is not None:
+            return self.deviation_of_ln
         return math.sqrt(math.log1p(float(self.scatter or 0.0) ** 2))
 
     def _quantile(self, probability: Array) -> Array:

@@ -1,25 +1,78 @@
-"""What scatters of a scene that says nothing of it: what its oil and its bearing come with."""
+"""What scatters of a scene that says nothing of it: what its oil and its bearing come with, and what fields declare.
+
+- A named oil, bearing or surface says how its data scatter. A field of a model, of a drag or of a table says so of the
+  value that it has by default: ``parameter(..., scatter=Scatter(...))``. No list of them is kept anywhere.
+- A value that the scene states is taken for known: it does not scatter. ``--set KEY=VALUE`` fixes it likewise.
+- A table ``[uncertainty]`` says all: with one nothing else scatters.
+"""
 
 import math
 from collections.abc import Mapping
 
 import attrs
 
-from rollslip.bearing.assembly import assemble
+from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.catalogue.discovery import load, named_data
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
+from rollslip.planning.quantities import quantities
+from rollslip.scene.changes import Quantity
 from rollslip.scene.clearance import clearance_scatter
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable
 
-__all__ = ["with_scatter"]
+__all__ = ["scattering", "with_scatter"]
+
+#: Data of an oil in place of which its factors stand.
+_MEASURED: Mapping[str, tuple[str, ...]] = {
+    "viscosity_factor": ("points", "viscosity"),
+    "pressure_viscosity_factor": ("pressure_viscosity",),
+}
+
+
+def scattering(assembly: Assembly) -> dict[str, tuple[Scatter, Quantity]]:
+    """Return what scatters of a bearing by default, by key, with the value that it has."""
+    scene = assembly.scene
+    raw: dict[str, object] = dict(scene.raw or resolved(scene))
+    known, oil = quantities(assembly, {}), assembly.lubricant
+    offered = {f"lubricant.{one.quantity}": one for one in oil.scatter}
+    if not math.isnan(oil.pressure_viscosity_law.coefficient(oil.minimum_temperature)):
+        for name in ("pressure_viscosity_factor", "pressure_exponent_factor"):  # the law has constants of its own
+            offered.pop(f"lubricant.{name}", None)
+    for offer in named_data(raw):
+        if offer.kind != "lubricant":
+            offered |= {f"{offer.kind}.{one.quantity}": one for one in getattr(load(offer), "scatter", ())}
+    offered |= {f"bearing.{one.quantity}": one for one in clearance_scatter(scene.bearing)}
+    for key, quantity in known.items():
+        if (declared := quantity.attribute.metadata.get("scatter")) is not None:
+            offered.setdefault(key, declared)
+    return {
+        key: (one, known[key])
+        for key, one in offered.items()
+        if key in known and not any(_states(raw, stated) for stated in (key, *_instead(key)))
+    }
+
+
+def _instead(key: str) -> list[str]:
+    table, _, name = key.rpartition(".")
+    return [f"{table}.{other}" for other in _MEASURED.get(name, ())] if table == "lubricant" else []
+
+
+def _states(raw: Mapping[str, object], key: str) -> bool:
+    """Whether a raw scene states the value of a key; of models in a list it is found by their name."""
+    at: object = raw
+    for part in key.split("."):
+        if isinstance(at, list | tuple):
+            at = next((one for one in at if isinstance(one, Mapping) and one.get("model") == part), None)
+        elif isinstance(at, Mapping) and part in at:
+            at = at[part]
+        else:
+            return False
+    return at is not None
 
 
 def with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
-    """Return the scene with a table ``[uncertainty]``, that of its data where it has none, and what these say of it.
-
-    Values that the scene gives in place of the data's do not scatter like those.
+    """Return the scene with a table ``[uncertainty]``, what scatters by default where it has none, and who says so.
 
     Raises
     ------
@@ -28,34 +81,17 @@ def with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     """
     if scene.uncertainty:
         return scene, ()
-    assembly, data = assemble(scene), dict(scene.lubricant.data)
-    oil = assembly.lubricant
-    fixed = not math.isnan(oil.pressure_viscosity_law.coefficient(oil.minimum_temperature))
-    own = {
-        "viscosity_factor": "points" in data or "viscosity" in data,
-        "pressure_viscosity_factor": fixed or "pressure_viscosity" in data,
-        "pressure_exponent_factor": fixed or "pressure_exponent_factor" in data,
-    }
-    used: dict[str, list[Scatter]] = {"lubricant": [one for one in oil.scatter if not own.get(one.quantity, False)]}
-    raw = dict(scene.raw or resolved(scene))
-    for offer in named_data(raw):
-        written = raw[offer.kind]
-        if offer.kind != "lubricant" and isinstance(written, Mapping):
-            scatter = getattr(load(offer), "scatter", ())
-            used[offer.kind] = [one for one in scatter if one.quantity not in written]
-    used["bearing"] = [*used.get("bearing", ()), *clearance_scatter(scene.bearing)]
-    used = {table: scatters for table, scatters in used.items() if scatters}
+    assembly = assemble(scene)
+    used = scattering(assembly)
     if not used:
         raise SceneError(
             [
-                f"uncertainty: the scene has no such table, and nothing is known of the scatter of oil {oil.name!r}; "
-                "state what is uncertain, such as [uncertainty.lubricant] "
+                "uncertainty: the scene has no such table, and nothing is known of the scatter of oil "
+                f"{assembly.lubricant.name!r}; state what is uncertain, such as [uncertainty.lubricant] "
                 "pressure_viscosity_factor = { distribution = 'uniform', scatter = 0.25 }"
             ]
         )
-    table = {
-        name: {one.quantity: {"distribution": one.distribution, **one.parameters} for one in scatters}
-        for name, scatters in used.items()
-    }
-    said = tuple(f"{name}.{one.quantity} {one.grade}: {one.source}" for name, of in used.items() for one in of)
-    return attrs.evolve(scene, uncertainty=FrozenTable(table), raw=FrozenTable({**raw, "uncertainty": table})), said
+    table = {key: {"distribution": one.distribution, **one.parameters} for key, (one, _) in used.items()}
+    raw = {**dict(scene.raw or resolved(scene)), "uncertainty": table}
+    said = tuple(f"{key} {one.grade}: {one.source}" for key, (one, _) in used.items())
+    return attrs.evolve(scene, uncertainty=FrozenTable(table), raw=FrozenTable(raw)), said

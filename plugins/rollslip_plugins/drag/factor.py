@@ -1,0 +1,21 @@
+"""What a drag is multiplied with: 1 by default, so that what is known of its size can be said, and scatter."""
+
+from typing import Any
+
+from rollslip.datasets import Scatter
+from rollslip.fields import non_negative, parameter
+
+
+def scattering_factor(deviation: float, source: str) -> Any:
+    """Declare the factor of a drag, with the standard deviation of its logarithm and what that rests on (D)."""
+    return parameter(
+        default=1.0,
+        unit="1",
+        validator=non_negative,
+        doc="factor on the whole of it, for calibration and for scatter",
+        usual=(0.02, 50),
+        possible=(0, 1e4),
+        scatter=Scatter(
+            distribution="lognormal", parameters={"deviation_of_ln": deviation}, grade="(D)", source=source
+        ),
+    )
