@@ -312,9 +312,9 @@ def _frozen(raw: object, where: Location, faults: list[str]) -> object:
         return MISSING if MISSING in values else values
     if isinstance(raw, Integral):
         if _storable(raw):
-            return int(raw)
+            return raw if isinstance(raw, int) else int(raw)
     elif isinstance(raw, Real) and math.isfinite(raw):
-        return float(raw)
+        return raw if isinstance(raw, float) else float(raw)
     faults.append(where.says(f"{as_written(raw)} cannot be used: a finite number, a text, a list or a table can"))
     return MISSING
 

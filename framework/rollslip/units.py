@@ -12,11 +12,13 @@ Decisions:
 - Catalogues give speeds as 1/min, min-1 or Hz and mean turns. So these are turns in a field of rad/s, and only there;
   1/s stays refused, which some take for turns and some for radians.
 - Nothing is guessed: a decimal comma, a missing unit or an unknown one is an error that shows what to write.
+- A number in a file or from Python is in SI units. One that is typed on a command line without a unit is none: who
+  types 3000 for a speed means rpm (`typed`).
 """
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from numbers import Real
@@ -27,14 +29,18 @@ from rollslip.errors import RollslipError
 __all__ = [
     "UnitError",
     "as_written",
+    "check_typed",
     "check_unit",
     "converted",
     "evenly",
     "expectation",
     "format_quantity",
     "likely",
+    "no_unit",
     "quantity",
     "shown_unit",
+    "typed",
+    "typed_range",
     "unit_given",
 ]
 
@@ -296,6 +302,8 @@ def quantity(value: object, unit: str) -> float:
     check_unit(unit)
     if isinstance(value, bool) or not isinstance(value, Real | str):
         raise UnitError(f"{as_written(value)} is not a quantity, here {expectation(unit)}")
+    if isinstance(value, _TypedWhole | _TypedNumber) and unit != "1" and (value or unit == "K"):
+        raise UnitError(no_unit(as_written(value), unit))
     try:
         result = float(_from_text(value, unit)) if isinstance(value, str) else float(value)
     except OverflowError:
@@ -305,6 +313,71 @@ def quantity(value: object, unit: str) -> float:
     if unit == "K" and result < 0:
         raise UnitError(f"{as_written(value)} is below absolute zero, here {expectation(unit)}")
     return result
+
+
+class _TypedWhole(int):
+    """A whole number as it was typed, without a unit."""
+
+
+class _TypedNumber(float):
+    """Any other number as it was typed, without a unit."""
+
+
+class _TypedRange(str):
+    """A range as it was typed, whose ends may have no unit."""
+
+
+def typed(value: object) -> Any:
+    """Return what was typed on a command line such that no number of it is taken for a quantity in SI units.
+
+    Zero, which is the same in every unit but those of temperature, is. Plain numbers and counts stay what they are.
+
+    Examples
+    --------
+    >>> quantity(typed(0.05), "1"), quantity(typed("15 mm"), "m"), typed(21) + 1
+    (0.05, 0.015, 22)
+    >>> quantity(typed(200), "N")
+    Traceback (most recent call last):
+    ...
+    rollslip.units.UnitError: 200 has no unit, here a force is expected: write '200 N'
+    """
+    if isinstance(value, bool | str):
+        return value
+    if isinstance(value, int):
+        return _TypedWhole(value)
+    if isinstance(value, float):
+        return _TypedNumber(value)
+    if isinstance(value, Mapping):
+        return {key: typed(inner) for key, inner in value.items()}
+    return [typed(inner) for inner in value] if isinstance(value, list | tuple) else value
+
+
+def typed_range(text: str) -> str:
+    """Return a range, "LOW:HIGH", that was typed on a command line: its ends need units where a quantity has one."""
+    return _TypedRange(text)
+
+
+def check_typed(text: str, ends: Sequence[str], unit: str) -> None:
+    """Refuse ends of a typed range that have no unit; of any other text nothing.
+
+    Raises
+    ------
+    UnitError
+        What to write.
+    """
+    for end in ends if isinstance(text, _TypedRange) and unit != "1" else ():
+        if _NUMBER.fullmatch(end.strip()):
+            raise UnitError(no_unit(end.strip(), unit))
+
+
+def no_unit(number: str, unit: str) -> str:
+    """Say that a number has no unit, which ones there are, and what it would be in SI units."""
+    what = expectation(unit).partition(",")[0]
+    told, plain = format_quantity(float(number), unit), f"{number} {unit}"
+    size = "" if told == plain else f", which is {told}"
+    usual = f"{number} {_QUANTITIES.get(unit, ('', plain))[1].partition(' ')[2]}"
+    either = repr(plain) if usual == plain else f"{usual!r} or {plain!r}"
+    return f"{number} has no unit, here {what}: write {either}{size}"
 
 
 def evenly(low: str, high: str, count: int, unit: str) -> tuple[float, ...]:

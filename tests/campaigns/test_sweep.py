@@ -261,9 +261,9 @@ UNUSUAL = [
     ),
     (
         "operation.inner_speed",
-        "2000 rpm:26000 rpm:5",
+        "2000 rpm:10000 rpm:5",
         {},
-        "1 of 5 values: 26000 rpm is 225 m/s of surface speed of the inner raceway, at most 200 m/s is usual",
+        "1 of 5 values: 10000 rpm is 1.8e+06 mm/min of speed times pitch diameter (n d_m), at most 1.5e+06 mm/min is usual",
     ),
     (
         "lubricant.eyring_stress",
@@ -301,15 +301,15 @@ def test_a_value_that_is_impossible_is_refused_before_anything_runs(key):
 
 def test_what_is_unusual_of_its_values_is_printed_and_kept_with_a_sweep(tmp_path, capsys):
     out = tmp_path / "s"
-    over = "operation.inner_speed=2000 rpm:26000 rpm:3"
+    over = "operation.inner_speed=2000 rpm:10000 rpm:3"
     arguments = ["sweep", "run", "1032930-70C", "--study", "friction-curve", "--over", over, "--out", str(out)]
     with contextlib.suppress(SystemExit):
         cli.main(args=[*arguments, "--output", "friction", "--set", "accuracy.slices=5"], prog_name="rollslip")
-    told = "operation.inner_speed, 1 of 3 values: 26000 rpm is 225 m/s of surface speed of the inner raceway"
-    printed = [line for line in capsys.readouterr().err.splitlines() if "surface speed" in line]
+    told = "operation.inner_speed, 1 of 3 values: 10000 rpm is 1.8e+06 mm/min of speed times pitch diameter (n d_m)"
+    printed = [line for line in capsys.readouterr().err.splitlines() if "mm/min" in line]
     assert [line.startswith(f"warning: {told}") for line in printed] == [True]
     kept = json.loads(rollslip.open_result(out / "sweep.nc").attrs["warnings"])
-    assert [text.startswith(told) for text in kept if "surface speed" in text] == [True]
+    assert [text.startswith(told) for text in kept if "mm/min" in text] == [True]
 
 
 # Results -------------------------------------------------------------------------------------------------------------

@@ -35,7 +35,7 @@ from rollslip.campaigns.sweep.folder import status
 from rollslip.campaigns.sweep.journal import journals, states
 from rollslip_plugins import engines
 
-SLOW = ["--set", "models.traction.seconds=0.2"]
+SLOW = ["--set", "models.traction.seconds=0.2 s"]
 LOADS = ["run", "1032930-70C", "--over", "operation.radial_load=1 kN:2 kN:3"]
 #: One engine of each fault is in the default run.
 faults = pytest.mark.faults
@@ -158,7 +158,7 @@ def test_a_point_that_kills_its_process_is_the_only_one_lost(folder):
 @faults
 def test_a_worker_that_somebody_kills_costs_no_point(folder):
     many = ["--over", "models.traction.factor=0.01:0.3:30", "--output", "friction"]
-    slow = ["--set", "models.traction.seconds=0.1", "--engine", "processes", "--workers", 2, "--out", "s"]
+    slow = ["--set", "models.traction.seconds=0.1 s", "--engine", "processes", "--workers", 2, "--out", "s"]
     process = started(folder, "run", "scene.toml", *many, *slow)
     for least in (2, 8):
         until(lambda least=least: points(folder / "s") >= least and len(processes_of(process, computing=True)) >= 2)

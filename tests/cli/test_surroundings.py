@@ -18,7 +18,7 @@ ONE = ["run", "1032930-70C", *FEW, "--study", "friction-curve", "--report", "--o
 SWEEP = ["sweep", "run", "1032930-70C", *FEW, "--over", "operation.radial_load=500:5000:400", "--out", "p/o"]
 COMPARE = ["compare", "1032930-70C", *FEW, "--traction", "muraki", "--traction", "constant", "--out", "p/o"]
 UNCERTAINTY = ["uncertainty", "1032930-70C", *FEW, "--samples", "512", "--steady", "0", "--out", "p/o"]
-MOTION = ["run", "1032930-50C", "--study", "dynamics", "--set", "study.dynamics.duration=0.005", "--out", "p/o"]
+MOTION = ["run", "1032930-50C", "--study", "dynamics", "--set", "study.dynamics.duration=5 ms", "--out", "p/o"]
 
 
 @pytest.fixture(scope="module")

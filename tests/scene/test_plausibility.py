@@ -39,7 +39,12 @@ SLIPS = [
     ("operation.misalignment", "5 deg", "5 deg is unusual", "did you mean '5 arcmin'?"),
     ("operation.temperature", "343 degC", "343 degC is unusual", "did you mean '343 K'?"),
     ("operation.radial_load", "1 MN", "1 MN is 7.94 GPa of pressure", "at most 5 GPa is usual"),
-    ("operation.inner_speed", "25000 rpm", "25000 rpm is 216 m/s of surface speed", "at most 200 m/s is usual"),
+    (
+        "operation.inner_speed",
+        "25000 rpm",
+        "25000 rpm is 4.5e+06 mm/min of speed times",
+        "at most 1.5e+06 mm/min is usual",
+    ),
     ("bearing.material.elastic_modulus", "208 MPa", "208 MPa is unusual", "did you mean '208 GPa'?"),
     ("bearing.material.density", 7.8, "7.8 kg/m3 is unusual", "did you mean '7.8 g/cm3'?"),
     ("bearing.radial_clearance", "1 mm", "1 mm is 6.67 % of the roller diameter", "did you mean '1 um'?"),

@@ -157,7 +157,7 @@ def limit(
     from rollslip.results.account import account_of
 
     over = {
-        key: ",".join(map(str, value)) if isinstance(value, list) else str(value)
+        key: ",".join(map(str, value)) if isinstance(value, list) else value if isinstance(value, str) else str(value)
         for key, value in parse_overs(overs).items()
     }
     made = plan_limit(

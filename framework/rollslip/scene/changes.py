@@ -13,7 +13,7 @@ from rollslip.scene.reading import checked_scene
 from rollslip.scene.values import ModelChoice, Scene, resolved
 from rollslip.structure import attributes, bare_key, key_of, thawed, types_of
 from rollslip.toml import DEEPEST, KeyPath, split_key
-from rollslip.units import as_written, quantity, unit_given
+from rollslip.units import as_written, quantity, typed, unit_given
 
 __all__ = ["Quantity", "evolve", "parse_set", "unknown"]
 
@@ -170,8 +170,8 @@ def _set(table: Any, path: tuple[str, ...], value: object) -> tuple[object, KeyP
         kind = types_of(kind)[attribute.name] if attribute is not None else None
         below = table.get(part)
         several = get_args(kind)[0] if get_origin(kind) is tuple else None
-        if kind is None and isinstance(below, list):  # models in a table that is read with its own class
-            several = ModelChoice
+        if kind is None and isinstance(below, list) and all(map(_names_a_model, below)):
+            several = ModelChoice  # in a table that is read with its own class
         if several is not None and attrs.has(several) and bare_key(several) is not None:
             kind = several
             below = [below] if isinstance(below, str | dict) else list(below or ())
@@ -196,11 +196,16 @@ def _set(table: Any, path: tuple[str, ...], value: object) -> tuple[object, KeyP
     return before, (*where, path[-1])
 
 
+def _names_a_model(raw: object) -> bool:
+    return isinstance(raw, dict) or (isinstance(raw, str) and raw[:1].isalpha())
+
+
 def parse_set(text: str) -> tuple[str, object]:
     """Split ``key=value`` of the command line into key and value.
 
     The value is read as TOML where it is a number, true, false, a list, a table or a quoted text; anything else is a
-    text as it stands, so that ``operation.radial_load=500 N`` and ``models.film=moes`` need no quotes.
+    text as it stands, so that ``operation.radial_load=500 N`` and ``models.film=moes`` need no quotes. Where a quantity
+    has a unit, a number without one is refused (`rollslip.units.typed`).
 
     Examples
     --------
@@ -216,4 +221,4 @@ def parse_set(text: str) -> tuple[str, object]:
     except (ValueError, RecursionError):
         return key, value
     plain = parsed.keys() == {"value"} and isinstance(parsed["value"], bool | int | float | str | list | dict)
-    return key, parsed["value"] if plain else value
+    return key, typed(parsed["value"]) if plain else value

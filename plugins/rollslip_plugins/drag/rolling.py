@@ -201,7 +201,9 @@ class Hysteresis(ResistanceModel):
     loss: float = parameter(
         default=0.01, unit="1", doc="share k of the work that is lost", usual=(0, 0.1), possible=(0, 1)
     )
-    factor: float = scattering_factor(0.7, "the share of the work that hard steel loses, 0.005 to 0.02 in what is published")
+    factor: float = scattering_factor(
+        0.7, "the share of the work that hard steel loses, 0.005 to 0.02 in what is published"
+    )
 
     def evaluate(self, slices: Slices) -> None:
         """Fill the resistance."""

@@ -15,7 +15,7 @@ from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.study import settings
-from rollslip.units import UnitError, evenly, shown_unit
+from rollslip.units import UnitError, check_typed, evenly, shown_unit
 
 __all__ = ["plan_explorer"]
 
@@ -64,7 +64,7 @@ def plan_explorer(scene: Scene | str, over: Mapping[str, object] | None = None, 
             choices[key] = names
         else:
             try:
-                dials.append(_dial(known[key], str(value)))
+                dials.append(_dial(known[key], value if isinstance(value, str) else str(value)))
             except (UnitError, ValueError) as error:
                 problems.append(f"{key}: {error}")
     if not dials and not problems:
@@ -103,6 +103,7 @@ def _dial(quantity: Quantity, text: str) -> Dial:
     if not 2 <= count <= 33:
         raise ValueError(f"{text!r}: {parts[-1]!r} is no number of nodes from 2 to 33")
     unit = str(quantity.unit)
+    check_typed(text, parts[:2], unit)
     low, high = evenly(parts[0], parts[1], 2, unit)
     if not low < high:
         raise ValueError(f"{text!r}: the first end must be below the second")

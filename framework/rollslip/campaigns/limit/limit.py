@@ -47,7 +47,7 @@ from rollslip.scene.values import DEFAULT_STUDY, Scene
 from rollslip.structure import FrozenTable
 from rollslip.studies.answers import Estimated
 from rollslip.studies.study import settings, study_class
-from rollslip.units import UnitError, evenly, format_quantity
+from rollslip.units import UnitError, check_typed, evenly, format_quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -227,7 +227,7 @@ def plan_limit(
             [f"{key}: is no quantity that goes from one value to another; sweep it with rollslip sweep run"]
         )
     try:
-        span, count, logarithmic = _range(quantity, str(text))
+        span, count, logarithmic = _range(quantity, text if isinstance(text, str) else str(text))
     except RollslipError as error:
         raise SceneError([f"{key}: {getattr(error, 'reason', error)}"]) from error
     ending = ":log" if logarithmic else ""
@@ -268,6 +268,7 @@ def _range(quantity: Quantity, text: str) -> tuple[str, int, bool]:
     if count and not (count.isascii() and count.isdecimal() and 3 <= int(count) <= 999):
         raise SceneError([f"{text!r}: {count!r} is no count of values from 3 to 999"])
     try:
+        check_typed(text, ends, str(quantity.unit))
         low, high = evenly(*ends, 2, str(quantity.unit))
     except UnitError as error:
         raise SceneError([str(error)]) from error

@@ -28,7 +28,7 @@ from rollslip.campaigns.sweep.distributions import Distribution, LogUniform, Uni
 from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.scene.changes import Quantity, parse_set
-from rollslip.units import as_written, evenly, format_quantity, unit_given
+from rollslip.units import as_written, check_typed, evenly, format_quantity, typed_range, unit_given
 
 __all__ = [
     "REPLICATES",
@@ -173,8 +173,10 @@ def parse_over(text: str) -> tuple[str, object]:
     (('operation.radial_load', '500 N:5 kN:10'), ('models.film', ['moes', 'dowson-1968']))
     """
     key, value = parse_set(text)
-    if not isinstance(value, str) or ":" in value:
+    if not isinstance(value, str):
         return key, value
+    if ":" in value:
+        return key, typed_range(value)
     return key, [parse_set(f"{key}={part}")[1] for part in value.split(",")]
 
 
@@ -220,6 +222,7 @@ def _checked(quantity: Quantity, value: object, which: str, given: str | None = 
 def _range(quantity: Quantity, text: str, sampled: bool) -> Axis | Distribution:
     key, unit = quantity.key, quantity.unit or "1"
     ends, count, logarithmic = range_parts(key, text)
+    check_typed(text, ends, unit)
     low, high = evenly(*ends, 2, unit)
     given = unit_given(ends[0], unit)
     if not low < high:
