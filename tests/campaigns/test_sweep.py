@@ -263,7 +263,8 @@ UNUSUAL = [
         "operation.inner_speed",
         "2000 rpm:10000 rpm:5",
         {},
-        "1 of 5 values: 10000 rpm is 1.8e+06 mm/min of speed times pitch diameter (n d_m), at most 1.5e+06 mm/min is usual",
+        "1 of 5 values: 10000 rpm is 1.8e+06 mm/min of speed times pitch diameter (n d_m), "
+        "at most 1.5e+06 mm/min is usual",
     ),
     (
         "lubricant.eyring_stress",

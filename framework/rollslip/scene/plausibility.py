@@ -312,8 +312,7 @@ RELATIONS: Final = (
             "of speed times pitch diameter (n d_m)",
             (0, 1.5e6),
             (-math.inf, math.inf),
-            "catalogues limit cylindrical roller bearings to 4 to 6e5, spindles reach 1.5e6, main shafts of aero engines "
-            "3e6 (C)",
+            "catalogues limit cylindrical roller bearings to 4 to 6e5, spindles reach 1.5e6, aero engines 3e6 (C)",
             bare=(0, 7e5),
         )
         for ring in ("inner", "outer")
