@@ -45,6 +45,8 @@ _RANGE = 0.95
 _FAR = 0.5
 #: Relative accuracy of the slip at which the cage runs.
 _RUNS = 1e-4
+#: How the status of a cage begins that is driven, and of one that has no balance.
+_DRIVEN, _NOWHERE = "what acts on the cage drives it", "the cage runs at no slip"
 #: What a maximum has to stand out by from the end of the range, relative to it; a slip at which the cage hardly turns.
 _FLAT, _STANDS = 1e-6, 0.94
 
@@ -125,6 +127,62 @@ def _largest(
 
 
 @attrs.frozen
+class Reserve:
+    """Largest drag that the rollers carry over the drags of a scene; below 1 the cage skids.
+
+    ``status`` begins with one of `FOUND`, `AT_LEAST` and `SKIDS`; else it says why there is none, the factor is NaN.
+    """
+
+    factor: float
+    status: str
+
+
+#: The reserve as it is; one that no fold ends; less than the drags; and none.
+FOUND, AT_LEAST, SKIDS = "found", "at least", "the cage skids"
+
+
+def reserve(assembly: Assembly, instants: int, away: Runaway, runs: Running) -> Reserve:
+    """Return the reserve of drag: the largest drag over that of the scene where the cage runs.
+
+    Where nothing runs away up to the end of the range, the torque there is carried at least, and over the drags where
+    the cage runs, or without slip where these are larger, it is a lower bound: drags that fall with slip, as churning
+    does, would let a cage that has slowed down look safe. Where the cage has no balance, or runs beyond the slip of running away, it is less than 1: the torque at the
+    most favourable of the slips that were looked at over the drags there, by the quick look where there is no fold.
+
+    Parameters
+    ----------
+    assembly, instants
+        As `runaway` takes them.
+    away, runs
+        What `runaway` and `running` found.
+    """
+    if assembly.scene.cage is None or not away.slips.size:
+        return Reserve(math.nan, runs.status)
+    balance = rollers(assembly, instants)
+    if runs.status == FOUND and not runs.slip > away.slip:  # NaN where there is no fold
+        if not runs.drag > 0.0:
+            return Reserve(math.inf, f"{AT_LEAST}: no torque drags the cage")
+        if not math.isnan(away.slip):
+            return Reserve(away.drag / runs.drag, FOUND)
+        if away.status.startswith("it is not"):
+            return Reserve(math.nan, away.status)
+        end = float(away.slips[-1])
+        try:
+            carried = max(balance.torque(end), runs.drag)
+        except (DomainError, ConvergenceError) as error:
+            return Reserve(math.nan, str(error))
+        drag = max(runs.drag, -balance.drag(0.0))
+        return Reserve(carried / drag, f"{AT_LEAST}: up to a slip of {end:.4g} the cage does not run away")
+    if runs.status.startswith(_DRIVEN):
+        return Reserve(math.inf, f"{AT_LEAST}: {runs.status}")
+    if not (runs.status == FOUND or runs.status.startswith(_NOWHERE)):
+        return Reserve(math.nan, runs.status)
+    known = zip((*away.slips.tolist(), away.slip), (*away.torques.tolist(), away.drag), strict=True)
+    shares = [torque / -balance.drag(slip) for slip, torque in known if torque > 0.0 and balance.drag(slip) < 0.0]
+    return Reserve(min(max(shares, default=0.0), 1.0), f"{SKIDS}: its drags are more than the rollers carry")
+
+
+@attrs.frozen
 class Near:
     """What effective friction leaves unknown near the slip of running away: in words, and relative to the drag."""
 
@@ -195,7 +253,7 @@ def running(assembly: Assembly, instants: int, away: Runaway) -> Running:
     slips = [0.0, *sorted(about)]
     try:
         if balance.excess(0.0) > 0.0:
-            return _not_running("what acts on the cage drives it: it runs faster than its epicyclic speed")
+            return _not_running(f"{_DRIVEN}: it runs faster than its epicyclic speed")
         found = (k for k, slip in enumerate(slips) if slip and about[slip] + balance.drag(slip) > 0.0)
         high = next(found, max(range(len(slips)), key=lambda k: about.get(slips[k], -math.inf)))
         while balance.excess(slips[high - 1]) > 0.0:
@@ -210,7 +268,7 @@ def running(assembly: Assembly, instants: int, away: Runaway) -> Running:
     most = max(about, key=lambda slip: about[slip])
     drag, carried = (format_quantity(torque, "N m", 3) for torque in (-balance.drag(most), about[most]))
     return _not_running(
-        f"the cage runs at no slip up to {slips[-1]:.4g}: where the rollers carry most, {carried} at a slip of "
+        f"{_NOWHERE} up to {slips[-1]:.4g}: where the rollers carry most, {carried} at a slip of "
         f"{most:.3g}, the drags of the scene are {drag}"
     )
 

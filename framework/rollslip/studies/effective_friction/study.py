@@ -28,7 +28,7 @@ from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.motion.runaway import Runaway, rollers, runaway, running
+from rollslip.motion.runaway import Runaway, reserve, rollers, runaway, running
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
@@ -92,6 +92,8 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "steady_cage_slip": Output("", "1", "cage slip at which the drags are carried", status="steady_status"),
         "steady_drag": Output("", "N m", "drag torque there", status="steady_status"),
         "steady_status": Output("", "1", "what was found of the slip at which the cage runs"),
+        "drag_reserve": Output("", "1", "largest drag over the drags of the scene", status="reserve_status"),
+        "reserve_status": Output("", "1", "what was found of the reserve: found, at least, or why there is none"),
         "roller_slip": Output(_CURVE, "1", "roller slip, mean over the loaded contacts"),
         "sliding_speed": Output(_CURVE, "m/s", "sliding speed, mean over them"),
         "rolling_speed": Output(_CURVE, "m/s", "rolling speed, mean over them"),
@@ -110,7 +112,8 @@ _FEW_SHARE: Final = 1e-2
 #: What is found of running away.
 _RUNAWAY: Final = frozenset({"runaway_slip", "runaway_drag", "runaway_status"})
 #: What is found of how the cage runs.
-_STEADY: Final = frozenset({"steady_cage_slip", "steady_drag", "steady_status"})
+_RESERVE: Final = frozenset({"drag_reserve", "reserve_status"})
+_STEADY: Final = frozenset({"steady_cage_slip", "steady_drag", "steady_status"}) | _RESERVE
 
 
 @attrs.frozen(kw_only=True)
@@ -244,8 +247,8 @@ class EffectiveFriction(Study):
             Dimensions (ring, cage_slip): effective_friction, sliding_speed, rolling_speed, film_parameter (smallest),
             roller_slip; (ring,): critical_cage_slip, critical_friction, critical_status, first_maximum_slip,
             first_maximum_friction; scalars, unless it is not looked where the cage runs away: runaway_slip,
-            runaway_drag, runaway_status, steady_cage_slip, steady_drag, steady_status; (ring, map_cage_slip,
-            map_roller_slip): friction_map; (ring, roller): normal_force at the first instant and, on request, (ring,
+            runaway_drag, runaway_status, steady_cage_slip, steady_drag, steady_status, drag_reserve, reserve_status;
+            (ring, map_cage_slip, map_roller_slip): friction_map; (ring, roller): normal_force at the first instant and, on request, (ring,
             roller, cage_slip): roller_friction, NaN where the roller is not loaded.
 
         Raises
@@ -275,7 +278,7 @@ class EffectiveFriction(Study):
         if not outputs <= _OF_CURVES | _RUNAWAY | _STEADY:
             return None
         aways = [
-            study._balanced(assembly, assembly.resolution.instants or _FIRST_INSTANTS, steady=bool(outputs & _STEADY))
+            study._balanced(assembly, assembly.resolution.instants or _FIRST_INSTANTS, outputs)
             if outputs & (_RUNAWAY | _STEADY)
             else {}
             for study, assembly in cases
@@ -365,16 +368,21 @@ class EffectiveFriction(Study):
             return None
         return runaway(assembly, instants, self.runaway_range, f"study.{self.name}.runaway_range")
 
-    def _balanced(self, assembly: Assembly, instants: int, *, steady: bool = True) -> dict[str, Any]:
+    def _balanced(
+        self, assembly: Assembly, instants: int, outputs: frozenset[str] = _STEADY
+    ) -> dict[str, Any]:
         """Variables of running away and of how the cage runs, none where neither is looked for."""
         if (away := self.runaway(assembly, instants)) is None:
             return {}
         found = self.variables(runaway_slip=away.slip, runaway_drag=away.drag, runaway_status=np.array(away.status))
-        if steady:
+        if outputs & _STEADY:
             runs = running(assembly, instants, away)
             found |= self.variables(
                 steady_cage_slip=runs.slip, steady_drag=runs.drag, steady_status=np.array(runs.status)
             )
+            if outputs & _RESERVE:
+                kept = reserve(assembly, instants, away, runs)
+                found |= self.variables(drag_reserve=kept.factor, reserve_status=np.array(kept.status))
         return found
 
     def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
