@@ -1,4 +1,4 @@
-"""Commands that search: the allowable slip where data scatter, and where a result passes a limit."""
+"""Commands that search: reserve and slips where data scatter, and where a result passes a limit."""
 
 import json
 import shlex
@@ -27,12 +27,11 @@ from rollslip.cli.app import (
 
 @click.command()
 @scene_argument
-@click.option("--samples", metavar="N", type=click.IntRange(2), help="Samples of running away.  [default: 1024]")
+@click.option("--samples", metavar="N", type=click.IntRange(2), help="Samples of reserve and slips.  [default: 1024]")
 @click.option("--until", metavar="H", type=float, help="Double samples until the interval's half width is H, a slip.")
-@click.option("--probability", metavar="P", type=float, default=0.99, show_default=True, help="Of the allowable slip.")
-@click.option("--steady", metavar="N", type=click.IntRange(0), help="Samples of the steady slip.  [default: 512]")
+@click.option("--probability", metavar="P", type=float, default=0.99, show_default=True, help="Of what is told.")
+@click.option("--loads", metavar="N", type=click.IntRange(0), help="Samples of the least load.  [default: 64]")
 @click.option("--indices", metavar="N", type=click.IntRange(0), default=0, help="Rows for Sobol indices, 2^k.")
-@click.option("--steady-indices", metavar="N", type=click.IntRange(0), default=0, help="Likewise of the steady slip.")
 @click.option("--seed", metavar="N", type=click.IntRange(0), default=0, help="Seed of the samples.")
 @set_option
 @engine_options
@@ -43,19 +42,18 @@ def uncertainty(
     samples: int | None,
     until: float | None,
     probability: float,
-    steady: int | None,
+    loads: int | None,
     indices: int,
-    steady_indices: int,
     seed: int,
     changes: Sequence[str],
     engine: Mapping[str, object] | None,
     time_limit: str | None,
     results: Results,
 ) -> None:
-    """Tell the allowable slip of SCENE and the margin to it, where its data scatter.
+    """Tell the reserve of drag, the steady slip and the least load of SCENE where its data scatter.
 
-    What scatters is in the scene's table [uncertainty]; without one it is the scatter that its oil, and a
-    bearing taken by its name, come with.
+    What scatters is in the scene's table [uncertainty]; without one it is what its oil, its bearing and its
+    models say of themselves. What the scene states, or --set, does not scatter.
     """
     from rollslip.campaigns.sweep.run import asked_engine
     from rollslip.campaigns.uncertainty.findings import failed
@@ -70,9 +68,8 @@ def uncertainty(
         samples=samples,
         until=until,
         probability=probability,
-        steady=steady,
+        loads=loads,
         indices=indices,
-        steady_indices=steady_indices,
         seed=seed,
         engine=engine,
         time_limit=time_limit,

@@ -14,7 +14,7 @@ class UncertaintyAccount(Account):
     """How slips of scattering data are told."""
 
     def headline(self, dataset: "xr.Dataset") -> str:
-        """Return where the cage runs away."""
+        """Return the reserve of drag, or where the cage runs away."""
         return findings.headline(dataset)
 
     def chance(self, dataset: "xr.Dataset") -> str:

@@ -1,7 +1,8 @@
-"""What scattering data do to slips, in sentences and plain values."""
+"""What scattering data do to reserve, slips and loads, in sentences and plain values."""
 
 import json
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -11,10 +12,15 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["failed", "headline", "margin", "record", "sentences", "topics"]
+__all__ = ["failed", "headline", "margin", "record", "reserve", "sentences", "topics"]
 
-#: What margin and allowable slip are of.
+#: What people act on, and what margin and allowable slip are of.
+RESERVE: Final = "drag reserve"
+STEADY: Final = "steady slip"
+LOAD: Final = "least radial load"
 RUNAWAY: Final = "slip of running away"
+#: Rank correlation of slip and drag of running away below which the caveat is told.
+_AGAINST: Final = -0.3
 
 
 _NO_INDICES = (
@@ -30,16 +36,24 @@ def failed(dataset: "xr.Dataset") -> int:
 
 
 def sentences(dataset: "xr.Dataset") -> list[str]:
-    """Return what was found, line by line: allowable slip, margin, distributions, indices."""
+    """Return what was found, line by line: what people act on, then allowable slip, margin, distributions, indices."""
     return [line for lines in topics(dataset).values() for line in lines]
 
 
 def topics(dataset: "xr.Dataset") -> dict[str, list[str]]:
-    """Return what was found, by what it is about."""
-    found = {"running away": [headline(dataset)], "allowable slip": [_allowable(dataset)]}
+    """Return what was found, by what it is about, what people act on first."""
+    every = list(map(str, dataset["quantity"].to_numpy()))
+    found = dict[str, list[str]]()
+    if RESERVE in every:
+        found |= {RESERVE: [reserve(dataset)], STEADY: [_steady(dataset)]}
+    if LOAD in every:
+        found[LOAD] = [_load(dataset)]
+    if ranked := _ranked(dataset):
+        found["what decides"] = ranked
+    found |= {"running away": [_runs_away(dataset)], "allowable slip": [_allowable(dataset), *_caveat(dataset)]}
     if "margin" in dataset:
         found["margin"] = [margin(dataset)]
-    found["distributions"] = [_distribution(dataset.sel(quantity=name)) for name in dataset["quantity"].to_numpy()]
+    found["distributions"] = [_distribution(dataset.sel(quantity=name)) for name in every]
     if "indexed" in dataset.coords:
         of = dataset["indexed"].to_numpy()
         found["indices"] = [_shares(dataset.sel(indexed=name)) for name in of] or [_NO_INDICES]
@@ -70,6 +84,15 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
         "probability": float(dataset.attrs["probability"]),
         "allowable_slip": _ends(dataset, "allowable", "_slip") | {"status": _allowable(dataset)},
         "margin": _ends(dataset, "margin") if "margin" in dataset else None,
+        "skidding": _ends(dataset, "skidding") if "skidding" in dataset else None,
+        "reserve_is_a_lower_bound_in": int(dataset["bounded"]) if "bounded" in dataset else None,
+        "rank_correlation": {
+            str(name): {
+                str(key): _plain(dataset["rank_correlation"].sel(input=key, acted=name))
+                for key in dataset["input"].to_numpy()
+            }
+            for name in dataset["acted"].to_numpy()
+        },
         "points": json.loads(dataset.attrs["points"]),
         "quantities": quantities,
     }
@@ -94,6 +117,104 @@ def _plain(value: Any) -> float | None:
 
 
 def headline(dataset: "xr.Dataset") -> str:
+    """Say what reserve of drag there is, or where there is no cage, where it would run away."""
+    return reserve(dataset) if RESERVE in dataset["quantity"].to_numpy() else _runs_away(dataset)
+
+
+def _quantile(dataset: "xr.Dataset", name: str, probability: float) -> tuple[float, float, float]:
+    """A quantile of what people act on, and the ends of its interval."""
+    one = dataset.sel(quantity=name, probability=probability, method=None)
+    value, low, high = (float(one[f"quantile_{end}"]) for end in ("value", "low", "high"))
+    return value, low, high
+
+
+def _told(dataset: "xr.Dataset", name: str, shown: Callable[[float], str]) -> str:
+    """Median and band of what people act on, in words."""
+    low, middle, high = (_quantile(dataset, name, p)[0] for p in (0.05, 0.5, 0.95))
+    return f"median {shown(middle)}, 5 to 95 %: {shown(low)} to {shown(high)}"
+
+
+def _interval(dataset: "xr.Dataset", low: float, high: float, shown: Callable[[float], str], name: str) -> str:
+    n = int(dataset["samples"].sel(quantity=name))
+    if math.isinf(low) and low < 0.0:
+        return f"{n} samples are too few to tell how much less it may be"
+    if math.isinf(high) and name != RESERVE and not math.isinf(low):
+        return f"95 % interval: from {shown(low)} on, {n} samples"
+    return f"95 % interval: {shown(low)} to {shown(high)}, {n} samples"
+
+
+def reserve(dataset: "xr.Dataset") -> str:
+    """Say how many times the drags of the scene the rollers carry at least, and how many samples skid."""
+    p, n = float(dataset.attrs["probability"]), int(dataset["samples"].sel(quantity=RESERVE))
+    value, low, high = _quantile(dataset, RESERVE, round(1.0 - p, 12))
+    if math.isnan(value):
+        return f"the reserve of drag is not known: none of {n} samples has one"
+    said = f"the rollers carry at least {_times(value)} the drag of the scene, with probability {p:g}"
+    said += f" ({_interval(dataset, low, high, _times, RESERVE)}); {_told(dataset, RESERVE, _times)}"
+    bounded = int(dataset["bounded"])
+    if bounded:
+        said += f"; in {bounded} of {n} samples nothing runs away in the range, and the reserve is a lower bound"
+    skids, least, most = (float(dataset[f"skidding{end}"]) for end in ("", "_low", "_high"))
+    if not skids > 0.0:
+        return said
+    return f"{said}; in {_percent(skids)} of the samples the cage skids ({_percent(least)} to {_percent(most)})"
+
+
+def _steady(dataset: "xr.Dataset") -> str:
+    """Say how much the cage slips, and below what it stays."""
+    p = float(dataset.attrs["probability"])
+    value, low, high = _quantile(dataset, STEADY, p)
+    if math.isnan(value):
+        return "the steady slip is not known: no sample has one"
+    ends = _interval(dataset, low, high, _percent, STEADY)
+    most = f"below {_percent(value)}" if math.isfinite(value) else "not below any in the range"
+    said = f"the cage slips by {_told(dataset, STEADY, _percent)}; {most} with probability {p:g} ({ends})"
+    acceptable = dataset.attrs.get("acceptable_slip", "")
+    if acceptable == "":
+        return said
+    slips = dataset["value"].sel(quantity=STEADY).to_numpy()
+    above = float(np.mean(slips[~np.isnan(slips)] > float(acceptable)))
+    return f"{said}; the acceptable {_percent(float(acceptable))} is passed in {_percent(above)} of the samples"
+
+
+def _load(dataset: "xr.Dataset") -> str:
+    """Say which radial load keeps the slip acceptable."""
+    p = float(dataset.attrs["probability"])
+    value, low, high = _quantile(dataset, LOAD, p)
+    if math.isnan(value):
+        return "the least radial load is not known: no sample has one"
+    slip, ends = _percent(float(dataset.attrs["acceptable_slip"])), _interval(dataset, low, high, _force, LOAD)
+    return (
+        f"a radial load of {_force(value)} keeps the slip below {slip} with probability {p:g} ({ends}); "
+        f"{_told(dataset, LOAD, _force)}"
+    )
+
+
+def _ranked(dataset: "xr.Dataset") -> list[str]:
+    """Say what decides about reserve and slip, by rank correlation, the strongest first."""
+    said = []
+    for name in (RESERVE, STEADY):
+        if name not in dataset["acted"].to_numpy():
+            continue
+        ranks = dataset["rank_correlation"].sel(acted=name)
+        order = [k for k in np.argsort(-np.abs(ranks.to_numpy())) if math.isfinite(ranks[k])]
+        if order:
+            told = ", ".join(f"{ranks['input'].to_numpy()[k]} {float(ranks[k]):+.2f}" for k in order)
+            said.append(f"what decides about the {name}, by rank correlation: {told}")
+    return said
+
+
+def _caveat(dataset: "xr.Dataset") -> list[str]:
+    rho = float(dataset["strength_correlation"]) if "strength_correlation" in dataset else math.nan
+    if not rho < _AGAINST:
+        return []
+    return [
+        "this slip ranks oils the wrong way round: where a cage runs away at a small slip its rollers carry much drag "
+        f"(rank correlation of slip and drag there {rho:.2f}); judge by the reserve"
+    ]
+
+
+def _runs_away(dataset: "xr.Dataset") -> str:
     """Say where the cage runs away: slip and drag, medians with their spread."""
     slip = dataset["quantile_value"].sel(quantity=RUNAWAY)
     drag = dataset["quantile_value"].sel(quantity="drag of running away")
@@ -152,7 +273,8 @@ def _distribution(one: "xr.Dataset") -> str:
     shown_as = name + (f" {one.attrs['curves_with']}" if name.startswith("critical slip") else "")
     if not int(one["known"]):
         return f"{shown_as}: no values{said}"
-    shown = _percent if "slip" in name else _torque if "drag" in name else lambda value: f"{value:.4g}"
+    kinds = {RESERVE: _times, LOAD: _force}
+    shown = kinds.get(name) or (_percent if "slip" in name else _torque if "drag" in name else lambda v: f"{v:.4g}")
     low, middle, high = (one["quantile_value"].sel(probability=p).item() for p in (0.05, 0.5, 0.95))
     of = " of those with one" if counts["unknown"] else ""  # the others may lie anywhere
     spread = f"median{of} {shown(middle)}, 5 to 95 %: {shown(low)} to {shown(high)}"
@@ -176,6 +298,14 @@ def _shares(one: "xr.Dataset") -> str:
 
 def _torque(value: float) -> str:
     return format_quantity(value, "N m", 3) if math.isfinite(value) else "beyond the range"
+
+
+def _times(value: float) -> str:
+    return f"{value:.3g} times" if math.isfinite(value) else "any times"
+
+
+def _force(value: float) -> str:
+    return format_quantity(value, "N", 3) if math.isfinite(value) else "more than any"
 
 
 def _percent(share: float) -> str:

@@ -1,11 +1,12 @@
-"""Allowable slip: how far scattering data let the slip of a cage go, and the margin to it.
+"""How scattering data move what people act on: reserve of drag, steady slip, least load; and the allowable slip.
 
-- A cage runs away at the slip where the balance of torques has its fold (`rollslip.motion.runaway`). Where data are
-  uncertain it is a distribution. The slip that is *allowable* at a probability p is its quantile 1 - p: a cage that
-  runs at it is below the slip at which it runs away with probability p.
-- The slip at which the cage runs, the smallest steady one, scatters with the same data. The *margin* is the probability
-  that it is below the slip of running away, sample by sample: both studies are computed on the same samples, so that an
-  oil that is better for both counts once. A cage that has run away is below none.
+- The *reserve* is the largest drag that the rollers carry over the drags of the scene (`rollslip.motion.runaway`). With
+  probability p it is at least its quantile 1 - p. Where nothing runs away it is a lower bound; below 1 the cage skids.
+- The *steady slip* is the smallest at which rollers and drags are in balance, the *least load* the radial load at which
+  it is the acceptable one of the scene. Reserve, slips and running away come of one motion of each sample.
+- A cage runs away at the slip where the balance of torques has its fold. The slip that is *allowable* at a probability
+  p is its quantile 1 - p. The *margin* is the probability that the steady slip is below that of running away, sample by
+  sample. This slip tells no good oil from a bad one: what makes it small is mostly what makes the drag there large.
 - The critical slips of the curves, by the closure of the scene, are told beside it: that of a bearing is the smaller of
   those of its rings. With epicyclic rollers they are mostly larger than the slip at which the cage runs away.
 - A slip beyond the range of the study is larger than all in it, and counts so. A point that failed is unknown, and
@@ -14,8 +15,8 @@
   the quantiles are. They are looked at in batches, each as many as all before: a sequence of 2^k points begins with
   that of 2^(k-1). Where an interval may end them they are computed so too, else all in one run.
 - All is a set of sweeps in one folder, so that the same command goes on where it was stopped.
-- Data that scatter are those of the scene's table ``[uncertainty]``; without one those that its oil, and a
-  bearing taken by its name, come with.
+- Data that scatter are those of the scene's table ``[uncertainty]``; without one what data and fields declare of
+  themselves (`rollslip.campaigns.uncertainty.scatter`).
 - Sobol indices share a variance among independent inputs. With correlated ones their sums mean nothing: refused.
 """
 
@@ -32,7 +33,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
-from rollslip.bearing.raceway import RINGS, Array
+from rollslip.bearing.raceway import Array
 from rollslip.campaigns.sweep.definition import Sweep
 from rollslip.campaigns.sweep.folder import taken_up
 from rollslip.campaigns.sweep.point import compute
@@ -41,6 +42,17 @@ from rollslip.campaigns.sweep.run import Progress, run_sweep
 from rollslip.campaigns.sweep.sampling import REPLICATES
 from rollslip.campaigns.sweep.sweep import plan_sweep
 from rollslip.campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
+from rollslip.campaigns.uncertainty.samples import (
+    DRAG,
+    LOAD,
+    LOWEST,
+    RESERVE,
+    RUNAWAY,
+    STEADY,
+    least_loads,
+    of_friction,
+    shares_of,
+)
 from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
@@ -50,7 +62,6 @@ from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
 from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
-from rollslip.studies.steady_slip.statuses import LEAVES, RUNS_AWAY
 from rollslip.studies.steady_slip.study import SteadySlip
 
 if TYPE_CHECKING:
@@ -64,12 +75,14 @@ CONFIDENCE: Final = 0.95
 ENDING: Final = 0.975
 #: Samples of the first batch, and the most where batches end by themselves.
 _FIRST, _MOST = 256, 16384
-_SAMPLES, _STEADY = 1024, 512
+_SAMPLES, _LOADS = 1024, 64
+#: Fewest samples whose ranks are told.
+_RANKED: Final = 8
 #: Probabilities of the quantiles that are told beside that of the allowable slip.
 _TOLD: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
-_CRITICAL: Final = ("runaway_slip", "runaway_drag", "critical_cage_slip", "critical_friction")
-RUNAWAY, DRAG = "slip of running away", "drag of running away"
-LOWEST, STEADY = "critical slip", "steady slip"
+_OUTPUTS: Final = (
+    "drag_reserve", "steady_cage_slip", "runaway_slip", "runaway_drag", "critical_cage_slip", "critical_friction"
+)  # fmt: skip
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -80,12 +93,15 @@ class Margin:
     ----------
     critical : Sweep
         Effective friction on all samples.
+<<<<<<< HEAD
     steady : Sweep or None
         Steady slips on the first of them; None if they are not asked for.
+=======
+    load : Sweep or None
+        Least radial loads on the first of them; None without an acceptable slip.
+>>>>>>> ede0b1b (Lead uncertainty with reserve, steady slip and least load)
     varied : Sweep or None
         Effective friction on Saltelli's design, for Sobol indices; None if they are not asked for.
-    steady_varied : Sweep or None
-        Steady slips on it, likewise.
     probability : float
         With which the slip is to be below that of running away.
     until : float or None
@@ -95,9 +111,8 @@ class Margin:
     """
 
     critical: Sweep
-    steady: Sweep | None
+    load: Sweep | None
     varied: Sweep | None
-    steady_varied: Sweep | None
     probability: float
     until: float | None
     scatter: tuple[str, ...]
@@ -105,10 +120,7 @@ class Margin:
     @property
     def sweeps(self) -> dict[str, Sweep]:
         """Sweeps that are asked for, by the name of their folder."""
-        named = {
-            "critical": self.critical, "steady": self.steady, "indices": self.varied,
-            "steady-indices": self.steady_varied,
-        }  # fmt: skip
+        named = {"critical": self.critical, "load": self.load, "indices": self.varied}
         return {name: one for name, one in named.items() if one is not None}
 
     @property
@@ -128,31 +140,31 @@ def uncertainty(
     samples: int | None = None,
     until: float | None = None,
     probability: float = 0.99,
-    steady: int | None = None,
+    loads: int | None = None,
     indices: int = 0,
-    steady_indices: int = 0,
     seed: int = 0,
     engine: object = None,
     time_limit: float | str | None = None,
 ) -> "xr.Dataset":
-    """Compute the distributions of the slips of running away and of the steady slip, the allowable slip, the margin.
+    """Compute the distributions of reserve, steady slip and least load, the allowable slip and the margin.
 
     Parameters
     ----------
     scene : Scene, str or path
         A scene, the name of a shipped one, or a file. Its table ``[uncertainty]`` says what scatters; without one its
-        oil does.
+        data and models do.
     out : path, optional
         Folder in which everything is kept; a call with the same scene and options goes on with what it holds.
-    samples, until, probability, steady, indices, steady_indices, seed, engine, time_limit : optional
+    samples, until, probability, loads, indices, seed, engine, time_limit : optional
         As in `plan_margin`.
 
     Returns
     -------
     xarray.Dataset
         (quantity, sample): value; (quantity, probability): quantile_value, quantile_low, quantile_high; (quantity,):
-        samples, known, beyond, unknown; scalars allowable_slip, margin, with their ends; (batch,): batch_samples,
-        batch_allowable and its ends; (indexed, input): first_order, total_order with their ends.
+        samples, known, beyond, unknown; scalars allowable_slip, margin, skidding, with their ends, and bounded; (input,
+        acted): rank_correlation; (batch,): batch_samples, batch_allowable and its ends; (indexed, input): first_order,
+        total_order with their ends.
 
     Raises
     ------
@@ -163,7 +175,7 @@ def uncertainty(
 
     Examples
     --------
-    >>> found = uncertainty("1032930-70C", samples=64, steady=0, probability=0.9)
+    >>> found = uncertainty("1032930-70C", samples=64, probability=0.9)
     >>> bool(0.0 < found.allowable_low < found.allowable_slip < found.allowable_high < 0.95)
     True
     """
@@ -172,9 +184,8 @@ def uncertainty(
         samples=samples,
         until=until,
         probability=probability,
-        steady=steady,
+        loads=loads,
         indices=indices,
-        steady_indices=steady_indices,
         seed=seed,
         engine=engine,
         time_limit=time_limit,
@@ -190,9 +201,8 @@ def plan_margin(
     samples: int | None = None,
     until: float | None = None,
     probability: float = 0.99,
-    steady: int | None = None,
+    loads: int | None = None,
     indices: int = 0,
-    steady_indices: int = 0,
     seed: int = 0,
     engine: object = None,
     time_limit: float | str | None = None,
@@ -204,19 +214,23 @@ def plan_margin(
     scene : Scene, str or path
         The scene.
     samples : int, optional
-        Samples of the slip of running away, the most of them with ``until``; by default 1024 and 16384.
+        Samples of reserve and slips, the most of them with ``until``; by default 1024 and 16384.
     until : float, optional
         Half width of the 95 % interval of the allowable slip, as a slip, at which no more batches are computed.
     probability : float
         With which the slip is to be below that of running away.
+<<<<<<< HEAD
     steady : int, optional
         Samples of the steady slip, each about as dear; by default 512, 0 for none. So many and
         no slip beyond that of running away leave a margin above 0.99 with 95 %.
+=======
+    loads : int, optional
+        Samples of the least radial load, each several times as dear; by default 64 if the scene says which slip is
+        acceptable, 0 for none.
+>>>>>>> ede0b1b (Lead uncertainty with reserve, steady slip and least load)
     indices : int
-        Rows of the design for Sobol indices of running away, critical slip and peak friction, a power of two, each
-        inputs + 2 points; 0 for none.
-    steady_indices : int
-        Rows of that for the steady slip, likewise; each point as dear as one of ``steady``.
+        Rows of the design for Sobol indices of reserve, slips and peak friction, a power of two, each inputs + 2
+        points; 0 for none.
     seed : int
         Seed of the samples.
     engine : str or table, optional
@@ -231,7 +245,12 @@ def plan_margin(
     """
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     samples = samples if samples is not None else _SAMPLES if until is None else _MOST
+<<<<<<< HEAD
     steady = steady if steady is not None else min(_STEADY, samples)
+=======
+    acceptable = SteadySlip.of(scene).acceptable_slip
+    loads = loads if loads is not None else min(_LOADS, samples) if acceptable is not None else 0
+>>>>>>> ede0b1b (Lead uncertainty with reserve, steady slip and least load)
     problems = []
     if not 0.5 <= probability < 1.0:
         problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
@@ -239,26 +258,33 @@ def plan_margin(
         problems.append(f"until: a half width above 0 is expected, such as 0.01, not {until:g}")
     if samples < 2:
         problems.append(f"samples: a distribution needs 2 at least, not {samples}")
+<<<<<<< HEAD
     if not 0 <= steady <= samples:
         problems.append(f"steady: the samples of the steady slip are the first of all {samples}, not {steady}")
     for name, rows in (("indices", indices), ("steady_indices", steady_indices)):
         if rows and (rows < 4 or rows & (rows - 1)):
             problems.append(f"{name}: the design after Saltelli needs a power of two, 4 or more rows, not {rows}")
+=======
+    if not 0 <= loads <= samples:
+        problems.append(f"loads: the samples of the least load are the first of all {samples}, not {loads}")
+    if loads and acceptable is None:
+        problems.append(f"loads: study.{SteadySlip.name}.acceptable_slip says of which slip; give one, such as 0.05")
+    if indices and (indices < 4 or indices & (indices - 1)):
+        problems.append(f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}")
+>>>>>>> ede0b1b (Lead uncertainty with reserve, steady slip and least load)
     if not EffectiveFriction.of(scene).runaway_range:
         problems.append(f"study.{EffectiveFriction.name}.runaway_range: a range is needed, such as 0.95, not 0")
     if problems:
         raise SceneError(problems)
     scene, scatter = with_scatter(scene)
     shared: dict[str, Any] = {"seed": seed, "engine": engine, "time_limit": time_limit}
-    friction = {"study": EffectiveFriction.name, "output": _CRITICAL, **shared}
-    balance = {"study": SteadySlip.name, "output": ["steady_slip"], **shared}
+    friction = {"study": EffectiveFriction.name, "output": _OUTPUTS, **shared}
+    balance = {"study": SteadySlip.name, "output": ["least_load"], **shared}
     critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
     if critical.design.axes:
         keys = ", ".join(axis.key for axis in critical.design.axes)
         raise SceneError([f"sweep.over: {keys} is swept, but margins are of one bearing; take rollslip sweep run"])
-    if (indices or steady_indices) and np.any(
-        critical.uncertainty.correlation != np.eye(len(critical.uncertainty.distributions))
-    ):
+    if indices and np.any(critical.uncertainty.correlation != np.eye(len(critical.uncertainty.distributions))):
         raise SceneError(
             [
                 "uncertainty.correlation: Sobol indices need independent inputs, and these are correlated; leave out "
@@ -267,11 +293,8 @@ def plan_margin(
         )
     return Margin(
         critical=critical,
-        steady=plan_sweep(scene, samples=steady, sampling="replicated-sobol", **balance) if steady else None,
+        load=plan_sweep(scene, samples=loads, sampling="replicated-sobol", **balance) if loads else None,
         varied=plan_sweep(scene, samples=indices, sampling="saltelli", **friction) if indices else None,
-        steady_varied=plan_sweep(scene, samples=steady_indices, sampling="saltelli", **balance)
-        if steady_indices
-        else None,
         probability=probability,
         until=until,
         scatter=scatter,
@@ -328,7 +351,7 @@ def run_margin(
     whole = computed("critical", total) if made.until is None else None
     while True:
         critical = computed("critical", count) if whole is None else whole.isel(sample=slice(count))
-        allowed = made.quantile(_runaway(critical), 1.0 - made.probability)
+        allowed = made.quantile(of_friction(critical)[RUNAWAY], 1.0 - made.probability)
         batches.append((count, allowed))
         said(f"{count} samples: {_so_far(allowed)}")
         # more samples make no end known that lies beyond the range
@@ -336,9 +359,10 @@ def run_margin(
             break
         count = min(2 * count, total)
     points = {"critical": critical}
-    if made.steady is not None:
-        points["steady"] = computed("steady", min(len(made.steady.design.samples), count))
-    points |= {name: computed(name) for name in ("indices", "steady-indices") if name in sweeps}
+    if made.load is not None:
+        points["load"] = computed("load", min(len(made.load.design.samples), count))
+    if made.varied is not None:
+        points["indices"] = computed("indices")
     dataset = _dataset(made, batches, points)
     save(dataset, folder / RESULT)
     return dataset
@@ -362,73 +386,23 @@ def _so_far(allowed: Estimate) -> str:
 # What the samples say ------------------------------------------------------------------------------------------------
 
 
-def _rings(points: "xr.Dataset", name: str) -> Array:
-    """Critical slips or their friction, (2, n); a slip that is not in the range is beyond it, its friction unknown."""
-    status = points["status"].to_numpy()
-    found = np.full((len(RINGS), status.size), np.nan)
-    if name in points:
-        found[:] = points[name].transpose("ring", "sample").to_numpy()
-    if name == "critical_cage_slip":
-        found[np.isnan(found) & (status == "ok")] = np.inf
-    return found
-
-
-def _lowest(points: "xr.Dataset") -> Array:
-    """Critical slip of the bearing, (n,): infinite beyond the range, NaN where its point failed."""
-    return np.asarray(_rings(points, "critical_cage_slip").min(axis=0))
-
-
-def _runaway(points: "xr.Dataset") -> Array:
-    """Slip of running away, (n,): infinite beyond the range, NaN where it is not known or its point failed."""
-    found = _scalar(points, "runaway_slip")
-    status = _words(points, "runaway_status")
-    found[np.char.startswith(status, "the rollers do not drive")] = 0.0
-    found[np.isnan(found) & (points["status"].to_numpy() == "ok") & ~np.char.startswith(status, "it is not")] = np.inf
-    return found
-
-
-def _scalar(points: "xr.Dataset", name: str) -> Array:
-    """A single value of each point, (n,), NaN where there is none."""
-    size = points["status"].size
-    return points[name].to_numpy().astype(float) if name in points else np.full(size, np.nan)
-
-
-def _words(points: "xr.Dataset", name: str) -> Any:
-    return points[name].to_numpy().astype(str) if name in points else np.full(points["status"].size, "")
-
-
-def _operating(points: "xr.Dataset") -> Array:
-    """Smallest steady slip, (n,): infinite where slip runs away or leaves the range, NaN where it is not known."""
-    status = points["status"].to_numpy()
-    found = np.full(status.size, np.nan)
-    if "steady_slip" in points:
-        slips = points["steady_slip"].to_numpy().reshape(status.size, -1)
-        some = np.isfinite(slips).any(axis=1)
-        found[some] = np.nanmin(slips[some], axis=1)
-    if "study_status" in points:
-        words = points["study_status"].to_numpy().astype(str)
-        away = (np.char.find(words, RUNS_AWAY) >= 0) | (np.char.find(words, LEAVES) >= 0)
-        found[(status == "ok") & np.isnan(found) & away] = np.inf
-    return found
-
-
 def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[str, "xr.Dataset"]) -> "xr.Dataset":
     import xarray as xr
 
-    critical, steady = points["critical"], points.get("steady")
-    slips, frictions, n = _rings(critical, "critical_cage_slip"), _rings(critical, "critical_friction"), batches[-1][0]
-    away, drag = _runaway(critical), _scalar(critical, "runaway_drag")
-    values = {RUNAWAY: away, DRAG: np.where(np.isinf(away), np.inf, drag), LOWEST: _lowest(critical)}
-    values |= {f"{LOWEST}, {ring} ring": row for ring, row in zip(RINGS, slips, strict=True)}
-    values |= {f"peak friction, {ring} ring": row for ring, row in zip(RINGS, frictions, strict=True)}
-    variables: dict[str, Any] = {}
-    if steady is not None:
-        values[STEADY] = _operating(steady)
-        m = values[STEADY].size
-        known = ~np.isnan(values[STEADY]) & ~np.isnan(values[RUNAWAY][:m])
-        below = int((values[STEADY] < values[RUNAWAY][:m])[known].sum())
-        margin = share(below, int((~known).sum()), m, CONFIDENCE)
+    critical, n = points["critical"], batches[-1][0]
+    values, variables = of_friction(critical), dict[str, Any]()
+    if STEADY in values:
+        slip, away, shares = values[STEADY], values[RUNAWAY], shares_of(critical)
+        known = ~np.isnan(slip) & ~np.isnan(away)
+        margin = share(int((slip < away)[known].sum()), int((~known).sum()), n, CONFIDENCE)
+        skids = share(int(shares["skids"].sum()), int(shares["unknown"].sum()), n, CONFIDENCE)
         variables |= _estimate("margin", margin, "probability that the steady slip is below that of running away")
+        variables |= _estimate("skidding", skids, "probability that the cage has no balance of torques")
+        said = "samples of which the reserve is a lower bound"
+        variables["bounded"] = (), int(shares["bound"].sum()), about("1", said)
+    if "load" in points:  # third of what is told
+        loads = {LOAD: least_loads(points["load"])}
+        values = {key: values.pop(key) for key in (RESERVE, STEADY) if key in values} | loads | values
     allowed = batches[-1][1]
     variables |= _estimate("allowable", allowed, "allowable slip")
     variables["allowable_slip"] = variables.pop("allowable")
@@ -460,12 +434,20 @@ def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[
     variables["input_value"] = (
         ("input", "sample"), made.critical.design.samples[:n].T, about("SI", "value of an uncertain quantity")
     )  # fmt: skip
+    acted = [name for name in (RESERVE, STEADY, LOAD, RUNAWAY) if name in values]
+    ranks = np.array([[_ranked(column, values[name]) for name in acted] for column in made.critical.design.samples.T])
+    variables["rank_correlation"] = (
+        ("input", "acted"), ranks, about("1", "rank correlation of an uncertain quantity with what is acted on")
+    )  # fmt: skip
+    strong = _ranked(values[RUNAWAY], values[DRAG])
+    variables["strength_correlation"] = (), strong, about("1", "rank correlation of slip and drag of running away")
     coords: dict[str, Any] = {
+        "acted": ("acted", np.array(acted), about("1", "what is acted on")),
         "quantity": ("quantity", np.array(list(values)), about("1", "what it is")),
         "probability": ("probability", np.array(probabilities), about("1", "share of the distribution below")),
         "input": ("input", np.array(inputs), about("1", "what is uncertain")),
     }
-    if made.varied is not None or made.steady_varied is not None:
+    if made.varied is not None:
         found, names = _indices(made, points)
         variables |= found
         coords["indexed"] = ("indexed", np.array(names), about("1", "what the indices are of"))
@@ -479,26 +461,28 @@ def _estimate(name: str, of: Estimate, doc: str) -> dict[str, Any]:
     return {f"{name}{end}": ((), value, about("1", said[end])) for end, value in ends.items()}
 
 
-def _indexed(points: Mapping[str, "xr.Dataset"]) -> dict[str, tuple[str, Array]]:
-    """Results on Saltelli's designs: name -> sweep and values."""
-    found = dict[str, tuple[str, Array]]()
-    if (varied := points.get("indices")) is not None:
-        found[RUNAWAY] = "indices", _runaway(varied)
-        found[LOWEST] = "indices", _lowest(varied)
-        peaks = zip(RINGS, _rings(varied, "critical_friction"), strict=True)
-        found |= {f"peak friction, {ring} ring": ("indices", row) for ring, row in peaks}
-    if (varied := points.get("steady-indices")) is not None:
-        found[STEADY] = "steady-indices", _operating(varied)
-    return found
+def _ranked(one: Array, other: Array) -> float:
+    """Rank correlation of two samples after Spearman, what is beyond a range ranked there; NaN where there is none."""
+    from scipy.stats import spearmanr
+
+    size = min(one.size, other.size)
+    known = ~np.isnan(one[:size]) & ~np.isnan(other[:size])
+    a, b = one[:size][known], other[:size][known]
+    if a.size < _RANKED or np.unique(a).size < 2 or np.unique(b).size < 2:
+        return math.nan
+    return float(spearmanr(a, b).statistic)
 
 
 def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Any], list[str]]:
     """Sobol indices of what varies, and its names; what lies beyond the range of its study counts as at its end."""
     d, rows, names = len(made.critical.design.sampled), list[Any](), list[str]()
-    for name, (place, values) in _indexed(points).items():
-        sweep = made.sweeps[place]
-        table = np.where(np.isinf(values), _range(sweep, name), values).reshape(-1, d + 2)
-        found = indices(table[:, 0], table[:, 1], table[:, 2:].T, sweep.table.seed, CONFIDENCE)
+    study, seed = EffectiveFriction.of(made.critical.scene), made.critical.table.seed
+    for name, values in of_friction(points["indices"]).items():
+        if name == DRAG or name.startswith(f"{LOWEST},"):
+            continue
+        last = study.slip_range if name == LOWEST else study.runaway_range
+        table = np.where(np.isinf(values), last, values).reshape(-1, d + 2)
+        found = indices(table[:, 0], table[:, 1], table[:, 2:].T, seed, CONFIDENCE)
         if found is not None:
             names.append(name)
             rows.append((found.first, found.total, found.used, len(table), int(np.isinf(values).sum())))
@@ -518,14 +502,6 @@ def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str
     return variables, names
 
 
-def _range(sweep: Sweep, name: str) -> float:
-    """Largest slip that a quantity is looked for at."""
-    if sweep.study != EffectiveFriction.name:
-        return SteadySlip.of(sweep.scene).slip_range
-    study = EffectiveFriction.of(sweep.scene)
-    return study.runaway_range if name == RUNAWAY else study.slip_range
-
-
 def _failures(points: "xr.Dataset") -> dict[str, int]:
     names, counts = np.unique(points["status"].to_numpy(), return_counts=True)
     return {str(name): int(count) for name, count in zip(names, counts, strict=True)}
@@ -541,7 +517,7 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], left: Seq
     ]
     if made.scatter:
         warnings.append(
-            f"the scene has no table [uncertainty]; the scatter is the one that its oil and bearing come with: "
+            f"the scene has no table [uncertainty]; the scatter is the one that its data and models come with: "
             f"{'; '.join(made.scatter)}"
         )
     warnings += [*implausible(sweep.given), *sweep.unusual, *left]
@@ -554,6 +530,7 @@ def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], left: Seq
         curves_with=CLOSURES[study.closure],
         confidence=CONFIDENCE,
         fewest_samples=fewest(made.probability, REPLICATES, made.confidence),
+        acceptable_slip=SteadySlip.of(sweep.scene).acceptable_slip or "",
         until=made.until if made.until is not None else "",
         seed=sweep.table.seed,
         distributions={k: repr(d) for k, d in sweep.uncertainty.distributions.items()},

@@ -248,8 +248,8 @@ class EffectiveFriction(Study):
             roller_slip; (ring,): critical_cage_slip, critical_friction, critical_status, first_maximum_slip,
             first_maximum_friction; scalars, unless it is not looked where the cage runs away: runaway_slip,
             runaway_drag, runaway_status, steady_cage_slip, steady_drag, steady_status, drag_reserve, reserve_status;
-            (ring, map_cage_slip, map_roller_slip): friction_map; (ring, roller): normal_force at the first instant and, on request, (ring,
-            roller, cage_slip): roller_friction, NaN where the roller is not loaded.
+            (ring, map_cage_slip, map_roller_slip): friction_map; (ring, roller): normal_force at the first instant
+            and, on request, (ring, roller, cage_slip): roller_friction, NaN where the roller is not loaded.
 
         Raises
         ------
@@ -368,9 +368,7 @@ class EffectiveFriction(Study):
             return None
         return runaway(assembly, instants, self.runaway_range, f"study.{self.name}.runaway_range")
 
-    def _balanced(
-        self, assembly: Assembly, instants: int, outputs: frozenset[str] = _STEADY
-    ) -> dict[str, Any]:
+    def _balanced(self, assembly: Assembly, instants: int, outputs: frozenset[str] = _STEADY) -> dict[str, Any]:
         """Variables of running away and of how the cage runs, none where neither is looked for."""
         if (away := self.runaway(assembly, instants)) is None:
             return {}

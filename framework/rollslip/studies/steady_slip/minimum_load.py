@@ -25,6 +25,9 @@ __all__ = ["RULES", "Rule", "least_load", "static_rating"]
 #: By which factor loads are left and right of that of the scene at most, and by which the search widens.
 _FARTHEST: Final = 1e6
 _WIDER: Final = 4.0
+#: How its status begins where any load serves, and where none does.
+ANY_LOAD: Final = ("no load is needed", "any load serves")
+NO_LOAD: Final = ("no load serves", "the cage does not hold a slip")
 #: Relative accuracy of the load.
 _FOUND: Final = 1e-4
 #: Step of the slip by which it is seen whether the cage holds it, relative.
@@ -49,7 +52,7 @@ def least_load(balance: Callable[[float], TorqueBalance], load: float, slip: flo
         return balance(math.exp(log)).excess(slip)
 
     if balance(load).rolls_freely:
-        return math.nan, f"no load is needed: {SWITCHED_OFF}"
+        return math.nan, f"{ANY_LOAD[0]}: {SWITCHED_OFF}"
     begin = low = high = math.log(load)
     try:
         over = excess(begin)
@@ -57,7 +60,8 @@ def least_load(balance: Callable[[float], TorqueBalance], load: float, slip: flo
             if high - low > math.log(_FARTHEST):
                 ends = " and ".join(format_quantity(math.exp(end), "N", 3) for end in (low, high))
                 way = "less" if over > 0.0 else "more"
-                return math.nan, f"between {ends} the steady slip stays {way} than {slip:g}"
+                serves = ANY_LOAD[1] if over > 0.0 else NO_LOAD[0]
+                return math.nan, f"{serves}: between {ends} the steady slip stays {way} than {slip:g}"
             low, high = (low - math.log(_WIDER), begin) if over > 0.0 else (begin, high + math.log(_WIDER))
         found = math.exp(brentq(excess, low, high, xtol=_FOUND))
         holds = balance(found).excess(slip * (1.0 + _STEP)) > balance(found).excess(slip)
@@ -65,7 +69,7 @@ def least_load(balance: Callable[[float], TorqueBalance], load: float, slip: flo
         return math.nan, f"not found: {error}"
     if not holds:
         shown = format_quantity(found, "N", 4)
-        return math.nan, f"the cage does not hold a slip of {slip:g}: at {shown} it has run away before"
+        return math.nan, f"{NO_LOAD[1]} of {slip:g}: at {shown} it has run away before"
     return found, "found"
 
 

@@ -327,17 +327,18 @@ class SteadySlip(Study):
         )
 
     def only(self, assembly: Assembly, outputs: frozenset[str]) -> Some | None:
-        """Return steady slips and status as `run` finds them; None if more is asked than these."""
+        """Return steady slips and status, or a least load, as `run` finds them; None if more is asked than these."""
+        instants, few = assembly.resolution.instants, _first_instants(assembly)
+        if outputs <= {"least_load", "least_load_status"} and self.acceptable_slip is not None:
+            return self._least_load(assembly, instants or few, self.acceptable_slip), {}
         if not outputs <= {"steady_slip", "status"}:
             return None
-        assembly = _loaded(assembly).with_resistance()
-        instants, conventional = assembly.resolution.instants, self.friction == "conventional"
-        first = partial(self._balance, assembly)
-        slips = crossings(first, _first_instants(assembly), self.max_cage_slip) if conventional else None
+        assembly, conventional = _loaded(assembly).with_resistance(), self.friction == "conventional"
+        slips = crossings(partial(self._balance, assembly), few, self.max_cage_slip) if conventional else None
         if slips is not None:
             status = "found"
         else:
-            balance = self._balance(assembly, instants) if instants is not None else self._doubled(assembly)[0]
+            balance = self._doubled(assembly)[0] if instants is None else self._balance(assembly, instants)
             curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
             slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
             status = status_of(balance, curve, self._largest(balance, curve), slips, self.table)
