@@ -36,6 +36,9 @@ from rollslip.studies.effective_friction.study import CLOSURES
 SCENE = rollslip.evolve(load_scene("1032930-70C"), {"accuracy.slices": 3, "study.effective-friction.points": 9})
 
 
+ACCEPTABLE = rollslip.evolve(SCENE, {"study.steady-slip.acceptable_slip": 0.05})
+
+
 def uncertain(**table):
     raw = {**SCENE.raw, "uncertainty": table}
     return attrs.evolve(SCENE, uncertainty=FrozenTable(table), raw=FrozenTable(raw))
@@ -50,9 +53,9 @@ ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", 
         (SCENE, {"probability": 1.0}, "probability: must be from 0.5 to below 1, not 1"),
         (SCENE, {"until": 0.0}, "until: a half width above 0 is expected"),
         (SCENE, {"samples": 1}, "samples: a distribution needs 2 at least, not 1"),
-        (SCENE, {"samples": 8, "steady": 9}, "steady: the samples of the steady slip are the first of all 8, not 9"),
+        (ACCEPTABLE, {"samples": 8, "loads": 9}, "loads: the samples of the least load are the first of all 8, not 9"),
+        (SCENE, {"samples": 8, "loads": 4}, "loads: study.steady-slip.acceptable_slip says of which slip"),
         (SCENE, {"indices": 12}, "indices: the design after Saltelli needs a power of two, 4 or more rows, not 12"),
-        (SCENE, {"steady_indices": 2}, "steady_indices: the design after Saltelli needs a power of two"),
         (
             uncertain(
                 lubricant={
@@ -63,7 +66,7 @@ ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", 
                     {"between": ["lubricant.pressure_viscosity_factor", "lubricant.eyring_stress"], "coefficient": 0.5}
                 ],
             ),
-            {"samples": 8, "steady": 0, "indices": 4},
+            {"samples": 8, "indices": 4},
             "Sobol indices need independent inputs, and these are correlated",
         ),
     ],
@@ -74,33 +77,32 @@ def test_what_is_wrong_is_said_before_anything_runs(scene, options, said):
     assert said in str(error.value)
 
 
-def test_steady_slips_are_never_more_than_samples():
-    assert len(plan_margin(SCENE, samples=4).steady.design.samples) == 4
+def test_least_loads_are_never_more_than_samples_and_are_of_an_acceptable_slip():
+    assert len(plan_margin(ACCEPTABLE, samples=4).load.design.samples) == 4
+    assert plan_margin(SCENE, samples=4).load is None
 
 
 def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
-    made = plan_margin(SCENE, samples=8, steady=0)
+    made = plan_margin(SCENE, samples=8)
     assert list(made.critical.uncertainty.distributions) == [
         "lubricant.viscosity_factor",
         "lubricant.pressure_viscosity_factor",
         "lubricant.eyring_stress",
         "lubricant.shear_modulus",
+        "cage.drag.petroff-land.factor",
     ]
-    found = uncertainty(SCENE, samples=8, steady=0)
+    found = uncertainty(SCENE, samples=8)
     warning, *left = json.loads(found.attrs["warnings"])
     assert left[0].startswith("at 8 of 8 points judged: ")
     assert "all points were judged" in left[-1]
-    assert "the scatter is the one that its oil and bearing come with" in warning
+    assert "the scatter is the one that its data and models come with" in warning
     assert "So and Klaus" in warning
-    assert not plan_margin(uncertain(**ALPHA), samples=8, steady=0).scatter
+    assert not plan_margin(uncertain(**ALPHA), samples=8).scatter
 
 
 def test_data_of_the_scene_do_not_scatter_like_those_of_the_oil():
     scene = rollslip.evolve(SCENE, {"lubricant.pressure_viscosity": "12 1/GPa"})
-    assert (
-        "lubricant.pressure_viscosity_factor"
-        not in plan_margin(scene, samples=8, steady=0).critical.uncertainty.distributions
-    )
+    assert "lubricant.pressure_viscosity_factor" not in plan_margin(scene, samples=8).critical.uncertainty.distributions
 
 
 def test_every_shipped_oil_says_how_uncertain_it_is():
@@ -115,7 +117,7 @@ def test_every_shipped_oil_says_how_uncertain_it_is():
 
 def test_the_distribution_is_that_of_the_points(tmp_path):
     # the slip of running away falls with the coefficient: the k-th smallest slip is that of the k-th largest factor
-    found = uncertainty(uncertain(**ALPHA), samples=32, steady=3, probability=0.9, out=tmp_path / "kept")
+    found = uncertainty(uncertain(**ALPHA), samples=32, probability=0.9, out=tmp_path / "kept")
     factors = np.sort(found.input_value.to_numpy()[0])[[-4, -16]].tolist()  # of 32, 3.2 and 16 lie below
     swept = rollslip.sweep(
         SCENE, {"lubricant.pressure_viscosity_factor": factors}, study="effective-friction", output=["runaway_slip"]
@@ -125,7 +127,7 @@ def test_the_distribution_is_that_of_the_points(tmp_path):
     assert told.sel(probability=[0.1, 0.5]).to_numpy() == pytest.approx(slips, rel=1e-12)
     assert found.allowable_slip == told.sel(probability=0.1)
     assert found.margin == 1.0
-    assert found.margin_low == pytest.approx(0.025 ** (1 / 3))  # Clopper and Pearson where all of three hold
+    assert found.margin_low == pytest.approx(0.025 ** (1 / 32))  # Clopper and Pearson where all of 32 hold
     assert rollslip.open_result(tmp_path / "kept" / "uncertainty.nc").identical(found)
     json.dumps(record(found), allow_nan=False)
 
@@ -149,7 +151,7 @@ def test_failed_points_count_as_worst_and_best_and_are_told(tmp_path, monkeypatc
     slips[::16] = np.nan
     slips[5] = np.nan
     status = ["crashed" if k % 16 == 0 else "ok" for k in range(64)]  # number 5 has none in the range
-    made = plan_margin(uncertain(**ALPHA), samples=64, steady=0, probability=0.9)
+    made = plan_margin(uncertain(**ALPHA), samples=64, probability=0.9)
     monkeypatch.setattr(
         allowable, "run_sweep", lambda *args, **options: Settled(Progress(64, {}, 0, 0.0), "", "", False)
     )
@@ -186,7 +188,7 @@ def test_a_critical_slip_beyond_the_range_in_all_samples_is_no_slip_called_inf(c
         n = len(sweep.design.samples)
         return _points(["ok"] * n, np.full(n, np.nan))
 
-    options = {"samples": count, "steady": 0, "probability": 0.9, "indices": 4}
+    options = {"samples": count, "probability": 0.9, "indices": 4}
     found, said = _of_points(points, monkeypatch, tmp_path / "made", **options)
     assert float(found.allowable_slip) == np.inf
     _, first, *_, indices = sentences(found)
@@ -223,7 +225,7 @@ def test_an_interval_that_ends_beyond_the_range_says_so_and_failed_points_do_not
     def points(sweep, folder):
         return _points(np.where(every_other, status, "ok"), slips)
 
-    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, steady=0, probability=0.5)
+    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, probability=0.5)
     _, first, *_ = sentences(found)
     assert first.startswith("a cage that slips by at most ")
     assert said in first
@@ -235,7 +237,7 @@ def test_rollers_that_do_not_drive_the_cage_allow_no_slip(tmp_path, monkeypatch)
         words = np.where(np.arange(64) < 16, "the rollers do not drive the cage at any slip up to 0.99", "found")
         return found.assign(runaway_status=("sample", words))
 
-    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, steady=0, probability=0.9)
+    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, probability=0.9)
     assert found.sel(quantity="slip of running away").value.to_numpy().tolist() == [0.0] * 16 + [0.3] * 48
     assert float(found.allowable_slip) == 0.0
 
@@ -247,7 +249,7 @@ def test_batches_end_where_more_samples_say_nothing_more(tmp_path, monkeypatch):
         n = len(sweep.only)
         return _points(["ok"] * n, np.full(n, np.nan))
 
-    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=512, steady=0, probability=0.9, until=0.01)
+    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=512, probability=0.9, until=0.01)
     assert found.batch_samples.values.tolist() == [64]
 
 
@@ -259,15 +261,15 @@ def test_an_interval_of_a_figure_that_is_not_known_draws_without_a_warning(tmp_p
         values = np.linspace(0.1, 0.2, n)
         return _points(["ok"] * n, np.where(np.arange(n) < 32, np.nan, values))
 
-    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, steady=0, probability=0.9)
+    found, _ = _of_points(points, monkeypatch, tmp_path / "made", samples=64, probability=0.9)
     assert np.isinf(found.batch_allowable.values).tolist() == [True, True, False]
-    assert [path.name for path in save_plots(found, tmp_path)] == ["uncertainty.svg"]
+    assert [path.name for path in save_plots(found, tmp_path)] == ["uncertainty.svg", "uncertainty-ranks.svg"]
 
 
 @functools.cache
 def sixteen():
     """What every example asks for."""
-    return plan_margin(uncertain(**ALPHA), samples=16, steady=0, probability=0.5)
+    return plan_margin(uncertain(**ALPHA), samples=16, probability=0.5)
 
 
 @settings(max_examples=15)
@@ -299,7 +301,7 @@ def test_no_failed_point_is_left_out_of_a_count(ends, beyond, tmp_path_factory):
 
 def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(allowable, "_FIRST", 32)
-    options = {"samples": 48, "steady": 0, "probability": 0.95}
+    options = {"samples": 48, "probability": 0.95}
     made = plan_margin(uncertain(**ALPHA), **options)
     whole = run_margin(made, tmp_path / "whole")
 
@@ -321,11 +323,11 @@ def test_going_on_gives_the_same_bits_and_another_scene_is_refused(tmp_path, mon
 
 def test_batches_end_when_the_interval_is_narrow_enough(monkeypatch):
     monkeypatch.setattr(allowable, "_FIRST", 32)
-    wide = uncertainty(uncertain(**ALPHA), samples=256, steady=0, probability=0.8, until=0.5)
+    wide = uncertainty(uncertain(**ALPHA), samples=256, probability=0.8, until=0.5)
     assert list(wide.batch_samples.values) == [32]
     assert wide.sizes["sample"] == 32
     width = 0.5 * float(wide.allowable_high - wide.allowable_low)
-    narrow = uncertainty(uncertain(**ALPHA), samples=256, steady=0, probability=0.8, until=0.75 * width)
+    narrow = uncertainty(uncertain(**ALPHA), samples=256, probability=0.8, until=0.75 * width)
     assert narrow.sizes["batch"] > 1
     assert 0.5 * float(narrow.allowable_high - narrow.allowable_low) <= 0.75 * width
     assert np.array_equal(narrow.value[:, :32], wide.value, equal_nan=True)
@@ -338,7 +340,7 @@ def test_intervals_that_end_a_run_are_wider_for_it(tmp_path, monkeypatch):
     for until in (None, 1e-9):
         found, _ = _of_points(
             lambda sweep, folder: _points(["ok"] * len(sweep.only), values[: len(sweep.only)]),
-            monkeypatch, tmp_path / str(until), samples=256, steady=0, probability=0.8, until=until,
+            monkeypatch, tmp_path / str(until), samples=256, probability=0.8, until=until,
         )  # fmt: skip
         ends[until] = float(found.allowable_low), float(found.allowable_high)
     for until, confidence in ((None, 0.95), (1e-9, 0.975)):
@@ -349,7 +351,7 @@ def test_intervals_that_end_a_run_are_wider_for_it(tmp_path, monkeypatch):
 
 def test_the_command_writes_result_figures_and_report(tmp_path):
     out = tmp_path / "made"
-    arguments = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8", "--steady", "0"]
+    arguments = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8"]
     done = CliRunner().invoke(
         cli, [*arguments, "--indices", "4", "--probability", "0.5", "--out", str(out), "--report"]
     )
@@ -372,7 +374,7 @@ def test_points_that_all_failed_are_told_with_what_computes_them_again(tmp_path,
     )
     monkeypatch.setattr(allowable, "collect", points)
     out = tmp_path / "made"
-    own = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8", "--steady", "0"]
+    own = ["uncertainty", "1032930-70C", "--set", "accuracy.slices=3", "--samples", "8"]
     done = CliRunner().invoke(cli, [*own, "--out", str(out)])
     assert done.exit_code == 4, done.output
     assert "8 samples: none has a result" in done.output
@@ -429,7 +431,7 @@ def test_models_whose_samples_lie_beyond_the_range_are_not_told_apart_by_numbers
 
 
 def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
-    made = plan_margin(uncertain(**ALPHA), samples=8, steady=0, indices=16)
+    made = plan_margin(uncertain(**ALPHA), samples=8, indices=16)
 
     def points(sweep, folder):
         n = len(sweep.design.samples)
@@ -448,50 +450,9 @@ def test_indices_say_of_how_many_rows_they_are_made(tmp_path, monkeypatch):
     assert "indices: 1 of 48 points are crashed" in found.attrs["warnings"]
 
 
-def test_the_steady_slip_has_indices_where_they_are_asked_for(tmp_path, monkeypatch):
-    scatter = {
-        "pressure_viscosity_factor": {"distribution": "uniform", "scatter": 0.2},
-        "viscosity_factor": {"distribution": "uniform", "scatter": 0.2},
-    }
-    made = plan_margin(uncertain(lubricant=scatter), samples=8, steady=0, steady_indices=256)
-    assert list(made.sweeps) == ["critical", "steady-indices"]
-
-    def points(sweep, folder):
-        n, (alpha, viscosity) = len(sweep.design.samples), sweep.design.samples.T
-        if sweep.study == "effective-friction":
-            return _points(["ok"] * n, alpha)
-        # two slips of which the smallest counts: a linear one, of which each part of the variance is known
-        slips = 0.1 * np.stack([2.0 * alpha + viscosity, 2.0 * alpha + viscosity + 1.0], axis=1)
-        away = alpha > 1.19
-        slips[away] = np.nan
-        words = np.where(away, "the drag is larger than the cage can carry: slip runs away", "found")
-        return xr.Dataset(
-            {
-                "steady_slip": (("sample", "steady"), slips),
-                "study_status": ("sample", words),
-                "status": ("sample", ["ok"] * n),
-            }
-        )
-
-    monkeypatch.setattr(
-        allowable, "run_sweep", lambda *args, **options: Settled(Progress(1, {}, 0, 0.0), "", "", False)
-    )
-    monkeypatch.setattr(allowable, "collect", points)
-    found = run_margin(made, tmp_path / "made").sel(indexed=["steady slip"])
-    assert int(found.indexed_asked.item()) == int(found.indexed_rows.item()) == 256
-    # what runs away counts as at the end of the range, 0.9, far from all others
-    values = points(made.steady_varied, None)
-    slips = np.where(np.isnan(values.steady_slip[:, 0]), 0.9, values.steady_slip[:, 0]).reshape(-1, 4)
-    exact = estimators.indices(slips[:, 0], slips[:, 1], slips[:, 2:].T, seed=0)
-    assert found.total_order.to_numpy()[0] == pytest.approx(exact.total[0], rel=1e-12)
-    assert int(found.indexed_beyond.item()) == int(np.isnan(values.steady_slip[:, 0]).sum()) > 0
-    assert json.loads(found.attrs["points"])["steady-indices"] == {"ok": 1024}
-    assert "share of the variance of steady slip" in " ".join(sentences(found))
-
-
 def test_what_it_will_take_is_told_beforehand():
-    made = plan_margin(uncertain(**ALPHA), samples=8, steady=4, steady_indices=8)
-    told = expected_seconds(made)
-    assert list(told) == ["critical", "steady", "steady-indices"]
-    assert told["critical"] > 0.0
-    assert 0.0 < told["steady"] < told["steady-indices"]  # of 4 points, and of 24
+    scene = rollslip.evolve(uncertain(**ALPHA), {"study.steady-slip.acceptable_slip": 0.05})
+    told = expected_seconds(plan_margin(scene, samples=8, loads=4, indices=64))
+    assert list(told) == ["critical", "load", "indices"]
+    assert told["load"] > 0.0
+    assert 0.0 < told["critical"] < told["indices"]  # of 8 points, and of 192

@@ -93,13 +93,8 @@ class Margin:
     ----------
     critical : Sweep
         Effective friction on all samples.
-<<<<<<< HEAD
-    steady : Sweep or None
-        Steady slips on the first of them; None if they are not asked for.
-=======
     load : Sweep or None
         Least radial loads on the first of them; None without an acceptable slip.
->>>>>>> ede0b1b (Lead uncertainty with reserve, steady slip and least load)
     varied : Sweep or None
         Effective friction on Saltelli's design, for Sobol indices; None if they are not asked for.
     probability : float
@@ -219,15 +214,9 @@ def plan_margin(
         Half width of the 95 % interval of the allowable slip, as a slip, at which no more batches are computed.
     probability : float
         With which the slip is to be below that of running away.
-<<<<<<< HEAD
-    steady : int, optional
-        Samples of the steady slip, each about as dear; by default 512, 0 for none. So many and
-        no slip beyond that of running away leave a margin above 0.99 with 95 %.
-=======
     loads : int, optional
         Samples of the least radial load, each several times as dear; by default 64 if the scene says which slip is
         acceptable, 0 for none.
->>>>>>> ede0b1b (Lead uncertainty with reserve, steady slip and least load)
     indices : int
         Rows of the design for Sobol indices of reserve, slips and peak friction, a power of two, each inputs + 2
         points; 0 for none.
@@ -245,12 +234,8 @@ def plan_margin(
     """
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     samples = samples if samples is not None else _SAMPLES if until is None else _MOST
-<<<<<<< HEAD
-    steady = steady if steady is not None else min(_STEADY, samples)
-=======
     acceptable = SteadySlip.of(scene).acceptable_slip
     loads = loads if loads is not None else min(_LOADS, samples) if acceptable is not None else 0
->>>>>>> ede0b1b (Lead uncertainty with reserve, steady slip and least load)
     problems = []
     if not 0.5 <= probability < 1.0:
         problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
@@ -258,20 +243,12 @@ def plan_margin(
         problems.append(f"until: a half width above 0 is expected, such as 0.01, not {until:g}")
     if samples < 2:
         problems.append(f"samples: a distribution needs 2 at least, not {samples}")
-<<<<<<< HEAD
-    if not 0 <= steady <= samples:
-        problems.append(f"steady: the samples of the steady slip are the first of all {samples}, not {steady}")
-    for name, rows in (("indices", indices), ("steady_indices", steady_indices)):
-        if rows and (rows < 4 or rows & (rows - 1)):
-            problems.append(f"{name}: the design after Saltelli needs a power of two, 4 or more rows, not {rows}")
-=======
     if not 0 <= loads <= samples:
         problems.append(f"loads: the samples of the least load are the first of all {samples}, not {loads}")
     if loads and acceptable is None:
         problems.append(f"loads: study.{SteadySlip.name}.acceptable_slip says of which slip; give one, such as 0.05")
     if indices and (indices < 4 or indices & (indices - 1)):
         problems.append(f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}")
->>>>>>> ede0b1b (Lead uncertainty with reserve, steady slip and least load)
     if not EffectiveFriction.of(scene).runaway_range:
         problems.append(f"study.{EffectiveFriction.name}.runaway_range: a range is needed, such as 0.95, not 0")
     if problems:

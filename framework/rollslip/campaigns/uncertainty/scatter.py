@@ -2,7 +2,8 @@
 
 - A named oil, bearing or surface says how its data scatter. A field of a model, of a drag or of a table says so of the
   value that it has by default: ``parameter(..., scatter=Scatter(...))``. No list of them is kept anywhere.
-- A value that the scene states is taken for known: it does not scatter. ``--set KEY=VALUE`` fixes it likewise.
+- A value that the scene states is taken for known: it does not scatter. ``--set KEY=VALUE`` fixes it likewise. Only what
+  an oil has between ends of its own, as an Eyring stress that nobody measures, scatters all the same.
 - A table ``[uncertainty]`` says all: with one nothing else scatters.
 """
 
@@ -49,13 +50,22 @@ def scattering(assembly: Assembly) -> dict[str, tuple[Scatter, Quantity]]:
     return {
         key: (one, known[key])
         for key, one in offered.items()
-        if key in known and not any(_states(raw, stated) for stated in (key, *_instead(key)))
+        if key in known and not _of_nothing(one, known[key]) and not _is_known(raw, key, one)
     }
 
 
-def _instead(key: str) -> list[str]:
+def _is_known(raw: Mapping[str, object], key: str, scatter: Scatter) -> bool:
+    """Whether a scene states a value, or data of its oil in place of a factor on them."""
     table, _, name = key.rpartition(".")
-    return [f"{table}.{other}" for other in _MEASURED.get(name, ())] if table == "lubricant" else []
+    if table == "lubricant" and {"low", "high"} <= scatter.parameters.keys():
+        return False
+    return any(_states(raw, stated) for stated in (key, *(f"{table}.{other}" for other in _MEASURED.get(name, ()))))
+
+
+def _of_nothing(scatter: Scatter, quantity: Quantity) -> bool:
+    """Whether a value is zero, or is not there, of which a share scatters."""
+    shares = {"scatter", "deviation_of_ln"} & scatter.parameters.keys()
+    return bool(shares) and scatter.parameters.keys() <= {*shares, "at_least", "at_most"} and not quantity.value
 
 
 def _states(raw: Mapping[str, object], key: str) -> bool:

@@ -1,0 +1,349 @@
+"""What scatters by default: what data and fields declare, what fixes it, and what it does to what people act on.
+
+Independent references: quantiles of lognormal distributions in closed form; a cage that a torque of one size drags, of
+which the reserve is the largest drag over it, so that its quantiles follow from those of the torque alone.
+"""
+
+import json
+import math
+
+import attrs
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import norm, spearmanr
+
+import rollslip
+from rollslip.bearing.assembly import assemble
+from rollslip.campaigns.sweep.distributions import LogNormal
+from rollslip.campaigns.uncertainty import findings
+from rollslip.campaigns.uncertainty.margin import plan_margin, uncertainty
+from rollslip.campaigns.uncertainty.samples import least_loads, of_friction, shares_of
+from rollslip.campaigns.uncertainty.scatter import scattering, with_scatter
+from rollslip.datasets import Scatter
+from rollslip.errors import SceneError
+from rollslip.fields import FieldError, parameter
+from rollslip.motion.runaway import Runaway, Running, reserve
+from rollslip.planning.quantities import quantities
+from rollslip.scene import FrozenTable
+from rollslip.scene.reading import load_scene
+from rollslip_kernels.slices import Conditions, Slices
+from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
+from rollslip_plugins.drag.torques import Churning, PetroffLand
+
+DRAGS = ["petroff-land", "churning", "rolling-resistance", "hysteresis"]
+SCENE = rollslip.evolve(
+    load_scene("1032930-70C"),
+    {"accuracy.slices": 3, "study.effective-friction.points": 9, "cage.drag": DRAGS},
+)
+#: Standard deviations of the logarithm, of what is known of each (section 0 of what defaults rest on).
+DEVIATIONS = {"petroff-land": 0.7, "churning": 0.65, "rolling-resistance": 0.30, "hysteresis": 0.7}
+
+
+def uncertain(scene, **table):
+    raw = {**scene.raw, "uncertainty": table}
+    return attrs.evolve(scene, uncertainty=FrozenTable(table), raw=FrozenTable(raw))
+
+
+# What is declared ----------------------------------------------------------------------------------------------------
+
+
+def test_every_drag_scatters_by_as_much_as_it_declares_and_says_why():
+    found = scattering(assemble(SCENE))
+    for name, deviation in DEVIATIONS.items():
+        one, quantity = found[f"cage.drag.{name}.factor"]
+        assert one.distribution == "lognormal"
+        assert dict(one.parameters) == {"deviation_of_ln": deviation}
+        assert (one.grade, quantity.value) == ("(D)", 1.0)
+        assert len(one.source) > 40
+    scene, said = with_scatter(SCENE)
+    assert set(scene.uncertainty) == set(found)
+    assert len(said) == len(found)
+
+
+@pytest.mark.parametrize(
+    ("change", "fixed"),
+    [
+        ({"cage.drag.churning.factor": 1.0}, "cage.drag.churning.factor"),
+        ({"lubricant.viscosity_factor": 1.0}, "lubricant.viscosity_factor"),
+        ({"lubricant.pressure_viscosity": "12 1/GPa"}, "lubricant.pressure_viscosity_factor"),
+    ],
+)
+def test_what_a_scene_states_does_not_scatter(change, fixed):
+    before, after = (set(scattering(assemble(scene))) for scene in (SCENE, rollslip.evolve(SCENE, change)))
+    assert before - after == {fixed}
+
+
+def test_a_table_of_the_scene_says_all():
+    scene = uncertain(SCENE, cage={"land_clearance": {"distribution": "normal", "deviation": "20 um"}})
+    made = plan_margin(scene, samples=8)
+    assert list(made.critical.uncertainty.distributions) == ["cage.land_clearance"]
+    assert not made.scatter
+
+
+def test_data_of_a_bearing_and_fields_of_a_cage_or_a_table_scatter_alike(monkeypatch):
+    """Entries of others: of a clearance in operation, with a deviation of its own, and of a land's clearance."""
+    from rollslip.bearing.cage import Cage
+
+    field = attrs.fields_dict(Cage)["land_clearance"]
+    share = Scatter(distribution="lognormal", parameters={"deviation_of_ln": 0.7}, grade="(D)", source="an estimate")
+    quantity = quantities(assemble(SCENE), {})["cage.land_clearance"]
+    declared = attrs.evolve(quantity, attribute=field.evolve(metadata={**field.metadata, "scatter": share}))
+    monkeypatch.setattr(
+        "rollslip.campaigns.uncertainty.scatter.quantities", lambda assembly, studies: {declared.key: declared}
+    )
+    assert scattering(assemble(SCENE)) == {}, "the scene states it"
+    cage = {key: value for key, value in SCENE.raw["cage"].items() if key != "land_clearance"}
+    scene = rollslip.evolve(SCENE, {"cage": cage})
+    assert list(scattering(assemble(scene))) == ["cage.land_clearance"]
+    nothing = attrs.evolve(declared, value=0.0)
+    monkeypatch.setattr(
+        "rollslip.campaigns.uncertainty.scatter.quantities", lambda assembly, studies: {nothing.key: nothing}
+    )
+    assert scattering(assemble(scene)) == {}, "a share of nothing is nothing"
+
+
+def test_a_catalogue_bearing_scatters_with_a_normal_clearance_until_the_scene_states_one():
+    scene = rollslip.evolve(SCENE, {"bearing": {"name": "NU 2216"}, "cage.land_radius": "60 mm"})
+    found = scattering(assemble(scene))
+    assert {"bearing.radial_clearance", "bearing.roller_length"} <= set(found)
+    measured = rollslip.evolve(scene, {"bearing.radial_clearance": "33 um"})
+    assert "bearing.radial_clearance" not in scattering(assemble(measured))
+
+
+def test_a_field_declares_scatter_like_its_unit():
+    @attrs.frozen(kw_only=True)
+    class Law:
+        size: float = parameter(
+            default=2.0,
+            unit="1",
+            doc="size",
+            scatter=Scatter(distribution="normal", parameters={"scatter": 0.1}, grade="(D)", source="an estimate"),
+        )
+
+    assert attrs.fields_dict(Law)["size"].metadata["scatter"].parameters["scatter"] == 0.1
+
+
+# Drags ---------------------------------------------------------------------------------------------------------------
+
+
+@given(factor=st.floats(1e-3, 1e3), load=st.floats(1e3, 1e6), speed=st.floats(0.1, 100.0))
+def test_a_factor_multiplies_the_whole_drag_compiled_or_not(factor, load, speed):
+    oil = Conditions(radius=0.007, modulus=2.27e11, viscosity=0.01, pressure_viscosity=2e-8)
+    for model, other in (
+        (RollingResistance(), RollingResistance(factor=factor)),
+        (Hysteresis(), Hysteresis(factor=factor)),
+    ):
+        one, two = (Slices(1, oil, load=load, rolling_speed=speed, half_width=1e-4) for _ in range(2))
+        model.evaluate(one)
+        other.evaluate(two)
+        assert two.resistance[0] == pytest.approx(factor * one.resistance[0], rel=1e-12)
+    land = {"ring": "outer", "viscosity": 0.01, "radius": 0.1, "width": 0.01, "clearance": 1e-4}
+    mist = {"density": 900.0, "rollers": 20.0, "roller_diameter": 0.01, "roller_length": 0.01, "orbit_radius": 0.1}
+    for cls, own in ((PetroffLand, land), (Churning, mist)):
+        plain, scaled = cls(**own).torque(speed, 0.0, 0.0), cls(**own, factor=factor).torque(speed, 0.0, 0.0)
+        assert scaled == pytest.approx(factor * plain, rel=1e-12)
+
+
+def test_compiled_drags_have_the_factor_too():
+    """The same bearing with the factor, and with a law whose own parameter is multiplied."""
+    plain = rollslip.evolve(SCENE, {"cage.drag": [{"model": "hysteresis", "factor": 3.0}]})
+    same = rollslip.evolve(SCENE, {"cage.drag": [{"model": "hysteresis", "loss": 0.03}]})
+    double = rollslip.evolve(SCENE, {"cage.drag": [{"model": "rolling-resistance", "factor": 2.0}]})
+    torques = []
+    for scene in (plain, same, double, rollslip.evolve(SCENE, {"cage.drag": ["rolling-resistance"]})):
+        bearing = assemble(scene).with_resistance()
+        slices = Slices(1, bearing.inner.conditions, load=1e5, rolling_speed=20.0, sliding_speed=0.1)
+        bearing.inner.chain(slices)
+        torques.append(float(slices.resistance[0]))
+    assert torques[0] == pytest.approx(torques[1], rel=1e-12)
+    assert torques[2] == pytest.approx(2.0 * torques[3], rel=1e-12)
+
+
+# Distributions -------------------------------------------------------------------------------------------------------
+
+
+@given(sigma=st.floats(0.01, 2.0), p=st.floats(1e-4, 1 - 1e-4), median=st.floats(1e-3, 1e3))
+def test_a_deviation_of_the_logarithm_gives_quantiles_in_closed_form(sigma, p, median):
+    distribution = LogNormal(deviation_of_ln=sigma).centred(median)
+    assert distribution.quantile(np.array([p]))[0] == pytest.approx(median * math.exp(sigma * norm.ppf(p)), rel=1e-9)
+    # scatter is sd over mean: scatter^2 = exp(sigma^2) - 1
+    by_scatter = LogNormal(scatter=math.sqrt(math.expm1(sigma**2))).centred(median)
+    assert by_scatter.quantile(np.array([p]))[0] == pytest.approx(distribution.quantile(np.array([p]))[0], rel=1e-7)
+
+
+def test_a_lognormal_has_one_width():
+    with pytest.raises(FieldError, match="give either scatter or deviation_of_ln"):
+        LogNormal(scatter=0.1, deviation_of_ln=0.1).centred(1.0)
+
+
+# Reserve -------------------------------------------------------------------------------------------------------------
+
+
+def constant(size):
+    return rollslip.evolve(SCENE, {"cage.drag": [{"model": "constant-torque", "size": f"{size} N m"}]})
+
+
+def test_quantiles_of_the_reserve_are_those_of_the_torque_that_scatters():
+    """A constant torque leaves the largest drag as it is: the reserve is it over a lognormal torque, in closed form."""
+    size, sigma = 0.2, 0.5
+    table = {"cage": {"drag": {"constant-torque": {"size": {"distribution": "lognormal", "deviation_of_ln": sigma}}}}}
+    found = uncertainty(uncertain(constant(size), **table), samples=512, probability=0.99)
+    largest = float(found.value.sel(quantity="drag of running away")[0])
+    one = found.sel(quantity="drag reserve")
+    for p in (0.01, 0.05, 0.5, 0.95):
+        exact = largest / (size * math.exp(sigma * norm.ppf(1.0 - p)))
+        row = one.sel(probability=p)
+        assert row.quantile_low < exact < row.quantile_high
+        assert float(row.quantile_value) == pytest.approx(exact, rel=0.06 if p == 0.01 else 0.02)
+    assert "the rollers carry at least" in findings.reserve(found)
+    assert float(found.skidding) == 0.0
+    assert float(found.rank_correlation.sel(acted="drag reserve")[0]) == pytest.approx(-1.0)
+    assert float(found.rank_correlation.sel(acted="steady slip")[0]) == pytest.approx(1.0)
+
+
+def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
+    largest = float(
+        rollslip.sweep(constant(1.0), {"operation.radial_load": ["3415 N"]}, study="effective-friction",
+                       output=["runaway_drag"]).runaway_drag[0]
+    )  # fmt: skip
+    sigma = 0.5
+    table = {"cage": {"drag": {"constant-torque": {"size": {"distribution": "lognormal", "deviation_of_ln": sigma}}}}}
+    found = uncertainty(uncertain(constant(0.6 * largest), **table), samples=256, probability=0.9)
+    exact = 1.0 - norm.cdf(math.log(1.0 / 0.6) / sigma)  # P(0.6 exp(sigma z) > 1)
+    assert float(found.skidding) == pytest.approx(exact, abs=0.01)
+    slips = found.value.sel(quantity="steady slip").to_numpy()
+    assert float(np.isinf(slips).mean()) == pytest.approx(exact, abs=0.01), "what skids has no steady slip in the range"
+    reserves = found.value.sel(quantity="drag reserve").to_numpy()
+    assert np.array_equal(np.isinf(slips), reserves < 1.0)
+    assert np.isfinite(reserves).all()
+    assert "of the samples the cage skids" in findings.reserve(found)
+    json.dumps(findings.record(found), allow_nan=False)
+
+
+@pytest.mark.parametrize(
+    ("away", "runs", "factor", "begins"),
+    [
+        ((0.4, 4.0, "found"), (0.01, 0.5, "found"), 8.0, "found"),
+        ((math.nan, math.nan, "the cage was not found to run away"), (0.0, 0.0, "found"), math.inf, "at least"),
+        ((0.4, 4.0, "found"), (math.nan, math.nan, "what acts on the cage drives it: x"), math.inf, "at least"),
+        ((0.4, 4.0, "found"), (math.nan, math.nan, "it is not known at which slip"), math.nan, "it is not known"),
+    ],
+)
+def test_a_reserve_is_what_it_is_or_says_why_not(away, runs, factor, begins):
+    slips = np.array([0.2, 0.4, 0.9])
+    found = reserve(
+        assemble(constant(0.5)), 1, Runaway(*away, slips, np.array([3.0, 4.0, 2.0])), Running(*runs)
+    )  # fmt: skip
+    assert found.factor == pytest.approx(factor, nan_ok=True)
+    assert found.status.startswith(begins)
+
+
+def test_a_cage_beyond_its_largest_drag_has_the_best_of_the_slips_looked_at():
+    away = Runaway(0.4, 4.0, "found", np.array([0.2, 0.9]), np.array([3.0, 2.0]))
+    runs = Running(math.nan, math.nan, "the cage runs at no slip up to 0.9: and so on")
+    found = reserve(assemble(constant(8.0)), 1, away, runs)
+    # a constant torque of 8 N m fades by 1/sqrt(1 + (1/w)^2) only: 4 of 8 are carried
+    assert found.factor == pytest.approx(0.5, rel=1e-4)
+    assert found.status.startswith("the cage skids")
+
+
+def test_where_nothing_runs_away_the_reserve_is_a_bound_by_the_torque_at_the_end():
+    away = Runaway(math.nan, math.nan, "the cage was not found to run away", np.array([0.2, 0.9]), np.array([3.0, 4.0]))
+    bearing = assemble(constant(0.5))
+    found = reserve(bearing, 1, away, Running(0.01, 0.5, "found"))
+    from rollslip.motion.runaway import rollers
+
+    assert found.factor == pytest.approx(rollers(bearing, 1).torque(0.9) / 0.5, rel=1e-3)
+    assert found.status == "at least: up to a slip of 0.9 the cage does not run away"
+
+
+def points(statuses):
+    n = len(statuses)
+    return xr.Dataset(
+        {
+            "drag_reserve": ("sample", np.linspace(0.5, 5.0, n)),
+            "reserve_status": ("sample", np.array(statuses)),
+            "steady_cage_slip": ("sample", np.full(n, np.nan)),
+            "steady_status": ("sample", np.array([
+                "the cage runs at no slip up to 0.95" if "skids" in text else "what acts on the cage drives it: fast"
+                for text in statuses
+            ])),
+            "runaway_status": ("sample", np.full(n, "the cage was not found to run away")),
+            "status": ("sample", np.full(n, "ok")),
+        }
+    )  # fmt: skip
+
+
+@given(st.lists(st.sampled_from(["found", "at least: up", "the cage skids: more", "it is not known"]), min_size=1))
+def test_every_sample_is_counted_once(statuses):
+    found = points(statuses)
+    shares = shares_of(found)
+    known = sum(text == "found" for text in statuses)
+    assert known + sum(int(shares[name].sum()) for name in ("skids", "bound", "unknown")) == len(statuses)
+    slips = of_friction(found)["steady slip"]
+    assert np.array_equal(np.isinf(slips), shares["skids"]), "what skids is beyond every slip"
+    assert not np.isnan(slips).any(), "what is driven slips by nothing"
+
+
+def test_a_least_load_that_is_none_lies_where_its_status_says():
+    words = ["found", "no load is needed: without", "any load serves: between", "no load serves: between",
+             "the cage does not hold a slip of 0.05", "not found: x"]  # fmt: skip
+    found = xr.Dataset(
+        {
+            "least_load": ("sample", np.array([100.0, *[np.nan] * 5])),
+            "least_load_status": ("sample", np.array(words)),
+            "status": ("sample", np.full(6, "ok")),
+        }
+    )
+    assert np.array_equal(least_loads(found), [100.0, 0.0, 0.0, np.inf, np.inf, np.nan], equal_nan=True)
+
+
+def test_the_samples_of_the_least_load_are_its_own_search_at_these_values():
+    scene = rollslip.evolve(SCENE, {"study.steady-slip.acceptable_slip": 0.02})
+    table = {"cage": {"drag": {"petroff-land": {"factor": {"distribution": "uniform", "low": 1.0, "high": 3.0}}}}}
+    scene = uncertain(rollslip.evolve(scene, {"cage.drag": ["petroff-land"]}), **table)
+    found = uncertainty(scene, samples=8, loads=4, probability=0.5)
+    loads, factors = found.value.sel(quantity="least radial load").to_numpy()[:4], found.input_value[0].to_numpy()[:4]
+    for load, factor in zip(loads, factors, strict=True):
+        # at that load and factor the cage slips by the acceptable slip
+        there = rollslip.evolve(
+            scene, {"operation.radial_load": float(load), "cage.drag.petroff-land.factor": float(factor)}
+        )
+        slip = rollslip.sweep(attrs.evolve(there, uncertainty=None), {"accuracy.slices": [3]}, study="steady-slip",
+                              output=["steady_slip"]).steady_slip  # fmt: skip
+        assert float(np.nanmin(slip)) == pytest.approx(0.02, rel=5e-3)
+    order = [str(name) for name in found.quantity.to_numpy()[:3]]
+    assert order == ["drag reserve", "steady slip", "least radial load"]
+    assert [*findings.topics(found)][:3] == order
+
+
+def test_rank_correlations_are_those_of_scipy_and_the_caveat_follows_from_them():
+    found = uncertainty(rollslip.evolve(SCENE, {"cage.drag": ["petroff-land"]}), samples=64, probability=0.9)
+    keys = list(map(str, found.input.to_numpy()))
+    alpha = found.input_value[keys.index("lubricant.pressure_viscosity_factor")].to_numpy()
+    away, drag = (found.value.sel(quantity=f"{of} of running away").to_numpy() for of in ("slip", "drag"))
+    told = found.rank_correlation.sel(input="lubricant.pressure_viscosity_factor", acted="slip of running away")
+    assert float(told) == pytest.approx(spearmanr(alpha, away).statistic)
+    assert float(found.strength_correlation) == pytest.approx(spearmanr(away, drag).statistic)
+    assert float(found.strength_correlation) < -0.3
+    assert "ranks oils the wrong way round" in " ".join(findings.topics(found)["allowable slip"])
+
+
+def test_a_scene_without_any_scatter_says_what_to_write(monkeypatch):
+    monkeypatch.setattr("rollslip.campaigns.uncertainty.scatter.scattering", lambda assembly: {})
+    with pytest.raises(SceneError, match="state what is uncertain"):
+        with_scatter(SCENE)
+
+
+def test_reserve_and_slip_do_not_depend_on_the_range_that_the_scene_names_for_steady_slips():
+    found = [
+        uncertainty(
+            rollslip.evolve(SCENE, {"cage.drag": ["petroff-land"], "study.steady-slip.max_cage_slip": most}),
+            samples=8, probability=0.5,
+        )
+        for most in (0.2, 0.9)
+    ]  # fmt: skip
+    assert np.array_equal(found[0].value, found[1].value, equal_nan=True)
