@@ -27,24 +27,14 @@ from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
 from rollslip.motion.runaway import Runaway, Running, reserve
 from rollslip.planning.quantities import quantities
-from rollslip.scene import FrozenTable
-from rollslip.scene.reading import load_scene
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand
+from scattered import SCATTERED as SCENE
+from scattered import constant, uncertain
 
-DRAGS = ["petroff-land", "churning", "rolling-resistance", "hysteresis"]
-SCENE = rollslip.evolve(
-    load_scene("1032930-70C"),
-    {"accuracy.slices": 3, "study.effective-friction.points": 9, "cage.drag": DRAGS},
-)
 #: Standard deviations of the logarithm, of what is known of each (section 0 of what defaults rest on).
 DEVIATIONS = {"petroff-land": 0.7, "churning": 0.65, "rolling-resistance": 0.30, "hysteresis": 0.7}
-
-
-def uncertain(scene, **table):
-    raw = {**scene.raw, "uncertainty": table}
-    return attrs.evolve(scene, uncertainty=FrozenTable(table), raw=FrozenTable(raw))
 
 
 # What is declared ----------------------------------------------------------------------------------------------------
@@ -180,10 +170,6 @@ def test_a_lognormal_has_one_width():
 
 
 # Reserve -------------------------------------------------------------------------------------------------------------
-
-
-def constant(size):
-    return rollslip.evolve(SCENE, {"cage.drag": [{"model": "constant-torque", "size": f"{size} N m"}]})
 
 
 def test_quantiles_of_the_reserve_are_those_of_the_torque_that_scatters():

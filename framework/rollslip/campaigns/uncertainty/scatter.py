@@ -2,8 +2,8 @@
 
 - A named oil, bearing or surface says how its data scatter. A field of a model, of a drag or of a table says so of the
   value that it has by default: ``parameter(..., scatter=Scatter(...))``. No list of them is kept anywhere.
-- A value that the scene states is taken for known: it does not scatter. ``--set KEY=VALUE`` fixes it likewise. Only what
-  an oil has between ends of its own, as an Eyring stress that nobody measures, scatters all the same.
+- A value that the scene states is taken for known: it does not scatter. ``--set KEY=VALUE`` fixes it likewise. Only
+  what an oil has between ends of its own, as an Eyring stress that nobody measures, scatters all the same.
 - A table ``[uncertainty]`` says all: with one nothing else scatters.
 """
 

@@ -1,5 +1,6 @@
 """What a study of steady slip says: its single values as a record, and sentences, from the dataset alone."""
 
+import json
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -56,6 +57,7 @@ def record(dataset: "xr.Dataset") -> dict[str, Any]:
     values |= {name: float(dataset.attrs[name]) for name in known if name in dataset.attrs}
     return (
         {"steady": states}
+        | ({"band": json.loads(dataset.attrs["band"])} if "band" in dataset.attrs else {})
         | {name: None if math.isnan(value) else value for name, value in values.items()}
         | {name: str(dataset[name].item()) for name in texts}
     )
@@ -97,7 +99,20 @@ def operation(dataset: "xr.Dataset") -> str:
     known = (dataset["steady_slip"][0], dataset["torque"][0], dataset["largest_drag"], dataset["largest_drag_slip"])
     reached = float(dataset["cage_slip"][-1]), float(dataset["driving_torque"][-1])
     least = f"; {_least_load(dataset, needs=False)}" if "least_load" in dataset else ""
-    return f"{runs_at(*map(float, known), reached=reached)}{_doubted(dataset)}{least}"
+    said = f"{runs_at(*map(float, known), reached=reached)}{_band(dataset, 'steady_slip')}"
+    return f"{said}{_doubted(dataset)}{least}"
+
+
+def _band(dataset: "xr.Dataset", name: str) -> str:
+    """Say between what a value lies where data scatter, if the result knows; no full stop."""
+    one = json.loads(dataset.attrs.get("band", "{}")).get(name)
+    if one is None:
+        return ""
+    low, high = (one[end] if one[end] is not None else math.inf for end in ("low", "high"))
+    what, ends = "load", f"{format_quantity(low, 'N', 3)} to {format_quantity(high, 'N', 3)}"
+    if name == "steady_slip":
+        what, ends = "slip", f"{_percent(low)} to {_percent(high) if high < 1.0 else 'running away'}"
+    return f" [where data scatter the {what} is about {ends} (5 to 95 %), most of it by {one['most']}]"
 
 
 def _inertia(dataset: "xr.Dataset") -> str:
@@ -123,7 +138,8 @@ def _steady(dataset: "xr.Dataset") -> list[str]:
     return [
         f"steady cage slip {_percent(float(one['steady_slip']))} ({one['stability'].item()}): the cage runs at "
         f"{_RPM * float(one['cage_speed']):.5g} rpm against a drag of {format_quantity(float(one['torque']), 'N m', 3)}"
-        for one in (dataset.isel(steady=k) for k in range(dataset.sizes["steady"]))
+        + ("" if k else _band(dataset, "steady_slip"))
+        for k, one in enumerate(dataset.isel(steady=k) for k in range(dataset.sizes["steady"]))
     ]
 
 
@@ -254,6 +270,7 @@ def _least_load(dataset: "xr.Dataset", *, needs: bool = True) -> str:
         said = f"no least radial load of a cage slip of {slip}: {dataset['least_load_status'].item()}"
     else:
         said = f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
+        said += _band(dataset, "least_load")
     makers = dict(zip(dataset["maker"].to_numpy(), dataset["makers_least_load"].to_numpy(), strict=True))
     asked = ", ".join(
         f"{maker} {format_quantity(float(value), 'N', 3)}" for maker, value in makers.items() if math.isfinite(value)

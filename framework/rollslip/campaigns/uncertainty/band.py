@@ -1,0 +1,187 @@
+"""Bands of a steady slip and a least load at what a run can afford: one uncertain quantity at a time, with few slices.
+
+- Each quantity is put to where 5 and 95 % of its distribution lie below, all others staying. The slip that is then
+  steady, and the load that then keeps the acceptable one, are found anew by secants on the balance of torques.
+- Logarithms of what that changes add in squares, up and down apart: exact for independent lognormal scatter of a
+  product of powers, else an estimate. Samples (`rollslip.campaigns.uncertainty.margin`) tell more, and what interacts.
+- Only ratios are taken of few slices and rollers without inertia; the run gives the values.
+"""
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.campaigns.sweep.distributions import read_uncertainty
+from rollslip.campaigns.uncertainty.scatter import with_scatter
+from rollslip.errors import ConvergenceError, DomainError, SceneError
+from rollslip.motion.runaway import rollers, scan
+from rollslip.planning.quantities import quantities
+from rollslip.scene.changes import evolve
+from rollslip.scene.values import Scene
+from rollslip.structure import Location
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["ENDS", "Band", "bands", "with_bands"]
+
+#: Shares of each distribution at which a quantity is put.
+ENDS: Final = (0.05, 0.95)
+#: Slices and positions of a pitch, and the largest slip that is looked at.
+_SLICES, _INSTANTS, _LAST = 12, 1, 0.95
+#: Accuracy of a logarithm, longest step and most steps of secants.
+_FOUND, _LONGEST, _MOST = 5e-3, 1.0, 12
+#: Step of a logarithm from which secants begin.
+_FIRST: Final = 0.05
+
+
+@attrs.frozen
+class Band:
+    """Factors on a value down and up, 5 and 95 %; infinite where none is in the range. ``most`` moves it most."""
+
+    low: float
+    high: float
+    most: str
+
+
+def with_bands(scene: Scene, dataset: "xr.Dataset") -> "xr.Dataset":
+    """Return a result of steady slips with the bands of the least one and of the least load, in attribute ``band``.
+
+    Without a steady slip above 0, or where nothing scatters, it is the result as it was.
+    """
+    slips = np.ravel(dataset["steady_slip"]) if "steady_slip" in dataset else np.empty(0)
+    if not (slips.size and slips[0] > 0.0):
+        return dataset
+    acceptable = dataset.attrs.get("acceptable_slip") if "least_load" in dataset else None
+    values = {"steady_slip": float(slips[0])}
+    if acceptable is not None and math.isfinite(float(dataset["least_load"])):
+        values["least_load"] = float(dataset["least_load"])
+    found = bands(scene, values["steady_slip"], float(acceptable) if "least_load" in values else None)  # type: ignore[arg-type]
+    told = {
+        name: {"low": values[name] * one.low, "high": _finite(values[name] * one.high), "most": one.most}
+        for name, one in found.items()
+    }
+    return dataset.assign_attrs(band=json.dumps(told)) if told else dataset
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[str, Band]:
+    """Return the bands of the steady slip, and of the least load of an acceptable slip, where they can be told.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene; what scatters is its table ``[uncertainty]``, or what its data and models declare.
+    slip : float
+        Its steady slip, above 0.
+    acceptable : float, optional
+        Slip of which the least load is asked for.
+    """
+    try:
+        given, _ = with_scatter(scene)
+    except SceneError:
+        return {}
+    scene = attrs.evolve(scene, sweep=None, uncertainty=None)
+    nominal = _few(scene)
+    problems = list[str]()
+    table = read_uncertainty(given.uncertainty or {}, Location({}), quantities(nominal, {}), problems)
+    ends = {key: one.quantile(np.array(ENDS)).tolist() for key, one in table.distributions.items()}
+    if problems or not ends:
+        return {}
+    moved = {(key, k): _few(evolve(scene, {key: end}), nominal) for key, of in ends.items() for k, end in enumerate(of)}
+    found = {"steady_slip": _band(_slips(nominal, moved, slip))}
+    if acceptable is not None:
+        found["least_load"] = _band(_loads(nominal, moved, acceptable))
+    return {name: band for name, band in found.items() if band is not None}
+
+
+def _few(scene: Scene, like: Assembly | None = None) -> Assembly:
+    if like is not None:
+        return assemble(scene, like.resolution, like=like)
+    made = assemble(scene)
+    return made.at(attrs.evolve(made.resolution, slices=min(_SLICES, made.slices), quadrature="equal"))
+
+
+_Moved = Mapping[tuple[str, int], Assembly]
+_Logs = tuple[float, dict[tuple[str, int], float]]
+
+
+def _slips(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
+    """Logarithms of the steady slip as it is and with each quantity moved; infinite where there is none."""
+
+    def of(assembly: Assembly, near: float) -> float:
+        balance = rollers(assembly, _INSTANTS, inertia=False)
+        found, rises = _root(lambda log: balance.excess(min(math.exp(log), _LAST)), near, math.log(_LAST))
+        if rises:
+            return found
+        slips, torques, _ = scan(assembly, _LAST)  # beyond a fold, or there is none: who is the first to hold the cage
+        excess = torques + np.array([balance.drag(float(one)) for one in slips])
+        if not (excess > 0.0).any():
+            return math.inf if slips.size else math.nan
+        k = int(np.argmax(excess > 0.0))
+        if not k:
+            return math.nan
+        share = excess[k - 1] / (excess[k - 1] - excess[k])
+        return math.log(float(slips[k - 1] + share * (slips[k] - slips[k - 1])))
+
+    begin = of(nominal, math.log(slip))
+    return begin, {which: of(one, begin) for which, one in moved.items()} if math.isfinite(begin) else {}
+
+
+def _loads(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
+    """Logarithms of the load at which the steady slip is a given one, likewise."""
+
+    def of(assembly: Assembly) -> Callable[[float], float]:
+        def excess(log: float) -> float:
+            there = _few(evolve(assembly.scene, {"operation.radial_load": math.exp(log)}), assembly)
+            return rollers(there, _INSTANTS, inertia=False).excess(slip)
+
+        return excess
+
+    def found(assembly: Assembly, near: float) -> float:
+        at, rises = _root(of(assembly), near, math.inf)
+        return at if rises else math.nan
+
+    begin = found(nominal, math.log(nominal.scene.operation.radial_load))
+    return begin, {which: found(one, begin) for which, one in moved.items()} if math.isfinite(begin) else {}
+
+
+def _root(excess: Callable[[float], float], begin: float, last: float) -> tuple[float, bool]:
+    """Where an excess passes zero near a logarithm, by secants, and whether it rises there; not, where they fail."""
+    x, before = begin, begin - _FIRST
+    try:
+        y, other = excess(x), excess(before)
+        for _ in range(_MOST):
+            if y == other:
+                break
+            rises = (y - other) / (x - before) > 0.0
+            step = -y * (x - before) / (y - other)
+            if abs(step) <= _FOUND and x + step < last:
+                return x + step, rises
+            before, other = x, y
+            x += max(min(step, _LONGEST), -_LONGEST)
+            y = excess(x)
+    except (DomainError, ConvergenceError, OverflowError):
+        pass
+    return math.nan, False
+
+
+def _band(logs: _Logs) -> Band | None:
+    """Add what each quantity changes, in squares, up and down apart; None where one of it is not known."""
+    begin, moved = logs
+    changes = {key: [moved[key, k] - begin for k in range(len(ENDS))] for key, _ in moved}
+    if not changes or any(math.isnan(one) for both in changes.values() for one in both):
+        return None
+    down, up = (
+        math.sqrt(sum(max(*(sign * one for one in both), 0.0) ** 2 for both in changes.values())) for sign in (-1, 1)
+    )
+    most = max(changes, key=lambda key: max(map(abs, changes[key])))
+    return Band(math.exp(-down), math.exp(up), most)

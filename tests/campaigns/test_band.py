@@ -1,0 +1,99 @@
+"""Bands of a run: one quantity at a time, against closed forms, against samples, and where there is nothing to tell."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.stats import norm
+
+import rollslip
+from rollslip.campaigns.uncertainty.band import Band, bands, with_bands
+from rollslip.campaigns.uncertainty.margin import uncertainty
+from rollslip.cli.main import cli
+from rollslip.results.account import account_of
+from rollslip.scene.reading import load_scene
+from scattered import constant, uncertain
+
+SCENE = rollslip.evolve(
+    load_scene("1032930-70C"),
+    {"accuracy.slices": 5, "study.effective-friction.points": 9, "study.steady-slip.acceptable_slip": 0.02,
+     "study.steady-slip.points": 9},
+)  # fmt: skip
+FIFTH = norm.ppf(0.95)
+
+
+def size(deviation):
+    table = {"constant-torque": {"size": {"distribution": "lognormal", "deviation_of_ln": deviation}}}
+    return {"cage": {"drag": table}}
+
+
+def of_run(scene):
+    return with_bands(scene, rollslip.run(scene, "steady-slip"))
+
+
+def test_the_load_goes_with_a_constant_torque_as_the_torque_of_rollers_does_with_load():
+    """One quantity of known quantiles: the ends are the least loads at these values, each computed for itself."""
+    deviation, torque = 0.4, 0.3
+    scene = rollslip.evolve(uncertain(constant(torque), **size(deviation)), {"study.steady-slip.acceptable_slip": 0.02})
+    dataset = of_run(scene)
+    told = json.loads(dataset.attrs["band"])
+    for end, sign in (("low", -1.0), ("high", 1.0)):
+        there = torque * math.exp(sign * deviation * FIFTH)
+        moved = rollslip.run(rollslip.evolve(scene, {"cage.drag.constant-torque.size": there}), "steady-slip")
+        assert told["steady_slip"][end] == pytest.approx(float(moved.steady_slip[0]), rel=0.05)
+        assert told["least_load"][end] == pytest.approx(float(moved.least_load), rel=0.05)
+    assert told["steady_slip"]["most"] == "cage.drag.constant-torque.size"
+
+
+def test_where_a_quantity_makes_the_cage_run_away_the_band_has_no_upper_end():
+    """Of 4 N m that the rollers carry at most, 3 N m and a deviation that takes it to 3 exp(0.8) = 6.7 N m."""
+    scene = uncertain(constant(3.0), **size(0.8 / FIFTH))
+    dataset = of_run(scene)
+    told = json.loads(dataset.attrs["band"])["steady_slip"]
+    assert told["high"] is None
+    assert 0.0 < told["low"] < float(dataset.steady_slip[0])
+    said = " ".join(account_of(dataset).lines(dataset))
+    assert "to running away (5 to 95 %), most of it by cage.drag.constant-torque.size" in said
+    json.dumps(account_of(dataset).record(dataset), allow_nan=False)
+
+
+def test_independent_quantities_add_in_squares():
+    """Two factors on the same drag: viscosity and clearance move a land's torque alike."""
+    one = {"distribution": "lognormal", "deviation_of_ln": 0.3}
+    alone = uncertain(SCENE, cage={"drag": {"petroff-land": {"factor": one}}})
+    both = uncertain(SCENE, cage={"drag": {"petroff-land": {"factor": one}}, "land_width": one})
+    slip = float(rollslip.run(SCENE, "steady-slip").steady_slip[0])
+    first, second = (bands(scene, slip)["steady_slip"] for scene in (alone, both))
+    # the width counts as the factor does, so the logarithms are sqrt(2) of one
+    assert math.log(second.high) == pytest.approx(math.sqrt(2.0) * math.log(first.high), rel=1e-3)
+    assert math.log(second.low) == pytest.approx(math.sqrt(2.0) * math.log(first.low), rel=1e-3)
+
+
+def test_the_band_is_about_that_of_samples():
+    """Over all that scatters by default; the logarithms of both ends within a fifth."""
+    slip = float(rollslip.run(SCENE, "steady-slip").steady_slip[0])
+    band = bands(SCENE, slip)["steady_slip"]
+    found = uncertainty(SCENE, samples=256, loads=0, probability=0.95)
+    told = found.quantile_value.sel(quantity="steady slip")
+    low, middle, high = (float(told.sel(probability=p)) for p in (0.05, 0.5, 0.95))
+    assert math.log(band.low) == pytest.approx(math.log(low / middle), rel=0.2)
+    assert math.log(band.high) == pytest.approx(math.log(high / middle), rel=0.2)
+
+
+def test_without_a_steady_slip_or_without_scatter_there_is_no_band(monkeypatch):
+    dataset = rollslip.run(SCENE, "steady-slip")
+    assert with_bands(SCENE, dataset.assign(steady_slip=("steady", np.array([np.nan])))).attrs.get("band") is None
+    monkeypatch.setattr("rollslip.campaigns.uncertainty.scatter.scattering", lambda assembly: {})
+    assert with_bands(SCENE, dataset).attrs.get("band") is None
+    assert Band(0.5, math.inf, "x").high == math.inf
+
+
+def test_the_command_tells_bands_beside_its_numbers(tmp_path):
+    arguments = ["run", "1032930-70C", "--study", "steady-slip", "--set", "study.steady-slip.acceptable_slip=0.02"]
+    done = CliRunner().invoke(cli, [*arguments, "--out", str(tmp_path / "o"), "--no-plots"])
+    assert done.exit_code == 0, done.output
+    assert "[where data scatter the slip is about 0.1" in done.output
+    assert "[where data scatter the load is about" in done.output
+    assert "band" in rollslip.open_result(tmp_path / "o" / "steady-slip.nc").attrs
