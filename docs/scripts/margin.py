@@ -49,7 +49,7 @@ def percent(share):
 
 
 if __name__ == "__main__":
-    found = run_margin(plan_margin(SCENE, samples=2048, steady=512, indices=256, steady_indices=64), KEPT, said=print)
+    found = run_margin(plan_margin(SCENE, samples=2048, indices=256), KEPT, said=print)
     figures(
         found,
         uncertainty="margin",

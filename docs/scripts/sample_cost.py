@@ -40,7 +40,7 @@ def least(step, inputs):
 
 
 if __name__ == "__main__":
-    sweep = plan_margin(SCENE, samples=SAMPLES, steady=0).critical
+    sweep = plan_margin(SCENE, samples=SAMPLES).critical
     work, points = sweep.work, [(number, sweep.design.changes(number)) for number in range(SAMPLES)]
     work = attrs.evolve(work, outputs=named_outputs(study_class(sweep.study), OUTPUTS))
     task, resolution = _Task(work), work.resolutions.of({})

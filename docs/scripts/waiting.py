@@ -35,6 +35,7 @@ def job(name):
     from rollslip.bearing.assembly import assemble
     from rollslip.bearing.critical import slip_grid
     from rollslip.campaigns.sweep.point import compute
+    from rollslip.campaigns.sweep.sweep import plan_sweep
     from rollslip.campaigns.uncertainty.margin import plan_margin
     from rollslip.planning.execution import execute
     from rollslip.planning.plan import plan
@@ -56,7 +57,9 @@ def job(name):
             return min(took(study.run, attrs.evolve(assembly, known_loads={})) for _ in range(3))
         return min(took(lambda: study.loaded(assembly, 4).curve(slip)) for _ in range(3))
     if name in ("critical", "steady"):
-        sweep = plan_margin("1032930-70C", samples=1024).sweeps[name]
+        own = plan_margin("1032930-70C", samples=1024).critical
+        steady = {"samples": 1024, "sampling": "replicated-sobol", "study": "steady-slip", "output": ["steady_slip"]}
+        sweep = own if name == "critical" else plan_sweep(own.given, **steady)
         points = [(number, sweep.design.changes(number)) for number in range(_SAMPLES)]
         compute(sweep.work, points[:1])
         return took(compute, sweep.work, points) / _SAMPLES

@@ -11,8 +11,8 @@ import numpy as np
 
 import rollslip
 
-found = rollslip.uncertainty("1032930-70C", samples=128, steady=0, probability=0.9)
-slip = 100 * found.value.isel(quantity=0).values
+found = rollslip.uncertainty("1032930-70C", samples=128, probability=0.9)
+slip = 100 * found.value.sel(quantity="slip of running away").values
 slip = np.sort(slip[np.isfinite(slip)])
 
 fig, axes = plt.subplots()
