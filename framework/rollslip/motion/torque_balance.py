@@ -108,9 +108,19 @@ class Effective:
         free = np.full_like(self._force, rolling)
         self._resistance = contacts(free, np.zeros_like(free))[1] if contacts.resists else 0.0 * free
 
+    @property
+    def ring(self) -> "Curved":
+        """What compiled code takes of it."""
+        table = self._curve.table
+        return np.ascontiguousarray(table.nodes), table.limits, table.sliding_scale, self._force, self._resistance
+
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
         """Return F and F_R [N], (K,)."""
         return self._curve(sliding) * self._force, self._resistance * rolling / _film_speed(rolling)
+
+
+#: What compiled code takes of a friction curve: nodes, limits, scale of sliding, forces and resistances.
+Curved = tuple[Array, tuple[float, float], float, Array, Array]
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -176,8 +186,9 @@ class TorqueBalance:
         settings: str = "",
     ) -> None:
         self.assembly, self.drags, self.instants = assembly, drags, instants
-        self._effective, self._inertia, self._settings = effective, inertia, settings
-        self._sense = 1.0 if assembly.kinematics.epicyclic_cage_speed > 0.0 else -1.0
+        self._effective, self.inertia, self._settings = effective, inertia, settings
+        #: 1 or -1: that in which the kinematics let the rollers go round
+        self.sense = 1.0 if assembly.kinematics.epicyclic_cage_speed > 0.0 else -1.0
         self._known: dict[float, Orbit] = {}
         self._by_few: dict[float, Orbit] = {}
         #: Stage and table to work in of each raceway, for one motion after the other.
@@ -207,7 +218,7 @@ class TorqueBalance:
         """Torque of all drags on the cage [N m], negative where it resists the orbit."""
         k = self.assembly.kinematics
         torque = self.drags.torque(k.direction * self.cage_speed(cage_slip), k.inner_speed, k.outer_speed)
-        return self._sense * k.direction * torque
+        return self.sense * k.direction * torque
 
     def torque(self, cage_slip: float) -> float:
         """Mean torque of all rollers on the cage [N m], positive where it drives."""
@@ -250,7 +261,7 @@ class TorqueBalance:
             return tuple(ring.contacts for ring in self.contacts(orbit.cage_slip))
 
         rings = self.assembly.kept(("orbit", self.instants, orbit.cage_slip), self.instants, made)
-        spin = Spin(self, orbit.cage_slip, self._frictions(self._on_own(rings)))
+        spin = Spin(self, orbit.cage_slip, self.frictions(self._on_own(rings)))
         whole = self._torque(spin.on_cage(orbit.roller_slip)[0])
         return abs(orbit.torque / whole - 1.0) if whole else np.inf
 
@@ -269,14 +280,19 @@ class TorqueBalance:
 
     def contacts(self, cage_slip: float) -> tuple[Conventional, Conventional]:
         """Contacts of both raceways, their positions ordered in the sense of the orbit."""
+        raceways, widths = self.assembly.raceways, self.assembly.widths
+        inner, outer = (
+            Conventional(LoadedContacts(raceway, load, widths, 1.0))
+            for raceway, load in zip(raceways, self.loads(cage_slip), strict=True)
+        )
+        return inner, outer
+
+    def loads(self, cage_slip: float) -> tuple[Array, Array]:
+        """Loads per length of inner and outer ring [N/m], positions in the sense of the orbit, (K, slices)."""
         loads = self.assembly.load_distribution(self.instants, self.cage_speed(cage_slip))
         positions = loads.psi.size
-        order = np.argsort(loads.psi.ravel())[(int(self._sense) * np.arange(positions)) % positions]
-
-        def of(raceway: Raceway, load: Array) -> Conventional:
-            return Conventional(LoadedContacts(raceway, load.reshape(positions, -1)[order], self.assembly.widths, 1.0))
-
-        return of(self.assembly.inner, loads.inner_load), of(self.assembly.outer, loads.outer_load)
+        order = np.argsort(loads.psi.ravel())[(int(self.sense) * np.arange(positions)) % positions]
+        return loads.inner_load.reshape(positions, -1)[order], loads.outer_load.reshape(positions, -1)[order]
 
     def evaluated(self, orbit: Orbit) -> tuple[LoadedContacts, LoadedContacts]:
         """Return the loaded contacts of both raceways, evaluated in the motion of the rollers."""
@@ -291,11 +307,11 @@ class TorqueBalance:
 
         They have the signs of the kinematics, whatever the sense of the orbit.
         """
-        spin = Spin(self, orbit.cage_slip, self._frictions(self.contacts(orbit.cage_slip)))
+        spin = Spin(self, orbit.cage_slip, self.frictions(self.contacts(orbit.cage_slip)))
         tractions, resistances = spin.forces(orbit.roller_slip)
         return tractions, resistances, spin.from_forces(orbit.roller_slip, tractions, resistances)
 
-    def _frictions(self, contacts: tuple[Conventional, Conventional]) -> tuple[Friction, Friction]:
+    def frictions(self, contacts: tuple[Conventional, Conventional]) -> tuple[Friction, Friction]:
         """Friction of both rings: that of the contacts, or the effective one of their forces."""
         if self._effective is None:
             return contacts
@@ -306,19 +322,19 @@ class TorqueBalance:
 
     def _torque(self, on_cage: Array) -> float:
         """Mean torque of all rollers on the cage, from those of one at the positions of the orbit."""
-        return self._sense * float(on_cage.mean()) * self.assembly.scene.bearing.rollers
+        return self.sense * float(on_cage.mean()) * self.assembly.scene.bearing.rollers
 
     def _solved(
         self, cage_slip: float, contacts: tuple[Conventional, Conventional], guess: Array | None = None
     ) -> Orbit:
-        spin = Spin(self, cage_slip, self._frictions(contacts))
+        spin = Spin(self, cage_slip, self.frictions(contacts))
         try:
             guess = self._nearest(cage_slip) if guess is None else guess
-            held = spin.held(guess) if self._inertia else (spin.balanced(), 0.0)
+            held = spin.held(guess) if self.inertia else (spin.balanced(), 0.0)
         except ConvergenceError as error:
             if not self._settings:
                 raise
-            other = f"--set {self._settings}.inertia={'false' if self._inertia else 'true'}"
+            other = f"--set {self._settings}.inertia={'false' if self.inertia else 'true'}"
             raise ConvergenceError(f"{error}; take {other}, or lower {self._settings}.max_cage_slip") from error
         roller_slip, multiplier = held
         on_cage, tractions = spin.on_cage(roller_slip)
@@ -327,7 +343,7 @@ class TorqueBalance:
             torque=self._torque(on_cage),
             roller_slip=roller_slip,
             force=np.array([of_ring.contacts.carried for of_ring in contacts]),
-            traction=self._sense * tractions,
+            traction=self.sense * tractions,
             multiplier=multiplier,
         )
 
@@ -371,18 +387,19 @@ class Spins:
         self,
         kinematics: Kinematics,
         positions: int,
-        contacts: Sequence[LoadedContacts] | Callable[[Array], tuple[Array, Array]],
+        contacts: Sequence["LoadedContacts | Curved"] | Callable[[Array], tuple[Array, Array]],
         *,
         slow: float = 0.0,
         pocket: float = 0.0,
         tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
         k, tables = kinematics, {} if tables is None else tables
-        self._contacts = () if callable(contacts) else tuple(contacts)
+        self._contacts = () if callable(contacts) else tuple(one for one in contacts if isinstance(one, LoadedContacts))
         self._gathered = [one.gathered(tables.get(one.raceway)) for one in self._contacts]
         tables.update((one.raceway, made[:2]) for one, made in zip(self._contacts, self._gathered, strict=True))
         self._told = (0, 0)
-        rings = contacts if callable(contacts) else [ring for *_, ring in self._gathered]
+        loaded = [ring for *_, ring in self._gathered]
+        rings = contacts if callable(contacts) else loaded or list(contacts)
         radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
         self.kernel = Kernel(positions, rings, radii, k.roller_radius * k.epicyclic_roller_speed, slow, pocket)
 

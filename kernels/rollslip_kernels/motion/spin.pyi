@@ -9,6 +9,9 @@ Array = NDArray[np.float64]
 Found = NDArray[np.bool_]
 #: Stage, table, load, force, width, first, resists.
 Ring = tuple[object, Slices, Array, Array, Array, NDArray[np.intp], bool]
+#: Nodes, limits, scale, force, resistance.
+Curve = tuple[Array, tuple[float, float], float, Array, Array]
+Rows = NDArray[np.intp]
 
 NUDGED: float
 
@@ -16,7 +19,7 @@ class Spin:
     def __init__(
         self,
         rollers: int,
-        rings: Sequence[Ring] | Callable[[Array], tuple[Array, Array]],
+        rings: Sequence[Ring | Curve] | Callable[[Array], tuple[Array, Array]],
         radii: tuple[float, float, float, float],
         rolling: float,
         slow: float = 0.0,
@@ -34,3 +37,25 @@ class Spin:
         self, leads: Array, rolls: float, slips: Array, ends: Array, known: Array, near: Array, slope: Array
     ) -> tuple[Array, Found, Array, int, str]: ...
     def periodic(self, guess: Array, inertia: float, damping: float = 0.0) -> tuple[Array, float, float, str]: ...
+    def sent_round(
+        self,
+        rows: Rows,
+        around: int,
+        inertia: Array,
+        bracket: Array,
+        wide: Array,
+        starts: Array,
+        orbits: int,
+        exact: float,
+        known: Array | None = None,
+    ) -> tuple[Array, Found, Array, str]: ...
+    def settled(
+        self,
+        rows: Rows,
+        around: int,
+        inertia: Array,
+        guess: Array,
+        unit: Array,
+        settles: float = ...,
+        as_guessed: bool = False,
+    ) -> tuple[Array, Array, Array, Found, str]: ...

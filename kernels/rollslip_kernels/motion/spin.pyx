@@ -10,6 +10,10 @@
   there in steps of its own, halved until the cubic leads or the step is nothing. So the balance that a roller is in
   depends on the slip, not on the slips that were asked for before it.
 - Where torques rise through zero is where the rollers hold their spin, so brackets end there.
+- Many rows of one orbit each, at cage slips of their own, are sent round at once: implicit Euler along the positions,
+  at each of which a roller goes in the sense of its torque to the first balance of torque and change of its spin. Such
+  motions are ordered, so what is sent round from both ends of a bracket encloses all that repeat, and where both have
+  met there is one. Rows are not evaluated any more as soon as they have come to what they were an orbit before.
 - How torques are made of forces stands in the framework's module `rollslip.motion.torque_balance`.
 """
 
@@ -33,7 +37,13 @@ cdef enum:   # how it ended; below, the ring whose chain refused
     LOST
     RAISED
 
+cdef enum:           # where a roller is on its way to a balance
+    LOOKS
+    BETWEEN
+    ARRIVED
+
 cdef enum:
+    MARCHES = 400        # steps towards a balance at one position
     STEPS = 80           # of Newton's method
     OUTRIGHT = 40        # of one that sets out without damping, and mostly needs 4 to 10
     BISECTIONS = 120
@@ -58,6 +68,14 @@ cdef double NOTHING = 1e-4     # step of the slip, relative to it, over which a 
 cdef double GROWS = 2.0        # by how much a step along the slip may be longer than the one before,
 cdef double FAR = 1.5          # and by how much it may multiply the slip
 cdef double WIDE = 0.5         # span of shares that are not of one motion
+cdef double ALONG = 0.04        # longest step towards a balance in which none is lost, relative to the bracket,
+cdef double BEYOND = 0.1        # and to the way outside it; tractions change over the way from rolling
+cdef double NARROW = 1e-3       # least bracket that counts
+cdef double FIRST = 1e-6        # first step where the slope is not known, relative to the bracket
+cdef double OVER = 1.2          # by how much a step goes beyond where the slope leads
+cdef double MET = 10.0          # exactness of balances within which two motions are one
+cdef double KEPT = 1e-3         # share of what is left of a row's way after an orbit within which it repeats
+cdef double GOES_ON = 0.05      # mean change from row to row up to which what second order adds is about the same
 cdef double SLIDES = 1e-2      # sliding speed over which the friction of a pocket changes its sign [m/s]
 
 #: Step of the roller slip by which torques are differentiated.
@@ -75,6 +93,10 @@ cdef struct ring_t:
     double *resistance
     bint resists
     size_t evaluated
+    const double *nodes        # of a curve of friction over V/(|V| + scale), or NULL: value and slope per cell
+    Py_ssize_t cells
+    double scale, begin, end
+    const double *held         # its resistances without slip, (K,)
 
 
 cdef class Spin:
@@ -82,7 +104,9 @@ cdef class Spin:
 
     ``rings`` holds, of inner and outer ring, (stage, table, load, force, width, first, resists): the capsule of the
     chain, a table of slices to work in, and of all loaded slices load, force and width, with the first one of every
-    position, (K + 1,); or it is a call that returns tractions and resistances (2, K) [N] at roller slips (K,).
+    position, (K + 1,). A ring with one friction curve is (nodes, limits, scale, force, resistance) instead: values and
+    slopes per cell, (N, 2), at equal steps of V/(|V| + scale) between the limits, and forces and resistances (K,).
+    Or it is a call that returns tractions and resistances (2, K) [N] at roller slips (K,).
     ``radii`` are those of inner and outer raceway, roller and orbit [m], ``rolling`` is the speed of epicyclic rolling
     and ``slow`` the one that the film never falls below [m/s], ``pocket`` a coefficient of friction.
     """
@@ -94,11 +118,13 @@ cdef class Spin:
     cdef bint calls            # Python for forces
     cdef object python, kept
     cdef double[:, ::1] work
-    cdef Py_ssize_t[::1] active
+    cdef Py_ssize_t[::1] active   # positions that are evaluated, and where their slips and torques stand
+    cdef Py_ssize_t[::1] slot
 
     def __init__(self, Py_ssize_t rollers, rings, radii, double rolling, double slow=0.0, double pocket=0.0):
         cdef const double[::1] load, force, width
         cdef const Py_ssize_t[::1] first
+        cdef const double[:, ::1] nodes
         cdef ring_t *ring
         cdef Py_ssize_t n, k, i
         cdef bint ascend
@@ -106,13 +132,22 @@ cdef class Spin:
             raise ValueError(f"{rollers} positions: there must be at least one")
         self.rollers, self.rolling, self.slow, self.pocket = rollers, rolling, slow, pocket
         self.inner, self.outer, self.radius, self.orbit = radii
-        self.work, self.active = np.zeros((16, rollers)), np.empty(rollers, dtype=np.intp)
+        self.work = np.zeros((16, rollers))
+        self.active, self.slot = np.empty((2, rollers), dtype=np.intp)
         self.python, self.kept = (rings, None) if callable(rings) else (None, [rings])
         self.calls = self.python is not None
         for k in range(2):
             ring = &self.rings[k]
             ring.lead, ring.traction, ring.resistance = &self.work[k, 0], &self.work[2 + k, 0], &self.work[4 + k, 0]
             if self.calls:
+                continue
+            if len(rings[k]) == 5:
+                nodes, (ring.begin, ring.end), ring.scale, force, load = rings[k]
+                if nodes.shape[0] < 2 or nodes.shape[1] != 2 or not force.shape[0] == load.shape[0] == rollers:
+                    raise ValueError(f"nodes (N, 2), forces and resistances of {rollers} positions are expected")
+                self.kept.append((nodes, force, load))
+                ring.nodes, ring.cells, ring.resists = &nodes[0, 0], nodes.shape[0] - 1, True
+                ring.force, ring.held = &force[0], &load[0]
                 continue
             stage, table, load, force, width, first, resists = rings[k]
             gathered, n = bound(table), load.shape[0]
@@ -311,9 +346,265 @@ cdef class Spin:
         self._check(guess)
         self._all()
         with nogil:
-            ended = self._periodic(&slip[0], inertia, damping, &multiplier, &left)
+            ended = self._periodic(self.rollers, &slip[0], inertia, damping, SETTLED, &multiplier, &left)
         how = self._ended(ended)
         return np.asarray(slip), multiplier, left, how
+
+    def sent_round(self, const Py_ssize_t[::1] rows, Py_ssize_t around, const double[::1] inertia,
+                   const double[:, ::1] bracket, const double[::1] wide, const double[:, ::1] starts,
+                   Py_ssize_t orbits, double exact, known=None):
+        """Return what rollers come to when they are sent round, row by row, whether two are one, and what is left.
+
+        Positions are rows of ``around`` ones, an orbit each; ``rows`` (n,) are those to go round. Of each ``inertia`` is
+        as in `periodic`, ``bracket`` (n, 2) holds the roller slips of rolling on either ring, ``wide`` is what steps and
+        tolerances refer to, and ``starts`` (n, 2) are slips at its first position: two for two rollers, the same twice
+        for one. ``exact`` is how exactly balances are found, relative to ``wide``.
+
+        By implicit Euler, at most so many orbits; from ``known`` whole orbits, (n, 2, K), by backward differences of
+        second order. Returned are roller slips (n, 2, K), whether both have met (n,), how far a row is from repeating
+        (n, 2), relative to ``wide``, and how it ended.
+        """
+        cdef Py_ssize_t n = rows.shape[0], K = around, r
+        cdef bint second = known is not None
+        cdef int ended = FOUND
+        self._rows(rows, K)
+        if not n == inertia.shape[0] == bracket.shape[0] == starts.shape[0] == wide.shape[0] or (
+                bracket.shape[1] != 2 or starts.shape[1] != 2):
+            raise ValueError(f"brackets (n, 2), widths (n,) and starts (n, 2) of {n} rows are expected")
+        slips = np.empty((n, 2, K)) if known is None else np.array(known, dtype=float, order="C")
+        met, left = np.zeros(n, dtype=np.uint8), np.full((n, 2), np.inf)
+        cdef double[:, :, ::1] out = slips
+        cdef unsigned char[::1] one = met
+        cdef double[:, ::1] rest = left
+        if out.shape[0] != n or out.shape[1] != 2 or out.shape[2] != K:
+            raise ValueError(f"whole orbits ({n}, 2, {K}) are expected")
+        for r in range(n):
+            if not second:
+                out[r, 0, 0], out[r, 1, 0] = starts[r, 0], starts[r, 1]
+            one[r] = starts[r, 0] == starts[r, 1]
+        # where walkers come from, both ends of where each is looked for, and their steps and slopes
+        cdef double[:, ::1] way = np.empty((9, 2 * n + 1))
+        cdef Py_ssize_t[:, ::1] who = np.empty((4, 2 * n + 1), dtype=np.intp)
+        if n:
+            with nogil:
+                ended = self._sent_round(K, n, &rows[0], &inertia[0], &bracket[0, 0], &wide[0], orbits, exact, second,
+                                         &out[0, 0, 0], &one[0], &rest[0, 0], way, who)
+        how = self._ended(ended)
+        return slips, met.view(bool), left, how
+
+    cdef int _rows(self, const Py_ssize_t[::1] rows, Py_ssize_t K) except -1:
+        cdef Py_ssize_t r, n = rows.shape[0]
+        if K < 3 or self.rollers % K or 2 * n > self.rollers:
+            raise ValueError(f"{n} rows of {K} of {self.rollers} positions: an orbit has at least 3")
+        for r in range(n):
+            if not 0 <= rows[r] < self.rollers // K:
+                raise ValueError(f"row {rows[r]} of {self.rollers // K} does not exist")
+        if self.calls:
+            raise ValueError("rows are for compiled contacts alone")
+        return 0
+
+    cdef int _sent_round(self, Py_ssize_t K, Py_ssize_t n, const Py_ssize_t *rows, const double *inertia,
+                         const double *bracket, const double *wide, Py_ssize_t orbits, double exact, bint second,
+                         double *out, unsigned char *met, double *left, double[:, ::1] way, Py_ssize_t[:, ::1] who) noexcept nogil:
+        """Walkers 2 r and 2 r + 1 are those of row r; the second goes where the first does as soon as they have met."""
+        cdef Py_ssize_t *walks = &who[0, 0]      # those that are still on their way round
+        cdef Py_ssize_t *until = &who[1, 0]      # when they have been everywhere since they met
+        cdef Py_ssize_t t, p, before, w, r, a, walking = 0, some
+        cdef double *from_ = &way[0, 0]
+        cdef double *found = &way[1, 0]
+        cdef double *slope = &way[2, 0]
+        cdef double *was = &way[3, 0]            # how far it moved in the orbit before the last
+        cdef double *moved = &way[4, 0]          # and in this one
+        cdef double decay, apart
+        cdef int ended
+        for w in range(2 * n):
+            slope[w], was[w], moved[w], until[w] = 0.0, wide[w // 2], 0.0, orbits * K
+            if w % 2 == 0 or not met[w // 2]:
+                walks[walking] = w
+                walking += 1
+        for t in range(1, orbits * K + 1):
+            p, before = t % K, (t - 1) % K
+            for a in range(walking):
+                w = walks[a]
+                from_[w] = out[w * K + before]
+                if second:
+                    from_[w] = (4.0 * out[w * K + before] - out[w * K + (t + K - 2) % K]) / 3.0
+                found[w] = out[w * K + before]
+            ended = self._to_balances(K, p, walking, walks, rows, inertia, bracket, wide, exact, 1.5 if second else 1.0, way,
+                                      who)
+            if ended != FOUND:
+                return ended
+            some = 0
+            for a in range(walking):
+                w = walks[a]
+                r = w // 2
+                apart = fabs(found[w] - out[w * K + p]) / wide[r] if t >= K or second else 1.0
+                out[w * K + p] = found[w]
+                moved[w] = max(moved[w], apart) if second else apart
+                if not second and (apart <= exact or t >= until[w]):   # as an orbit before: it repeats
+                    left[w] = apart
+                    continue
+                if p == 0:
+                    decay = min(moved[w] / max(was[w], 1e-300), 0.999)
+                    left[w] = moved[w] * decay / (1.0 - decay)
+                    was[w], moved[w] = max(moved[w], 1e-300), 0.0
+                    if t > K and left[w] <= (exact if second else KEPT):
+                        continue
+                walks[some] = w
+                some += 1
+            walking, some = some, 0
+            for a in range(walking):
+                w = walks[a]
+                r = w // 2
+                if w % 2 == 1 and not met[r] and not second:
+                    if fabs(out[w * K + p] - out[(w - 1) * K + p]) <= MET * exact * wide[r]:
+                        met[r] = 1
+                        until[w - 1] = t + K
+                        continue
+                walks[some] = w
+                some += 1
+            walking = some
+            if walking == 0:
+                break
+        for r in range(n):
+            if met[r]:
+                left[2 * r + 1] = left[2 * r]
+                for p in range(K):
+                    out[(2 * r + 1) * K + p] = out[2 * r * K + p]
+        return FOUND
+
+    cdef int _to_balances(self, Py_ssize_t K, Py_ssize_t p, Py_ssize_t walking, const Py_ssize_t *walks,
+                          const Py_ssize_t *rows, const double *inertia, const double *bracket, const double *wide,
+                          double exact, double weight, double[:, ::1] way, Py_ssize_t[:, ::1] who) noexcept nogil:
+        """Where walkers are a position on: the first zero of c (x - from) + torque(x), from x on where it drives."""
+        cdef double *from_ = &way[0, 0]
+        cdef double *x = &way[1, 0]              # evaluated there
+        cdef double *slope = &way[2, 0]
+        cdef double *low = &way[5, 0]            # where it comes from,
+        cdef double *at_low = &way[6, 0]         # and what is left there
+        cdef double *high = &way[7, 0]           # beyond the balance
+        cdef double *at_high = &way[8, 0]
+        cdef Py_ssize_t *state = &who[2, 0]
+        cdef Py_ssize_t *kept = &who[3, 0]       # how often one end has stayed
+        cdef double *spin = &self.work[6, 0]
+        cdef double *cage = &self.work[7, 0]
+        cdef Py_ssize_t a, w, r, count = walking, left
+        cdef int number, ended
+        cdef double c, rest, sense, step, longest, to, wider
+        for a in range(walking):
+            w = walks[a]
+            self.active[a], self.slot[a] = rows[w // 2] * K + p, w
+            state[w] = -1
+        for number in range(MARCHES):
+            ended = self._torques(x, spin, cage, count)
+            if ended != FOUND:
+                return ended
+            left = 0
+            for a in range(count):
+                w = self.slot[a]
+                r = w // 2
+                c = weight * inertia[r]
+                rest = c * (x[w] - from_[w]) + spin[w]
+                if rest == 0.0:
+                    continue
+                if state[w] == BETWEEN:
+                    if (rest < 0.0) == (at_low[w] < 0.0):
+                        low[w], at_low[w] = x[w], rest
+                        at_high[w] *= 0.5 if kept[w] > 0 else 1.0
+                        kept[w] = 1
+                    else:
+                        high[w], at_high[w] = x[w], rest
+                        at_low[w] *= 0.5 if kept[w] < 0 else 1.0
+                        kept[w] = -1
+                else:
+                    if state[w] == LOOKS and (rest < 0.0) != (at_low[w] < 0.0):
+                        high[w], at_high[w], kept[w], state[w] = x[w], rest, 0, BETWEEN
+                        slope[w] = (rest - at_low[w]) / (x[w] - low[w])
+                    else:
+                        if state[w] == LOOKS and x[w] != low[w]:
+                            slope[w] = (rest - at_low[w]) / (x[w] - low[w])
+                        state[w], low[w], at_low[w] = LOOKS, x[w], rest
+                if state[w] == LOOKS:
+                    sense = 1.0 if rest < 0.0 else -1.0
+                    wider = bracket[2 * r + 1] - bracket[2 * r]
+                    longest = ALONG * max(wider, NARROW) + BEYOND * max(
+                        max(bracket[2 * r] - x[w], x[w] - bracket[2 * r + 1]), 0.0)
+                    step = longest if number else FIRST * wide[r]
+                    if slope[w] > 0.0:
+                        step = min(OVER * fabs(rest) / slope[w] + FIRST * wide[r], longest)
+                    x[w] += sense * step
+                else:
+                    to = high[w] - at_high[w] * (high[w] - low[w]) / (at_high[w] - at_low[w])
+                    step = fabs(high[w] - low[w])
+                    if number % 5 == 4:
+                        to = 0.5 * (low[w] + high[w])
+                    elif fabs(to - x[w]) <= exact * wide[r] or step <= exact * wide[r]:
+                        x[w] = to
+                        continue
+                    x[w] = to
+                self.active[left], self.slot[left] = self.active[a], w
+                left += 1
+            count = left
+            if count == 0:
+                return FOUND
+        return LOST
+
+    def settled(self, const Py_ssize_t[::1] rows, Py_ssize_t around, const double[::1] inertia,
+                const double[:, ::1] guess, const double[::1] unit, double settles=SETTLED, bint as_guessed=False):
+        """Return the roller slips of rows that repeat after an orbit, beside a guess (n, K); see `periodic`.
+
+        Rows are as in `sent_round`, one roller each; ``unit`` (n,) is what their slips go with. Returned are slips
+        (n, K), multipliers and mean torques of a roller on the cage [N m], (n,), which rows were found, and how it
+        ended. A row that is not found stays as it is guessed; so do all if that is asked for.
+        """
+        cdef Py_ssize_t n = rows.shape[0], K = around, r, k
+        cdef int ended = FOUND
+        cdef double sum, change, rest
+        cdef bint goes_on = False
+        self._rows(rows, K)
+        if not n == inertia.shape[0] == guess.shape[0] == unit.shape[0] or guess.shape[1] != K:
+            raise ValueError(f"{n} guesses of {K} positions are expected")
+        slips, multipliers, torques, found = np.array(guess), np.full(n, NAN), np.full(n, NAN), np.zeros(n, np.uint8)
+        cdef double[:, ::1] out = slips
+        cdef double[::1] multiplier = multipliers, torque = torques
+        cdef unsigned char[::1] sure = found
+        cdef double *spin = &self.work[6, 0]
+        cdef double *cage = &self.work[13, 0]
+        with nogil:
+            for r in range(n):
+                for k in range(K):
+                    self.active[k], self.slot[k] = rows[r] * K + k, k
+                if r and sure[r - 1] and not as_guessed:   # what second order adds to the guess is about what it has added before
+                    change = sum = 0.0
+                    for k in range(K):
+                        change += fabs(guess[r, k] / unit[r] - guess[r - 1, k] / unit[r - 1])
+                        sum += fabs(guess[r, k] / unit[r])
+                    goes_on = change <= GOES_ON * sum
+                    if goes_on:
+                        for k in range(K):
+                            out[r, k] = guess[r, k] + (out[r - 1, k] - guess[r - 1, k]) * unit[r] / unit[r - 1]
+                ended = LOST if as_guessed else self._periodic(
+                    K, &out[r, 0], inertia[r], 0.0, settles, &multiplier[r], &rest)
+                if ended == LOST and goes_on:
+                    for k in range(K):
+                        out[r, k] = guess[r, k]
+                    ended = self._periodic(K, &out[r, 0], inertia[r], 0.0, settles, &multiplier[r], &rest)
+                goes_on = False
+                if ended != FOUND and ended != LOST:
+                    break
+                sure[r] = ended == FOUND
+                if ended == LOST:
+                    for k in range(K):
+                        out[r, k] = guess[r, k]
+                ended = self._torques(&out[r, 0], spin, cage, K)
+                if ended != FOUND:
+                    break
+                sum = 0.0
+                for k in range(K):
+                    sum += cage[k]
+                torque[r] = sum / K
+        how = self._ended(ended)
+        return slips, multipliers, torques, found.view(bool), how
 
     cdef int _check(self, const double[::1] values) except -1:
         if values.shape[0] != self.rollers:
@@ -328,7 +619,7 @@ cdef class Spin:
     cdef void _all(self) noexcept nogil:
         cdef Py_ssize_t k
         for k in range(self.rollers):
-            self.active[k] = k
+            self.active[k] = self.slot[k] = k
 
     cdef int _torques(self, const double *slip, double *spin, double *cage, Py_ssize_t count) noexcept nogil:
         """Torques of the first ``count`` active rollers; the others keep theirs."""
@@ -348,7 +639,7 @@ cdef class Spin:
                 if ended != FOUND:
                     return ended
         for a in range(count):
-            k = self.active[a]
+            k = self.slot[a]
             self._torque(slip[k], self.rings[INNER].traction[k], self.rings[OUTER].traction[k],
                          self.rings[INNER].resistance[k], self.rings[OUTER].resistance[k], &spin[k], &cage[k])
             size = max(size, max(fabs(self.rings[INNER].traction[k]), fabs(self.rings[OUTER].traction[k])))
@@ -372,18 +663,25 @@ cdef class Spin:
         """Traction and resistance of a ring on the active rollers, of their slices gathered into its table."""
         cdef ring_t *ring = &self.rings[which]
         cdef rs_slices *s = &ring.table
-        cdef Py_ssize_t a, k, i, n = 0
+        cdef Py_ssize_t a, k, i, at, n = 0
         cdef int status
         cdef double sliding, rolling, spin, sum, rest
         for a in range(count):
-            k = self.active[a]
-            spin = self.rolling * slip[k]
+            k, at = self.active[a], self.slot[a]
+            spin = self.rolling * slip[at]
             sliding = ring.lead[k] + spin if which == INNER else ring.lead[k] - spin
-            rolling = self._rolls(which, k, slip[k])
+            rolling = self._rolls(which, k, slip[at])
+            if ring.nodes != NULL:
+                ring.traction[at] = _of_curve(ring, sliding) * ring.force[k]
+                ring.resistance[at] = ring.held[k] * rolling / hypot(rolling, self.slow)
+                continue
             rolling = hypot(rolling, self.slow) if self.slow > 0.0 else rolling
             for i in range(ring.first[k], ring.first[k + 1]):
                 s.load[n], s.rolling_speed[n], s.sliding_speed[n] = ring.load[i], rolling, sliding
                 n += 1
+        if ring.nodes != NULL:
+            ring.evaluated += count
+            return FOUND
         s.n = n
         if n:
             status = ring.chain.evaluate(s, ring.chain.params)
@@ -392,16 +690,16 @@ cdef class Spin:
                 return RAISED if status == -1 else which
         n = 0
         for a in range(count):
-            k = self.active[a]
+            k, at = self.active[a], self.slot[a]
             sum = rest = 0.0
             for i in range(ring.first[k], ring.first[k + 1]):
                 sum += s.friction[n] * ring.force[i]
                 rest += s.resistance[n] * ring.width[i] if ring.resists else 0.0
                 n += 1
             if ring.resists:
-                rolling = self._rolls(which, k, slip[k])
+                rolling = self._rolls(which, k, slip[at])
                 rest *= rolling / hypot(rolling, self.slow)
-            ring.traction[k], ring.resistance[k] = sum, rest
+            ring.traction[at], ring.resistance[at] = sum, rest
         return FOUND
 
     cdef inline double _rolls(self, int which, Py_ssize_t k, double slip) noexcept nogil:
@@ -446,7 +744,7 @@ cdef class Spin:
             wide[k] = moved[k] = reach
             room[k] = leap * reach
             if reach > 0.0:
-                self.active[count] = k
+                self.active[count] = self.slot[count] = k
                 count += 1
                 before[k] = at[k] + (APART if at[k] < 0.5 * (lowest[k] + highest[k]) else -APART) * reach
                 all_known = all_known and slope[k] > 0.0
@@ -496,7 +794,7 @@ cdef class Spin:
                         step * max(step / moved[k], BENDS * moved[k] / reach) <= BALANCED * reach)):
                     continue
                 moved[k] = step
-                self.active[left] = k
+                self.active[left] = self.slot[left] = k
                 left += 1
             count = left
             if count == 0:
@@ -508,9 +806,10 @@ cdef class Spin:
             lost[self.active[a]] = 1
         return LOST
 
-    cdef int _periodic(self, double *slip, double inertia, double damping, double *multiplier,
-                       double *left) noexcept nogil:
-        cdef Py_ssize_t K = self.rollers, k
+    cdef int _periodic(self, Py_ssize_t K, double *slip, double inertia, double damping, double settles,
+                       double *multiplier, double *left) noexcept nogil:
+        """Of K active positions, whose slips and torques stand from the first slot on."""
+        cdef Py_ssize_t k
         cdef double *torque = &self.work[6, 0]
         cdef double *residual = &self.work[7, 0]
         cdef double *there = &self.work[8, 0]
@@ -547,7 +846,7 @@ cdef class Spin:
             # no step of pseudo-time goes towards a motion that is not held
             for k in range(K):
                 there[k] = fabs(slope[k]) + damping if damping > 0.0 else slope[k]
-            self._around(inertia, there, residual, step)
+            self._around(K, inertia, there, residual, step)
             moved, within = 0.0, True
             for k in range(K):
                 within = within and fabs(step[k]) <= REACH
@@ -557,7 +856,7 @@ cdef class Spin:
                 continue
             for k in range(K):
                 there[k] = slip[k] + step[k]
-            settled = moved <= SETTLED * largest
+            settled = moved <= settles * largest
             if settled and damping == 0.0:
                 for k in range(K):
                     slip[k] = there[k]
@@ -581,7 +880,8 @@ cdef class Spin:
                 damping = max(4.0 * damping, LEAST * steepest)
         return LOST
 
-    cdef void _around(self, double c, const double *slope, const double *residual, double *x) noexcept nogil:
+    cdef void _around(self, Py_ssize_t K, double c, const double *slope, const double *residual,
+                      double *x) noexcept nogil:
         """Solve change(x) + slope x = -residual around the orbit; NaN if that has no solution.
 
         The last two values, on which the first two depend, are found from what each of them adds to all.
@@ -592,7 +892,7 @@ cdef class Spin:
         cdef double one[3]
         cdef double two[3]
         cdef double now[3]
-        cdef Py_ssize_t k, K = self.rollers
+        cdef Py_ssize_t k
         cdef int i
         for i in range(3):
             one[i] = two[i] = 0.0
@@ -615,6 +915,19 @@ cdef class Spin:
         last, previous = (a * (1.0 - h) + e * f) / determinant, (f * (1.0 - b) + g * a) / determinant
         for k in range(K):
             x[k] += first[k] * last + second[k] * previous
+
+
+cdef double _of_curve(const ring_t *ring, double sliding) noexcept nogil:
+    """Friction of a curve at a sliding speed, by cubics between its nodes; beyond them it is held."""
+    cdef double x = sliding / (fabs(sliding) + ring.scale), t
+    cdef Py_ssize_t k
+    cdef const double *at
+    t = (min(max(x, ring.begin), ring.end) - ring.begin) / (ring.end - ring.begin) * ring.cells
+    k = min(<Py_ssize_t>t, ring.cells - 1)
+    t -= k
+    at = &ring.nodes[2 * k]
+    return ((1.0 + 2.0 * t) * at[0] + t * at[1]) * (1.0 - t) * (1.0 - t) + (
+        (3.0 - 2.0 * t) * at[2] - (1.0 - t) * at[3]) * t * t
 
 
 cdef double _unbalanced(Py_ssize_t n, const double *slip, const double *torque, double inertia,
