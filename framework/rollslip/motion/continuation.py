@@ -11,16 +11,13 @@
 """
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Final
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.bearing.critical import slip_grid
 from rollslip.bearing.raceway import Array
-from rollslip.bearing.resolution import COARSER_TABLES
 from rollslip.errors import ConvergenceError
 
 #: Most points that the refinement of a curve may need.
@@ -50,56 +47,8 @@ _FAR = 0.5
 _NUDGE = 1e-5
 
 
-@attrs.frozen(eq=False)
-class TorqueCurve:
-    """Torque over slip, (n,), refined; ``error`` is what leaving out a point moves, relative to the largest torque."""
-
-    slip: Array
-    torque: Array
-    error: float
-
-    def __call__(self, slip: Array) -> Array:
-        """Return the torque between the points, by a cubic spline."""
-        from scipy.interpolate import CubicSpline
-
-        return np.asarray(CubicSpline(self.slip, self.torque)(slip))
-
-
-def torque_curve(torque: Callable[[float], float], largest: float, points: int, tolerance: float) -> TorqueCurve:
-    """Return the torque from no slip to the largest one on a grid that is refined where it bends.
-
-    Where it jumps, because rollers change their motion at once, the grid is refined to a ten-thousandth of the slip.
-
-    Raises
-    ------
-    ConvergenceError
-        If the curve needs more than 400 points.
-    """
-    slip = slip_grid(largest, points)
-    values = np.array([torque(float(s)) for s in slip])
-    while True:
-        scale = float(np.abs(values).max()) or 1.0
-        error = _left_out(slip, values) / (_LEFT_OUT * scale)
-        wide = np.diff(slip) > _NARROWEST * slip[1:]
-        error[1:-1] *= wide[1:] & wide[:-1]  # a jump has no error that a narrower grid would lower
-        bad = np.flatnonzero(error > tolerance)
-        if bad.size == 0:
-            return TorqueCurve(slip, values, float(error.max()))
-        if slip.size > _MOST_POINTS:
-            raise ConvergenceError(
-                f"the driving torque still bends by {error.max():.1e} (relative) between {slip.size} slips, most at a "
-                f"cage slip of {slip[np.argmax(error)]:.4g}, which may leave {tolerance:.1e}; {COARSER_TABLES}"
-            )
-        intervals = np.unique(np.concatenate((bad - 1, bad)))
-        middles = 0.5 * (slip[intervals] + slip[intervals + 1])
-        slip = np.concatenate((slip, middles))
-        values = np.concatenate((values, [torque(float(s)) for s in middles]))
-        order = np.argsort(slip)
-        slip, values = slip[order], values[order]
-
-
-def _left_out(slip: Array, values: Array) -> Array:
-    """By how much each inner point differs from the cubic through the four nearest others, (n,)."""
+def left_out(slip: Array, values: Array) -> Array:
+    """By how much each inner point differs from the cubic through the four nearest others, (n,), seven times its error."""
     inner = np.arange(1, slip.size - 1)
     first = np.clip(inner - 2, 0, slip.size - 5)
     others = first[:, None] + np.arange(5)
@@ -113,100 +62,6 @@ def _left_out(slip: Array, values: Array) -> Array:
     error = np.zeros_like(slip)
     error[1:-1] = np.abs((weights * y).sum(axis=1) - values[1:-1])
     return error
-
-
-def steady_slips(curve: TorqueCurve, torque: Callable[[float], float], drag: Callable[[float], float]) -> list[float]:
-    """Return all slips above zero at which torque and drag are in balance, ascending.
-
-    Parameters
-    ----------
-    curve : TorqueCurve
-        The driving torque, known on a grid.
-    torque, drag : callable
-        Torque that drives the cage and (negative) torque that resists it [N m] at a slip.
-
-    Returns
-    -------
-    list of float
-        Steady slips. Two that lie closer than the curve tells apart, where they meet, are one. Missed can only be a
-        pair between which the excess torque is less than the error of the curve.
-    """
-    from scipy.optimize import brentq, minimize_scalar
-
-    def excess(slip: float) -> float:
-        return torque(slip) + drag(slip)
-
-    scale = float(np.abs(curve.torque).max())
-    fine = np.concatenate([np.linspace(a, b, _BETWEEN, endpoint=False) for a, b in _pairs(curve.slip)])
-    fine = np.append(fine, curve.slip[-1])
-    guess = curve(fine) + np.array([drag(float(s)) for s in fine])
-    excesses = {float(s): float(t) + drag(float(s)) for s, t in zip(curve.slip, curve.torque, strict=True)}
-    for k in range(1, fine.size - 1):
-        top = guess[k] >= max(guess[k - 1], guess[k + 1])
-        if not top and guess[k] > min(guess[k - 1], guess[k + 1]):
-            continue
-        at = float(fine[k])
-        if abs(guess[k]) <= 2.0 * curve.error * scale:  # it may touch zero: look at the torque itself
-            low, high = fine[max(k - _BETWEEN, 0)], fine[min(k + _BETWEEN, fine.size - 1)]
-            at = float(
-                minimize_scalar(
-                    lambda s, sign=-1.0 if top else 1.0: sign * excess(float(s)),
-                    bounds=(low, high),
-                    method="bounded",
-                    options={"xatol": 1e-8 * high},
-                ).x
-            )
-        excesses[at] = excess(at)
-        if abs(excesses[at]) <= _MEETING * scale:
-            excesses[at] = 0.0
-    slips = np.array(sorted(excesses))
-    values = np.array([excesses[float(s)] for s in slips])
-    roots = [float(s) for s in slips[values == 0.0] if s > 0.0]
-    for (a, b), (left, right) in zip(_pairs(slips), _pairs(values), strict=True):
-        if left * right < 0.0:
-            root = float(brentq(excess, a, b, xtol=1e-14, rtol=1e-10))
-            if abs(excess(root)) <= 1e-3 * abs(left - right):  # else a jump past zero, at which nothing is in balance
-                roots.append(root)
-    return sorted(roots)
-
-
-def surmised(
-    slip: Array, torque: Array, drag: Callable[[float], float], error: float
-) -> list[tuple[float, float]] | None:
-    """Return where a torque that is known roughly balances a drag, with the slopes of the excess; None if it is unsure.
-
-    Parameters
-    ----------
-    slip, torque : ndarray
-        Driving torque [N m] from no slip to the largest one, (n,).
-    drag : callable
-        Torque that resists, negative, at a slip.
-    error : float
-        By how much the torque may be off, relative to itself. Unsure is where it all but balances the drag without
-        crossing it, or at the end.
-    """
-    fine, spline = _splined(tuple(slip.tolist()))
-    drives = spline @ torque
-    excess = drives + np.array([drag(s) for s in fine.tolist()])
-    rises = np.diff(excess) > 0.0
-    turns = 1 + np.flatnonzero(rises[1:] != rises[:-1])
-    ends = np.array([0, *turns, fine.size - 1])
-    if np.any(np.abs(excess[ends]) <= error * np.abs(drives[ends])):
-        return None
-    crossed = np.flatnonzero((excess[1:] >= 0.0) != (excess[:-1] >= 0.0))
-    widths = fine[crossed + 1] - fine[crossed]
-    slopes = (excess[crossed + 1] - excess[crossed]) / widths
-    return list(zip((fine[crossed] - excess[crossed] / slopes).tolist(), slopes.tolist(), strict=True))
-
-
-@lru_cache(maxsize=16)
-def _splined(slips: tuple[float, ...]) -> tuple[Array, Array]:
-    """Slips between some, and what takes values at those to the cubic spline through them, there."""
-    from scipy.interpolate import CubicSpline
-
-    slip, between = np.array(slips), np.linspace(0.0, 1.0, _FEW_BETWEEN, endpoint=False)
-    fine = np.append((slip[:-1, None] + np.diff(slip)[:, None] * between).ravel(), slip[-1])
-    return fine, np.asarray(CubicSpline(slip, np.eye(slip.size))(fine))
 
 
 def crossing(
@@ -227,10 +82,6 @@ def crossing(
         before, value = value, excess(at)
         slope = (value - before) / step
     return None
-
-
-def _pairs(values: Array) -> list[tuple[float, float]]:
-    return list(zip(values[:-1].tolist(), values[1:].tolist(), strict=True))
 
 
 @attrs.frozen(eq=False)

@@ -10,117 +10,38 @@
   with s the absolute spin, theta the position in the sense of the orbit, F = mu Q the tractions, F_R the rolling
   resistances (against rolling on both surfaces), M the friction of the roller in its pocket under the force P that
   carries it round, and < > the mean over the orbit. T drives the cage.
-- Backward differences of second order at the roller positions of the equilibria make of it a cyclic banded system for
-  Newton's method. They are L-stable, which heavily loaded rollers need: those follow their balance within less than a
-  position. What an orbit leaves of a disturbance of the spin, Floquet's multiplier, is exp(-2 pi <dG/dS_r>/(J w_re
-  |w_c|)), so whether the rollers hold what was found comes for nothing.
-- The unknown is the roller slip, in which sliding speeds vanish exactly with the slips.
-- A step that makes things worse is repeated with a friction against any change of the spin: pseudo-time, in which only
-  what the rollers hold is found. So is a motion that they do not hold, from rolling on either ring; of several motions
-  that they do hold, the one is taken that goes on from the nearest slip.
+- Of the motions that repeat after an orbit it takes the one that rollers are in while the drag is raised slowly from
+  none: `rollslip.motion.spins` finds motions, `rollslip.motion.way_up` their order. It does not depend on what was asked
+  before.
 - The loads are solved anew at every slip: centrifugal forces go with the square of the cage speed.
 """
 
-import itertools
 import math
-import operator
-from collections.abc import Callable, Sequence
-from typing import Final, Protocol
+from functools import cached_property
+from typing import Final
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import Drags
-from rollslip.bearing.kinematics import Kinematics, SurfaceSpeeds
-from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
-from rollslip.errors import ConvergenceError
-from rollslip.motion.effective_table import EffectiveTable, effective_table
-from rollslip_kernels.motion.spin import NUDGED
-from rollslip_kernels.motion.spin import Spin as Kernel
-from rollslip_kernels.slices import Slices
+from rollslip.bearing.raceway import Array, LoadedContacts
+from rollslip.errors import ConvergenceError, DomainError
+from rollslip.motion.effective_table import EffectiveTable
+from rollslip.motion.spins import Conventional, EffectiveCurve, Motion, Motions, effective_curves
+from rollslip.motion.way_up import WayUp, way_up
+from rollslip.units import format_quantity
 
-#: Entrainment speed that is never fallen below in the film [m/s]: u_film = sqrt(u^2 + SLOW^2).
-SLOW: Final = 1e-3
-#: Loads that stand for the slices of a roller.
+#: Loads that stand for the slices of a roller on the way up.
 _FEW: Final = 8
-#: By how much the exponent of a decay may change from slip to slip, relative to 1 and itself; below this all is gone.
-_JUMP, _NOTHING = 2.0, 1e-300
-#: How far three known slips may be for a parabola through them, relative to the slip.
-_NEAR: Final = 0.3
-#: How often the bracket of a balance without inertia is widened.
-_WIDENINGS = 60
-#: Torque at an end of the bracket that is rounding, relative to the largest there: the roller rolls on that ring.
-_IDLE = 1e-12
-
-
-class Friction(Protocol):
-    """Traction and rolling resistance of the contacts of one raceway at all positions of the orbit."""
-
-    def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
-        """Return F, with the sign of the sliding speed, and F_R [N], (K,), from the speeds [m/s], (K,)."""
-        ...
-
-
-def _film_speed(rolling: Array) -> Array:
-    return np.asarray(np.hypot(rolling, SLOW))
-
-
-class Conventional:
-    """The whole chain of models on every loaded slice."""
-
-    def __init__(self, contacts: LoadedContacts) -> None:
-        self.contacts, self.resists = contacts, contacts.raceway.chain.resists
-
-    def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
-        """Return F and F_R [N], (K,)."""
-        contacts, film = self.contacts, _film_speed(rolling)
-        friction = contacts.friction(film[contacts.owner], sliding[contacts.owner])
-        traction = contacts.per_roller(friction * contacts.force)
-        if not self.resists:
-            return traction, np.zeros_like(traction)
-        resistance = contacts.per_roller(contacts.slices.resistance * contacts.width)
-        return traction, resistance * rolling / film
-
-
-class EffectiveCurve:
-    """Effective friction of one raceway against its sliding speed, from a table, beyond which it is held."""
-
-    def __init__(self, table: EffectiveTable) -> None:
-        from scipy.interpolate import CubicHermiteSpline
-
-        x = np.linspace(*table.limits, table.nodes.shape[0])
-        self.table, self._scale, self._limits = table, table.sliding_scale, table.limits
-        self._friction = CubicHermiteSpline(x, table.nodes[:, 0], table.nodes[:, 1] / (x[1] - x[0]))
-
-    def __call__(self, sliding: Array) -> Array:
-        """Return the effective friction coefficient."""
-        x = sliding / (np.abs(sliding) + self._scale)
-        return np.asarray(self._friction(np.clip(x, *self._limits)), dtype=float)
-
-
-class Effective:
-    """Effective friction of the raceway times the normal force, resistance as without slip."""
-
-    def __init__(self, curve: EffectiveCurve, contacts: Conventional, rolling: float) -> None:
-        self._curve = curve
-        self._force = contacts.contacts.per_roller(contacts.contacts.force)
-        free = np.full_like(self._force, rolling)
-        self._resistance = contacts(free, np.zeros_like(free))[1] if contacts.resists else 0.0 * free
-
-    @property
-    def ring(self) -> "Curved":
-        """What compiled code takes of it."""
-        table = self._curve.table
-        return np.ascontiguousarray(table.nodes), table.limits, table.sliding_scale, self._force, self._resistance
-
-    def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
-        """Return F and F_R [N], (K,)."""
-        return self._curve(sliding) * self._force, self._resistance * rolling / _film_speed(rolling)
-
-
-#: What compiled code takes of a friction curve: nodes, limits, scale of sliding, forces and resistances.
-Curved = tuple[Array, tuple[float, float], float, Array, Array]
+#: Positions of an orbit, at least, on which rollers with inertia are followed.
+_POSITIONS: Final = 56
+#: Share of the largest drag below which a cage is far from running away, whatever effective friction is off.
+_FAR: Final = 0.5
+#: A slip at which the cage hardly turns.
+_STANDS: Final = 0.94
+#: Largest slip of a way up that nobody asks to go further: there the cage all but stands.
+RANGE: Final = 0.95
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -149,12 +70,6 @@ class Orbit:
     multiplier: float
 
 
-def alike(orbits: Sequence[Orbit]) -> bool:
-    """Whether motions at slips one after the other are of one kind: what is left of a disturbance changes by and by."""
-    decays = [-math.log(max(abs(orbit.multiplier), _NOTHING)) for orbit in orbits]
-    return all(abs(a - b) <= _JUMP * (1.0 + min(a, b)) for a, b in itertools.pairwise(decays))
-
-
 class TorqueBalance:
     """Torques of rollers and drag on the cage of one bearing against its slip.
 
@@ -170,9 +85,6 @@ class TorqueBalance:
         Friction curves of inner and outer raceway in place of the whole chain; `effective_curves`.
     inertia : bool
         False for rollers without inertia of their spin, whose contacts balance at every position.
-    settings : str
-        Table of the scene with the settings of the study that asks, for what messages tell one to type; empty if there
-        is none.
     """
 
     def __init__(
@@ -183,16 +95,32 @@ class TorqueBalance:
         instants: int,
         effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
         inertia: bool = True,
-        settings: str = "",
     ) -> None:
         self.assembly, self.drags, self.instants = assembly, drags, instants
-        self._effective, self.inertia, self._settings = effective, inertia, settings
-        #: 1 or -1: that in which the kinematics let the rollers go round
-        self.sense = 1.0 if assembly.kinematics.epicyclic_cage_speed > 0.0 else -1.0
+        self.effective, self.inertia = effective, inertia
         self._known: dict[float, Orbit] = {}
-        self._by_few: dict[float, Orbit] = {}
-        #: Stage and table to work in of each raceway, for one motion after the other.
-        self.tables_of: dict[Raceway, tuple[object, Slices]] = {}
+        self._ways: dict[tuple[float, int, tuple[float, ...]], WayUp] = {}
+        friction = drags.pocket_friction
+        self._pocket = 0.0 if friction is None else friction.coefficient
+
+    @cached_property
+    def motions(self) -> Motions:
+        """Motions of the rollers on all slices, their loads solved at every slip."""
+        return self._motions(None, 0)
+
+    def _motions(self, largest: float | None, few: int) -> Motions:
+        return Motions(
+            self.assembly, self.instants, pocket=self._pocket, effective=self.effective, inertia=self.inertia,
+            largest=largest, few=few,
+        )  # fmt: skip
+
+    def way(self, largest: float = RANGE, *, steps: int = 0, through: tuple[float, ...] = ()) -> WayUp:
+        """Return the way up over the cage slips up to the largest, `rollslip.motion.way_up.way_up`."""
+        key = largest, steps, through
+        if key not in self._ways:
+            few = self._motions(largest, _FEW)
+            self._ways[key] = way_up(few, largest, self.motions, steps=steps, through=through)
+        return self._ways[key]
 
     @property
     def rolls_freely(self) -> bool:
@@ -202,12 +130,12 @@ class TorqueBalance:
     @property
     def tables(self) -> tuple[EffectiveTable, ...]:
         """What effective friction of inner and outer raceway is taken from, if it is."""
-        return tuple(curve.table for curve in self._effective or ())
+        return tuple(curve.table for curve in self.effective or ())
 
     def with_inertia(self, inertia: bool) -> "TorqueBalance":
         """Return the same balance of rollers with or without inertia of their spin."""
         return TorqueBalance(
-            self.assembly, self.drags, instants=self.instants, effective=self._effective, inertia=inertia
+            self.assembly, self.drags, instants=self.instants, effective=self.effective, inertia=inertia
         )
 
     def cage_speed(self, cage_slip: float) -> float:
@@ -218,7 +146,7 @@ class TorqueBalance:
         """Torque of all drags on the cage [N m], negative where it resists the orbit."""
         k = self.assembly.kinematics
         torque = self.drags.torque(k.direction * self.cage_speed(cage_slip), k.inner_speed, k.outer_speed)
-        return self.sense * k.direction * torque
+        return self.motions.sense * k.direction * torque
 
     def torque(self, cage_slip: float) -> float:
         """Mean torque of all rollers on the cage [N m], positive where it drives."""
@@ -229,70 +157,49 @@ class TorqueBalance:
         return self.torque(cage_slip) + self.drag(cage_slip)
 
     def orbit(self, cage_slip: float) -> Orbit:
-        """Return the steady motion of the rollers at a cage slip.
+        """Return the steady motion of the rollers at a cage slip, on the way up where they have several.
 
         Raises
         ------
         ConvergenceError
-            If no periodic spin is found.
+            If loads are not found.
         DomainError
             If a law has no value there, or the epicyclic cage speed is zero.
         """
         if cage_slip not in self._known:
-            self._known[cage_slip] = self._solved(cage_slip, self.contacts(cage_slip))
+            self._known[cage_slip] = self.orbit_of(self._on_way(np.array([cage_slip]))[0])
         return self._known[cage_slip]
 
-    def by_few_loads(self, cage_slip: float, near: Orbit | None = None) -> Orbit:
-        """Return that motion with few loads for each roller that stand for all of its slices.
+    def torques(self, cage_slips: Array) -> Array:
+        """Return the torques on the cage at several slips [N m], (n,)."""
+        return np.array([motion.torque for motion in self._on_way(cage_slips)])
 
-        They are kept for all bearings that are loaded alike: it is for cage slips at which these are looked at too. A
-        law with a kink needs more loads, so the result is to be held against all of them: `missed`. It goes on from the
-        motion ``near``, by default from those at the nearest slips.
-        """
-        if cage_slip not in self._by_few:
-            guess = None if near is None else near.roller_slip * (cage_slip / near.cage_slip)
-            self._by_few[cage_slip] = self._solved(cage_slip, self._few(cage_slip), guess)
-        return self._by_few[cage_slip]
+    def _on_way(self, cage_slips: Array) -> list[Motion]:
+        """The motions of the way up at some slips."""
+        found = self.motions.at(cage_slips)
+        for k, here in enumerate(found):
+            if len(here) > 1:  # from below
+                slip = float(cage_slips[k])
+                below = self.way(max(RANGE, slip)).near(slip)
+                found[k] = self.motions.at(cage_slips[k : k + 1], below.share[:1])[0]
+        return [one for one, *_ in found]
 
-    def missed(self, orbit: Orbit) -> float:
-        """Return by how much the torque of few loads misses that of all slices in one motion, relative to that."""
-
-        def made() -> tuple[LoadedContacts, ...]:
-            return tuple(ring.contacts for ring in self.contacts(orbit.cage_slip))
-
-        rings = self.assembly.kept(("orbit", self.instants, orbit.cage_slip), self.instants, made)
-        spin = Spin(self, orbit.cage_slip, self.frictions(self._on_own(rings)))
-        whole = self._torque(spin.on_cage(orbit.roller_slip)[0])
-        return abs(orbit.torque / whole - 1.0) if whole else np.inf
-
-    def _few(self, cage_slip: float) -> tuple[Conventional, Conventional]:
-        """Contacts of few loads, laid out once for all bearings that are loaded alike."""
-        assembly = self.assembly
-
-        def made() -> tuple[LoadedContacts, ...]:
-            return tuple(ring.contacts.fewer(_FEW) for ring in self.contacts(cage_slip))
-
-        return self._on_own(assembly.kept(("few", self.instants, cage_slip), self.instants, made))
-
-    def _on_own(self, rings: Sequence[LoadedContacts]) -> tuple[Conventional, Conventional]:
-        inner, outer = (Conventional(of.on(own)) for of, own in zip(rings, self.assembly.raceways, strict=True))
-        return inner, outer
+    def orbit_of(self, motion: Motion) -> Orbit:
+        """Return a motion on all slices, such as that of a steady slip, with the forces in it."""
+        contacts = self.contacts(motion.slip)
+        tractions, _ = self._forces(motion.slip, motion.roller_slip, contacts)
+        return Orbit(
+            cage_slip=motion.slip,
+            torque=motion.torque,
+            roller_slip=motion.roller_slip,
+            force=np.array([of_ring.contacts.carried for of_ring in contacts]),
+            traction=self.motions.sense * tractions,
+            multiplier=motion.multiplier,
+        )
 
     def contacts(self, cage_slip: float) -> tuple[Conventional, Conventional]:
         """Contacts of both raceways, their positions ordered in the sense of the orbit."""
-        raceways, widths = self.assembly.raceways, self.assembly.widths
-        inner, outer = (
-            Conventional(LoadedContacts(raceway, load, widths, 1.0))
-            for raceway, load in zip(raceways, self.loads(cage_slip), strict=True)
-        )
-        return inner, outer
-
-    def loads(self, cage_slip: float) -> tuple[Array, Array]:
-        """Loads per length of inner and outer ring [N/m], positions in the sense of the orbit, (K, slices)."""
-        loads = self.assembly.load_distribution(self.instants, self.cage_speed(cage_slip))
-        positions = loads.psi.size
-        order = np.argsort(loads.psi.ravel())[(int(self.sense) * np.arange(positions)) % positions]
-        return loads.inner_load.reshape(positions, -1)[order], loads.outer_load.reshape(positions, -1)[order]
+        return self.motions.contacts(np.array([cage_slip]))
 
     def evaluated(self, orbit: Orbit) -> tuple[LoadedContacts, LoadedContacts]:
         """Return the loaded contacts of both raceways, evaluated in the motion of the rollers."""
@@ -307,280 +214,156 @@ class TorqueBalance:
 
         They have the signs of the kinematics, whatever the sense of the orbit.
         """
-        spin = Spin(self, orbit.cage_slip, self.frictions(self.contacts(orbit.cage_slip)))
-        tractions, resistances = spin.forces(orbit.roller_slip)
-        return tractions, resistances, spin.from_forces(orbit.roller_slip, tractions, resistances)
+        tractions, resistances = self._forces(orbit.cage_slip, orbit.roller_slip, self.contacts(orbit.cage_slip))
+        kernel = self.motions.spins(np.array([orbit.cage_slip])).kernel
+        return tractions, resistances, kernel.on_cage(orbit.roller_slip, tractions, resistances)
 
-    def frictions(self, contacts: tuple[Conventional, Conventional]) -> tuple[Friction, Friction]:
-        """Friction of both rings: that of the contacts, or the effective one of their forces."""
-        if self._effective is None:
-            return contacts
-        k = self.assembly.kinematics
-        free = k.roller_radius * k.epicyclic_roller_speed
-        inner, outer = (Effective(curve, of, free) for curve, of in zip(self._effective, contacts, strict=True))
-        return inner, outer
-
-    def _torque(self, on_cage: Array) -> float:
-        """Mean torque of all rollers on the cage, from those of one at the positions of the orbit."""
-        return self.sense * float(on_cage.mean()) * self.assembly.scene.bearing.rollers
-
-    def _solved(
-        self, cage_slip: float, contacts: tuple[Conventional, Conventional], guess: Array | None = None
-    ) -> Orbit:
-        spin = Spin(self, cage_slip, self.frictions(contacts))
-        try:
-            guess = self._nearest(cage_slip) if guess is None else guess
-            held = spin.held(guess) if self.inertia else (spin.balanced(), 0.0)
-        except ConvergenceError as error:
-            if not self._settings:
-                raise
-            other = f"--set {self._settings}.inertia={'false' if self.inertia else 'true'}"
-            raise ConvergenceError(f"{error}; take {other}, or lower {self._settings}.max_cage_slip") from error
-        roller_slip, multiplier = held
-        on_cage, tractions = spin.on_cage(roller_slip)
-        return Orbit(
-            cage_slip=cage_slip,
-            torque=self._torque(on_cage),
-            roller_slip=roller_slip,
-            force=np.array([of_ring.contacts.carried for of_ring in contacts]),
-            traction=self.sense * tractions,
-            multiplier=multiplier,
-        )
-
-    def _nearest(self, cage_slip: float) -> Array | None:
-        """Roller slips of the nearest cage slip that is known, in proportion; of the parabola through three near ones.
-
-        A share of the cage slip is what changes least with it.
-        """
-        orbits = {**self._by_few, **self._known}
-        known = sorted((slip for slip in orbits if slip > 0.0), key=lambda slip: abs(slip - cage_slip))[:3]
-        if not known:
-            return None
-        far = len(known) < 3 or abs(known[2] - cage_slip) > _NEAR * cage_slip
-        if far or not alike([orbits[slip] for slip in sorted(known)]):
-            known = known[:1]
-        shares = [orbits[slip].roller_slip / slip for slip in known]
-        weights = [math.prod((cage_slip - two) / (one - two) for two in known if two != one) for one in known]
-        return np.asarray(cage_slip * sum(map(operator.mul, weights, shares)))
-
-
-class Spins:
-    """Compiled torques of rollers at some positions: what finds their balances, and motions that repeat.
-
-    Parameters
-    ----------
-    kinematics : Kinematics
-        The bearing's.
-    positions : int
-        How many.
-    contacts : sequence of LoadedContacts, or callable
-        Loaded contacts of inner and outer ring at the positions; or forces at roller slips, as `Spin.forces` gives.
-    slow : float
-        Speed that the film never falls below [m/s], 0 for none.
-    pocket : float
-        Coefficient of friction in the pockets.
-    tables : dict, optional
-        Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
-    """
-
-    def __init__(
-        self,
-        kinematics: Kinematics,
-        positions: int,
-        contacts: Sequence["LoadedContacts | Curved"] | Callable[[Array], tuple[Array, Array]],
-        *,
-        slow: float = 0.0,
-        pocket: float = 0.0,
-        tables: dict[Raceway, tuple[object, Slices]] | None = None,
-    ) -> None:
-        k, tables = kinematics, {} if tables is None else tables
-        self._contacts = () if callable(contacts) else tuple(one for one in contacts if isinstance(one, LoadedContacts))
-        self._gathered = [one.gathered(tables.get(one.raceway)) for one in self._contacts]
-        tables.update((one.raceway, made[:2]) for one, made in zip(self._contacts, self._gathered, strict=True))
-        self._told = (0, 0)
-        loaded = [ring for *_, ring in self._gathered]
-        rings = contacts if callable(contacts) else loaded or list(contacts)
-        radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
-        self.kernel = Kernel(positions, rings, radii, k.roller_radius * k.epicyclic_roller_speed, slow, pocket)
-
-    def ended(self, how: str) -> None:
-        """Take note of how a call ended: tell the chains what was evaluated, and raise what one of them refused.
-
-        Raises
-        ------
-        DomainError, PluginError
-            As the chain does.
-        """
-        count, before, self._told = self.kernel.evaluated, self._told, self.kernel.evaluated
-        for k, contacts in enumerate(self._contacts):
-            contacts.raceway.chain.kernel.evaluated += count[k] - before[k]
-        if how in RINGS:
-            k = RINGS.index(how)
-            chain, (stage, table, _) = self._contacts[k].raceway.chain, self._gathered[k]
-            refusal = chain.kernel.refusal(stage)
-            assert refusal is not None
-            raise chain.error(refusal, table)
-
-
-class Spin:
-    """Spin of a roller over the orbit at one cage slip, by its slip S_r; without inertia also of many positions.
-
-    Parameters
-    ----------
-    balance : TorqueBalance
-        The bearing.
-    cage_slip : float or ndarray
-        S_c, of all positions or of each, (K,).
-    frictions : tuple of Friction
-        Contacts of both raceways at the positions.
-    positions : int, optional
-        How many; by default those of an orbit.
-    """
-
-    def __init__(
-        self,
-        balance: TorqueBalance,
-        cage_slip: float | Array,
-        frictions: tuple[Friction, Friction],
-        positions: int | None = None,
-    ) -> None:
-        self._kinematics, self._slip, self._frictions = balance.assembly.kinematics, cage_slip, frictions
-        k, orbit = self._kinematics, balance.assembly.scene.bearing.rollers * balance.instants
-        self._positions = orbit if positions is None else positions
-        #: roller slip of pure rolling on the outer ring
-        self._lag = np.full(self._positions, k.roller_slip_outer_rolling(cage_slip))
-        friction = balance.drags.pocket_friction
-        pocket = 0.0 if friction is None else friction.coefficient
-        inertia = 0.5 * balance.assembly.roller_mass * k.roller_radius**2
-        pace = abs(balance.cage_speed(float(np.max(cage_slip)))) * orbit / (2.0 * np.pi)
-        #: torque that changes the roller slip by one from a position to the next
-        self._inertia = inertia * k.epicyclic_roller_speed * pace
-        conventional = [one.contacts for one in frictions if isinstance(one, Conventional)]
-        of = conventional if len(conventional) == len(RINGS) else self.forces
-        #: bounds have to be looked at by whom compiled code does not know
-        self._compiled = not (callable(of) or any(one.raceway.chain.bounds for one in of))
-        self._spins = Spins(k, self._positions, of, slow=SLOW, pocket=pocket, tables=balance.tables_of)
-        self._spins.kernel.at(*(np.full(self._positions, lead) for lead in k.leads(cage_slip)))
-
-    def forces(self, roller_slip: Array) -> tuple[Array, Array]:
+    def _forces(
+        self, cage_slip: float, roller_slip: Array, contacts: tuple[Conventional, Conventional]
+    ) -> tuple[Array, Array]:
         """Tractions and resistances of both contacts [N], (2, K)."""
-        speeds: SurfaceSpeeds = self._kinematics.surface_speeds(self._slip, roller_slip)
-        inner, outer = self._frictions
+        speeds = self.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
+        inner, outer = self.motions.frictions(contacts)
         on_inner = inner(speeds.inner_rolling, speeds.inner_sliding)
         on_outer = outer(speeds.outer_rolling, speeds.outer_sliding)
         return np.stack([on_inner[0], on_outer[0]]), np.stack([on_inner[1], on_outer[1]])
 
-    def on_cage(self, roller_slip: Array) -> tuple[Array, Array]:
-        """Torque of one roller on the cage at all positions [N m], (K,), and tractions of both contacts [N], (2, K)."""
-        if self._compiled:
-            _, on_cage, ended = self._spins.kernel.torques(np.ascontiguousarray(roller_slip))
-            self._spins.ended(ended)
-            return on_cage, self._spins.kernel.tractions
-        tractions, resistances = self.forces(roller_slip)
-        return self.from_forces(roller_slip, tractions, resistances), tractions
 
-    def from_forces(self, roller_slip: Array, tractions: Array, resistances: Array) -> Array:
-        """Torque of one roller on the cage at all positions [N m], (K,), from forces of both contacts [N], (2, K)."""
-        return self._spins.kernel.on_cage(roller_slip, tractions, resistances)
-
-    def _torque(self, roller_slip: Array) -> Array:
-        spin, _, ended = self._spins.kernel.torques(roller_slip)
-        self._spins.ended(ended)
-        return spin
-
-    def periodic(self, guess: Array | None, damping: float = 0.0) -> tuple[Array, float]:
-        """Roller slips that repeat after an orbit, from a guess, and Floquet's multiplier.
-
-        J w_re |w_c| dS_r/dtheta + G = 0, Newton's method; ``damping`` [N m] is that of the first steps.
-        """
-        start = self._lag if guess is None else guess
-        slip, multiplier, left, ended = self._spins.kernel.periodic(start, self._inertia, damping)
-        self._spins.ended(ended)
-        if ended:
-            raise ConvergenceError(
-                f"the rollers' spin at a cage slip of {self._slip:.4g} found no motion that repeats after an orbit: "
-                f"torques of up to {left:.1e} N m are left"
-            )
-        return slip, multiplier
-
-    def held(self, guess: Array | None) -> tuple[Array, float]:
-        """Roller slips that repeat after an orbit and that the rollers hold, if there are any, from a guess."""
-        motions: list[tuple[Array, float]] = []
-        for motion in (lambda: self.periodic(guess), *map(self._approached, self._starts())):
-            try:
-                motions.append(motion())
-            except ConvergenceError as error:
-                lost = error
-                continue
-            if motions[-1][1] < 1.0:
-                return motions[-1]
-        if not motions:
-            raise lost
-        return motions[0]
-
-    def _starts(self) -> tuple[Callable[[], Array], ...]:
-        """Where else to start from: rolling on the outer ring, no inertia, rolling on the inner ring."""
-        k = self._kinematics
-        return lambda: self._lag, self.balanced, lambda: -self._lag * k.inner_radius / k.outer_radius
-
-    def _approached(self, start: Callable[[], Array]) -> Callable[[], tuple[Array, float]]:
-        """Roller slips that repeat after an orbit, approached as the rollers would from a start."""
-
-        def motion() -> tuple[Array, float]:
-            slip = start()
-            slope = float(np.abs(self._torque(slip + NUDGED) - self._torque(slip)).max()) / NUDGED
-            return self.periodic(slip, damping=2.0 * slope)  # more than any fall of the torque with slip
-
-        return motion
-
-    def balanced(self, guess: Array | None = None) -> Array:
-        """Roller slips at which the contacts of a roller without inertia balance at every position, (K,).
-
-        Between rolling on either ring, or beyond where rolling resistance asks for it, the torque changes its sign; of
-        several balances the bracket ends in one that the roller holds, and from a guess mostly in the one nearest to
-        it. Secants within the bracket, all positions at once, until none steps any further.
-
-        Raises
-        ------
-        ConvergenceError
-            If there is none.
-        """
-        found, lost, ended = self._spins.kernel.balanced(*self._bracket(), guess)
-        self._spins.ended(ended)
-        if lost.any():
-            raise ConvergenceError(
-                f"no spin balances {np.count_nonzero(lost)} of {self._positions} rollers without inertia at a cage "
-                f"slip of {np.max(self._slip):.4g}"
-            )
-        return found
-
-    def _bracket(self) -> tuple[Array, Array]:
-        """Roller slips between which each roller balances: those of rolling on either ring, where nothing resists.
-
-        A roller that only one ring carries rolls on it: both are its roller slip.
-        """
-        k = self._kinematics
-        inner = -self._lag * k.inner_radius / k.outer_radius
-        low, high = np.minimum(self._lag, inner), np.maximum(self._lag, inner)
-        for _ in range(_WIDENINGS):
-            at_low, at_high = self._torque(low), self._torque(high)
-            idle = _IDLE * max(np.abs(at_low).max(), np.abs(at_high).max())
-            below, above = at_low > idle, at_high < -idle
-            if not np.any(below | above):
-                rolls_high, rolls_low = np.abs(at_high) <= idle, np.abs(at_low) <= idle
-                return np.where(rolls_high, high, low), np.where(rolls_low & ~rolls_high, low, high)
-            width = high - low + NUDGED
-            low, high = np.where(below, low - width, low), np.where(above, high + width, high)
-        return low, high
+def rollers(assembly: Assembly, instants: int, *, effective: bool = False, inertia: bool = True) -> TorqueBalance:
+    """Return the balance of torques of a bearing, resistance to rolling and pockets with it, on 56 positions or more."""
+    drags = Drags()
+    if assembly.scene.cage is not None:
+        assembly, drags = assembly.with_resistance(), assembly.cage.drags
+    instants = max(instants, -(-_POSITIONS // assembly.scene.bearing.rollers))
+    curves = effective_curves(assembly, instants) if effective else None
+    return TorqueBalance(assembly, drags, instants=instants, effective=curves, inertia=inertia)
 
 
-def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve, EffectiveCurve]:
-    """Return the effective friction curves of both raceways, with the loads at epicyclic speed."""
-    loads, tolerance = assembly.load_distribution(instants), assembly.resolution.table_tolerance
+@attrs.frozen
+class Runaway:
+    """The cage slip at which a cage runs away, and the drag [N m] there: NaN where ``status`` says why.
 
-    def of(raceway: Raceway, load: Array) -> EffectiveCurve:
-        return EffectiveCurve(
-            effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, slips=False)
-        )
+    ``to`` is the slip to which it jumps, NaN if nothing in the range carries the drag; ``error`` is that of the drag,
+    relative. ``most`` is the largest torque of the way [N m], at ``most_slip``.
+    """
 
-    return of(assembly.inner, loads.inner_load), of(assembly.outer, loads.outer_load)
+    slip: float
+    drag: float
+    status: str
+    to: float = math.nan
+    error: float = math.nan
+    most: float = math.nan
+    most_slip: float = math.nan
+
+
+@attrs.frozen
+class Running:
+    """The least cage slip at which rollers carry the drags of a scene, and their torque [N m]; see ``status``."""
+
+    slip: float
+    drag: float
+    status: str
+
+
+def runaway(balance: TorqueBalance, largest: float, allow: str) -> Runaway:
+    """Say where the cage of a bearing runs away, over the cage slips up to the largest; ``allow`` is the key of these."""
+    try:
+        way = balance.way(largest)
+    except (DomainError, ConvergenceError) as error:
+        return Runaway(math.nan, math.nan, f"it is not known where the cage runs away: {error}")
+    slip, torque = way.largest
+    if (jump := way.runs_away) is not None:
+        return Runaway(jump.slip, jump.drag, "found", jump.to, jump.error, torque, slip)
+    return Runaway(math.nan, math.nan, nowhere(way, allow), most=torque, most_slip=slip)
+
+
+def nowhere(way: WayUp, allow: str) -> str:
+    """Say that a cage runs away nowhere in the range, and why, or what to type to look further."""
+    slip, torque = way.largest
+    if not torque > 0.0:
+        return f"the rollers do not drive the cage at any slip up to {way.end:.4g}: more resists their rolling"
+    further = f"beyond, {way.refusal}" if way.refusal else f"raise {allow} to look further"
+    if way.end > _STANDS and not way.refusal:
+        further = "there it all but stands"
+    where = "where" if slip == way.end else f"and at {slip:.3g}"
+    carried = format_quantity(torque, "N m", 3)
+    return (
+        f"the cage does not run away up to a slip of {way.end:.4g}, {where} the rollers carry the largest drag, "
+        f"{carried}; {further}"
+    )
+
+
+def running(balance: TorqueBalance, largest: float = RANGE) -> Running:
+    """Locate the least cage slip at which the rollers of a bearing carry the drags of its scene.
+
+    Without any drag it is zero.
+    """
+    if balance.assembly.scene.cage is None:
+        return _not_running("the scene has no cage, so what drags it is not known; give it a table [cage] with drag")
+    if balance.rolls_freely:
+        return Running(0.0, 0.0, "found")
+    try:
+        way = balance.way(largest)
+        if way.at_rest + balance.drag(0.0) > 0.0:
+            return _not_running("what acts on the cage drives it: it runs faster than its epicyclic speed")
+        steady = next(iter(way.steady(balance.drag)), None)
+    except (DomainError, ConvergenceError) as error:
+        return _not_running(f"it is not known at which slip the cage runs: {error}")
+    if steady is not None:
+        return Running(steady.slip, steady.torque, "found")
+    slip, torque = way.largest
+    drag, carried = (format_quantity(one, "N m", 3) for one in (-balance.drag(slip), torque))
+    return _not_running(
+        f"the cage runs at no slip up to {way.end:.4g}: where the rollers carry most, {carried} at a slip of "
+        f"{slip:.3g}, the drags of the scene are {drag}"
+    )
+
+
+def _not_running(status: str) -> Running:
+    return Running(math.nan, math.nan, status)
+
+
+@attrs.frozen
+class Near:
+    """What effective friction leaves unknown near the slip of running away: in words, and relative to the drag."""
+
+    text: str
+    off: float
+
+
+def near_running_away(assembly: Assembly, slip: float | None = None) -> Near | None:
+    """Say what effective friction leaves unknown of a cage at a slip; None where it is far from running away.
+
+    Effective friction is off by some share of the largest drag. The cage is near where the drag that it carries at the
+    slip is less than twice that share below the largest one by either friction. Where it is less than half of it,
+    effective friction is not asked: it is off by 23 % at most (docs/tables/runaway_effective_summary.csv).
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing, with few slices.
+    slip : float, optional
+        The cage slip; by default that at which its drags are carried, or where they are not, that of running away.
+    """
+    balance = rollers(assembly, 1)
+    exact = runaway(balance, RANGE, "")
+    if slip is None:
+        slip = running(balance).slip
+        slip = exact.slip if math.isnan(slip) else slip
+    carried = balance.torque(slip) if slip > 0.0 else 0.0
+    if slip < exact.slip and carried < _FAR * exact.drag:
+        return None
+    simple = runaway(rollers(assembly, 1, effective=True), RANGE, "")
+    known = [one for one in (exact, simple) if not math.isnan(one.slip)]
+    if not known or math.isnan(slip):
+        return None
+    off = abs(simple.drag / exact.drag - 1.0) if len(known) == 2 else math.inf
+    least = min(known, key=lambda one: one.drag)
+    if slip < least.slip and carried < (1.0 - 2.0 * min(off, 0.5)) * least.drag:
+        return None
+    where = (
+        f"with a cage slip of {100.0 * slip:.3g} % the cage is near that of running away, {100.0 * known[0].slip:.3g} %"
+    )
+    if len(known) < 2:
+        return Near(f"{where}, and it does so by one of both frictions alone", off)
+    return Near(f"{where}, where effective friction is off by {100.0 * off:.2g} % of the drag", off)

@@ -1,22 +1,18 @@
 """The way up: the motions that the rollers of a bearing take while the drag on its cage is raised slowly from none.
 
-- All rollers see the same orbit, so the periodic spin of one is all, at each cage slip. It solves a scalar equation that
-  is periodic in the angle, so its motions are ordered: rollers that are sent round from rolling on the outer ring, and
-  from rolling on the inner one, come to the last and the first of them. If these agree there is one motion at that slip.
 - Where tractions have passed their maximum a roller sticks to one ring and slides on the other, and mostly it may do so
   on either: an imperfect pitchfork. From small slip goes on one of both motions. The other begins at a fold, and only a
-  cage from larger slips ever gets to it.
-- Differences over whole positions have motions besides that no roller has: jumps from ring to ring that may stand at
-  any position. So a motion counts only if rollers that are *sent round* come to it, by implicit Euler, from one position
-  to the first balance of the next; what backward differences of second order make of it is what is told.
+  cage from larger slips ever gets to it. All lie between those of rollers sent round from both ends
+  (`rollslip.motion.spins`), which tell whether there is more than one.
 - Where a motion ends on the way up, rollers go to the one that they come to from there. At a maximum of the torque the
   slip jumps to the next slip of the way that carries the drag. The cage runs away at the first maximum beyond which the
   slip at least doubles, or nothing in the range carries the drag.
-- With resistance to rolling, or friction in the pockets, rollers slip without the cage. Rolling on one ring is no bound
-  any more on that side: it goes to where no position of the orbit lets a roller slip more.
+- Where rollers change from ring to ring, positions of the orbit tell a maximum to the first order only. So each is
+  looked at once more with four times as many positions and with all slices; what that moves is told as its error.
 - Nothing depends on what was asked before: all slips of a way are chosen by the bearing and its range alone.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
@@ -25,86 +21,25 @@ from typing import Final
 import attrs
 import numpy as np
 
-from rollslip.bearing.raceway import Array, LoadedContacts
-from rollslip.errors import ConvergenceError, DomainError
-from rollslip.motion.torque_balance import SLOW, Conventional, Curved, Effective, Spins, TorqueBalance
+from rollslip.bearing.raceway import Array
+from rollslip.errors import DomainError
+from rollslip.motion.spins import TWO, Motion, Motions, place_of, slip_of
 
-#: Cage speeds whose loads are solved, even in centrifugal force, between which loads are linear; loads of a roller.
-_LOADS, _FEW = 13, 8
 #: Smallest slip; steps of the place of a slip, ln(S/(1 - S)), and the gap to which the end of a motion is found.
 _SMALLEST, _STEP = 1e-4, 0.25
 _CORNER: Final = _STEP / 512.0
-#: Orbits at most, by implicit Euler and by differences of second order; exactness of balances, relative to the bracket,
-#: with inertia and without.
-_ORBITS, _LONG, _EXACT, _EXACTLY = 8, 24, 1e-6, 1e-12
-#: Step, relative to the roller slip, at which a motion is found, and what is left of one that repeats.
-_SETTLED, _REPEATS = 1e-7, 1e-3
-#: Mean shares, by load, by which motions are two, and up to which one goes on from another.
-_TWO, _GOES_ON = 0.02, 0.15
-#: Part of the weights of positions that is even where unloaded rollers brake; least roller slip that counts there.
-_EVEN, _LEAST = 0.5, 1e-9
-#: Torque at an end of the bracket that is rounding, relative to the largest; how wide it gets, in roller slips.
-_IDLE, _WIDEST = 1e-12, 64.0
-#: Error of a motion of first order beyond which it is left out.
-_WRONG = 1e-2
 #: Share of a maximum that counts as the same drag, exactness of its height, and margin for what lies between slips.
 _CLOSE, _FOUND, _SAFETY, _ROUNDS = 1e-3, 1e-6, 2.0, 14
-#: How often positions are told apart once more where the slip jumps, and half the width of that, in places.
-_FINER, _BESIDE = 4, 0.04
-#: Exactness of a steady slip, relative to it; steps towards one.
-_STEADY, _SECANTS = 1e-9, 40
-#: Slips with more torque than this share of the largest below are looked at closely.
+#: Share by which the torque has to fall behind a maximum.
 _FALL: Final = 2.0 * _CLOSE
-
-
-def place_of(slip: float) -> float:
-    """Return the place ln(S/(1 - S)) of a cage slip between 0 and 1."""
-    return math.log(slip / (1.0 - slip))
-
-
-def slip_of(place: float) -> float:
-    """Return the cage slip at a place."""
-    return 1.0 / (1.0 + math.exp(-place))
-
-
-@attrs.frozen(eq=False)
-class Motion:
-    """A motion of the rollers at a steady cage slip.
-
-    Attributes
-    ----------
-    slip, torque : float
-        Cage slip, and mean torque of all rollers on the cage [N m], positive where it drives.
-    share : ndarray
-        Roller slips along the orbit over ``unit``, which goes with the cage slip, (K,).
-    unit : float
-        Roller slip of share one.
-    sure : bool
-        Whether it repeats, is held by the rollers and was found by differences of second order, or is told with its
-        error.
-    error : float
-        What it leaves of the torque, relative, where it is of first order only.
-    linked : bool
-        Whether it goes on from the motion at the slip below.
-    """
-
-    slip: float
-    torque: float
-    share: Array
-    unit: float
-    sure: bool
-    error: float = 0.0
-    linked: bool = True
-
-    @property
-    def place(self) -> float:
-        """Place of the slip."""
-        return place_of(self.slip)
-
-    @property
-    def roller_slip(self) -> Array:
-        """Roller slips at the positions of the orbit, (K,)."""
-        return self.share * self.unit
+#: How many times the positions a maximum is looked at, loads of a roller there, and what of a change of it is left.
+_FINER, _FEW, _LEFT = 4, 8, 1.0 / 3.0
+#: Least and largest half width of that look, in places; slips between which a corner is looked for, and how often.
+_NARROW, _WIDE, _BETWEEN, _LOOKS = 2e-3, 0.1, 9, 2
+#: Exactness of a steady slip, relative to it and to its torque, and steps towards it.
+_STEADY, _SECANTS = 1e-10, 60
+#: Step of a slip, relative to it, by which the excess torque is differentiated.
+_NUDGE: Final = 1e-4
 
 
 @attrs.frozen
@@ -141,214 +76,15 @@ class Jump:
 
 @attrs.frozen
 class Steady:
-    """A steady slip on the way up, the torque that it carries [N m], and whether the cage holds it."""
+    """A steady slip on the way up, the torque that it carries [N m], and by how much its excess grows with slip [N m].
+
+    The cage holds it where that is above zero: with more slip more torque is left to speed it up.
+    """
 
     slip: float
     torque: float
-    held: bool
+    slope: float
     motion: Motion = attrs.field(eq=False, repr=False)
-
-
-class Motions:
-    """Motions of the rollers of one bearing at many cage slips at once.
-
-    Parameters
-    ----------
-    balance : TorqueBalance
-        The bearing, what resists its rollers, friction of its raceways, instants, and whether rollers have inertia.
-    largest : float
-        Largest cage slip.
-    few : int
-        Loads that stand for the slices of a roller.
-    """
-
-    def __init__(self, balance: TorqueBalance, largest: float, few: int = _FEW) -> None:
-        self.balance, self._largest, self._few = balance, largest, few
-        bearing, k, friction = balance.assembly, balance.assembly.kinematics, balance.drags.pocket_friction
-        self.positions = bearing.scene.bearing.rollers * balance.instants
-        self._pocket = 0.0 if friction is None else friction.coefficient
-        self.resists = bearing.inner.chain.resists or self._pocket > 0.0
-        self._knots = np.linspace(1.0, (1.0 - largest) ** 2, _LOADS)  # centrifugal force, in proportion
-        key = ("knots", balance.instants, largest)
-        self._loads = bearing.kept(key, balance.instants, self._solved)
-        self._on_inner = -k.inner_radius / k.outer_radius
-        spin = 0.5 * bearing.roller_mass * k.roller_radius**2 * k.epicyclic_roller_speed
-        pace = abs(balance.cage_speed(0.0)) * self.positions / (2.0 * np.pi)
-        self._inertia = spin * pace if balance.inertia else 0.0
-        self._tables: dict = {}
-        self._idle = self._most = 0.0
-        carried = sum(ring[0].sum(axis=1) for ring in self._loads)
-        weight = self._loads[0].mean(axis=0).sum(axis=1)
-        if self.resists:
-            weight = _EVEN * carried.sum() / carried.size + (1.0 - _EVEN) * carried
-        self._weight = weight / (weight.sum() or 1.0) / (1.0 - self._on_inner)
-        if self.resists:  # what rollers slip without slip of the cage
-            rest = self._came_to(np.zeros(1), np.zeros((1, 2)))[0][0, 0]
-            self._idle, self._most = max(float(np.abs(rest).mean()), _LEAST), float(np.abs(rest).max())
-
-    def _solved(self) -> tuple[Array, Array]:
-        """Loads of both rings at the knots, positions in the sense of the orbit, (knots, K, slices)."""
-        balance, loads = self.balance, ([], [])
-        for force in self._knots.tolist():
-            one = balance.loads(1.0 - math.sqrt(force))
-            for ring, of in zip(loads, one, strict=True):
-                ring.append(of)
-        return np.array(loads[0]), np.array(loads[1])
-
-    def unit(self, slips: Array) -> Array:
-        """Roller slips of share one: of rolling on the outer ring, and what rollers slip without the cage."""
-        return np.abs(self._lag(slips)) + self._idle
-
-    def _lag(self, slips: Array) -> Array:
-        return np.asarray(self.balance.assembly.kinematics.roller_slip_outer_rolling(slips))
-
-    def apart(self, one: Array, two: Array) -> float:
-        """Mean difference of shares, by load, relative to that of rolling on either ring."""
-        return float(self._weight @ np.abs(one - two))
-
-    def _contacts(self, slips: Array) -> tuple[LoadedContacts, LoadedContacts]:
-        """Few loads of both rings for each row of positions."""
-        force = (1.0 - slips) ** 2
-        j = np.clip(_LOADS - 1 - np.searchsorted(self._knots[::-1], force), 0, _LOADS - 2)
-        part = ((force - self._knots[j]) / (self._knots[j + 1] - self._knots[j]))[:, None, None]
-        widths, inner = self.balance.assembly.widths, self.balance.assembly.inner
-
-        def of(loads: Array) -> LoadedContacts:
-            rows = loads[j] * (1.0 - part) + loads[j + 1] * part
-            return LoadedContacts(inner, rows.reshape(-1, rows.shape[2]), widths, 1.0).fewer(self._few)
-
-        return of(self._loads[0]), of(self._loads[1])
-
-    def laid_out(self, slips: Array) -> Spins:
-        """Compiled torques of rows of positions, one for each cage slip."""
-        balance, k = self.balance, self.balance.assembly.kinematics
-        key = ("rows", balance.instants, self._largest, self._few, slips.tobytes())
-        made = balance.assembly.kept(key, balance.instants * slips.size, lambda: self._contacts(slips))
-        rings = [Conventional(of.on(own)) for of, own in zip(made, balance.assembly.raceways, strict=True)]
-        frictions = balance.frictions((rings[0], rings[1]))
-        given = [one.ring if isinstance(one, Effective) else one.contacts for one in frictions]
-        spins = Spins(
-            k, self.positions * slips.size, given, slow=SLOW, pocket=self._pocket, tables=self._tables
-        )
-        spins.kernel.at(*(np.repeat(lead, self.positions) for lead in k.leads(slips)))
-        return spins
-
-    def _bracket(self, slips: Array) -> Array:
-        """Roller slips of rolling on either ring, (n, 2), the lower one first."""
-        lag = self._lag(slips)
-        return np.sort(np.stack((lag, lag * self._on_inner), axis=1), axis=1)
-
-    def _ends(self, spins: Spins, slips: Array) -> Array:
-        """Roller slips (n, 2) that an orbit never takes a roller from between: what resists only slows rollers."""
-        ends = self._bracket(slips)
-        if not self.resists:
-            return ends
-        step = 0.25 * (ends[:, 1] - ends[:, 0]) + 1.25 * self._most
-        ends[:, 1] += step
-        while True:
-            torques, _, how = spins.kernel.torques(np.repeat(ends[:, 1], self.positions))
-            spins.ended(how)
-            torques = torques.reshape(slips.size, -1)
-            short = (torques < -_IDLE * np.abs(torques).max()).any(axis=1) & (ends[:, 1] < _WIDEST)
-            if not short.any():
-                return ends
-            step *= 2.0
-            ends[:, 1] += np.where(short, step, 0.0)
-
-    def _came_to(
-        self, slips: Array, starts: Array | None, spins: Spins | None = None
-    ) -> tuple[Array, Array, Array, Spins]:
-        """Roller slips (n, 2, K) that rollers sent round come to, whether both are one, what is left; from both ends."""
-        spins = self.laid_out(slips) if spins is None else spins
-        starts = self._ends(spins, slips) if starts is None else starts
-        exact = _EXACT if self._inertia else _EXACTLY
-        found, met, left, how = spins.kernel.sent_round(
-            np.arange(slips.size), self.positions, self._inertia * (1.0 - slips), self._bracket(slips),
-            self._wide(slips), starts, _ORBITS, exact,
-        )  # fmt: skip
-        spins.ended(how)
-        if how:
-            raise ConvergenceError("rollers that are sent round find no balance on their way")
-        return found, met, left, spins
-
-    def _wide(self, slips: Array) -> Array:
-        return np.asarray((self.unit(slips) + (0.0 if self._idle else 1e-3 * self.resists)) * (1.0 - self._on_inner))
-
-    def at(self, slips: Array, starts: Array | None = None) -> list[list[Motion]]:
-        """Motions at cage slips, one or the two between which all others lie: of rollers sent round from both ends.
-
-        From ``starts``, shares at the first position (n,), it is the one that they come to.
-        """
-        unit = self.unit(slips)
-        begin = None if starts is None else np.repeat((starts * unit)[:, None], 2, axis=1)
-        found, met, left, spins = self._came_to(slips, begin)
-        shares = found / unit[:, None, None]
-        two = [
-            row
-            for row in np.flatnonzero(~met).tolist()
-            if starts is None and self.apart(shares[row, 0], shares[row, 1]) >= (_TWO if left[row].max() < _REPEATS else 0.0)
-        ]
-        rows, which = np.array([*range(slips.size), *two]), np.array([0] * slips.size + [1] * len(two))
-        motions = self._settled(spins, slips, rows, found[rows, which], left[rows, which])
-        out = [[motion] for motion in motions[: slips.size]]
-        for row, motion in zip(two, motions[slips.size :], strict=True):
-            if self.apart(out[row][0].share, motion.share) >= _TWO:
-                out[row].append(motion)
-        return out
-
-    def _settled(self, spins: Spins, slips: Array, rows: Array, came: Array, left: Array) -> list[Motion]:
-        """Motions of second order beside those that rollers came to, which are of first."""
-        unit, c, K, Z = self.unit(slips), self._inertia * (1.0 - slips), self.positions, self._rollers
-        kernel, weight = spins.kernel, self._weight
-
-        def torques(which: Array, at: Array) -> Array:
-            _, _, on_cage, _, how = kernel.settled(rows[which], K, c[rows[which]], at, unit[rows[which]], as_guessed=True)
-            spins.ended(how)
-            return np.asarray(Z * on_cage)
-
-        if not self._inertia:
-            torque = torques(np.arange(rows.size), came)
-            return [Motion(float(slips[r]), float(T), at / unit[r], float(unit[r]), sure=True)
-                    for r, T, at in zip(rows, torque, came, strict=True)]  # fmt: skip
-        at, multiplier, torque, held, how = kernel.settled(rows, K, c[rows], came, unit[rows], _SETTLED)
-        spins.ended(how)
-        torque, error = Z * torque, np.zeros(rows.size)
-        moved = np.abs(at - came) @ weight / unit[rows]
-        sure = held & (np.abs(multiplier) < 1.0) & ~((left < _REPEATS) & (moved > _GOES_ON))
-        todo = np.flatnonzero(~sure)
-        if todo.size:  # Newton's method has failed: differences of second order, in order, as rollers go
-            which = rows[todo]
-            known = np.repeat(came[todo][:, None], 2, axis=1)
-            exactly, _, rest, how = kernel.sent_round(
-                which, K, c[which], self._bracket(slips)[which], self._wide(slips)[which], np.ascontiguousarray(known[:, :, 0]), _LONG, _SETTLED,
-                known,
-            )  # fmt: skip
-            spins.ended(how)
-            repeats = rest[:, 0] <= 100.0 * _SETTLED
-            at[todo] = np.where(repeats[:, None], exactly[:, 0], came[todo])
-            torque[todo] = torques(todo, at[todo])
-            bend = 0.5 * came[todo] - np.roll(came[todo], 1, axis=1) + 0.5 * np.roll(came[todo], 2, axis=1)
-            missed = Z * self._lever * c[which] * np.abs(bend).mean(axis=1) / np.maximum(np.abs(torque[todo]), 1e-300)
-            error[todo] = np.where(repeats, 0.0, missed)
-            sure[todo] = error[todo] < _WRONG
-        return [
-            Motion(float(slips[r]), float(torque[k]), at[k] / unit[r], float(unit[r]), bool(sure[k]), float(error[k]))
-            for k, r in enumerate(rows)
-        ]
-
-    @property
-    def _rollers(self) -> float:
-        return self.balance.sense * self.balance.assembly.scene.bearing.rollers
-
-    @property
-    def _lever(self) -> float:
-        """By how much of the torque on the spin a change of it goes to the cage."""
-        k = self.balance.assembly.kinematics
-        return 1.0 + k.outer_radius / k.roller_radius
-
-    def link(self, below: Motion, motion: Motion) -> Motion:
-        """Return a motion, marked by whether it goes on from the one at the slip below."""
-        return attrs.evolve(motion, linked=self.apart(below.share, motion.share) <= _GOES_ON)
 
 
 @attrs.frozen(eq=False)
@@ -369,7 +105,7 @@ class WayUp:
         Why the range ends early, empty if it does not.
     """
 
-    motions: Motions
+    exact: Motions = attrs.field(repr=False)
     path: list[Motion]
     jumps: list[Jump]
     others: list[Motion]
@@ -384,8 +120,8 @@ class WayUp:
     @property
     def largest(self) -> tuple[float, float]:
         """Slip and torque [N m] of the most that the way carries: at the end of the range where nothing jumps."""
-        known = [(one.slip, one.torque) for one in self.path] + [(one.slip, one.drag) for one in self.jumps]
-        return max(known, key=lambda one: one[1])
+        known = [(one.slip, one.torque) for one in (self.path[-1:] if self.jumps else self.path)]
+        return max(known + [(one.slip, one.drag) for one in self.jumps], key=lambda one: one[1])
 
     @property
     def end(self) -> float:
@@ -412,48 +148,47 @@ class WayUp:
         Returns
         -------
         list of Steady
-            The cage holds a slip where with more of it more torque is left to speed it up. A jump over the drag, where
-            a motion ends, is none.
+            A jump over the drag, where a motion ends, is none.
         """
-        found, below = list[Steady](), self._at_zero()
-        left = below[0] + drag(0.0)
+        found, left = list[Steady](), self.at_rest + drag(0.0)
         for k, motion in enumerate(self.path):
             right = motion.torque + drag(motion.slip)
-            if right == 0.0 or (left < 0.0) != (right < 0.0):
-                if k == 0 or motion.linked:
-                    found.append(self._between(k, drag, left, right))
+            if (left < 0.0) != (right < 0.0) and (k == 0 or motion.linked):
+                found.append(self._between(k, drag, left, right))
             left = right
         return found
 
-    def _at_zero(self) -> tuple[float]:
-        return (self.at_rest,)
+    def near(self, slip: float) -> Motion:
+        """Return the motion of the path at the largest slip up to one, from which rollers come to that of this slip."""
+        return next((one for one in reversed(self.path) if one.slip <= slip), self.path[0])
 
-    def _between(self, k: int, drag: Callable[[float], float], left: float, right: float) -> Steady:
-        """The balance between a motion of the path and the one below it: regula falsi (Illinois) on their slips."""
-        above = self.path[k]
-        low, high = (self.path[k - 1].slip if k else 0.0), above.slip
-        held, side, motion, near = right > left, 0, above, above
-        below, over = left, right
+    def _between(self, k: int, drag: Callable[[float], float], below: float, over: float) -> Steady:
+        """The balance between a motion of the path and the one below it, on all slices: secants, Illinois."""
+        above, held, side = self.path[k], over > below, 0
+        known = [above] if k == 0 else [self.path[k - 1], above]
+        low, high = (known[0].slip if k else 0.0), above.slip
         for _ in range(_SECANTS):
-            at = high if over == 0.0 else high - over * (high - low) / (over - below)
-            near = min((m for m in self.path[max(k - 1, 0) : k + 1]), key=lambda m: abs(m.slip - at))
-            motion = self.motions.at(np.array([at]), near.share[:1])[0][0]
-            value, last = motion.torque + drag(at), (low, high)
-            sign = (value < 0.0) == (left < 0.0)
-            if sign:
+            at = high - over * (high - low) / (over - below)
+            near = min(known, key=lambda one: abs(one.slip - at))
+            motion = self.exact.at(np.array([at]), near.share[:1])[0][0]
+            value, wide = motion.torque + drag(at), high - low
+            if (value < 0.0) == held:
                 low, below, over, side = at, value, over * (0.5 if side > 0 else 1.0), 1
             else:
                 high, over, below, side = at, value, below * (0.5 if side < 0 else 1.0), -1
-            if value == 0.0 or abs(value) <= _STEADY * abs(motion.torque) or high - low <= _STEADY * at or last == (low, high):
+            if abs(value) <= _STEADY * abs(motion.torque) or min(wide - (high - low), high - low) <= _STEADY * at:
                 break
-        return Steady(motion.slip, motion.torque, held, motion)
+        beside = motion.slip * np.array([1.0 - _NUDGE, 1.0 + _NUDGE])
+        left, right = (one[0] for one in self.exact.at(beside, np.full(2, motion.share[0])))
+        slope = (right.torque + drag(right.slip) - left.torque - drag(left.slip)) / (right.slip - left.slip)
+        return Steady(motion.slip, -drag(motion.slip), slope, motion)
 
 
 class _Search:
     """The way up, and what is largest on it."""
 
-    def __init__(self, motions: Motions) -> None:
-        self.motions = motions
+    def __init__(self, motions: Motions, exact: Motions) -> None:
+        self.motions, self.exact = motions, exact
 
     def ways(self, slips: Sequence[float]) -> tuple[list[Motion], list[Motion]]:
         """The way up through slips, and motions beside it: all lie between those that either end leads to."""
@@ -472,12 +207,12 @@ class _Search:
                 off = (
                     (k, one[0])
                     for k, one in zip(two, again, strict=True)
-                    if motions.apart(one[0].share, way[k].share) >= _TWO
+                    if motions.apart(one[0].share, way[k].share) >= TWO
                 )
                 wrong = next(off, None)
             if wrong is None:
                 own = {motion.slip: motion.share for motion in way}
-                return way, [one for one in others if motions.apart(one.share, own[one.slip]) >= _TWO]
+                return way, [one for one in others if motions.apart(one.share, own[one.slip]) >= TWO]
             pairs[wrong[0]] = [wrong[1]]  # and what follows is chosen anew
 
     def refined(self, way: list[Motion]) -> list[Motion]:
@@ -485,7 +220,7 @@ class _Search:
         least = min(0.0, way[0].torque)
         for _ in range(_ROUNDS):
             most, todo = np.maximum.accumulate([motion.torque for motion in way]), []
-            for k, (a, b) in enumerate(zip(way[:-1], way[1:], strict=True)):
+            for k, (a, b) in enumerate(itertools.pairwise(way)):
                 wide, over = b.place - a.place, 0.0
                 if not b.linked:  # along a motion the torque grows at most with the slip, from what brakes at none
                     over = a.torque + (a.torque - least) * math.expm1(wide)
@@ -533,8 +268,45 @@ class _Search:
                     break
                 ends[side] = way[j].place
         low, high = min(ends[0], place), max(ends[1], place)
-        slip, low, high = slip_of(place), slip_of(low), slip_of(high)
-        return Jump(slip, drag, math.nan if math.isnan(to) else slip_of(to), low, high, max(error, way[k].error), corner)
+        error, near = max(error, way[k].error), way[k]
+        finer = self._corner(way, k) if corner else self._vertex(near, place, 0.5 * (high - low))
+        if finer is None:
+            error = math.inf
+        else:
+            at, torque = finer
+            error += _LEFT * abs(torque / drag - 1.0)
+            low, high, place, drag = low + at - place, high + at - place, at, torque
+        to = math.nan if math.isnan(to) else slip_of(to)
+        return Jump(slip_of(place), drag, to, slip_of(low), slip_of(high), error, corner)
+
+    @cached_property
+    def _fine(self) -> Motions:
+        return self.exact.like(instants=_FINER * self.motions.instants, few=_FEW)
+
+    def _vertex(self, near: Motion, place: float, half: float) -> tuple[float, float] | None:
+        """Place and height of a maximum by four times the positions; None if they do not tell it."""
+        half = min(max(half, _NARROW), _WIDE)
+        places = [place - half, place, place + half]
+        slips = np.array([slip_of(x) for x in places])
+        found = [one[0] for one in self._fine.at(slips, np.full(3, near.share[0]))]
+        if not all(one.sure for one in found):
+            return None
+        at, height = _vertex(places, [one.torque for one in found])
+        return at, height
+
+    def _corner(self, way: list[Motion], k: int) -> tuple[float, float] | None:
+        """Place and height of the end of a motion by four times the positions; None if they do not tell it."""
+        low, high, start = way[k].place - _WIDE, way[k].place + _WIDE, way[k].share[0]
+        best: tuple[float, float] | None = None
+        for _ in range(_LOOKS):
+            places = np.linspace(low, high, _BETWEEN).tolist()
+            found = [one[0] for one in self._fine.at(np.array([slip_of(x) for x in places]), np.full(_BETWEEN, start))]
+            torques = [one.torque if one.sure else -math.inf for one in found]
+            top = int(np.argmax(torques))
+            if not 0 < top < _BETWEEN - 1:
+                return best
+            best, low, high = (places[top], torques[top]), places[top - 1], places[top + 1]
+        return best
 
 
 def _is_peak(way: list[Motion], k: int) -> bool:
@@ -553,7 +325,7 @@ def _bend(way: list[Motion], k: int) -> float:
 
 def _beside(way: list[Motion], k: int) -> float:
     """What the torque may still rise by in the gap beside a corner, by its slope on the other side."""
-    sides = list(zip(way[:-1], way[1:], strict=True))[max(k - 1, 0) : k + 1]
+    sides = list(itertools.pairwise(way))[max(k - 1, 0) : k + 1]
     gaps = [b.place - a.place for a, b in sides if not b.linked]
     slopes = [abs(b.torque - a.torque) / (b.place - a.place) for a, b in sides if b.linked]
     return max(gaps, default=0.0) * max(slopes, default=way[k].torque)
@@ -597,17 +369,21 @@ def _trusted(way: list[Motion]) -> list[Motion]:
     return [m for k, m in enumerate(way) if m.linked or k in (0, last) or way[k + 1].linked]
 
 
-def way_up(balance: TorqueBalance, largest: float, *, steps: int = 0) -> WayUp:
+def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0, through: Sequence[float] = ()) -> WayUp:
     """Return the way up of a bearing over the cage slips up to the largest.
 
     Parameters
     ----------
-    balance : TorqueBalance
-        The bearing, with what resists its rollers and the friction of its raceways; it asks for nothing of its drags.
+    motions : Motions
+        Those of its rollers by few loads, for the search.
     largest : float
         Largest cage slip, below 1. A law without a value there shortens the range.
+    exact : Motions
+        The same on all slices, for steady slips.
     steps : int, optional
-        Steps to begin with, if more than the 0.25 of ln(S/(1 - S)) that they are by default.
+        Steps to begin with, if more than those of 0.25 in ln(S/(1 - S)).
+    through : sequence of float, optional
+        Slips that are on the way, whatever its steps.
 
     Raises
     ------
@@ -618,17 +394,18 @@ def way_up(balance: TorqueBalance, largest: float, *, steps: int = 0) -> WayUp:
     """
     begin, end, refusal = place_of(min(_SMALLEST, 0.5 * largest)), place_of(largest), ""
     count = max(math.ceil((end - begin) / _STEP), steps)
-    slips = [slip_of(place) for place in np.linspace(begin, end, count + 1).tolist()]
-    slips[-1] = largest
-    search = _Search(Motions(balance, largest))
+    slips = [slip_of(place) for place in np.linspace(begin, end, count + 1)[:-1].tolist()]
+    slips = sorted({*slips, *(slip for slip in through if slips[0] < slip < largest), largest})
+    search = _Search(motions, exact)
     while True:
         try:
             way, others = search.ways(slips)
             way = _trusted(search.refined(_trusted(way)))
+            jumps = [search.jump(way, *one) for one in _peaks(way)]
             break
         except DomainError as error:  # a law has no value at the end of the range
             slips, refusal = slips[:-1], str(error)
             if not slips:
                 raise
-    rest = search.motions.at(np.zeros(1), np.zeros(1))[0][0].torque if search.motions.resists else 0.0
-    return WayUp(search.motions, way, [search.jump(way, *one) for one in _peaks(way)], others, rest, refusal)
+    rest = exact.at(np.zeros(1), np.zeros(1))[0][0].torque if motions.resists else 0.0
+    return WayUp(exact, way, jumps, others, rest, refusal)

@@ -25,7 +25,7 @@ from rollslip.bearing.kinematics import SurfaceSpeeds
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
 from rollslip.bearing.regimes import LIGHT, NAMES
 from rollslip.errors import ConvergenceError, DomainError, SceneError
-from rollslip.motion.torque_balance import Spins
+from rollslip.motion.spins import Spins
 from rollslip.results.dataset import about
 from rollslip.scene.values import Scene
 from rollslip.structure import Location

@@ -75,6 +75,7 @@ cdef double FIRST = 1e-6        # first step where the slope is not known, relat
 cdef double OVER = 1.2          # by how much a step goes beyond where the slope leads
 cdef double MET = 10.0          # exactness of balances within which two motions are one
 cdef double KEPT = 1e-3         # share of what is left of a row's way after an orbit within which it repeats
+cdef double FORESEEN = 0.02     # and within which two will be one
 cdef double GOES_ON = 0.05      # mean change from row to row up to which what second order adds is about the same
 cdef double SLIDES = 1e-2      # sliding speed over which the friction of a pocket changes its sign [m/s]
 
@@ -383,7 +384,7 @@ cdef class Spin:
                 out[r, 0, 0], out[r, 1, 0] = starts[r, 0], starts[r, 1]
             one[r] = starts[r, 0] == starts[r, 1]
         # where walkers come from, both ends of where each is looked for, and their steps and slopes
-        cdef double[:, ::1] way = np.empty((9, 2 * n + 1))
+        cdef double[:, ::1] way = np.empty((10, 2 * n + 1))
         cdef Py_ssize_t[:, ::1] who = np.empty((4, 2 * n + 1), dtype=np.intp)
         if n:
             with nogil:
@@ -415,7 +416,8 @@ cdef class Spin:
         cdef double *slope = &way[2, 0]
         cdef double *was = &way[3, 0]            # how far it moved in the orbit before the last
         cdef double *moved = &way[4, 0]          # and in this one
-        cdef double decay, apart
+        cdef double *ends = &way[9, 0]           # where it will be
+        cdef double decay, apart, last
         cdef int ended
         for w in range(2 * n):
             slope[w], was[w], moved[w], until[w] = 0.0, wide[w // 2], 0.0, orbits * K
@@ -439,12 +441,16 @@ cdef class Spin:
                 w = walks[a]
                 r = w // 2
                 apart = fabs(found[w] - out[w * K + p]) / wide[r] if t >= K or second else 1.0
+                last = out[w * K + p]
                 out[w * K + p] = found[w]
                 moved[w] = max(moved[w], apart) if second else apart
                 if not second and (apart <= exact or t >= until[w]):   # as an orbit before: it repeats
                     left[w] = apart
                     continue
                 if p == 0:
+                    ends[w] = found[w]
+                    if t > K and not second and moved[w] < was[w]:
+                        ends[w] += (found[w] - last) * moved[w] / (was[w] - moved[w])
                     decay = min(moved[w] / max(was[w], 1e-300), 0.999)
                     left[w] = moved[w] * decay / (1.0 - decay)
                     was[w], moved[w] = max(moved[w], 1e-300), 0.0
@@ -464,6 +470,8 @@ cdef class Spin:
                 walks[some] = w
                 some += 1
             walking = some
+            if p == 0 and t > K and not second:
+                walking = self._foreseen(K, walking, walks, wide, &way[0, 0], n, out, met, left)
             if walking == 0:
                 break
         for r in range(n):
@@ -472,6 +480,32 @@ cdef class Spin:
                 for p in range(K):
                     out[(2 * r + 1) * K + p] = out[2 * r * K + p]
         return FOUND
+
+    cdef Py_ssize_t _foreseen(self, Py_ssize_t K, Py_ssize_t walking, Py_ssize_t *walks, const double *wide,
+                              const double *way, Py_ssize_t n, double *out, unsigned char *met,
+                              double *left) noexcept nogil:
+        """Take two of a row for one where they approach the same motion, each orbit by the same share of what is left."""
+        cdef const double *left_over = &way[9 * (2 * n + 1)]   # where each will be, at the first position
+        cdef Py_ssize_t a, w, k, some = 0
+        cdef double one, two, part
+        a = 0
+        while a < walking:
+            w = walks[a]
+            if w % 2 == 0 and a + 1 < walking and walks[a + 1] == w + 1:
+                one, two = out[w * K], out[(w + 1) * K]
+                if fabs(left_over[w] - left_over[w + 1]) <= FORESEEN * wide[w // 2] and one != two:
+                    part = min(max((0.5 * (left_over[w] + left_over[w + 1]) - one) / (two - one), 0.0), 1.0)
+                    for k in range(K):
+                        out[w * K + k] += part * (out[(w + 1) * K + k] - out[w * K + k])
+                    met[w // 2], left[w] = 1, FORESEEN
+                    a += 2
+                    continue
+                walks[some], walks[some + 1] = w, w + 1
+                some, a = some + 2, a + 2
+                continue
+            walks[some] = w
+            some, a = some + 1, a + 1
+        return some
 
     cdef int _to_balances(self, Py_ssize_t K, Py_ssize_t p, Py_ssize_t walking, const Py_ssize_t *walks,
                           const Py_ssize_t *rows, const double *inertia, const double *bracket, const double *wide,
@@ -569,6 +603,8 @@ cdef class Spin:
         cdef double[::1] multiplier = multipliers, torque = torques
         cdef unsigned char[::1] sure = found
         cdef double *spin = &self.work[6, 0]
+        cdef double *there = &self.work[7, 0]
+        cdef double *nudged = &self.work[8, 0]
         cdef double *cage = &self.work[13, 0]
         with nogil:
             for r in range(n):
@@ -596,10 +632,19 @@ cdef class Spin:
                 if ended == LOST:
                     for k in range(K):
                         out[r, k] = guess[r, k]
+                        there[k] = guess[r, k] + NUDGE
+                    ended = self._torques(there, nudged, cage, K)
+                    if ended != FOUND:
+                        break
                 ended = self._torques(&out[r, 0], spin, cage, K)
                 if ended != FOUND:
                     break
                 sum = 0.0
+                if not sure[r]:
+                    for k in range(K):
+                        sum += (nudged[k] - spin[k]) / NUDGE
+                    sum = sum / inertia[r] if inertia[r] > 0.0 else EXPONENT
+                    multiplier[r], sum = exp(min(max(-sum, -EXPONENT), EXPONENT)), 0.0
                 for k in range(K):
                     sum += cage[k]
                 torque[r] = sum / K

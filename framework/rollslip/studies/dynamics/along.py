@@ -25,7 +25,7 @@ from rollslip.motion.history.settings import TEMPERATURES, History, HistorySetti
 from rollslip.motion.history.stations import operated, shown
 from rollslip.motion.history.varying import STILL, VaryingMotion, epicyclic
 from rollslip.motion.moving_bearing import MovingBearing
-from rollslip.motion.runaway import Runaway
+from rollslip.motion.torque_balance import Runaway
 from rollslip.structure import Location
 from rollslip.studies.answers import Estimated, Part
 from rollslip.studies.dynamics import history_findings

@@ -34,8 +34,8 @@ from rollslip.catalogue.registry import available, get_model
 from rollslip.errors import ConvergenceError, RollslipError
 from rollslip.models import IntegratorModel
 from rollslip.motion.moving_bearing import MovingBearing
-from rollslip.motion.runaway import near_running_away
 from rollslip.motion.time_integration import Trajectory
+from rollslip.motion.torque_balance import near_running_away
 
 #: What a plan chooses -> the finest of it that needs nothing more from a scene.
 OPEN: Final = {"friction": "conventional", "level": "pocket", "integrator": None}

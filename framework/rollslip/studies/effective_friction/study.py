@@ -28,7 +28,7 @@ from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.motion.runaway import Runaway, reserve, rollers, runaway, running
+from rollslip.motion.torque_balance import Runaway, TorqueBalance, reserve, rollers, runaway, running
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
@@ -215,8 +215,7 @@ class EffectiveFriction(Study):
         more, instants = assembly.slices / some.slices, resolution.instants or INSTANTS[-1]
         costs = {part: more * onwards(INSTANTS, each, instants) for part, each in times.items()}
         if self.runaway_range:
-            orbit = partial(rollers(assembly, instants).orbit, 0.4 * self.runaway_range)
-            costs["running away"] = _MOTIONS * timed(orbit, 1)
+            costs["running away"] = timed(partial(self.runaway, assembly, instants), 1)
         if self.map_points:
             sizes = (_MAP[0] * (2 * _MAP[0] - 1), _MAP[1] * (2 * _MAP[1] - 1))
             maps = [timed(partial(raceways.map, self.max_cage_slip, n), 1) for n in _MAP]
@@ -366,20 +365,25 @@ class EffectiveFriction(Study):
         """Return where the cage runs away, up to the largest slip that is looked at; None if it is not looked for."""
         if not self.runaway_range:
             return None
-        return runaway(assembly, instants, self.runaway_range, f"study.{self.name}.runaway_range")
+        return self._away(rollers(assembly, instants))
+
+    def _away(self, balance: TorqueBalance) -> Runaway:
+        return runaway(balance, self.runaway_range, f"study.{self.name}.runaway_range")
 
     def _balanced(self, assembly: Assembly, instants: int, outputs: frozenset[str] = _STEADY) -> dict[str, Any]:
         """Variables of running away and of how the cage runs, none where neither is looked for."""
-        if (away := self.runaway(assembly, instants)) is None:
+        if not self.runaway_range:
             return {}
+        balance = rollers(assembly, instants)
+        away = self._away(balance)
         found = self.variables(runaway_slip=away.slip, runaway_drag=away.drag, runaway_status=np.array(away.status))
         if outputs & _STEADY:
-            runs = running(assembly, instants, away)
+            runs = running(balance, self.runaway_range)
             found |= self.variables(
                 steady_cage_slip=runs.slip, steady_drag=runs.drag, steady_status=np.array(runs.status)
             )
             if outputs & _RESERVE:
-                kept = reserve(assembly, instants, away, runs)
+                kept = reserve(balance, away, runs, self.runaway_range)
                 found |= self.variables(drag_reserve=kept.factor, reserve_status=np.array(kept.status))
         return found
 

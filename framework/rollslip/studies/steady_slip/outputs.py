@@ -34,10 +34,16 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "steady_slip": Output("steady", "1", "steady cage slip", status="status", default=True),
         "status": Output("", "1", "what was found"),
         "largest_drag": Output(
-            "", "N m", "largest drag torque that the cage can carry", status="largest_drag_status", default=True
+            "", "N m", "drag torque at which the cage runs away", status="largest_drag_status", default=True
         ),
-        "largest_drag_slip": Output("", "1", "cage slip of the largest drag torque", status="largest_drag_status"),
+        "largest_drag_slip": Output("", "1", "cage slip at which it runs away", status="largest_drag_status"),
         "largest_drag_status": Output("", "1", "what was found of the largest drag torque"),
+        "largest_drag_error": Output("", "1", "relative error left of it", status="largest_drag_status"),
+        "jump_slip": Output("", "1", "cage slip to which a larger drag takes the cage, NaN where nothing carries it"),
+        "most_torque": Output(
+            "", "N m", "largest torque of the rollers on the way up, a reserve where nothing jumps"
+        ),
+        "most_torque_slip": Output("", "1", "cage slip there"),
         "first_maximum_torque": Output(
             "", "N m", "driving torque from which it first falls with slip", status="largest_drag_status"
         ),

@@ -4,9 +4,10 @@ from typing import Final
 
 import numpy as np
 
-from rollslip.bearing.critical import MOST_CAGE_SLIP, Critical, look_further
-from rollslip.motion.continuation import Branch, TorqueCurve
+from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
+from rollslip.motion.continuation import Branch
 from rollslip.motion.torque_balance import TorqueBalance
+from rollslip.motion.way_up import WayUp
 from rollslip.results.words import SWITCHED_OFF
 from rollslip.units import format_quantity
 
@@ -24,28 +25,22 @@ VARIED: Final = {
 }
 
 
-def status_of(balance: TorqueBalance, curve: TorqueCurve, largest: Critical, slips: list[float], table: str) -> str:
-    """Say whether there are steady slips, or why there are none; ``table`` is that of the study in a scene."""
+def status_of(balance: TorqueBalance, way: WayUp, slips: list[float]) -> str:
+    """Say whether there are steady slips on the way up, or why there are none."""
     if balance.rolls_freely:
         return f"{SWITCHED_OFF}, so the cage runs at its epicyclic speed"
     if slips:
         return "found"
-    if balance.excess(float(curve.slip[-1])) > 0.0:
-        return f"no steady slip up to {curve.slip[-1]:g}: what acts on the cage drives it, and {FASTER}"
-    best = int(np.argmax(curve.torque))
-    slip, torque = (
-        (float(curve.slip[best]), float(curve.torque[best]))
-        if np.isnan(largest.slip)
-        else (largest.slip, largest.friction)
-    )
+    if way.at_rest + balance.drag(0.0) > 0.0:
+        return f"no steady slip up to {way.end:g}: what acts on the cage drives it, and {FASTER}"
+    slip, torque = way.largest
     carried = (
-        f"the drag is larger than the cage can carry up to a cage slip of {curve.slip[-1]:g} "
+        f"the drag is larger than the cage can carry up to a cage slip of {way.end:g} "
         f"({-balance.drag(slip):.3g} N m where the rollers drive it with most, {torque:.3g} N m at a slip of {slip:.3g}"
     )
-    if best < curve.slip.size - 1:
-        return f"{carried}): {RUNS_AWAY}"
-    further = look_further(f"{table}.max_cage_slip", float(curve.slip[-1]), MOST_CAGE_SLIP)
-    return f"{carried}, where it still rises): {LEAVES}{further}"
+    if slip == way.end:
+        return f"{carried}, where it still rises): {LEAVES if way.refusal else RUNS_AWAY}"
+    return f"{carried}): {RUNS_AWAY}"
 
 
 def no_fold(

@@ -1,17 +1,17 @@
 """Study steady-slip: at which cage slips a bearing runs on, found without integrating in time.
 
 - The rollers drive the cage, drags resist it; where both are in balance the slip is steady
-  (`rollslip.motion.torque_balance`). Traction has a maximum, so there are two such slips or none
-  (`rollslip.motion.continuation`): at the smaller one more slip brings more torque and the cage holds it, at the larger
-  one it runs away.
-- The driving torque over cage slip is the slip-drag curve: its maximum is the largest drag the cage can carry.
+  (`rollslip.motion.torque_balance`). Traction has a maximum, so there are two such slips or none: at the smaller one
+  more slip brings more torque and the cage holds it, at the larger one it runs away.
+- Steady slips, the slip-drag curve and its maxima all come from one way up (`rollslip.motion.way_up`): the motions of
+  the rollers while the drag is raised slowly from none. It goes on until the cage all but stands, whatever the range
+  of the curve, so that it is known where the cage runs, and where it runs away.
 - The positions of the orbit are doubled until the torque stands still; what the last doubling still moved is reported,
   as is what the inertia of the rollers does.
 - Against radial load, speed and temperature the slips are followed through the fold, where stable and unstable ones
   meet: the smallest load that still carries the drag.
 """
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from types import MappingProxyType
@@ -21,51 +21,49 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.bearing.critical import Critical, locate
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.bearing.resolution import Resolution, refined
 from rollslip.errors import ConvergenceError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.motion.continuation import Branch, TorqueCurve, follow, steady_slips, torque_curve
+from rollslip.motion.continuation import Branch, follow
 from rollslip.motion.effective_table import table_records
-from rollslip.motion.runaway import Near, near_running_away
-from rollslip.motion.torque_balance import Orbit, TorqueBalance, effective_curves
+from rollslip.motion.spins import effective_curves
+from rollslip.motion.torque_balance import RANGE, Near, Orbit, TorqueBalance, near_running_away
+from rollslip.motion.way_up import Steady, WayUp
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
 from rollslip.studies import estimates
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
 from rollslip.studies.raceways import regime_variables, unloaded
-from rollslip.studies.steady_slip.crossings import MOST_INSTANTS, crossings
 from rollslip.studies.steady_slip.losses import losses
 from rollslip.studies.steady_slip.minimum_load import RULES, least_load
 from rollslip.studies.steady_slip.outputs import MEASURED, OUTPUTS, followed_outputs
 from rollslip.studies.steady_slip.shared import evaluated_slices
+from rollslip.studies.steady_slip.slip_drag import slip_drag
 from rollslip.studies.steady_slip.statuses import VARIED, no_fold, status_of
 from rollslip.studies.study import CONTACT_CHOICES, Study
-from rollslip.studies.timing import onwards, timed
+from rollslip.studies.timing import timed
 
 if TYPE_CHECKING:
     import xarray as xr
 
 #: Doublings start at this many positions of an orbit or more.
 _FIRST_POSITIONS = 56
+#: Instants of a pitch at which doublings give up.
+_MOST_INSTANTS: Final = 256
 #: Slips at which accuracy is judged, relative to the largest.
 _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
-#: Step of the slip by which the excess torque is differentiated, relative to the slip and to the largest one.
-_STEP = 1e-4
 #: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
 _LEVEL = 1e-3
 #: Error of tables, with which it is tried whether effective friction is enough.
 _TRIED: Final = 1e-3
 #: Shares of the tolerances that slices and instants may use, and that tables may take.
 _SHARE, _TABLES = 0.5, 0.2
-#: Motions of the rollers that a steady slip takes beside twice the points of its curve, and those of a followed branch.
-_ORBITS, _BRANCH = 40, 350
-#: Slips at which they are timed, over the range.
-_TIMED: Final = (0.3, 0.02, 0.6)
+#: Ways up that a run finds while it doubles instants, and motions of the rollers of a followed branch.
+_WAYS, _BRANCH = 2, 350
 #: Tables of effective friction that a run makes, for the slices and instants that it tries and is judged with.
 _CURVES: Final = 40
 #: What an acceptable slip gives.
@@ -97,10 +95,13 @@ class SteadySlip(Study):
     measured: ClassVar[Mapping[str, Measurable]] = MEASURED
 
     max_cage_slip: float = parameter(
-        default=0.9, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
+        default=0.9,
+        unit="1",
+        doc="largest cage slip of the slip-drag curve; it goes further where the answer lies beyond",
+        validator=in_range(0.0, 1.0, open=True),
     )
     points: int = parameter(
-        default=25, doc="first cage slips of the slip-drag curve; more are added where it bends", validator=at_least(6)
+        default=25, doc="steps of the way up, two for each; more are added near its maxima", validator=at_least(6)
     )
     friction: str = parameter(
         default="conventional",
@@ -206,13 +207,12 @@ class SteadySlip(Study):
         """Return the time [s] of the motions of the rollers, from a few of them."""
         bearing, instants = assembly.with_resistance(), assembly.resolution.instants or 2
 
-        def orbits(count: int) -> object:
-            balance = TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia)
-            return [balance.orbit(share * self.max_cage_slip) for share in _TIMED[:count]]
+        def way() -> object:
+            return TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia).way()
 
-        count = 2 * self.points + _ORBITS + _BRANCH * sum(bool(getattr(self, name)) for name in VARIED)
-        seconds = [timed(partial(orbits, n)) for n in (1, len(_TIMED))]  # the first one makes what all share
-        costs = {"orbits": onwards((1, len(_TIMED)), seconds, count)}
+        seconds = timed(way)
+        followed = _BRANCH * sum(bool(getattr(self, name)) for name in VARIED) / (2 * self.points)
+        costs = {"orbits": seconds * (_WAYS + followed)}
         if self.friction == "effective":
             costs["tables"] = timed(partial(effective_curves, bearing, instants)) * _CURVES
         return costs
@@ -234,7 +234,7 @@ class SteadySlip(Study):
         """Return the driving torque, (k, 1, n), each number of instants for itself."""
         bearing = assembly.with_resistance()
         balances = [self._balance(bearing, m) for m in instants]
-        return np.array([[[balance.torque(float(s)) for s in slip]] for balance in balances])
+        return np.array([[balance.torques(slip)] for balance in balances])
 
     @property
     def judged_at(self) -> str:
@@ -267,7 +267,8 @@ class SteadySlip(Study):
             stability, multiplier, stored_power, friction_torque; (ring, steady): effective_friction, film_parameter,
             ring_power; (source, steady): loss; (steady, angle): roller_slip; (ring, steady, angle): normal_force, all
             of these one NaN where there is no steady slip; scalars: status, largest_drag, largest_drag_slip,
-            largest_drag_status, first_maximum_torque, first_maximum_slip. For each varied quantity X, if a branch was
+            largest_drag_status, largest_drag_error, jump_slip, most_torque, most_torque_slip, first_maximum_torque,
+            first_maximum_slip. For each varied quantity X, if a branch was
             found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit, X_limit_slip, X_limit_status.
 
         Raises
@@ -275,26 +276,28 @@ class SteadySlip(Study):
         SceneError
             If the cage is wrong, or no roller is loaded on the inner ring.
         DomainError
-            If a law has no value at a slip of the range, or the epicyclic cage speed is zero.
+            If a law has no value at any slip, or the epicyclic cage speed is zero.
         ConvergenceError
-            If rollers find no motion that repeats after an orbit, or doubling the positions does not settle it.
+            If doubling the positions does not settle it.
         """
         assembly = _loaded(assembly).with_resistance()
         balance, errors = self._converged(assembly)
         instants = balance.instants
-        curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
-        largest = self._largest(balance, curve)
-        slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
-        states = [balance.orbit(slip) for slip in slips or [share * self.max_cage_slip for share in _JUDGED]]
-        variables, coords = self._curve(balance, curve, largest)
+        way = self._way(balance)
+        steady = [] if balance.rolls_freely else way.steady(balance.drag)
+        slips = [0.0] if balance.rolls_freely else [one.slip for one in steady]
+        states = [balance.orbit_of(one.motion) for one in steady]
+        if not states:
+            states = [balance.orbit(slip) for slip in slips or [share * self.max_cage_slip for share in _JUDGED]]
+        variables, coords, error = slip_drag(balance, way, slips, self.max_cage_slip, self.table)
         positions = states[0].roller_slip.size
-        variables |= self._steady(balance, curve, states) if slips else self._unsteady(positions)
+        variables |= self._steady(balance, way, states, steady) if slips else self._unsteady(positions)
         angle = 2.0 * np.pi * np.arange(positions) / positions
         coords["angle"] = "angle", angle, about("rad", "position from the line of load, in the sense of the orbit")
         variables |= _films(balance, states, steady=bool(slips))
         lost, source = losses(balance, states, steady=bool(slips))
         variables, coords = variables | lost, coords | source
-        variables |= self.variables(status=status_of(balance, curve, largest, slips, self.table))
+        variables |= self.variables(status=status_of(balance, way, slips))
         for name in VARIED:
             if limits := getattr(self, name):
                 found = self._followed(assembly, instants, name, limits, slips)
@@ -318,7 +321,7 @@ class SteadySlip(Study):
                 "inertia": int(self.inertia),
                 "inertia_effect": self._inertia_effect(balance),
                 "instants": instants,
-                "curve_error": curve.error,
+                "curve_error": error,
                 "slices": assembly.slices,
                 **errors,
                 **table_records(balance.tables),
@@ -333,15 +336,11 @@ class SteadySlip(Study):
             return self._least_load(assembly, instants or few, self.acceptable_slip), {}
         if not outputs <= {"steady_slip", "status"}:
             return None
-        assembly, conventional = _loaded(assembly).with_resistance(), self.friction == "conventional"
-        slips = crossings(partial(self._balance, assembly), few, self.max_cage_slip) if conventional else None
-        if slips is not None:
-            status = "found"
-        else:
-            balance = self._doubled(assembly)[0] if instants is None else self._balance(assembly, instants)
-            curve = torque_curve(balance.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
-            slips = [0.0] if balance.rolls_freely else steady_slips(curve, balance.torque, balance.drag)
-            status = status_of(balance, curve, self._largest(balance, curve), slips, self.table)
+        assembly = _loaded(assembly).with_resistance()
+        balance = self._balance(assembly, instants) if instants is not None else self._doubled(assembly)[0]
+        way = self._way(balance)
+        slips = [0.0] if balance.rolls_freely else [one.slip for one in way.steady(balance.drag)]
+        status = status_of(balance, way, slips)
         known = np.array(slips or [np.nan])
         return self.variables(status=status, steady_slip=known), {
             "steady": ("steady", np.arange(known.size), about("1", "steady cage slip"))
@@ -358,13 +357,11 @@ class SteadySlip(Study):
             instants=instants,
             effective=effective_curves(assembly, instants) if self.friction == "effective" else None,
             inertia=self.inertia,
-            settings=self.table,
         )
 
-    def _largest(self, balance: TorqueBalance, curve: TorqueCurve) -> Critical:
-        """Largest torque with which the rollers drive the cage, which is the largest drag that it can carry."""
-        key = f"{self.table}.max_cage_slip"
-        return locate(balance.torque, curve.slip, curve.torque, key, sought="largest drag", of="driving torque")
+    def _way(self, balance: TorqueBalance) -> WayUp:
+        """The way up, until the cage all but stands."""
+        return balance.way(max(RANGE, self.max_cage_slip), steps=2 * self.points, through=(self.max_cage_slip,))
 
     def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
         """Balance at the instants of the resolution, or at those that settle it, then with the errors that are left."""
@@ -377,7 +374,7 @@ class SteadySlip(Study):
         """Double the instants until the torque moves by less than the tolerance, relative to its largest value."""
         tolerance, before = assembly.scene.accuracy.tolerance, None
         instants, moved = _first_instants(assembly), np.inf
-        while instants <= MOST_INSTANTS:
+        while instants <= _MOST_INSTANTS:
             balance = self._balance(assembly, instants)
             torque = self._judged(balance)
             if before is not None:
@@ -391,18 +388,11 @@ class SteadySlip(Study):
         )
 
     def _judged(self, balance: TorqueBalance) -> Array:
-        return np.array([balance.torque(share * self.max_cage_slip) for share in _JUDGED])
+        return balance.torques(self.max_cage_slip * np.array(_JUDGED))
 
     def _inertia_effect(self, balance: TorqueBalance) -> float:
-        """Largest relative difference of the torque without inertia of the rollers from that with it.
-
-        NaN if the rollers find no motion by the other way.
-        """
-        own = self._judged(balance)
-        try:
-            torques = [own, self._judged(balance.with_inertia(not self.inertia))]
-        except ConvergenceError:
-            return math.nan
+        """Largest relative difference of the torque without inertia of the rollers from that with it."""
+        torques = [self._judged(balance), self._judged(balance.with_inertia(not self.inertia))]
         inert, free = torques if self.inertia else reversed(torques)
         scale = np.abs(inert)
         return float((np.abs(free - inert) / np.where(scale > 0.0, scale, 1.0)).max())
@@ -414,22 +404,8 @@ class SteadySlip(Study):
         coarser = self._balance(balance.assembly.coarser(), balance.instants)
         return _moved(self._judged(coarser), self._judged(balance))
 
-    def _curve(self, balance: TorqueBalance, curve: TorqueCurve, largest: Critical) -> Some:
-        return self.variables(
-            driving_torque=curve.torque,
-            drag_torque=np.array([-balance.drag(float(slip)) for slip in curve.slip]),
-            largest_drag=largest.friction,
-            largest_drag_slip=largest.slip,
-            largest_drag_status=largest.status,
-            first_maximum_torque=largest.first_friction,
-            first_maximum_slip=largest.first_slip,
-        ), {
-            "cage_slip": ("cage_slip", curve.slip, about("1", "cage slip")),
-            "ring": ("ring", np.array(RINGS), about("1", "ring")),
-        }
-
-    def _steady(self, balance: TorqueBalance, curve: TorqueCurve, states: list[Orbit]) -> dict[str, Any]:
-        kinds = [self._stability(balance, curve, state) for state in states]
+    def _steady(self, balance: TorqueBalance, way: WayUp, states: list[Orbit], steady: list[Steady]) -> dict[str, Any]:
+        kinds = [_stability(way, *one) for one in zip(states, steady, strict=True)] or ["stable"]
         force = np.stack([state.force for state in states], axis=1)
         traction = np.stack([state.traction for state in states], axis=1)
         total = force.sum(axis=2)
@@ -462,17 +438,6 @@ class SteadySlip(Study):
             roller_slip=np.full((1, positions), np.nan),
             normal_force=np.full((len(RINGS), 1, positions), np.nan),
         )
-
-    def _stability(self, balance: TorqueBalance, curve: TorqueCurve, state: Orbit) -> str:
-        """Say whether the cage holds a slip: whether more slip leaves more torque to speed it up."""
-        step = _STEP * max(state.cage_slip, _STEP * self.max_cage_slip)
-        low, high = max(state.cage_slip - step, 0.0), min(state.cage_slip + step, self.max_cage_slip)
-        slope = (balance.excess(high) - balance.excess(low)) / (high - low)
-        if abs(slope) * self.max_cage_slip <= _LEVEL * float(np.abs(curve.torque).max()):
-            return "a fold: a stable and an unstable slip meet"
-        if slope < 0.0:
-            return "unstable: with more slip the rollers drive the cage less than the drag asks for"
-        return "stable" if abs(state.multiplier) < 1.0 else "unstable: the rollers do not hold their spin"
 
     def _balances(self, assembly: Assembly, instants: int, name: str) -> Callable[[float], TorqueBalance]:
         """Balances of the bearing by the value of a quantity of the operation; the last one is kept."""
@@ -513,8 +478,7 @@ class SteadySlip(Study):
 
         def at(value: float) -> list[float]:
             one = balance(value)
-            curve = torque_curve(one.torque, self.max_cage_slip, self.points, assembly.resolution.table_tolerance)
-            return steady_slips(curve, one.torque, one.drag)
+            return [found.slip for found in self._way(one).steady(one.drag)]
 
         here = float(getattr(assembly.scene.operation, name))
         starts = [(slip, here) for slip in slips if limits[0] <= here <= limits[1] and slip > 0.0]
@@ -543,6 +507,15 @@ def _loaded(assembly: Assembly) -> Assembly:
     if not assembly.load_distribution(2).inner_force.any():
         raise unloaded(assembly.scene, "nothing drives the cage")
     return assembly
+
+
+def _stability(way: WayUp, state: Orbit, steady: Steady) -> str:
+    """Say whether the cage holds a slip: whether more slip leaves more torque to speed it up."""
+    if abs(steady.slope) <= _LEVEL * way.largest[1]:
+        return "a fold: a stable and an unstable slip meet"
+    if steady.slope < 0.0:
+        return "unstable: with more slip the rollers drive the cage less than the drag asks for"
+    return "stable" if abs(state.multiplier) < 1.0 else "unstable: the rollers do not hold their spin"
 
 
 def _first_instants(assembly: Assembly) -> int:

@@ -1,0 +1,494 @@
+"""Spins of rollers at steady slips of the cage: friction of both contacts, and motions that rollers are sent round to.
+
+- All rollers see the same orbit, so the periodic spin of one is all, at each cage slip. It solves a scalar equation that
+  is periodic in the angle, so its motions are ordered: rollers that are sent round from rolling on the outer ring, and
+  from rolling on the inner one, come to the last and the first of them. If these agree there is one motion at that slip.
+- Differences over whole positions have motions besides that no roller has: jumps from ring to ring that may stand at
+  any position. So a motion counts only if rollers that are *sent round* come to it, by implicit Euler, from one position
+  to the first balance of the next; what backward differences of second order make of it is what is told. These are
+  L-stable, which heavily loaded rollers need: those follow their balance within less than a position. What an orbit
+  leaves of a disturbance of the spin, Floquet's multiplier, is exp(-2 pi <dG/dS_r>/(J w_re |w_c|)).
+- With resistance to rolling, or friction in the pockets, rollers slip without the cage. Rolling on one ring is no bound
+  any more on that side: it goes to where no position of the orbit lets a roller slip more.
+- Without inertia a roller is where torques balance, at every position; of several balances, in the first that it comes
+  to in the sense of its torque, as with next to no inertia.
+- The unknown is the roller slip, in which sliding speeds vanish exactly with the slips.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Final, Protocol
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.kinematics import Kinematics
+from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
+from rollslip.errors import ConvergenceError
+from rollslip.motion.effective_table import EffectiveTable, effective_table
+from rollslip_kernels.motion.spin import Spin as Kernel
+from rollslip_kernels.slices import Slices
+
+#: Entrainment speed that is never fallen below in the film [m/s]: u_film = sqrt(u^2 + SLOW^2).
+SLOW: Final = 1e-3
+#: Cage speeds whose loads are solved, even in centrifugal force, between which loads are linear.
+_LOADS: Final = 13
+#: Orbits at most, by implicit Euler and by differences of second order; exactness of balances, relative to the bracket,
+#: with inertia and without.
+_ORBITS, _LONG, _EXACT, _EXACTLY = 8, 24, 1e-5, 1e-12
+#: Step, relative to the roller slip, at which a motion is found, and what is left of one that repeats.
+_SETTLED, _REPEATS = 1e-7, 1e-3
+#: Mean shares, by load, by which motions are two, and up to which one goes on from another.
+TWO, GOES_ON = 0.02, 0.15
+#: Part of the weights of positions that is even where unloaded rollers brake; least roller slips that count.
+_EVEN, _LEAST, _NOTHING = 0.5, 1e-9, 1e-12
+#: Width, in roller slips, in which it is first looked for what rollers slip without the cage.
+_AT_REST: Final = 1e-3
+#: Torque at an end of the bracket that is rounding, relative to the largest; how far that end may go, in roller slips.
+_IDLE, _WIDEST = 1e-12, 64.0
+#: Error of a motion of first order beyond which it is not sure.
+_WRONG = 1e-2
+
+
+class Friction(Protocol):
+    """Traction and rolling resistance of the contacts of one raceway at all positions of the orbit."""
+
+    def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
+        """Return F, with the sign of the sliding speed, and F_R [N], (K,), from the speeds [m/s], (K,)."""
+        ...
+
+
+def _film_speed(rolling: Array) -> Array:
+    return np.asarray(np.hypot(rolling, SLOW))
+
+
+class Conventional:
+    """The whole chain of models on every loaded slice."""
+
+    def __init__(self, contacts: LoadedContacts) -> None:
+        self.contacts, self.resists = contacts, contacts.raceway.chain.resists
+
+    def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
+        """Return F and F_R [N], (K,)."""
+        contacts, film = self.contacts, _film_speed(rolling)
+        friction = contacts.friction(film[contacts.owner], sliding[contacts.owner])
+        traction = contacts.per_roller(friction * contacts.force)
+        if not self.resists:
+            return traction, np.zeros_like(traction)
+        resistance = contacts.per_roller(contacts.slices.resistance * contacts.width)
+        return traction, resistance * rolling / film
+
+
+class EffectiveCurve:
+    """Effective friction of one raceway against its sliding speed, from a table, beyond which it is held."""
+
+    def __init__(self, table: EffectiveTable) -> None:
+        from scipy.interpolate import CubicHermiteSpline
+
+        x = np.linspace(*table.limits, table.nodes.shape[0])
+        self.table, self._scale, self._limits = table, table.sliding_scale, table.limits
+        self._friction = CubicHermiteSpline(x, table.nodes[:, 0], table.nodes[:, 1] / (x[1] - x[0]))
+
+    def __call__(self, sliding: Array) -> Array:
+        """Return the effective friction coefficient."""
+        x = sliding / (np.abs(sliding) + self._scale)
+        return np.asarray(self._friction(np.clip(x, *self._limits)), dtype=float)
+
+
+class Effective:
+    """Effective friction of the raceway times the normal force, resistance as without slip."""
+
+    def __init__(self, curve: EffectiveCurve, contacts: Conventional, rolling: float) -> None:
+        self._curve = curve
+        self._force = contacts.contacts.per_roller(contacts.contacts.force)
+        free = np.full_like(self._force, rolling)
+        self._resistance = contacts(free, np.zeros_like(free))[1] if contacts.resists else 0.0 * free
+
+    @property
+    def ring(self) -> "Curved":
+        """What compiled code takes of it."""
+        table = self._curve.table
+        return np.ascontiguousarray(table.nodes), table.limits, table.sliding_scale, self._force, self._resistance
+
+    def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
+        """Return F and F_R [N], (K,)."""
+        return self._curve(sliding) * self._force, self._resistance * rolling / _film_speed(rolling)
+
+
+#: What compiled code takes of a friction curve: nodes, limits, scale of sliding, forces and resistances.
+Curved = tuple[Array, tuple[float, float], float, Array, Array]
+
+
+def place_of(slip: float) -> float:
+    """Return the place ln(S/(1 - S)) of a cage slip between 0 and 1."""
+    return math.log(slip / (1.0 - slip))
+
+
+def slip_of(place: float) -> float:
+    """Return the cage slip at a place."""
+    return 1.0 / (1.0 + math.exp(-place))
+
+
+@attrs.frozen(eq=False)
+class Motion:
+    """A motion of the rollers at a steady cage slip.
+
+    Attributes
+    ----------
+    slip, torque : float
+        Cage slip, and mean torque of all rollers on the cage [N m], positive where it drives.
+    share : ndarray
+        Roller slips along the orbit over ``unit``, which goes with the cage slip, (K,).
+    unit : float
+        Roller slip of share one.
+    sure : bool
+        Whether it repeats, is held by the rollers and was found by differences of second order, or is told with its
+        error.
+    error : float
+        What it leaves of the torque, relative, where it is of first order only.
+    linked : bool
+        Whether it goes on from the motion at the slip below.
+    multiplier : float
+        What an orbit leaves of a disturbance of the spin: the rollers hold the motion if it is below 1 in size.
+    """
+
+    slip: float
+    torque: float
+    share: Array
+    unit: float
+    sure: bool
+    error: float = 0.0
+    linked: bool = True
+    multiplier: float = 0.0
+
+    @property
+    def place(self) -> float:
+        """Place of the slip."""
+        return place_of(self.slip)
+
+    @property
+    def roller_slip(self) -> Array:
+        """Roller slips at the positions of the orbit, (K,)."""
+        return self.share * self.unit
+
+
+class Spins:
+    """Compiled torques of rollers at some positions: what finds their balances, and motions that repeat.
+
+    Parameters
+    ----------
+    kinematics : Kinematics
+        The bearing's.
+    positions : int
+        How many.
+    contacts : sequence of LoadedContacts, or callable
+        Loaded contacts of inner and outer ring at the positions; or forces at roller slips, as `Spin.forces` gives.
+    slow : float
+        Speed that the film never falls below [m/s], 0 for none.
+    pocket : float
+        Coefficient of friction in the pockets.
+    tables : dict, optional
+        Stages and tables to work in by raceway, taken from others that are not used any more, and left for the next.
+    """
+
+    def __init__(
+        self,
+        kinematics: Kinematics,
+        positions: int,
+        contacts: Sequence["LoadedContacts | Curved"] | Callable[[Array], tuple[Array, Array]],
+        *,
+        slow: float = 0.0,
+        pocket: float = 0.0,
+        tables: dict[Raceway, tuple[object, Slices]] | None = None,
+    ) -> None:
+        k, tables = kinematics, {} if tables is None else tables
+        given = () if callable(contacts) else contacts
+        self._contacts = tuple(one for one in given if isinstance(one, LoadedContacts))
+        self._gathered = [one.gathered(tables.get(one.raceway)) for one in self._contacts]
+        tables.update((one.raceway, made[:2]) for one, made in zip(self._contacts, self._gathered, strict=True))
+        self._told = (0, 0)
+        loaded = [ring for *_, ring in self._gathered]
+        rings = contacts if callable(contacts) else loaded or contacts
+        radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
+        self.kernel = Kernel(positions, rings, radii, k.roller_radius * k.epicyclic_roller_speed, slow, pocket)
+
+    def ended(self, how: str) -> None:
+        """Take note of how a call ended: tell the chains what was evaluated, and raise what one of them refused.
+
+        Raises
+        ------
+        DomainError, PluginError
+            As the chain does.
+        """
+        count, before, self._told = self.kernel.evaluated, self._told, self.kernel.evaluated
+        for k, contacts in enumerate(self._contacts):
+            contacts.raceway.chain.kernel.evaluated += count[k] - before[k]
+        if how in RINGS:
+            k = RINGS.index(how)
+            chain, (stage, table, _) = self._contacts[k].raceway.chain, self._gathered[k]
+            refusal = chain.kernel.refusal(stage)
+            assert refusal is not None
+            raise chain.error(refusal, table)
+
+
+class Motions:
+    """Motions of the rollers of one bearing at many cage slips at once.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The bearing, with its resistance to rolling.
+    instants : int
+        Instants of a roller pitch; the orbit has Z times as many positions.
+    pocket : float
+        Coefficient of friction of the rollers in their pockets.
+    effective : tuple of EffectiveCurve, optional
+        Friction curves of inner and outer raceway in place of the whole chain; `effective_curves`.
+    inertia : bool
+        False for rollers without inertia of their spin.
+    largest : float, optional
+        Largest cage slip: loads are solved at some slips up to there, and linear in centrifugal force between. By
+        default they are solved at every slip.
+    few : int
+        Loads that stand for the slices of a roller, 0 for all of these.
+    """
+
+    def __init__(
+        self,
+        assembly: Assembly,
+        instants: int,
+        *,
+        pocket: float = 0.0,
+        effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
+        inertia: bool = True,
+        largest: float | None = None,
+        few: int = 0,
+    ) -> None:
+        self.assembly, self.instants, self.effective, self.inertia = assembly, instants, effective, inertia
+        self.pocket, self._largest, self._few = pocket, largest, few
+        k = assembly.kinematics
+        self.positions = assembly.scene.bearing.rollers * instants
+        #: 1 or -1: that in which the kinematics let the rollers go round
+        self.sense = 1.0 if k.epicyclic_cage_speed > 0.0 else -1.0
+        self.resists = assembly.inner.chain.resists or pocket > 0.0
+        self._on_inner = -k.inner_radius / k.outer_radius
+        spin = 0.5 * assembly.roller_mass * k.roller_radius**2 * k.epicyclic_roller_speed
+        pace = abs(k.epicyclic_cage_speed) * self.positions / (2.0 * np.pi)
+        #: torque that changes the roller slip by one from a position to the next, at no cage slip
+        self._inertia = spin * pace if inertia else 0.0
+        self._rollers, self._lever = self.sense * assembly.scene.bearing.rollers, 1.0 + k.outer_radius / k.roller_radius
+        self._tables: dict[Raceway, tuple[object, Slices]] = {}
+        self._idle = self._most = 0.0
+        if largest is not None:
+            self._knots = np.linspace(1.0, (1.0 - largest) ** 2, _LOADS)  # centrifugal force, in proportion
+            self._loads = self._solved(1.0 - np.sqrt(self._knots))
+        inner, outer = (of.sum(axis=1) for of in self.loads(0.0))
+        weight = inner
+        if self.resists:
+            weight = _EVEN * (inner + outer).mean() + (1.0 - _EVEN) * (inner + outer)
+        self._weight = weight / (weight.sum() or 1.0) / (1.0 - self._on_inner)
+        if self.resists:  # what rollers slip without slip of the cage
+            rest = self._came_to(np.zeros(1), np.zeros((1, 2)))[0][0, 0]
+            self._idle, self._most = max(float(np.abs(rest).mean()), _LEAST), float(np.abs(rest).max())
+
+    def like(self, *, instants: int, few: int) -> "Motions":
+        """Return those at other instants, by other loads of a roller, solved at every slip."""
+        return Motions(
+            self.assembly, instants, pocket=self.pocket, effective=self.effective, inertia=self.inertia, few=few
+        )
+
+    def loads(self, cage_slip: float) -> tuple[Array, Array]:
+        """Loads per length of inner and outer ring [N/m], positions in the sense of the orbit, (K, slices)."""
+        speed = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - cage_slip)
+        loads = self.assembly.load_distribution(self.instants, speed)
+        order = np.argsort(loads.psi.ravel())[(int(self.sense) * np.arange(self.positions)) % self.positions]
+        return tuple(of.reshape(self.positions, -1)[order] for of in (loads.inner_load, loads.outer_load))
+
+    def _solved(self, slips: Array) -> tuple[Array, Array]:
+        """Loads of both rings at cage slips, (n, K, slices), kept for all bearings that are loaded alike."""
+
+        def made() -> tuple[Array, Array]:
+            inner, outer = zip(*map(self.loads, slips.tolist()), strict=True)
+            return np.array(inner), np.array(outer)
+
+        return self.assembly.kept(("knots", self.instants, slips.tobytes()), self.instants, made)
+
+    def unit(self, slips: Array) -> Array:
+        """Roller slips of share one: of rolling on the outer ring, and what rollers slip without the cage."""
+        return np.maximum(np.abs(self._lag(slips)) + self._idle, _NOTHING)
+
+    def _lag(self, slips: Array) -> Array:
+        k = self.assembly.kinematics
+        return np.asarray(k.roller_slip_outer_rolling(slips)) if slips.any() else np.zeros_like(slips)
+
+    def apart(self, one: Array, two: Array) -> float:
+        """Mean difference of shares, by load, relative to that of rolling on either ring."""
+        return float(self._weight @ np.abs(one - two))
+
+    def contacts(self, slips: Array) -> tuple[Conventional, Conventional]:
+        """Contacts of inner and outer ring at all positions of the orbits of some cage slips."""
+        key = ("rows", self.instants, self._largest, self._few, slips.tobytes())
+        made = self.assembly.kept(key, self.instants * slips.size, lambda: self._made(slips))
+        inner, outer = (Conventional(of.on(own)) for of, own in zip(made, self.assembly.raceways, strict=True))
+        return inner, outer
+
+    def _made(self, slips: Array) -> tuple[LoadedContacts, LoadedContacts]:
+        """Loads of both rings for each row of positions."""
+        if self._largest is None:
+            rows = self._solved(slips) if slips.size > 1 else tuple(of[None] for of in self.loads(float(slips[0])))
+        else:
+            force = (1.0 - slips) ** 2
+            j = np.clip(_LOADS - 1 - np.searchsorted(self._knots[::-1], force), 0, _LOADS - 2)
+            part = ((force - self._knots[j]) / (self._knots[j + 1] - self._knots[j]))[:, None, None]
+            rows = tuple(of[j] * (1.0 - part) + of[j + 1] * part for of in self._loads)
+
+        def of(row: Array) -> LoadedContacts:
+            own = self.assembly.inner, row.reshape(-1, row.shape[2]), self.assembly.widths
+            made = LoadedContacts(*own, 1.0)
+            return made.fewer(self._few) if self._few else made
+
+        return of(rows[0]), of(rows[1])
+
+    def frictions(self, contacts: tuple[Conventional, Conventional]) -> tuple["Conventional | Effective", ...]:
+        """Friction of both rings: that of the contacts, or the effective one of their forces."""
+        if self.effective is None:
+            return contacts
+        k = self.assembly.kinematics
+        free = k.roller_radius * k.epicyclic_roller_speed
+        return tuple(Effective(curve, of, free) for curve, of in zip(self.effective, contacts, strict=True))
+
+    def spins(self, slips: Array) -> Spins:
+        """Compiled torques of rows of positions, one for each cage slip."""
+        k, frictions = self.assembly.kinematics, self.frictions(self.contacts(slips))
+        given = [one.ring if isinstance(one, Effective) else one.contacts for one in frictions]
+        spins = Spins(k, self.positions * slips.size, given, slow=SLOW, pocket=self.pocket, tables=self._tables)
+        spins.kernel.at(*(np.repeat(lead, self.positions) for lead in k.leads(slips)))
+        return spins
+
+    def _bracket(self, slips: Array) -> Array:
+        """Roller slips of rolling on either ring, (n, 2), the lower one first."""
+        lag = self._lag(slips)
+        return np.sort(np.stack((lag, lag * self._on_inner), axis=1), axis=1)
+
+    def _ends(self, spins: Spins, slips: Array) -> Array:
+        """Roller slips (n, 2) that an orbit never takes a roller from between: what resists only slows rollers."""
+        ends = self._bracket(slips)
+        if not self.resists:
+            return ends
+        step = 0.25 * (ends[:, 1] - ends[:, 0]) + 1.25 * self._most
+        ends[:, 1] += step
+        while True:
+            torques, _, how = spins.kernel.torques(np.repeat(ends[:, 1], self.positions))
+            spins.ended(how)
+            torques = torques.reshape(slips.size, -1)
+            short = (torques < -_IDLE * np.abs(torques).max()).any(axis=1) & (ends[:, 1] < _WIDEST)
+            if not short.any():
+                return ends
+            step *= 2.0
+            ends[:, 1] += np.where(short, step, 0.0)
+
+    def _came_to(
+        self, slips: Array, starts: Array | None, spins: Spins | None = None
+    ) -> tuple[Array, Array, Array, Spins]:
+        """Roller slips (n, 2, K) that rollers sent round come to, whether both are one, what is left; from both ends."""
+        spins = self.spins(slips) if spins is None else spins
+        starts = self._ends(spins, slips) if starts is None else starts
+        exact = _EXACT if self._inertia else _EXACTLY
+        found, met, left, how = spins.kernel.sent_round(
+            np.arange(slips.size), self.positions, self._inertia * (1.0 - slips), self._bracket(slips),
+            self._wide(slips), starts, _ORBITS, exact,
+        )  # fmt: skip
+        spins.ended(how)
+        if how:
+            raise ConvergenceError("rollers that are sent round find no balance on their way")
+        return found, met, left, spins
+
+    def _wide(self, slips: Array) -> Array:
+        return (self.unit(slips) + _AT_REST * (self.resists and not self._idle)) * (1.0 - self._on_inner)
+
+    def at(self, slips: Array, starts: Array | None = None) -> list[list[Motion]]:
+        """Motions at cage slips, one or the two between which all others lie: of rollers sent round from both ends.
+
+        From ``starts``, shares at the first position (n,), it is the one that they come to.
+        """
+        unit = self.unit(slips)
+        begin = None if starts is None else np.repeat((starts * unit)[:, None], 2, axis=1)
+        found, met, left, spins = self._came_to(slips, begin)
+        shares = found / unit[:, None, None]
+        two = [
+            row
+            for row in np.flatnonzero(~met).tolist()
+            if starts is None
+            and self.apart(shares[row, 0], shares[row, 1]) >= (TWO if left[row].max() < _REPEATS else 0.0)
+        ]
+        rows, which = np.array([*range(slips.size), *two]), np.array([0] * slips.size + [1] * len(two))
+        motions = self._settled(spins, slips, rows, found[rows, which], left[rows, which])
+        out = [[motion] for motion in motions[: slips.size]]
+        for row, motion in zip(two, motions[slips.size :], strict=True):
+            if self.apart(out[row][0].share, motion.share) >= TWO:
+                out[row].append(motion)
+        return out
+
+    def _settled(self, spins: Spins, slips: Array, rows: Array, came: Array, left: Array) -> list[Motion]:
+        """Motions of second order beside those that rollers came to, which are of first."""
+        unit, c, K, Z = self.unit(slips), self._inertia * (1.0 - slips), self.positions, self._rollers
+        kernel, weight = spins.kernel, self._weight
+
+        def driven(which: Array, at: Array) -> tuple[Array, Array]:
+            _, left, on_cage, _, how = kernel.settled(which, K, c[which], at, unit[which], as_guessed=True)
+            spins.ended(how)
+            return np.asarray(Z * on_cage), left
+
+        if not self._inertia:
+            of_rows = zip(rows.tolist(), driven(rows, came)[0].tolist(), came, strict=True)
+            return [Motion(float(slips[r]), T, at / unit[r], float(unit[r]), sure=True) for r, T, at in of_rows]
+        at, multiplier, torque, held, how = kernel.settled(rows, K, c[rows], came, unit[rows], _SETTLED)
+        spins.ended(how)
+        torque, error = Z * torque, np.zeros(rows.size)
+        moved = np.abs(at - came) @ weight / unit[rows]
+        sure = held & (np.abs(multiplier) < 1.0) & ~((left < _REPEATS) & (moved > GOES_ON))
+        todo = np.flatnonzero(~sure)
+        if todo.size:  # Newton's method has failed: differences of second order, in order, as rollers go
+            which = rows[todo]
+            known = np.repeat(came[todo][:, None], 2, axis=1)
+            exactly, _, rest, how = kernel.sent_round(
+                which, K, c[which], self._bracket(slips)[which], self._wide(slips)[which], np.ascontiguousarray(known[:, :, 0]), _LONG, _SETTLED,
+                known,
+            )  # fmt: skip
+            spins.ended(how)
+            repeats = rest[:, 0] <= 100.0 * _SETTLED
+            at[todo] = np.where(repeats[:, None], exactly[:, 0], came[todo])
+            torque[todo], multiplier[todo] = driven(which, at[todo])
+            bend = 0.5 * came[todo] - np.roll(came[todo], 1, axis=1) + 0.5 * np.roll(came[todo], 2, axis=1)
+            missed = Z * self._lever * c[which] * np.abs(bend).mean(axis=1) / np.maximum(np.abs(torque[todo]), 1e-300)
+            error[todo] = np.where(repeats, 0.0, missed)
+            sure[todo] = error[todo] < _WRONG
+        return [
+            Motion(
+                slip=float(slips[r]),
+                torque=float(torque[k]),
+                share=at[k] / unit[r],
+                unit=float(unit[r]),
+                sure=bool(sure[k]),
+                error=float(error[k]),
+                multiplier=float(multiplier[k]),
+            )
+            for k, r in enumerate(rows.tolist())
+        ]
+
+    def link(self, below: Motion, motion: Motion) -> Motion:
+        """Return a motion, marked by whether it goes on from the one at the slip below."""
+        return attrs.evolve(motion, linked=self.apart(below.share, motion.share) <= GOES_ON)
+
+
+def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve, EffectiveCurve]:
+    """Return the effective friction curves of both raceways, with the loads at epicyclic speed."""
+    loads, tolerance = assembly.load_distribution(instants), assembly.resolution.table_tolerance
+
+    def of(raceway: Raceway, load: Array) -> EffectiveCurve:
+        return EffectiveCurve(
+            effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, slips=False)
+        )
+
+    return of(assembly.inner, loads.inner_load), of(assembly.outer, loads.outer_load)
