@@ -48,7 +48,7 @@ _NUDGE = 1e-5
 
 
 def left_out(slip: Array, values: Array) -> Array:
-    """By how much each inner point differs from the cubic through the four nearest others, (n,), seven times its error."""
+    """By how much each inner point differs from the cubic through the four nearest others, (n,)."""
     inner = np.arange(1, slip.size - 1)
     first = np.clip(inner - 2, 0, slip.size - 5)
     others = first[:, None] + np.arange(5)

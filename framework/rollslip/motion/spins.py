@@ -1,10 +1,10 @@
 """Spins of rollers at steady slips of the cage: friction of both contacts, and motions that rollers are sent round to.
 
-- All rollers see the same orbit, so the periodic spin of one is all, at each cage slip. It solves a scalar equation that
-  is periodic in the angle, so its motions are ordered: rollers that are sent round from rolling on the outer ring, and
-  from rolling on the inner one, come to the last and the first of them. If these agree there is one motion at that slip.
+- All rollers see the same orbit, so the periodic spin of one is all, at each cage slip. It solves a scalar equation
+  that is periodic in the angle, so its motions are ordered: rollers that are sent round from rolling on the outer ring,
+  and from rolling on the inner one, come to the last and the first of them. If these agree there is one at that slip.
 - Differences over whole positions have motions besides that no roller has: jumps from ring to ring that may stand at
-  any position. So a motion counts only if rollers that are *sent round* come to it, by implicit Euler, from one position
+  any position. So a motion counts only if rollers that are *sent round* come to it, by implicit Euler, from a position
   to the first balance of the next; what backward differences of second order make of it is what is told. These are
   L-stable, which heavily loaded rollers need: those follow their balance within less than a position. What an orbit
   leaves of a disturbance of the spin, Floquet's multiplier, is exp(-2 pi <dG/dS_r>/(J w_re |w_c|)).
@@ -16,11 +16,12 @@
 """
 
 import math
-from collections.abc import Callable, Sequence
-from typing import Final, Protocol
+from collections.abc import Sequence
+from typing import Final, Protocol, TypeAlias
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.kinematics import Kinematics
@@ -30,6 +31,8 @@ from rollslip.motion.effective_table import EffectiveTable, effective_table
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 
+Found: TypeAlias = NDArray[np.bool_]
+Rows: TypeAlias = NDArray[np.intp]
 #: Entrainment speed that is never fallen below in the film [m/s]: u_film = sqrt(u^2 + SLOW^2).
 SLOW: Final = 1e-3
 #: Cage speeds whose loads are solved, even in centrifugal force, between which loads are linear.
@@ -182,8 +185,8 @@ class Spins:
         The bearing's.
     positions : int
         How many.
-    contacts : sequence of LoadedContacts, or callable
-        Loaded contacts of inner and outer ring at the positions; or forces at roller slips, as `Spin.forces` gives.
+    contacts : sequence of LoadedContacts or Curved
+        Loaded contacts of inner and outer ring at the positions, or their friction curves.
     slow : float
         Speed that the film never falls below [m/s], 0 for none.
     pocket : float
@@ -196,22 +199,21 @@ class Spins:
         self,
         kinematics: Kinematics,
         positions: int,
-        contacts: Sequence["LoadedContacts | Curved"] | Callable[[Array], tuple[Array, Array]],
+        contacts: Sequence[LoadedContacts | Curved],
         *,
         slow: float = 0.0,
         pocket: float = 0.0,
         tables: dict[Raceway, tuple[object, Slices]] | None = None,
     ) -> None:
         k, tables = kinematics, {} if tables is None else tables
-        given = () if callable(contacts) else contacts
-        self._contacts = tuple(one for one in given if isinstance(one, LoadedContacts))
+        self._contacts = tuple(one for one in contacts if isinstance(one, LoadedContacts))
         self._gathered = [one.gathered(tables.get(one.raceway)) for one in self._contacts]
         tables.update((one.raceway, made[:2]) for one, made in zip(self._contacts, self._gathered, strict=True))
         self._told = (0, 0)
-        loaded = [ring for *_, ring in self._gathered]
-        rings = contacts if callable(contacts) else loaded or contacts
+        curved = [one for one in contacts if not isinstance(one, LoadedContacts)]
         radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
-        self.kernel = Kernel(positions, rings, radii, k.roller_radius * k.epicyclic_roller_speed, slow, pocket)
+        rolling = k.roller_radius * k.epicyclic_roller_speed
+        self.kernel = Kernel(positions, curved or [ring for *_, ring in self._gathered], radii, rolling, slow, pocket)
 
     def ended(self, how: str) -> None:
         """Take note of how a call ended: tell the chains what was evaluated, and raise what one of them refused.
@@ -303,7 +305,7 @@ class Motions:
         speed = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - cage_slip)
         loads = self.assembly.load_distribution(self.instants, speed)
         order = np.argsort(loads.psi.ravel())[(int(self.sense) * np.arange(self.positions)) % self.positions]
-        return tuple(of.reshape(self.positions, -1)[order] for of in (loads.inner_load, loads.outer_load))
+        return loads.inner_load.reshape(self.positions, -1)[order], loads.outer_load.reshape(self.positions, -1)[order]
 
     def _solved(self, slips: Array) -> tuple[Array, Array]:
         """Loads of both rings at cage slips, (n, K, slices), kept for all bearings that are loaded alike."""
@@ -390,8 +392,8 @@ class Motions:
 
     def _came_to(
         self, slips: Array, starts: Array | None, spins: Spins | None = None
-    ) -> tuple[Array, Array, Array, Spins]:
-        """Roller slips (n, 2, K) that rollers sent round come to, whether both are one, what is left; from both ends."""
+    ) -> tuple[Array, Found, Array, Spins]:
+        """Roller slips (n, 2, K) that rollers come to from two starts, whether both are one, and what is left."""
         spins = self.spins(slips) if spins is None else spins
         starts = self._ends(spins, slips) if starts is None else starts
         exact = _EXACT if self._inertia else _EXACTLY
@@ -430,12 +432,12 @@ class Motions:
                 out[row].append(motion)
         return out
 
-    def _settled(self, spins: Spins, slips: Array, rows: Array, came: Array, left: Array) -> list[Motion]:
+    def _settled(self, spins: Spins, slips: Array, rows: Rows, came: Array, left: Array) -> list[Motion]:
         """Motions of second order beside those that rollers came to, which are of first."""
         unit, c, K, Z = self.unit(slips), self._inertia * (1.0 - slips), self.positions, self._rollers
         kernel, weight = spins.kernel, self._weight
 
-        def driven(which: Array, at: Array) -> tuple[Array, Array]:
+        def driven(which: Rows, at: Array) -> tuple[Array, Array]:
             _, left, on_cage, _, how = kernel.settled(which, K, c[which], at, unit[which], as_guessed=True)
             spins.ended(how)
             return np.asarray(Z * on_cage), left
@@ -451,11 +453,10 @@ class Motions:
         todo = np.flatnonzero(~sure)
         if todo.size:  # Newton's method has failed: differences of second order, in order, as rollers go
             which = rows[todo]
-            known = np.repeat(came[todo][:, None], 2, axis=1)
+            known, begin = np.repeat(came[todo][:, None], 2, axis=1), np.repeat(came[todo][:, :1], 2, axis=1)
             exactly, _, rest, how = kernel.sent_round(
-                which, K, c[which], self._bracket(slips)[which], self._wide(slips)[which], np.ascontiguousarray(known[:, :, 0]), _LONG, _SETTLED,
-                known,
-            )  # fmt: skip
+                which, K, c[which], self._bracket(slips)[which], self._wide(slips)[which], begin, _LONG, _SETTLED, known
+            )
             spins.ended(how)
             repeats = rest[:, 0] <= 100.0 * _SETTLED
             at[todo] = np.where(repeats[:, None], exactly[:, 0], came[todo])

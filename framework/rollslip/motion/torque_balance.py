@@ -11,8 +11,8 @@
   resistances (against rolling on both surfaces), M the friction of the roller in its pocket under the force P that
   carries it round, and < > the mean over the orbit. T drives the cage.
 - Of the motions that repeat after an orbit it takes the one that rollers are in while the drag is raised slowly from
-  none: `rollslip.motion.spins` finds motions, `rollslip.motion.way_up` their order. It does not depend on what was asked
-  before.
+  none: `rollslip.motion.spins` finds motions, `rollslip.motion.way_up` their order. It does not depend on what was
+  asked before.
 - The loads are solved anew at every slip: centrifugal forces go with the square of the cage speed.
 """
 
@@ -230,7 +230,7 @@ class TorqueBalance:
 
 
 def rollers(assembly: Assembly, instants: int, *, effective: bool = False, inertia: bool = True) -> TorqueBalance:
-    """Return the balance of torques of a bearing, resistance to rolling and pockets with it, on 56 positions or more."""
+    """Return the balance of torques of a bearing, with all that resists its rollers, on 56 positions or more."""
     drags = Drags()
     if assembly.scene.cage is not None:
         assembly, drags = assembly.with_resistance(), assembly.cage.drags
@@ -266,7 +266,7 @@ class Running:
 
 
 def runaway(balance: TorqueBalance, largest: float, allow: str) -> Runaway:
-    """Say where the cage of a bearing runs away, over the cage slips up to the largest; ``allow`` is the key of these."""
+    """Say where the cage of a bearing runs away, up to the largest cage slip; ``allow`` is the key of that."""
     try:
         way = balance.way(largest)
     except (DomainError, ConvergenceError) as error:

@@ -101,7 +101,7 @@ def runs_at(
     drag, largest, at : float
         Drag torque there, the largest one that the rollers carry [N m], and its slip; NaN where these are not known.
     reached : tuple of float
-        Largest slip of the range and the torque of the rollers there [N m], the reserve where they have no largest one.
+        Slip and torque [N m] of the most that rollers carry where the cage runs away nowhere in the range.
     """
     if not slip > 0.0:
         return f"{SWITCHED_OFF}, so the cage runs without slip"
@@ -110,7 +110,7 @@ def runs_at(
         return f"{said}, beyond that of running away: there its drag falls with slip faster than what the rollers carry"
     if math.isnan(largest) and drag > 0.0 and reached[1] > drag:
         times, end = reached[1] / drag, percent(reached[0])
-        return f"{said}, and its rollers drive the more the more it slips, at {end} with {times:.3g} times the drag"
+        return f"{said}, and could carry {times:.3g} times the drag, at a slip of {end}"
     return f"{said}, and could carry {largest / drag:.3g} times the drag" if drag > 0.0 and largest > 0.0 else said
 
 

@@ -72,10 +72,10 @@ def _lost(one: "xr.Dataset") -> dict[str, Any]:
 
 
 def headline(dataset: "xr.Dataset") -> str:
-    """Say where the cage runs away: at the largest drag that it can carry."""
+    """Say where the cage runs away, or that it does not."""
     largest, slip = float(dataset["largest_drag"]), float(dataset["largest_drag_slip"])
     if math.isnan(largest):
-        return ""
+        return str(dataset["largest_drag_status"].item()) if "most_torque" in dataset else ""
     by = ", by the effective friction of the raceways" if dataset.attrs["friction"] == "effective" else ""
     return f"{runs_away(slip, largest, 'found')}{by}"
 
@@ -97,7 +97,7 @@ def operation(dataset: "xr.Dataset") -> str:
     if not has_steady(dataset) or str(dataset["status"].item()) != "found":
         return str(dataset["status"].item())
     known = (dataset["steady_slip"][0], dataset["torque"][0], dataset["largest_drag"], dataset["largest_drag_slip"])
-    reached = float(dataset["cage_slip"][-1]), float(dataset["driving_torque"][-1])
+    reached = float(dataset["most_torque_slip"]), float(dataset["most_torque"])
     least = f"; {_least_load(dataset, needs=False)}" if "least_load" in dataset else ""
     said = f"{runs_at(*map(float, known), reached=reached)}{_band(dataset, 'steady_slip')}"
     return f"{said}{_doubted(dataset)}{least}"
@@ -253,14 +253,31 @@ def _by_formula(dataset: "xr.Dataset") -> list[str]:
 def _largest(dataset: "xr.Dataset") -> str:
     largest, slip = float(dataset["largest_drag"]), float(dataset["largest_drag_slip"])
     if math.isnan(largest):
+        if "most_torque" in dataset:
+            return f"{dataset['largest_drag_status'].item()}{_first(dataset)}"
         reached = format_quantity(float(dataset["driving_torque"].max()), "N m", 3)
         reached = f"in this range the rollers drive the cage with up to {reached}"
         return f"{dataset['largest_drag_status'].item()}; {reached}{_first(dataset)}"
     most = format_quantity(largest, "N m", 3)
-    said = f"the largest drag that the cage can carry is {most}, at a cage slip of {_percent(slip)}{_first(dataset)}"
+    said = f"the largest drag that the cage can carry is {most}, at a cage slip of {_percent(slip)}{_jump(dataset)}"
+    said += _first(dataset)
     if dataset.attrs["friction"] == "effective":
         said += f"; {UNSURE}: take --set study.{dataset.attrs['study']}.friction=conventional where it matters"
     return said
+
+
+def _jump(dataset: "xr.Dataset") -> str:
+    """Say how surely the largest drag is known, where a larger one takes the cage, and what it may carry there."""
+    if "jump_slip" not in dataset:
+        return ""
+    low, high, to = (float(dataset[name]) for name in ("largest_drag_low", "largest_drag_high", "jump_slip"))
+    said = f", or anywhere between {_percent(low)} and {_percent(high)}, where it is within a thousandth of that"
+    said += f" (right to {_percent(float(dataset['largest_drag_error']))})"
+    if math.isnan(to):
+        return f"{said}; nothing in the range carries more"
+    most, at = (float(dataset[name]) for name in ("most_torque", "most_torque_slip"))
+    beyond = f"up to {format_quantity(most, 'N m', 3)} at {_percent(at)}"
+    return f"{said}; a larger one takes it to {_percent(to)}, where slips carry {beyond}"
 
 
 def _least_load(dataset: "xr.Dataset", *, needs: bool = True) -> str:
@@ -284,7 +301,7 @@ def _least_load(dataset: "xr.Dataset", *, needs: bool = True) -> str:
 
 def _first(dataset: "xr.Dataset") -> str:
     """Say where the torque of the rollers falls with slip before it is largest; nothing where it does not."""
-    if "first_maximum_slip" not in dataset:
+    if "first_maximum_slip" not in dataset or math.isnan(float(dataset["first_maximum_slip"])):
         return ""
     slip, largest = float(dataset["first_maximum_slip"]), float(dataset["largest_drag_slip"])
     if not slip < (math.inf if math.isnan(largest) else largest):

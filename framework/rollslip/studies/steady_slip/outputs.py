@@ -39,10 +39,10 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "largest_drag_slip": Output("", "1", "cage slip at which it runs away", status="largest_drag_status"),
         "largest_drag_status": Output("", "1", "what was found of the largest drag torque"),
         "largest_drag_error": Output("", "1", "relative error left of it", status="largest_drag_status"),
+        "largest_drag_low": Output("", "1", "least slip within a thousandth of it", status="largest_drag_status"),
+        "largest_drag_high": Output("", "1", "largest slip within a thousandth of it", status="largest_drag_status"),
         "jump_slip": Output("", "1", "cage slip to which a larger drag takes the cage, NaN where nothing carries it"),
-        "most_torque": Output(
-            "", "N m", "largest torque of the rollers on the way up, a reserve where nothing jumps"
-        ),
+        "most_torque": Output("", "N m", "largest torque of the rollers on the way up, a reserve where nothing jumps"),
         "most_torque_slip": Output("", "1", "cage slip there"),
         "first_maximum_torque": Output(
             "", "N m", "driving torque from which it first falls with slip", status="largest_drag_status"
