@@ -26,7 +26,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import slip_grid
 from rollslip.errors import RollslipError
 from rollslip.motion.losses import power_balance
-from rollslip.motion.runaway import rollers, runaway
+from rollslip.motion.torque_balance import rollers, runaway
 from rollslip.studies.thermal_balance.model import PLACES, thermal_model
 
 COUNT, WORKERS, SCENES = 128, 2, 100
@@ -143,8 +143,8 @@ def look(given):
         what = described(one).rpartition(";")[0]
         coupled = Coupled(one)
         fold, ended, slip, runs = folded(coupled)
-        held = runaway(coupled.at(runs), 1, RANGE, "")
-        as_given = runaway(coupled.made, 1, RANGE, "")
+        held = runaway(rollers(coupled.at(runs), 1), RANGE, "")
+        as_given = runaway(rollers(coupled.made, 1), RANGE, "")
         oil = coupled.model.nodes.index("oil")
         found = fold[0], fold[1], fold[3][oil] - runs[oil]
         warmed = runs[oil] - one.operation.temperature

@@ -22,7 +22,7 @@ from rollslip import evolve
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import slip_grid
 from rollslip.errors import RollslipError
-from rollslip.motion.runaway import free_torques, rollers, runaway
+from rollslip.motion.torque_balance import rollers, runaway
 from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
 
 COUNT, WORKERS, SCENES, HELD = 224, 2, 200, 64
@@ -59,9 +59,7 @@ def maxima_before(assembly, slip):
     """Count smaller maxima of the torque at smaller slips, at which slip would jump."""
     if slip != slip:
         return 0
-    balance = rollers(assembly, 1)
-    torque = free_torques(balance.assembly, balance.drags, 1, slip_grid(slip, 41)[1:])
-    return int(np.count_nonzero((torque[1:-1] > torque[:-2]) & (torque[1:-1] > 1.001 * torque[2:])))
+    return sum(jump.slip < slip for jump in rollers(assembly, INSTANTS).way(RANGE).jumps)
 
 
 def slip_at(balance, drag, end):
@@ -93,7 +91,7 @@ def look(x):
         if assembly is None:
             return Found(what, refused="no roller is loaded")
         begin = time.process_time()
-        fold = runaway(assembly, INSTANTS, RANGE, "")
+        fold = runaway(rollers(assembly, INSTANTS), RANGE, "")
         seconds = time.process_time() - begin
         of_curves = {closure: critical(assembly, closure) for closure in CLOSURES}
         return Found(what, "", fold, of_curves, maxima_before(assembly, fold.slip), seconds)
@@ -106,7 +104,7 @@ def hold(given):
     x, fold = given
     _, assembly = bearing(x)
     try:
-        effective = runaway(assembly, INSTANTS, RANGE, "", effective=True)
+        effective = runaway(rollers(assembly, INSTANTS, effective=True), RANGE, "")
         exact, simple = (rollers(assembly, INSTANTS, effective=effective) for effective in (False, True))
         slips = [slip_at(balance, SMALL * fold.drag, fold.slip) for balance in (exact, simple)]
     except RollslipError:

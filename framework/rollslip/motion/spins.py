@@ -398,7 +398,7 @@ class Motions:
         starts = self._ends(spins, slips) if starts is None else starts
         exact = _EXACT if self._inertia else _EXACTLY
         found, met, left, how = spins.kernel.sent_round(
-            np.arange(slips.size), self.positions, self._inertia * (1.0 - slips), self._bracket(slips),
+            np.arange(slips.size), self.positions, self._inertia * np.abs(1.0 - slips), self._bracket(slips),
             self._wide(slips), starts, _ORBITS, exact,
         )  # fmt: skip
         spins.ended(how)
@@ -434,7 +434,7 @@ class Motions:
 
     def _settled(self, spins: Spins, slips: Array, rows: Rows, came: Array, left: Array) -> list[Motion]:
         """Motions of second order beside those that rollers came to, which are of first."""
-        unit, c, K, Z = self.unit(slips), self._inertia * (1.0 - slips), self.positions, self._rollers
+        unit, c, K, Z = self.unit(slips), self._inertia * np.abs(1.0 - slips), self.positions, self._rollers
         kernel, weight = spins.kernel, self._weight
 
         def driven(which: Rows, at: Array) -> tuple[Array, Array]:

@@ -28,8 +28,9 @@ from rollslip.motion.spins import TWO, Motion, Motions, place_of, slip_of
 #: Smallest slip; steps of the place of a slip, ln(S/(1 - S)), and the gap to which the end of a motion is found.
 _SMALLEST, _STEP = 1e-4, 0.25
 _CORNER: Final = _STEP / 512.0
-#: Share of a maximum that counts as the same drag, exactness of its height, and margin for what lies between slips.
-_CLOSE, _FOUND, _SAFETY, _ROUNDS = 1e-3, 1e-6, 2.0, 14
+#: Share of a maximum that counts as the same drag, exactness of its height, margin for what lies between slips, and how
+#: often these are halved; slips among which a maximum is told.
+_CLOSE, _FOUND, _SAFETY, _ROUNDS, _MOST = 1e-3, 1e-6, 2.0, 14, 9
 #: Share by which the torque has to fall behind a maximum.
 _FALL: Final = 2.0 * _CLOSE
 #: How many times the positions a maximum is looked at, loads of a roller there, and what of a change of it is left.
@@ -244,19 +245,8 @@ class _Search:
         place, drag, around = way[k].place, way[k].torque, way[max(k - 1, 0) : k + 2]
         corner = len(around) < 3 or not (way[k].linked and way[k + 1].linked)
         error = 1.0 if not corner else _beside(way, k) / drag
-        known = {motion.place: motion for motion in around}
-        while not corner and len(known) < 9 and error > _FOUND:
-            at, height = _vertex(sorted(known), [known[x].torque for x in sorted(known)])
-            if at in known:
-                error = min(error, _FOUND)
-                break
-            near = min(known.values(), key=lambda motion: abs(motion.place - at))
-            new = self.motions.at(np.array([slip_of(at)]), near.share[:1])[0][0]
-            if not new.sure:
-                break
-            known[at] = new
-            error = abs(new.torque / height - 1.0)
-            place, drag = max((place, drag), (at, new.torque), key=lambda one: one[1])
+        if not corner:
+            place, drag, error = self._climbed(self.motions, list(around))
         level, ends = (1.0 - _CLOSE) * drag, [place, place]
         for side, step in enumerate((-1, 1)):
             for j in range(k, -1 if step < 0 else len(way), step):
@@ -268,13 +258,13 @@ class _Search:
                     break
                 ends[side] = way[j].place
         low, high = min(ends[0], place), max(ends[1], place)
-        error, near = max(error, way[k].error), way[k]
-        finer = self._corner(way, k) if corner else self._vertex(near, place, 0.5 * (high - low))
+        error = max(error, way[k].error)
+        finer = self._corner(way, k) if corner else self._finer(way[k], place, 0.5 * (high - low))
         if finer is None:
             error = math.inf
         else:
-            at, torque = finer
-            error += _LEFT * abs(torque / drag - 1.0)
+            at, torque, more = finer
+            error = max(error, more) + _LEFT * abs(torque / drag - 1.0)
             low, high, place, drag = low + at - place, high + at - place, at, torque
         to = math.nan if math.isnan(to) else slip_of(to)
         return Jump(slip_of(place), drag, to, slip_of(low), slip_of(high), error, corner)
@@ -283,21 +273,32 @@ class _Search:
     def _fine(self) -> Motions:
         return self.exact.like(instants=_FINER * self.motions.instants, few=_FEW)
 
-    def _vertex(self, near: Motion, place: float, half: float) -> tuple[float, float] | None:
-        """Place and height of a maximum by four times the positions; None if they do not tell it."""
-        half = min(max(half, _NARROW), _WIDE)
-        places = [place - half, place, place + half]
-        slips = np.array([slip_of(x) for x in places])
-        found = [one[0] for one in self._fine.at(slips, np.full(3, near.share[0]))]
-        if not all(one.sure for one in found):
-            return None
-        at, height = _vertex(places, [one.torque for one in found])
-        return at, height
+    def _climbed(self, motions: Motions, around: list[Motion]) -> tuple[float, float, float]:
+        """Place and height of a maximum between motions, by vertices of polynomials, and by how much these miss it."""
+        known, error = {motion.place: motion for motion in around}, math.inf
+        while len(known) < _MOST and error > _FOUND:
+            at, height = _vertex(sorted(known), [known[x].torque for x in sorted(known)])
+            if at in known:
+                break
+            near = min(known.values(), key=lambda motion: abs(motion.place - at))
+            new = motions.at(np.array([slip_of(at)]), near.share[:1])[0][0]
+            if not new.sure:
+                break
+            known[at], error = new, abs(new.torque / height - 1.0)
+        best = max(known.values(), key=lambda motion: motion.torque)
+        return best.place, best.torque, min(error, 1.0)
 
-    def _corner(self, way: list[Motion], k: int) -> tuple[float, float] | None:
+    def _finer(self, near: Motion, place: float, half: float) -> tuple[float, float, float] | None:
+        """The same by four times the positions; None if they do not tell it."""
+        half = min(max(half, _NARROW), _WIDE)
+        slips = np.array([slip_of(x) for x in (place - half, place, place + half)])
+        found = [one[0] for one in self._fine.at(slips, np.full(3, near.share[0]))]
+        return self._climbed(self._fine, found) if all(one.sure for one in found) else None
+
+    def _corner(self, way: list[Motion], k: int) -> tuple[float, float, float] | None:
         """Place and height of the end of a motion by four times the positions; None if they do not tell it."""
         low, high, start = way[k].place - _WIDE, way[k].place + _WIDE, way[k].share[0]
-        best: tuple[float, float] | None = None
+        best: tuple[float, float, float] | None = None
         for _ in range(_LOOKS):
             places = np.linspace(low, high, _BETWEEN).tolist()
             found = [one[0] for one in self._fine.at(np.array([slip_of(x) for x in places]), np.full(_BETWEEN, start))]
@@ -305,7 +306,8 @@ class _Search:
             top = int(np.argmax(torques))
             if not 0 < top < _BETWEEN - 1:
                 return best
-            best, low, high = (places[top], torques[top]), places[top - 1], places[top + 1]
+            low, high = places[top - 1], places[top + 1]
+            best = places[top], torques[top], abs(max(torques[top - 1 : top + 2 : 2]) / torques[top] - 1.0)
         return best
 
 

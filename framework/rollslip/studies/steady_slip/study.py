@@ -405,7 +405,7 @@ class SteadySlip(Study):
         return _moved(self._judged(coarser), self._judged(balance))
 
     def _steady(self, balance: TorqueBalance, way: WayUp, states: list[Orbit], steady: list[Steady]) -> dict[str, Any]:
-        kinds = [_stability(way, *one) for one in zip(states, steady, strict=True)] or ["stable"]
+        kinds = [_stability(way, *one) for one in zip(states, steady, strict=True)] if steady else ["stable"]
         force = np.stack([state.force for state in states], axis=1)
         traction = np.stack([state.traction for state in states], axis=1)
         total = force.sum(axis=2)
