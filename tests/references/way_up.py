@@ -4,7 +4,7 @@
   four times the positions: what was found, and by how much it is off. It is not independent of the march.
 - way_up_in_time.csv: cage and rollers, each with its own spin, integrated while a constant drag on the cage is raised
   slowly: backward differences of second order in steps of 1/240 of an orbit, laws as the framework evaluates them, one
-  slice (no profile), loads from 240 positions at the slip of the maximum. The cage is half as heavy as the rollers. The
+  slice (no profile), loads from 240 positions at the slip of the maximum. The cage follows within half an orbit. The
   drag at which the slip leaves the way up is beside the one that is predicted.
 """
 
@@ -59,11 +59,12 @@ def held(given):
 class InTime:
     """Cage and rollers of a bearing in time, against a drag that is raised."""
 
-    def __init__(self, one, jump):
+    def __init__(self, one, jump, steady):
         self.one, self.k, bearing = one, one.assembly.kinematics, one.assembly.scene.bearing
         self.Z, self.width = bearing.rollers, bearing.roller_length
         self.J = 0.5 * one.assembly.roller_mass * self.k.roller_radius**2
-        self.I = 1.5 * self.Z * one.assembly.roller_mass * self.k.orbit_radius**2
+        # as slow as half an orbit: the ripple of one pitch does not move it, and a slow ramp carries it along
+        self.I = np.pi * steady.torque / steady.slip / one.cage_speed(0.0) / one.cage_speed(steady.slip)
         loads = one.assembly.load_distribution(-(-STEPS // self.Z), one.cage_speed(jump.slip))
         psi = loads.psi.ravel()
         order = np.argsort(psi)
@@ -159,7 +160,7 @@ def in_time(given):
         if not steady or steady[0].slip >= away.slip:
             return None
         beyond = min(math.sqrt(away.high * (away.to if away.to == away.to else 1.0)), 0.9 * (1.0 + away.high) / 2.0)
-        found = InTime(one, away).run(
+        found = InTime(one, away, steady[0]).run(
             away.drag, (steady[0].slip, max(beyond, 1.2 * away.high)), steady[0].motion.roller_slip
         )
     except RollslipError:

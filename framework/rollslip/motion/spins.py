@@ -35,8 +35,9 @@ Found: TypeAlias = NDArray[np.bool_]
 Rows: TypeAlias = NDArray[np.intp]
 #: Entrainment speed that is never fallen below in the film [m/s]: u_film = sqrt(u^2 + SLOW^2).
 SLOW: Final = 1e-3
-#: Cage speeds whose loads are solved, even in centrifugal force, between which loads are linear.
-_LOADS: Final = 13
+#: Cage speeds whose loads are solved, even in centrifugal force, between which loads are linear; loads of a roller that
+#: is sent round.
+_LOADS, _ROUGH = 13, 4
 #: Orbits at most, by implicit Euler and by differences of second order; exactness of balances, relative to the bracket,
 #: with inertia and without.
 _ORBITS, _LONG, _EXACT, _EXACTLY = 8, 24, 1e-5, 1e-12
@@ -280,7 +281,7 @@ class Motions:
         #: torque that changes the roller slip by one from a position to the next, at no cage slip
         self._inertia = spin * pace if inertia else 0.0
         self._rollers, self._lever = self.sense * assembly.scene.bearing.rollers, 1.0 + k.outer_radius / k.roller_radius
-        self._tables: dict[Raceway, tuple[object, Slices]] = {}
+        self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
         self._idle = self._most = 0.0
         if largest is not None:
             self._knots = np.linspace(1.0, (1.0 - largest) ** 2, _LOADS)  # centrifugal force, in proportion
@@ -328,14 +329,15 @@ class Motions:
         """Mean difference of shares, by load, relative to that of rolling on either ring."""
         return float(self._weight @ np.abs(one - two))
 
-    def contacts(self, slips: Array) -> tuple[Conventional, Conventional]:
+    def contacts(self, slips: Array, few: int | None = None) -> tuple[Conventional, Conventional]:
         """Contacts of inner and outer ring at all positions of the orbits of some cage slips."""
-        key = ("rows", self.instants, self._largest, self._few, slips.tobytes())
-        made = self.assembly.kept(key, self.instants * slips.size, lambda: self._made(slips))
+        few = self._few if few is None else few
+        key = ("rows", self.instants, self._largest, few, slips.tobytes())
+        made = self.assembly.kept(key, self.instants * slips.size, lambda: self._made(slips, few))
         inner, outer = (Conventional(of.on(own)) for of, own in zip(made, self.assembly.raceways, strict=True))
         return inner, outer
 
-    def _made(self, slips: Array) -> tuple[LoadedContacts, LoadedContacts]:
+    def _made(self, slips: Array, few: int) -> tuple[LoadedContacts, LoadedContacts]:
         """Loads of both rings for each row of positions."""
         if self._largest is None:
             rows = self._solved(slips) if slips.size > 1 else tuple(of[None] for of in self.loads(float(slips[0])))
@@ -348,7 +350,7 @@ class Motions:
         def of(row: Array) -> LoadedContacts:
             own = self.assembly.inner, row.reshape(-1, row.shape[2]), self.assembly.widths
             made = LoadedContacts(*own, 1.0)
-            return made.fewer(self._few) if self._few else made
+            return made.fewer(few) if few else made
 
         return of(rows[0]), of(rows[1])
 
@@ -360,11 +362,13 @@ class Motions:
         free = k.roller_radius * k.epicyclic_roller_speed
         return tuple(Effective(curve, of, free) for curve, of in zip(self.effective, contacts, strict=True))
 
-    def spins(self, slips: Array) -> Spins:
+    def spins(self, slips: Array, few: int | None = None) -> Spins:
         """Compiled torques of rows of positions, one for each cage slip."""
-        k, frictions = self.assembly.kinematics, self.frictions(self.contacts(slips))
+        k, frictions = self.assembly.kinematics, self.frictions(self.contacts(slips, few))
         given = [one.ring if isinstance(one, Effective) else one.contacts for one in frictions]
-        spins = Spins(k, self.positions * slips.size, given, slow=SLOW, pocket=self.pocket, tables=self._tables)
+        spins = Spins(
+            k, self.positions * slips.size, given, slow=SLOW, pocket=self.pocket, tables=self._tables[few is None]
+        )
         spins.kernel.at(*(np.repeat(lead, self.positions) for lead in k.leads(slips)))
         return spins
 
@@ -390,11 +394,9 @@ class Motions:
             step *= 2.0
             ends[:, 1] += np.where(short, step, 0.0)
 
-    def _came_to(
-        self, slips: Array, starts: Array | None, spins: Spins | None = None
-    ) -> tuple[Array, Found, Array, Spins]:
+    def _came_to(self, slips: Array, starts: Array | None, spins: Spins | None = None) -> tuple[Array, Found, Array]:
         """Roller slips (n, 2, K) that rollers come to from two starts, whether both are one, and what is left."""
-        spins = self.spins(slips) if spins is None else spins
+        spins = self.spins(slips, _ROUGH if self._inertia else None) if spins is None else spins
         starts = self._ends(spins, slips) if starts is None else starts
         exact = _EXACT if self._inertia else _EXACTLY
         found, met, left, how = spins.kernel.sent_round(
@@ -404,7 +406,7 @@ class Motions:
         spins.ended(how)
         if how:
             raise ConvergenceError("rollers that are sent round find no balance on their way")
-        return found, met, left, spins
+        return found, met, left
 
     def _wide(self, slips: Array) -> Array:
         return (self.unit(slips) + _AT_REST * (self.resists and not self._idle)) * (1.0 - self._on_inner)
@@ -416,7 +418,7 @@ class Motions:
         """
         unit = self.unit(slips)
         begin = None if starts is None else np.repeat((starts * unit)[:, None], 2, axis=1)
-        found, met, left, spins = self._came_to(slips, begin)
+        found, met, left = self._came_to(slips, begin)
         shares = found / unit[:, None, None]
         two = [
             row
@@ -425,16 +427,17 @@ class Motions:
             and self.apart(shares[row, 0], shares[row, 1]) >= (TWO if left[row].max() < _REPEATS else 0.0)
         ]
         rows, which = np.array([*range(slips.size), *two]), np.array([0] * slips.size + [1] * len(two))
-        motions = self._settled(spins, slips, rows, found[rows, which], left[rows, which])
+        motions = self._settled(slips, rows, found[rows, which], left[rows, which])
         out = [[motion] for motion in motions[: slips.size]]
         for row, motion in zip(two, motions[slips.size :], strict=True):
             if self.apart(out[row][0].share, motion.share) >= TWO:
                 out[row].append(motion)
         return out
 
-    def _settled(self, spins: Spins, slips: Array, rows: Rows, came: Array, left: Array) -> list[Motion]:
+    def _settled(self, slips: Array, rows: Rows, came: Array, left: Array) -> list[Motion]:
         """Motions of second order beside those that rollers came to, which are of first."""
         unit, c, K, Z = self.unit(slips), self._inertia * np.abs(1.0 - slips), self.positions, self._rollers
+        spins = self.spins(slips)
         kernel, weight = spins.kernel, self._weight
 
         def driven(which: Rows, at: Array) -> tuple[Array, Array]:

@@ -1,0 +1,186 @@
+"""The way up of the rollers: against a plain march, motion in time, and what must hold of it whatever the bearing."""
+
+import csv
+import math
+from pathlib import Path
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+import way_up_scenes as scenes
+from rollslip import evolve, load_scene
+from rollslip.bearing.assembly import assemble
+from rollslip.motion.spins import place_of, slip_of
+from rollslip.motion.torque_balance import RANGE, TorqueBalance, rollers
+
+REFERENCES = Path(__file__).parents[1] / "references"
+
+
+def balance(name="1032930-50C", *, instants=2, inertia=True, effective=False, slices=6, **changes):
+    made = assemble(evolve(load_scene(name), changes))
+    few = made.at(attrs.evolve(made.resolution, slices=slices, quadrature="equal", table_tolerance=1e-3))
+    return rollers(few, instants, inertia=inertia, effective=effective)
+
+
+# A plain march -------------------------------------------------------------------------------------------------------
+
+
+def marched(one, slip, start):
+    """What one roller comes to by implicit Euler: each balance by steps of 1/400 of the bracket and Brent's method."""
+    motions = one.motions
+    kernel, K = motions.spins(np.array([slip])).kernel, motions.positions
+    c, (low, high) = motions._inertia * (1.0 - slip), motions._bracket(np.array([slip]))[0]
+    at, orbit, step = start, np.empty(K), (high - low) / 400.0
+
+    def left(x, before, p):
+        slips = np.full(K, before)
+        slips[p] = x
+        return c * (x - before) + kernel.torques(slips)[0][p]
+
+    for _ in range(3):
+        for p in [*range(1, K), 0]:
+            before = at
+            rest = left(at, before, p)
+            if rest != 0.0:
+                sense = -math.copysign(1.0, rest)
+                while left(at + sense * step, before, p) * rest > 0.0:
+                    at += sense * step
+                at = brentq(left, *sorted((at, at + sense * step)), args=(before, p), xtol=1e-15, rtol=1e-13)
+            orbit[p] = at
+    return orbit
+
+
+@pytest.mark.parametrize("drags", [["petroff-land"], ["rolling-resistance", "hysteresis"]])
+@pytest.mark.parametrize("slip", [0.02, 0.6])
+def test_rollers_are_sent_round_as_by_a_plain_march(drags, slip):
+    one = balance(**{"cage.drag": drags})
+    motions, slips = one.motions, np.array([slip])
+    ends = motions._ends(motions.spins(slips), slips)
+    found, _, left = motions._came_to(slips, ends, motions.spins(slips))
+    for walker in range(2):
+        want = marched(one, slip, ends[0, walker])
+        np.testing.assert_allclose(found[0, walker], want, atol=1e-3 * float(motions.unit(slips)[0]))
+    assert left.max() < 1e-3
+
+
+def test_rows_are_sent_round_as_each_by_itself():
+    motions = balance().motions
+    slips = np.array([0.01, 0.3, 0.7])
+    together = motions.at(slips)
+    for slip, here in zip(slips, together, strict=True):
+        alone = motions.at(np.array([slip]))[0]
+        assert [one.torque for one in alone] == pytest.approx([one.torque for one in here], rel=1e-9)
+
+
+# Of any bearing ------------------------------------------------------------------------------------------------------
+
+
+@given(number=st.integers(0, 300), resists=st.booleans(), part=st.floats(0.0, 1.0), slip=st.floats(1e-3, 0.9))
+@settings(max_examples=8, deadline=None)
+def test_all_motions_lie_between_those_that_both_ends_lead_to(number, resists, part, slip):
+    one = scenes.balance(scenes.catalogue(number, resists=resists))
+    motions, slips = one.motions, np.array([slip])
+    found = motions.at(slips)[0]
+    high, low = found[0].share, found[-1].share
+    low_end, high_end = motions._ends(motions.spins(slips), slips)[0] / motions.unit(slips)[0]
+    between = motions.at(slips, np.array([low_end + part * (high_end - low_end)]))[0][0]
+    nearest = min(motions.apart(between.share, one) for one in (high, low))
+    if len(found) == 1:
+        assert nearest < 0.02
+    ends = np.minimum(low, high) - 0.1, np.maximum(low, high) + 0.1
+    assert np.mean((between.share > ends[0]) & (between.share < ends[1])) > 0.9
+
+
+@given(number=st.integers(0, 10_000), order=st.permutations([0.003, 0.02, 0.15, 0.4, 0.7, 0.9]))
+@settings(max_examples=6, deadline=None)
+def test_the_order_of_questions_changes_no_bit(number, order):
+    asked, untouched = (scenes.balance(scenes.free(number)) for _ in range(2))
+    for slip in order:
+        asked.torque(slip)
+    ways = [one.way() for one in (asked, untouched)]
+    assert [m.torque for m in ways[0].path] == [m.torque for m in ways[1].path]
+    assert [attrs.astuple(jump)[1:2] for jump in ways[0].jumps] == [attrs.astuple(jump)[1:2] for jump in ways[1].jumps]
+    assert [asked.torque(slip) for slip in sorted(order)] == [untouched.torque(slip) for slip in sorted(order)]
+
+
+@given(number=st.integers(0, 10_000))
+@settings(max_examples=6, deadline=None)
+def test_more_than_the_drag_of_running_away_is_carried_by_no_slip_near(number):
+    one = scenes.balance(scenes.free(number))
+    way = one.way()
+    for jump in way.jumps:
+        known = max(jump.error, 1e-3)
+        less, more = (
+            way.steady(lambda _, drag=part * jump.drag: -drag) for part in (1.0 - 5.0 * known, 1.0 + 5.0 * known)
+        )
+        assert any(steady.slip < jump.slip and steady.slope > 0.0 for steady in less)
+        beyond = jump.to if jump.to == jump.to else RANGE
+        assert not [steady for steady in more if steady.slip < 0.5 * (jump.high + beyond)]
+
+
+@given(number=st.integers(0, 10_000))
+@settings(max_examples=3, deadline=None)
+def test_a_bearing_that_turns_the_other_way_has_the_same_way(number):
+    scene = scenes.free(number)
+    mirrored = evolve(scene, {"operation.inner_speed": -scene.operation.inner_speed})
+    ways = [scenes.balance(one).way() for one in (scene, mirrored)]
+    assert [m.torque for m in ways[0].path] == pytest.approx([m.torque for m in ways[1].path], rel=1e-9)
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_a_default_bearing_has_a_steady_slip_and_a_largest_drag_or_a_reserve(number):
+    one = scenes.balance(scenes.catalogue(number))
+    way = one.way()
+    steady = way.steady(one.drag)
+    slip, most = way.largest
+    assert (steady and steady[0].slope > 0.0) or most < -one.drag(slip)
+    assert way.runs_away is not None or slip == way.end
+    assert way.at_rest < 0.0, "rollers brake a cage that does not slip"
+
+
+@pytest.mark.parametrize("speed", ["0.5 rpm", "15000 rpm"])
+@pytest.mark.parametrize("load", ["0 N", "200 N", "5 kN"])
+@pytest.mark.parametrize("inertia", [True, False])
+def test_slow_and_fast_bearings_of_any_load_have_a_way(speed, load, inertia):
+    changes = {"operation.inner_speed": speed, "operation.radial_load": load, "bearing.radial_clearance": "-2 um"}
+    way = balance(inertia=inertia, slices=1, **changes).way()
+    assert way.end == RANGE
+    assert all(motion.sure for motion in way.path)
+
+
+def test_pocket_friction_and_effective_friction_have_a_way_and_both_rings_may_turn():
+    plain = balance(slices=1).way()
+    pockets = balance(
+        slices=1, **{"cage.drag": ["petroff-land", {"model": "pocket-friction", "coefficient": 0.1}]}
+    ).way()
+    simple = balance(slices=1, effective=True).way()
+    assert pockets.at_rest <= 0.0
+    assert simple.runs_away.drag == pytest.approx(plain.runs_away.drag, rel=0.1)
+    driven = balance(slices=1, **{"operation.outer_speed": "-500 rpm"}).way()
+    assert driven.end == RANGE
+
+
+def test_a_place_is_that_of_its_slip():
+    for slip in (1e-4, 0.3, 0.95):
+        assert slip_of(place_of(slip)) == pytest.approx(slip, rel=1e-14)
+
+
+# In time -------------------------------------------------------------------------------------------------------------
+
+with (REFERENCES / "way_up_in_time.csv").open(newline="", encoding="utf-8") as file:
+    IN_TIME = list(csv.DictReader(file))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", IN_TIME, ids=[f"{row['kind']} {row['number']}" for row in IN_TIME])
+def test_a_cage_runs_away_at_the_drag_at_which_it_does_in_time(row):
+    """tests/references/way_up.py: cage and rollers with a drag that is raised slowly."""
+    options = {"resists": row["resists"] == "1"} if row["kind"] == "catalogue" else {}
+    one = scenes.balance(getattr(scenes, row["kind"])(int(row["number"]), even=True, **options))
+    away = one.way().runs_away
+    assert isinstance(one, TorqueBalance)
+    assert away.drag == pytest.approx(float(row["drag in time [N m]"]), rel=3e-3 + away.error)
