@@ -41,7 +41,8 @@ def marched(one, slip, start):
         slips[p] = x
         return c * (x - before) + kernel.torques(slips)[0][p]
 
-    for _ in range(3):
+    for _ in range(12):
+        begin = at
         for p in [*range(1, K), 0]:
             before = at
             rest = left(at, before, p)
@@ -51,20 +52,22 @@ def marched(one, slip, start):
                     at += sense * step
                 at = brentq(left, *sorted((at, at + sense * step)), args=(before, p), xtol=1e-15, rtol=1e-13)
             orbit[p] = at
+        if abs(at - begin) < 1e-3 * step:
+            break
     return orbit
 
 
 @pytest.mark.parametrize("drags", [["petroff-land"], ["rolling-resistance", "hysteresis"]])
 @pytest.mark.parametrize("slip", [0.02, 0.6])
 def test_rollers_are_sent_round_as_by_a_plain_march(drags, slip):
-    one = balance(**{"cage.drag": drags})
+    one = balance("1032930-30C", slices=1, **{"cage.drag": drags, "operation.radial_load": "20 kN"})
     motions, slips = one.motions, np.array([slip])
     ends = motions._ends(motions.spins(slips), slips)
     found, _, left = motions._came_to(slips, ends, motions.spins(slips))
     for walker in range(2):
         want = marched(one, slip, ends[0, walker])
-        np.testing.assert_allclose(found[0, walker], want, atol=1e-3 * float(motions.unit(slips)[0]))
-    assert left.max() < 1e-3
+        np.testing.assert_allclose(found[0, walker], want, atol=2e-3 * float(motions.unit(slips)[0]))
+    assert left.max() < 1e-3, "of rolling on either ring, which are 1.8 units apart"
 
 
 def test_rows_are_sent_round_as_each_by_itself():
@@ -153,11 +156,11 @@ def test_slow_and_fast_bearings_of_any_load_have_a_way(speed, load, inertia):
 
 
 def test_pocket_friction_and_effective_friction_have_a_way_and_both_rings_may_turn():
-    plain = balance(slices=1).way()
+    plain = balance().way()
     pockets = balance(
         slices=1, **{"cage.drag": ["petroff-land", {"model": "pocket-friction", "coefficient": 0.1}]}
     ).way()
-    simple = balance(slices=1, effective=True).way()
+    simple = balance(effective=True).way()
     assert pockets.at_rest <= 0.0
     assert simple.runs_away.drag == pytest.approx(plain.runs_away.drag, rel=0.1)
     driven = balance(slices=1, **{"operation.outer_speed": "-500 rpm"}).way()
