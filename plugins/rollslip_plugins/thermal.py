@@ -12,6 +12,7 @@ from rollslip.fields import in_range, non_negative, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.references import Reference
 from rollslip.scene.clearance import operating
+from rollslip.scene.supply import DENSITY
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.thermal_balance.model import Array, ThermalModel
@@ -207,7 +208,8 @@ class Network(ThermalModel):
     oil_flow: float = parameter(
         default=0.0,
         unit="kg/s",
-        doc="flow of oil through the bearing; 0 for a bath, whose heat leaves through the rings",
+        doc="flow of oil through the bearing, by default that of lubrication; 0 for a bath, whose heat leaves through "
+        "the rings",
         validator=non_negative,
         usual=(0, 10),
         possible=(0, 1e6),
@@ -282,6 +284,10 @@ class Network(ThermalModel):
         """
         estimates: dict[str, Any] = _estimates(self, assembly)
         model = attrs.evolve(self, **{k: v for k, v in estimates.items() if getattr(self, k) is None})
+        supply, oil = assembly.scene.lubrication.oil_flow, assembly.lubricant.density
+        if self.oil_flow == 0.0 and supply is not None:
+            density = DENSITY if oil is None else oil(assembly.scene.operation.temperature)
+            model = attrs.evolve(model, oil_flow=supply * density)
         reached = {node for name, ends in _LINKS.items() if len(ends) == 1 and getattr(model, name) for node in ends}
         reached |= {_OIL} if model.oil_flow > 0.0 else set()
         for _ in _NODES:
