@@ -26,7 +26,6 @@ from rollslip.measurement import QUANTITIES
 from rollslip.scene.plausibility import RELATIONS
 from rollslip.scene.schema import schema, shown_default, shown_range
 from rollslip.studies.study import study_class
-from rollslip.studies.validity import bound_of
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 

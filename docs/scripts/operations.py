@@ -23,11 +23,10 @@ import numpy as np
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS
-from rollslip.lubricant import pressure
 from rollslip.motion.effective_table import effective_table
 from rollslip_kernels.motion import raceway as compiled
 from rollslip_kernels.slices import COLUMNS, Slices
-from rollslip_plugins import contact
+from rollslip_plugins import contact, pressure_viscosity
 from rollslip_plugins.film import formulas
 from rollslip_plugins.traction import blend, boundary, eyring, heating, stress
 
@@ -82,7 +81,7 @@ def counting_numpy():
     return ours
 
 
-MODULES = (contact, formulas, pressure, stress, eyring, heating, boundary, blend)
+MODULES = (contact, formulas, pressure_viscosity, stress, eyring, heating, boundary, blend)
 
 
 def count(stages, slices):

@@ -46,7 +46,8 @@ from rollslip.structure import Location
 
 ROOT = Path(__file__).parents[2]
 REFERENCES = ROOT / "tests" / "references"
-OIL = LubricantTable(name="mil-prf-7808")
+#: The law of the reference, fit_muraki.py.
+OIL = LubricantTable(name="mil-prf-7808", data={"pressure_viscosity_law": "barus"})
 RIG = Rig(rig=RigContact(radius=0.01), lubricant=OIL, models=Models(traction=ModelChoice(name="muraki")))
 SLIPS = (0.0005, 0.001, 0.002, 0.004, 0.006, 0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1)
 ONE = ((343.15,), (1.2e9,))
@@ -356,7 +357,7 @@ def test_what_the_oil_does_not_give_has_no_start():
     with pytest.raises(SceneError, match=r"conductivity: oil 'own oil' gives none to start from; give lubricant.cond"):
         parameters_named(problem, "conductivity")
     law = {"glass_temperature": 200.0, "a1": 100.0, "a2": 1e-9, "b1": 0.2, "b2": 2e-8, "c1": 11.0, "c2": 30.0}
-    free_volume = LubricantTable(name="sae-30", data={"pressure_viscosity_law": "yasutomi", "yasutomi": law})
+    free_volume = LubricantTable(name="sae-30", data={"pressure_viscosity_law": {"model": "yasutomi", **law}})
     problem = rig_problem(made(ONE), attrs.evolve(RIG, lubricant=free_volume), "kragelsky")
     with pytest.raises(SceneError, match="'yasutomi' fixes alpha itself"):
         parameters_named(problem, "pressure_viscosity")

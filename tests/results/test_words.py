@@ -20,11 +20,14 @@ def results():
     return {name: rollslip.run(steady, name) for name in studies}
 
 
-def test_a_verdict_is_four_lines_where_rolling_resistance_is_switched_off(results):
-    first, runs, bound, trust = verdict(results.values())
+def test_a_verdict_is_five_lines_where_a_drag_is_switched_off_and_a_law_has_a_caution(results):
+    first, runs, bound, caution, trust = verdict(results.values())
     assert bound == "no rolling resistance among the drags: slip and friction torque are lower bounds"
     whole = [dataset.drop_attrs().assign_attrs(dataset.attrs | {"bound_below": 0}) for dataset in results.values()]
-    assert verdict(whole) == [first, runs, trust]
+    assert verdict(whole) == [first, runs, caution, trust]
+    assert caution.startswith(
+        "viscosity under pressure follows Barus's law, as the scene names it: too steep above 0.1 GPa"
+    )
     away = results["effective-friction"]
     assert first == runs_away(float(away.runaway_slip), float(away.runaway_drag), "found")
     slip, reserve = float(results["steady-slip"].steady_slip[0]), float(results["steady-slip"].largest_drag)
@@ -42,7 +45,7 @@ def test_a_verdict_is_four_lines_where_rolling_resistance_is_switched_off(result
 
 def test_without_a_study_of_it_the_balance_of_effective_friction_says_how_the_cage_runs(results):
     """Of the same balance of torques; the load that a slip takes is the other study's."""
-    assert verdict([results["friction-curve"]]) == []
+    assert verdict([results["friction-curve"]]) == [verdict(results.values())[3]]  # the caution alone
     first, runs, _, trust = verdict([results["effective-friction"]])
     assert first.startswith("the cage runs away at")
     assert trust.startswith("how far to trust it")

@@ -5,8 +5,8 @@ How stiff does the oil get under pressure?
 In a contact the oil bears some hundred megapascals. By Barus's law viscosity rises exponentially, by Roelands's more
 slowly.
 
-Both laws of this picture start with the same slope. At 500 MPa they are far apart. This is why Roelands's is the default,
-and why a result says it first where a scene names ``barus``.
+Both laws of this picture start with the same slope. At 500 MPa they are far apart. This is why Roelands's is the
+default, and why a result says it first where a scene names ``barus``.
 """
 
 import matplotlib.pyplot as plt

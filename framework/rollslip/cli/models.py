@@ -190,7 +190,8 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
             {"bound": bound_of(one), "outside": one.told, "remedy": one.remedy, "source": one.source}
             for one in (() if isinstance(model, type) else model.validity)
         ],
-        "compiled": model.kernel() is not None,
+        # of a law without defaults there is no model to ask
+        "compiled": thing.kernel is not SliceModel.kernel if isinstance(model, type) else model.kernel() is not None,
     }
 
 

@@ -76,7 +76,7 @@ class BaseOil:
 
 
 _GRADES: Final = {"density": "C", "pressure_viscosity": "C", "conductivity": "C", "eyring_stress": "C",
-                  "shear_modulus": "C", "pressure_viscosity_kind": "D"}  # fmt: skip
+                  "shear_modulus": "C", "pressure_viscosity_kind": "C"}  # fmt: skip
 _SHEAR: Final = "published traction curves give a shear modulus of 0.05 to 1 GPa (C)"
 
 #: Kind of base oil, as scenes name it -> what is known of it.

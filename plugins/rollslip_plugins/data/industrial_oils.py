@@ -49,7 +49,7 @@ def _correlated(
         maximum_temperature=393.15,
         source=(
             f"{source} Between and beyond Walther's law. Pressure-viscosity coefficient: formula of Wu, Klaus and Duda "
-            "on this viscosity (B), taken as the slope at no pressure (D: it lies between that and the film's); it "
+            "on this viscosity (B), taken as the slope at no pressure (C: it lies between that and the film's); it "
             f"scatters by {of.alpha_scatter:.0%}. {told} {_RANGE}"
         ),
         references=(*references, ASTM_D341, WU_1989),

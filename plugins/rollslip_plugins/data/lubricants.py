@@ -30,13 +30,13 @@ _SHEAR_SOURCE = (
     "Eyring stress 4 MPa (D), published traction curves give 1 to 10 MPa; shear modulus 0.3 GPa (C), 0.05 to 1 GPa."
 )
 _REFERENCES = (GUPTA_1984,)
-_KIND_SOURCE = "alpha is taken as the slope at no pressure (D): its source does not say which it is."
+_KIND_SOURCE = "alpha is taken as the slope at no pressure (C): its source does not say which it is."
 _ATTRIBUTION = "as in the lubricant library of the bearing code ADORE (Gupta, 1984; attribution C)"
 
 
 def _grades(**own: str) -> dict[str, str]:
     """Grades of an oil: its own, and those of what is common to all."""
-    return own | {"eyring_stress": "D", "shear_modulus": "C", "pressure_viscosity_kind": "D"}
+    return own | {"eyring_stress": "D", "shear_modulus": "C", "pressure_viscosity_kind": "C"}
 
 
 _LOWEST, _HIGHEST = 273.15, 473.15  # K
