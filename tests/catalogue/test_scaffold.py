@@ -23,7 +23,7 @@ from rollslip.fields import FieldError
 pytestmark = pytest.mark.quick
 
 WRITTEN = [kind for kind in kinds() if get_kind(kind).template is not None]
-COMPILED = ("contact", "drag", "film", "pressure-viscosity", "traction")
+COMPILED = ("contact", "drag", "film", "pressure", "pressure-viscosity", "traction")
 FORMS = [(kind, False) for kind in WRITTEN] + [(kind, True) for kind in COMPILED]
 every_form = pytest.mark.parametrize(
     ("kind", "compiled"), FORMS, ids=[f"{kind}-compiled" if compiled else kind for kind, compiled in FORMS]
