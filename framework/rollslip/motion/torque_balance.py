@@ -42,6 +42,9 @@ _FAR: Final = 0.5
 _STANDS: Final = 0.94
 #: Largest slip of a way up that nobody asks to go further: there the cage all but stands.
 RANGE: Final = 0.95
+#: How statuses begin: of a cage that is driven, of one that nothing holds, and of reserves.
+DRIVEN, NOWHERE = "what acts on the cage drives it", "the cage runs at no slip"
+FOUND, AT_LEAST, SKIDS = "found", "at least", "the cage skids"
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -305,7 +308,7 @@ def running(balance: TorqueBalance, largest: float = RANGE) -> Running:
     try:
         way = balance.way(largest)
         if way.at_rest + balance.drag(0.0) > 0.0:
-            return _not_running("what acts on the cage drives it: it runs faster than its epicyclic speed")
+            return _not_running(f"{DRIVEN}: it runs faster than its epicyclic speed")
         steady = next(iter(way.steady(balance.drag)), None)
     except (DomainError, ConvergenceError) as error:
         return _not_running(f"it is not known at which slip the cage runs: {error}")
@@ -314,13 +317,61 @@ def running(balance: TorqueBalance, largest: float = RANGE) -> Running:
     slip, torque = way.largest
     drag, carried = (format_quantity(one, "N m", 3) for one in (-balance.drag(slip), torque))
     return _not_running(
-        f"the cage runs at no slip up to {way.end:.4g}: where the rollers carry most, {carried} at a slip of "
+        f"{NOWHERE} up to {way.end:.4g}: where the rollers carry most, {carried} at a slip of "
         f"{slip:.3g}, the drags of the scene are {drag}"
     )
 
 
 def _not_running(status: str) -> Running:
     return Running(math.nan, math.nan, status)
+
+
+@attrs.frozen
+class Reserve:
+    """Largest drag that the rollers carry over the drags of a scene; below 1 the cage skids.
+
+    ``status`` begins with one of `FOUND`, `AT_LEAST` and `SKIDS`; else it says why there is none, the factor is NaN.
+    """
+
+    factor: float
+    status: str
+
+
+def reserve(balance: TorqueBalance, away: Runaway, runs: Running, largest: float = RANGE) -> Reserve:
+    """Return the reserve of drag: the drag with which the cage runs away over that of the scene where it runs.
+
+    Where nothing runs away up to the end of the range, the most that the rollers carry is carried at least, and over
+    the drags where the cage runs, or without slip where these are larger, it is a lower bound: drags that fall with
+    slip, as churning does, would let a cage that has slowed down look safe. With a balance it is 1 at least. Where the
+    cage has no balance, or runs beyond the slip of running away, it is less than 1: the torque at the most favourable
+    slip of the way over the drags there.
+
+    Parameters
+    ----------
+    balance : TorqueBalance
+        The bearing.
+    away, runs
+        What `runaway` and `running` found of it.
+    largest : float
+        Largest cage slip, as they took it.
+    """
+    if runs.status == FOUND and not runs.slip > away.slip:  # NaN where there is no fold
+        if not runs.drag > 0.0:
+            return Reserve(math.inf, f"{AT_LEAST}: no torque drags the cage")
+        if not math.isnan(away.slip):
+            return Reserve(away.drag / runs.drag, FOUND)
+        if math.isnan(away.most):
+            return Reserve(math.nan, away.status)
+        said = f"{AT_LEAST}: up to a slip of {balance.way(largest).end:.4g} the cage does not run away"
+        return Reserve(max(away.most / max(runs.drag, -balance.drag(0.0)), 1.0), said)
+    if runs.status.startswith(DRIVEN):
+        return Reserve(math.inf, f"{AT_LEAST}: {runs.status}")
+    if not (runs.status == FOUND or runs.status.startswith(NOWHERE)):
+        return Reserve(math.nan, runs.status)
+    slips, torques = balance.way(largest).curve
+    shares = [torque / -balance.drag(slip) for slip, torque in zip(slips, torques, strict=True)
+              if torque > 0.0 and balance.drag(slip) < 0.0]  # fmt: skip
+    return Reserve(min(max(shares, default=0.0), 1.0), f"{SKIDS}: its drags are more than the rollers carry")
 
 
 @attrs.frozen

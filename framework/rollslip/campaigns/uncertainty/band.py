@@ -19,7 +19,7 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.campaigns.sweep.distributions import read_uncertainty
 from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.errors import ConvergenceError, DomainError, SceneError
-from rollslip.motion.runaway import rollers, scan
+from rollslip.motion.torque_balance import rollers
 from rollslip.planning.quantities import quantities
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
@@ -122,15 +122,11 @@ def _slips(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
         found, rises = _root(lambda log: balance.excess(min(math.exp(log), _LAST)), near, math.log(_LAST))
         if rises:
             return found
-        slips, torques, _ = scan(assembly, _LAST)  # beyond a fold, or there is none: who is the first to hold the cage
-        excess = torques + np.array([balance.drag(float(one)) for one in slips])
-        if not (excess > 0.0).any():
-            return math.inf if slips.size else math.nan
-        k = int(np.argmax(excess > 0.0))
-        if not k:
-            return math.nan
-        share = excess[k - 1] / (excess[k - 1] - excess[k])
-        return math.log(float(slips[k - 1] + share * (slips[k] - slips[k - 1])))
+        way = balance.way(_LAST)  # beyond a fold, or there is none: who is the first to hold the cage
+        steady = next(iter(way.steady(balance.drag)), None)
+        if steady is not None:
+            return math.log(steady.slip)
+        return math.nan if way.refusal else math.inf
 
     begin = of(nominal, math.log(slip))
     return begin, {which: of(one, begin) for which, one in moved.items()} if math.isfinite(begin) else {}
