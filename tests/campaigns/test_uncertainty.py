@@ -87,6 +87,7 @@ def test_an_oil_of_the_box_brings_its_scatter_and_the_result_says_so():
     assert list(made.critical.uncertainty.distributions) == [
         "lubricant.viscosity_factor",
         "lubricant.pressure_viscosity_factor",
+        "lubricant.pressure_exponent_factor",
         "lubricant.eyring_stress",
         "lubricant.shear_modulus",
         "cage.drag.petroff-land.factor",

@@ -243,7 +243,7 @@ def test_a_film_under_the_spike_is_refused_only_where_it_is_asked_for(monkeypatc
 
 @pytest.mark.parametrize("place", LOCATIONS)
 def test_the_model_is_the_solver_in_metres(place):
-    film = ReynoldsLine(thickness=place).film_thickness(*dimensional(1.5, 10.0))
+    film = ReynoldsLine(thickness=place, law=Barus()).film_thickness(*dimensional(1.5, 10.0))
     solved = solve_line_contact(1.5, 10.0, location=place)
     assert float(film) == pytest.approx(RADIUS * math.sqrt(US) * solved.thickness[place], rel=1e-9)
 
@@ -257,7 +257,7 @@ def test_a_state_is_solved_once(monkeypatch):
 
     monkeypatch.setattr(reynolds_line, "solve_line_contact", counted)
     reynolds_line._film_thickness.cache_clear()
-    model = ReynoldsLine(accuracy=1e-2)
+    model = ReynoldsLine(accuracy=1e-2, law=Barus())
     load, *rest = dimensional(1.0, 5.0)
     films = model.film_thickness([[load, 2 * load], [load, 2 * load]], *rest)
     assert len(count) == 2
@@ -274,7 +274,7 @@ def test_a_state_is_solved_once(monkeypatch):
 
 
 def test_bits_do_not_depend_on_the_units_nor_on_threads():
-    model = ReynoldsLine(accuracy=1e-2)
+    model = ReynoldsLine(accuracy=1e-2, law=Barus())
     contact = np.array(dimensional(2.0, 6.0))
     # powers of two for metre, kilogram and second: no rounding
     metre, kilogram, second = 2.0**3, 2.0**-5, 2.0**2
@@ -348,8 +348,8 @@ def test_a_law_of_the_local_pressure_and_temperature_is_read():
     oil["pressure_viscosity"] = YASUTOMI.coefficient(320.0)
     conditions = reynolds_line.Conditions(**oil)
     film = evaluated(model, conditions, load=load, rolling_speed=speed).film_thickness[0]
-    isoviscous = ReynoldsLine().film_thickness(load, speed, radius, modulus, viscosity, 0.0)
-    barus = ReynoldsLine().film_thickness(load, speed, radius, modulus, viscosity, oil["pressure_viscosity"])
+    isoviscous = ReynoldsLine(law=Barus()).film_thickness(load, speed, radius, modulus, viscosity, 0.0)
+    barus = ReynoldsLine(law=Barus()).film_thickness(load, speed, radius, modulus, viscosity, oil["pressure_viscosity"])
     assert isoviscous < film < 1.05 * barus
     with pytest.raises(DomainError, match="reynolds-line: needs temperature"):
         model.film_thickness(load, speed, radius, modulus, viscosity, 1e-8)
@@ -370,7 +370,7 @@ def test_a_contact_in_the_glass_is_refused_with_the_laws_words():
 def test_a_refused_slice_is_named_by_its_groups():
     load, *rest = dimensional(1.0, 5.0)
     with pytest.raises(DomainError, match="reynolds-line: M = 1000 is outside its domain"):
-        ReynoldsLine(accuracy=1e-2).film_thickness([load, 1000 * load], *rest)
+        ReynoldsLine(accuracy=1e-2, law=Barus()).film_thickness([load, 1000 * load], *rest)
     with pytest.raises(FieldError, match="thickness: must be one of 'minimum', 'central', 'dp/dx = 0'"):
         ReynoldsLine(thickness="mean")
     with pytest.raises(FieldError, match=r"accuracy: must be from 1e-06 to 0\.01"):
@@ -378,7 +378,7 @@ def test_a_refused_slice_is_named_by_its_groups():
 
 
 def test_it_runs_in_a_chain_and_has_no_kernel():
-    model = ReynoldsLine()
+    model = ReynoldsLine(law=Barus())
     assert model.kernel() is None
     assert Chain(get_model("contact", "palmgren"), model).block == 0
 

@@ -341,7 +341,7 @@ def test_the_estimate_holds_against_the_finest_grid(count):
 def test_every_speed_has_a_friction_that_is_odd_and_dissipative():
     positive = np.concatenate([[0.0, 5e-324, 1e-310, 1e-200, 1e-30], np.logspace(-8, 2, 11)])
     slices = contact(np.concatenate([positive, -positive]))
-    MaxwellEyringField().evaluate(slices)
+    MaxwellEyringField(law=Barus()).evaluate(slices)
     forward, backward = np.split(slices.friction, 2)
     assert np.all(np.isfinite(forward))
     np.testing.assert_allclose(backward, -forward, rtol=1e-12)
@@ -386,7 +386,7 @@ def test_a_slice_does_not_feel_the_others():
 def test_a_runaway_is_refused_by_the_number_of_its_slice():
     """A film that stores much elastic energy and little heat: SciPy's BDF gives up on its lines, too."""
     slices = of_groups([1e-6, 1e-3, 5.0, 5.0], 0.38, 0.82, barus=11.3)
-    model = MaxwellEyringField(heat_capacity=heat_capacity_of(0.27))
+    model = MaxwellEyringField(law=Barus(), heat_capacity=heat_capacity_of(0.27))
     with pytest.raises(DomainError, match="maxwell-eyring-field: slice 2 has no solution: its film runs away"):
         model.evaluate(slices)
     friction, error = solve_friction(slices, heat_capacity=model.heat_capacity, accuracy=1e-4)
@@ -406,7 +406,7 @@ def test_what_the_finest_grid_does_not_reach_is_refused():
 def test_an_oil_that_thickens_with_heat_is_refused():
     odd = attrs.evolve(OIL, pressure_thermoviscosity=-2e-10)
     with pytest.raises(DomainError, match=r"slice 0 has no solution: .* its oil thickens with heat"):
-        MaxwellEyringField().evaluate(contact(1.0, odd))
+        MaxwellEyringField(law=Barus()).evaluate(contact(1.0, odd))
 
 
 def test_parameters_have_limits():
