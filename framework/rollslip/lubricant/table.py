@@ -24,7 +24,14 @@ from rollslip.lubricant.base_oil import (
 )
 from rollslip.lubricant.fits import fit_vogel, fit_walther
 from rollslip.lubricant.oil import Lubricant, positive_field, scatter_of
-from rollslip.lubricant.pressure import ALPHAS, FORMER_TABLE, PressureViscosity, default_law, law_of_the_box
+from rollslip.lubricant.pressure import (
+    ALPHAS,
+    DEFAULT_LAW,
+    FORMER_TABLE,
+    PressureViscosity,
+    default_law,
+    law_of_the_box,
+)
 from rollslip.lubricant.temperature import Constant, Product, SmoothTable, Table, TemperatureLaw
 from rollslip.structure import FrozenTable, Location, structure
 from rollslip.units import format_quantity
@@ -124,7 +131,7 @@ class OilTable:
         doc="kind of base oil, by which an own oil gets what it does not state",
         validator=optional(one_of(*BASE_OILS)),
     )
-    iso_grade: Any = field(default=None, doc="grade of an own oil after ISO 3448, such as 'VG 68'")
+    iso_grade: str | None = field(default=None, doc="grade of an own oil after ISO 3448, such as 'VG 68'")
     viscosity_index: float | None = field(
         default=None,
         unit="1",
@@ -161,7 +168,12 @@ class OilTable:
         validator=optional(one_of(*ALPHAS)),
     )
     pressure_viscosity_law: Any = attrib(
-        default=None, metadata={"kind": "pressure-viscosity", "unit": None, "doc": "how viscosity rises with pressure"}
+        default=None,
+        metadata={
+            "kind": "pressure-viscosity",
+            "unit": None,
+            "doc": f"how viscosity rises with pressure, by default {DEFAULT_LAW}",
+        },
     )
     conductivity: Property = _property("W/(m K)", "thermal conductivity", usual=(0.05, 0.7), possible=(1e-3, 100))
     eyring_stress: Property = _property("Pa", "Eyring stress", usual=(2e5, 5e7), possible=(100, 1e11))
@@ -390,7 +402,7 @@ def lubricant_from_table(
     0.0133
     """
     problems: list[str] = []
-    data = _with_law_in_one_table(data)
+    data = _as_it_is_read(data)
     table = structure(OilTable, data, where, problems)
     law = None
     if table is not None and table.pressure_viscosity_law is not None:
@@ -439,7 +451,7 @@ def lubricant_from_table(
 
 def index_of(data: Mapping[str, object]) -> float:
     """Return the viscosity index of the points of a table ``[lubricant]``; nan where they tell none."""
-    table = structure(OilTable, _with_law_in_one_table(data), _WHERE, [])
+    table = structure(OilTable, _as_it_is_read(data), _WHERE, [])
     if table is None or len(points := table.nu()) < 2 or not table.points:
         return math.nan
     try:
@@ -449,8 +461,10 @@ def index_of(data: Mapping[str, object]) -> float:
         return math.nan
 
 
-def _with_law_in_one_table(data: Mapping[str, object]) -> Mapping[str, object]:
-    """Take the constants of a law that stand in a table of their own, as they did, into that of the law."""
+def _as_it_is_read(data: Mapping[str, object]) -> Mapping[str, object]:
+    """Take a grade as a text, and constants of a law that stand in a table of their own into that of the law."""
+    if isinstance(grade := data.get("iso_grade"), int):  # 68 for "VG 68"
+        data = {**data, "iso_grade": str(grade)}
     constants, law = data.get(FORMER_TABLE), data.get("pressure_viscosity_law")
     if not isinstance(constants, Mapping) or law != FORMER_TABLE:
         return data
