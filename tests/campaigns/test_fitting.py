@@ -542,7 +542,7 @@ def test_a_parameter_that_no_model_reads_changes_nothing():
 
 
 def test_a_limit_on_one_side_only_is_said_in_words():
-    true = LubricantTable(name="mil-prf-7808", data=TRUTH)
+    true = LubricantTable(name="mil-prf-7808", data={**OIL.data, **TRUTH})
     data = noisy(((313.15,), (1.2e9,)), noise=0.03)
     found = rollslip.fit(data, parameters="shear_modulus", rig=attrs.evolve(RIG, lubricant=true))
     assert found["status"].item() == "the data give no upper limit, searched to 30 GPa"
@@ -587,7 +587,7 @@ def test_a_limit_that_is_hidden_by_the_bound_of_another_is_not_said_to_be_none()
     assert re.fullmatch(r"9\.\d+ 1/GPa to \?", parameter_rows(found)[1][4])
     assert record(found)["parameters"]["pressure_viscosity"]["interval 95 %"] == [low, None]
     # what is said to do helps: from a start below which the range goes on, the limit is found, and beyond that place
-    lower = attrs.evolve(RIG, lubricant=attrs.evolve(OIL, data={"viscosity_factor": 0.2}))
+    lower = attrs.evolve(RIG, lubricant=attrs.evolve(OIL, data={**OIL.data, "viscosity_factor": 0.2}))
     again = rollslip.fit(data, parameters=names, rig=lower)
     assert again["interval"].to_numpy()[1, 1, 1] > 1e-9 * float(said[1])
 
