@@ -437,7 +437,7 @@ def test_it_serves_as_the_traction_of_a_scene():
     traction = {"model": "maxwell-eyring-field", "accuracy": 1e-3, "heat_capacity": "1.9e6 J/(m3 K)"}
     scene = evolve(load_scene("1032930-30C"), {"models.traction.hydrodynamic": traction})
     model = assemble(scene).traction.hydrodynamic
-    assert model == MaxwellEyringField(accuracy=1e-3, heat_capacity=1.9e6)
+    assert model == MaxwellEyringField(accuracy=1e-3, heat_capacity=1.9e6, law=Barus())
 
 
 def test_the_inside_of_a_contact():
