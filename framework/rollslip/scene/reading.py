@@ -171,11 +171,12 @@ def _with_named_data(raw: dict[str, object], where: Location, problems: list[str
 
 def _with_own_cage(raw: Mapping[str, object], complete: dict[str, object]) -> dict[str, object]:
     """Return a raw scene with make and guidance of the cage that its bearing's name stands for, where it says none."""
-    from rollslip.catalogue.discovery import own_cage
-
     bearing, cage = raw.get("bearing"), raw.get("cage", {})
-    own = own_cage(bearing.get("name")) if isinstance(bearing, Mapping) and "name" in bearing else None
-    if own is None or not isinstance(cage, Mapping):
+    if not (isinstance(bearing, Mapping) and "name" in bearing and isinstance(cage, Mapping)):
+        return complete
+    from rollslip.catalogue.discovery import own_cage  # only a scene that names data needs a plugin
+
+    if (own := own_cage(bearing["name"])) is None:
         return complete
     guidance = {"guidance": own.guidance} if cage.get("make", own.make) == own.make else {}
     return {**complete, "cage": {"make": own.make, **guidance, **cage}}
