@@ -27,7 +27,7 @@ COMMANDS = [
     *changed('models.traction={model="lambda-blend",boundary={}}', "models.traction.hydrodynamic={model=[]}"),
     *changed("bearing.rollers=1e400", "bearing.rollers=true", "bearing.rollers=9" + 80 * "9", "title=[]"),
     *changed("operation.radial_load=1e300", "operation.radial_load=nan", "operation.radial_load=[]"),
-    *changed("cage={mass=0}", 'cage={mass="0.4 kg",inertia=0.003,drag=[{}]}', "plugins.require=['???']", command="plan"),
+    *changed("cage.mass=0", 'cage={mass="0.4 kg",inertia=0.003,drag=[{}]}', "plugins.require=['???']", command="plan"),
     *changed("study.nosuch={}", "study.dynamics=1", "study=1", "accuracy.tolerance=0", "sweep=1", command="plan"),
     *changed(
         "study.friction-curve.normal_force=[]", "study.friction-curve.normal_force=[1e9]",
