@@ -48,7 +48,7 @@ REFERENCE = rows()
 
 
 def test_the_ratio_is_that_of_finite_volumes():
-    assert len(REFERENCE) == 19
+    assert len(REFERENCE) == 15
     for row in REFERENCE[1:]:
         assert row["uncertainty"] < 1e-3
         # the fit was made to 2 % (rms) and 4 % (worst) of other solutions
