@@ -1,4 +1,4 @@
-"""Line contact: half width and pressure, Hertz's and the film's, and the deflection laws; formulas: stages/contact.h."""
+"""Line contact: half width and pressure, Hertz's and the film's, and deflection laws; formulas: stages/contact.h."""
 
 from rollslip_blocks cimport LIGHT_COLUMNS, LIGHT_LOADS, light_params, rs_active_blocks
 from rollslip_stage cimport rs_new_model
