@@ -27,7 +27,6 @@ from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError
-from rollslip.motion.effective_table import EffectiveTable, effective_table
 from rollslip_kernels.motion.spin import Spin as Kernel
 from rollslip_kernels.slices import Slices
 
@@ -84,26 +83,23 @@ class Conventional:
         return traction, resistance * rolling / film
 
 
-class EffectiveCurve:
-    """Effective friction of one raceway against its sliding speed, from a table, beyond which it is held."""
+class Curve(Protocol):
+    """Effective friction of one raceway against its sliding speed."""
 
-    def __init__(self, table: EffectiveTable) -> None:
-        from scipy.interpolate import CubicHermiteSpline
-
-        x = np.linspace(*table.limits, table.nodes.shape[0])
-        self.table, self._scale, self._limits = table, table.sliding_scale, table.limits
-        self._friction = CubicHermiteSpline(x, table.nodes[:, 0], table.nodes[:, 1] / (x[1] - x[0]))
+    @property
+    def compiled(self) -> tuple[Array, tuple[float, float], float]:
+        """Nodes, their limits, and the scale of the sliding speed, for compiled code."""
+        ...
 
     def __call__(self, sliding: Array) -> Array:
         """Return the effective friction coefficient."""
-        x = sliding / (np.abs(sliding) + self._scale)
-        return np.asarray(self._friction(np.clip(x, *self._limits)), dtype=float)
+        ...
 
 
 class Effective:
     """Effective friction of the raceway times the normal force, resistance as without slip."""
 
-    def __init__(self, curve: EffectiveCurve, contacts: Conventional, rolling: float) -> None:
+    def __init__(self, curve: Curve, contacts: Conventional, rolling: float) -> None:
         self._curve = curve
         self._force = contacts.contacts.per_roller(contacts.contacts.force)
         free = np.full_like(self._force, rolling)
@@ -112,8 +108,7 @@ class Effective:
     @property
     def ring(self) -> "Curved":
         """What compiled code takes of it."""
-        table = self._curve.table
-        return np.ascontiguousarray(table.nodes), table.limits, table.sliding_scale, self._force, self._resistance
+        return *self._curve.compiled, self._force, self._resistance
 
     def __call__(self, rolling: Array, sliding: Array) -> tuple[Array, Array]:
         """Return F and F_R [N], (K,)."""
@@ -246,8 +241,8 @@ class Motions:
         Instants of a roller pitch; the orbit has Z times as many positions.
     pocket : float
         Coefficient of friction of the rollers in their pockets.
-    effective : tuple of EffectiveCurve, optional
-        Friction curves of inner and outer raceway in place of the whole chain; `effective_curves`.
+    effective : tuple of Curve, optional
+        Friction curves of inner and outer raceway in place of the whole chain.
     inertia : bool
         False for rollers without inertia of their spin.
     largest : float, optional
@@ -263,7 +258,7 @@ class Motions:
         instants: int,
         *,
         pocket: float = 0.0,
-        effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
+        effective: tuple[Curve, Curve] | None = None,
         inertia: bool = True,
         largest: float | None = None,
         few: int = 0,
@@ -484,15 +479,3 @@ class Motions:
     def link(self, below: Motion, motion: Motion) -> Motion:
         """Return a motion, marked by whether it goes on from the one at the slip below."""
         return attrs.evolve(motion, linked=self.apart(below.share, motion.share) <= GOES_ON)
-
-
-def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve, EffectiveCurve]:
-    """Return the effective friction curves of both raceways, with the loads at epicyclic speed."""
-    loads, tolerance = assembly.load_distribution(instants), assembly.resolution.table_tolerance
-
-    def of(raceway: Raceway, load: Array) -> EffectiveCurve:
-        return EffectiveCurve(
-            effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, slips=False)
-        )
-
-    return of(assembly.inner, loads.inner_load), of(assembly.outer, loads.outer_load)

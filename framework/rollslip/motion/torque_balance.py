@@ -25,10 +25,10 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly
 from rollslip.bearing.drags import Drags
-from rollslip.bearing.raceway import Array, LoadedContacts
+from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.motion.effective_table import EffectiveTable
-from rollslip.motion.spins import Conventional, EffectiveCurve, Motion, Motions, effective_curves
+from rollslip.motion.effective_table import EffectiveTable, effective_table
+from rollslip.motion.spins import Conventional, Motion, Motions
 from rollslip.motion.way_up import WayUp, way_up
 from rollslip.units import format_quantity
 
@@ -45,6 +45,27 @@ RANGE: Final = 0.95
 #: How statuses begin: of a cage that is driven, of one that nothing holds, and of reserves.
 DRIVEN, NOWHERE = "what acts on the cage drives it", "the cage runs at no slip"
 FOUND, AT_LEAST, SKIDS = "found", "at least", "the cage skids"
+
+
+class EffectiveCurve:
+    """Effective friction of one raceway against its sliding speed, from a table, beyond which it is held."""
+
+    def __init__(self, table: EffectiveTable) -> None:
+        from scipy.interpolate import CubicHermiteSpline
+
+        x = np.linspace(*table.limits, table.nodes.shape[0])
+        self.table, self._scale, self._limits = table, table.sliding_scale, table.limits
+        self._friction = CubicHermiteSpline(x, table.nodes[:, 0], table.nodes[:, 1] / (x[1] - x[0]))
+
+    @property
+    def compiled(self) -> tuple[Array, tuple[float, float], float]:
+        """Nodes, their limits, and the scale of the sliding speed, for compiled code."""
+        return np.ascontiguousarray(self.table.nodes), self.table.limits, self.table.sliding_scale
+
+    def __call__(self, sliding: Array) -> Array:
+        """Return the effective friction coefficient."""
+        x = sliding / (np.abs(sliding) + self._scale)
+        return np.asarray(self._friction(np.clip(x, *self._limits)), dtype=float)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -418,3 +439,15 @@ def near_running_away(assembly: Assembly, slip: float | None = None) -> Near | N
     if len(known) < 2:
         return Near(f"{where}, and it does so by one of both frictions alone", off)
     return Near(f"{where}, where effective friction is off by {100.0 * off:.2g} % of the drag", off)
+
+
+def effective_curves(assembly: Assembly, instants: int) -> tuple[EffectiveCurve, EffectiveCurve]:
+    """Return the effective friction curves of both raceways, with the loads at epicyclic speed."""
+    loads, tolerance = assembly.load_distribution(instants), assembly.resolution.table_tolerance
+
+    def of(raceway: Raceway, load: Array) -> EffectiveCurve:
+        return EffectiveCurve(
+            effective_table(assembly, raceway, load.reshape(-1, load.shape[2]), 0.1 * tolerance, slips=False)
+        )
+
+    return of(assembly.inner, loads.inner_load), of(assembly.outer, loads.outer_load)

@@ -1,8 +1,7 @@
 """What a bearing loses to friction at its steady slips, as variables of the result."""
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
-from typing import Any, Final
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -10,22 +9,8 @@ from rollslip.bearing.raceway import RINGS
 from rollslip.motion.losses import power_balance
 from rollslip.motion.torque_balance import Orbit, TorqueBalance
 from rollslip.results.dataset import about
-from rollslip.studies.answers import Output
+from rollslip.studies.steady_slip.outputs import LOSSES
 from rollslip.studies.steady_slip.torque import by_formula
-
-#: What `losses` gives.
-LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
-    {
-        "loss": Output("source steady", "W", "power lost to friction", status="status"),
-        "ring_power": Output("ring steady", "W", "power that a ring puts in", status="status"),
-        "stored_power": Output(
-            "steady", "W", "power of the rings that no loss takes: of the root and of the positions", status="status"
-        ),
-        "friction_torque": Output(
-            "steady", "N m", "friction torque of the bearing, all losses over the relative speed", status="status"
-        ),
-    }
-)
 
 
 def losses(balance: TorqueBalance, states: Sequence[Orbit], *, steady: bool) -> tuple[dict[str, Any], dict[str, Any]]:

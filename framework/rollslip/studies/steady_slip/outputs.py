@@ -6,9 +6,29 @@ from typing import Final
 
 from rollslip.studies.answers import Measurable, Output
 from rollslip.studies.raceways import REGIMES
-from rollslip.studies.steady_slip.losses import LOSSES
-from rollslip.studies.steady_slip.statuses import FASTER, VARIED
 from rollslip.studies.steady_slip.torque import BY_FORMULA
+
+#: What the status says of a cage that is driven.
+FASTER: Final = "it runs faster than its epicyclic speed"
+#: What the slips can be followed against -> (unit, what a fold is in words).
+VARIED: Final = {
+    "radial_load": ("N", "radial load"),
+    "inner_speed": ("rad/s", "speed of the inner ring"),
+    "temperature": ("K", "temperature"),
+}
+#: Losses, friction torque of the bearing, and what the rings put in.
+LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "loss": Output("source steady", "W", "power lost to friction", status="status"),
+        "ring_power": Output("ring steady", "W", "power that a ring puts in", status="status"),
+        "stored_power": Output(
+            "steady", "W", "power of the rings that no loss takes: of the root and of the positions", status="status"
+        ),
+        "friction_torque": Output(
+            "steady", "N m", "friction torque of the bearing, all losses over the relative speed", status="status"
+        ),
+    }
+)
 
 
 def followed_outputs(name: str) -> dict[str, Output]:

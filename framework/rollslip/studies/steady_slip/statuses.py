@@ -1,7 +1,5 @@
 """Why a bearing has a steady slip or none, and why a range that was followed has no limit, in words."""
 
-from typing import Final
-
 import numpy as np
 
 from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
@@ -9,20 +7,13 @@ from rollslip.motion.continuation import Branch
 from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.motion.way_up import WayUp
 from rollslip.results.words import SWITCHED_OFF
+from rollslip.studies.steady_slip.outputs import FASTER, VARIED
 from rollslip.units import format_quantity
 
 #: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.
 RUNS_AWAY, LEAVES = "slip runs away", "slip leaves the range"
-#: What it says of one that is driven.
-FASTER = "it runs faster than its epicyclic speed"
 #: What a branch may miss of a range that it goes through, relative.
 _THROUGH = 1e-3
-#: What the slips can be followed against -> (unit, what a fold is in words).
-VARIED: Final = {
-    "radial_load": ("N", "radial load"),
-    "inner_speed": ("rad/s", "speed of the inner ring"),
-    "temperature": ("K", "temperature"),
-}
 
 
 def status_of(balance: TorqueBalance, way: WayUp, slips: list[float]) -> str:

@@ -29,8 +29,7 @@ from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.motion.continuation import Branch, follow
 from rollslip.motion.effective_table import table_records
-from rollslip.motion.spins import effective_curves
-from rollslip.motion.torque_balance import RANGE, Near, Orbit, TorqueBalance, near_running_away
+from rollslip.motion.torque_balance import RANGE, Near, Orbit, TorqueBalance, effective_curves, near_running_away
 from rollslip.motion.way_up import Steady, WayUp
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
@@ -40,10 +39,10 @@ from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measu
 from rollslip.studies.raceways import regime_variables, unloaded
 from rollslip.studies.steady_slip.losses import losses
 from rollslip.studies.steady_slip.minimum_load import RULES, least_load
-from rollslip.studies.steady_slip.outputs import MEASURED, OUTPUTS, followed_outputs
+from rollslip.studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
 from rollslip.studies.steady_slip.shared import evaluated_slices
 from rollslip.studies.steady_slip.slip_drag import slip_drag
-from rollslip.studies.steady_slip.statuses import VARIED, no_fold, status_of
+from rollslip.studies.steady_slip.statuses import no_fold, status_of
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
 
