@@ -96,8 +96,6 @@ class WayUp:
     ----------
     path : list of Motion
         By growing slip, from a small one to the end of the range.
-    jumps : list of Jump
-        Maxima of the torque from which the slip jumps, by growing slip and drag.
     others : list of Motion
         Motions beside it, that only a cage from larger slips has.
     at_rest : float
@@ -106,12 +104,21 @@ class WayUp:
         Why the range ends early, empty if it does not.
     """
 
-    exact: Motions = attrs.field(repr=False)
+    _search: "_Search" = attrs.field(repr=False)
     path: list[Motion]
-    jumps: list[Jump]
     others: list[Motion]
     at_rest: float
     refusal: str = ""
+
+    @property
+    def exact(self) -> Motions:
+        """Motions on all slices."""
+        return self._search.exact
+
+    @cached_property
+    def jumps(self) -> list[Jump]:
+        """Maxima of the torque from which the slip jumps, by growing slip and drag."""
+        return [self._search.jump(self.path, *one) for one in _peaks(self.path)]
 
     @property
     def runs_away(self) -> Jump | None:
@@ -403,11 +410,10 @@ def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0, 
         try:
             way, others = search.ways(slips)
             way = _trusted(search.refined(_trusted(way)))
-            jumps = [search.jump(way, *one) for one in _peaks(way)]
             break
         except DomainError as error:  # a law has no value at the end of the range
             slips, refusal = slips[:-1], str(error)
             if not slips:
                 raise
     rest = exact.at(np.zeros(1), np.zeros(1))[0][0].torque if motions.resists else 0.0
-    return WayUp(exact, way, jumps, others, rest, refusal)
+    return WayUp(search, way, others, rest, refusal)

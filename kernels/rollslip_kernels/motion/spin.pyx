@@ -356,10 +356,10 @@ cdef class Spin:
                    Py_ssize_t orbits, double exact, known=None):
         """Return what rollers come to when they are sent round, row by row, whether two are one, and what is left.
 
-        Positions are rows of ``around`` ones, an orbit each; ``rows`` (n,) are those to go round. Of each ``inertia`` is
-        as in `periodic`, ``bracket`` (n, 2) holds the roller slips of rolling on either ring, ``wide`` is what steps and
-        tolerances refer to, and ``starts`` (n, 2) are slips at its first position: two for two rollers, the same twice
-        for one. ``exact`` is how exactly balances are found, relative to ``wide``.
+        Positions are rows of ``around`` ones, an orbit each; ``rows`` (n,) are those to go round. Of each ``inertia``
+        is as in `periodic`, ``bracket`` (n, 2) holds the roller slips of rolling on either ring, ``wide`` is what steps
+        and tolerances refer to, and ``starts`` (n, 2) are slips at its first position: two for two rollers, the same
+        twice for one. ``exact`` is how exactly balances are found, relative to ``wide``.
 
         By implicit Euler, at most so many orbits; from ``known`` whole orbits, (n, 2, K), by backward differences of
         second order. Returned are roller slips (n, 2, K), whether both have met (n,), how far a row is from repeating
@@ -406,7 +406,8 @@ cdef class Spin:
 
     cdef int _sent_round(self, Py_ssize_t K, Py_ssize_t n, const Py_ssize_t *rows, const double *inertia,
                          const double *bracket, const double *wide, Py_ssize_t orbits, double exact, bint second,
-                         double *out, unsigned char *met, double *left, double[:, ::1] way, Py_ssize_t[:, ::1] who) noexcept nogil:
+                         double *out, unsigned char *met, double *left, double[:, ::1] way,
+                         Py_ssize_t[:, ::1] who) noexcept nogil:
         """Walkers 2 r and 2 r + 1 are those of row r; the second goes where the first does as soon as they have met."""
         cdef Py_ssize_t *walks = &who[0, 0]      # those that are still on their way round
         cdef Py_ssize_t *until = &who[1, 0]      # when they have been everywhere since they met
@@ -432,8 +433,8 @@ cdef class Spin:
                 if second:
                     from_[w] = (4.0 * out[w * K + before] - out[w * K + (t + K - 2) % K]) / 3.0
                 found[w] = out[w * K + before]
-            ended = self._to_balances(K, p, walking, walks, rows, inertia, bracket, wide, exact, 1.5 if second else 1.0, way,
-                                      who)
+            ended = self._to_balances(K, p, walking, walks, rows, inertia, bracket, wide, exact, 1.5 if second else 1.0,
+                                      way, who)
             if ended != FOUND:
                 return ended
             some = 0
@@ -484,7 +485,7 @@ cdef class Spin:
     cdef Py_ssize_t _foreseen(self, Py_ssize_t K, Py_ssize_t walking, Py_ssize_t *walks, const double *wide,
                               const double *way, Py_ssize_t n, double *out, unsigned char *met,
                               double *left) noexcept nogil:
-        """Take two of a row for one where they approach the same motion, each orbit by the same share of what is left."""
+        """Take two of a row for one where they approach the same motion, each orbit by a like share of what is left."""
         cdef const double *left_over = &way[9 * (2 * n + 1)]   # where each will be, at the first position
         cdef Py_ssize_t a, w, k, some = 0
         cdef double one, two, part
@@ -610,7 +611,7 @@ cdef class Spin:
             for r in range(n):
                 for k in range(K):
                     self.active[k], self.slot[k] = rows[r] * K + k, k
-                if r and sure[r - 1] and not as_guessed:   # what second order adds to the guess is about what it has added before
+                if r and sure[r - 1] and not as_guessed:   # second order adds about what it has added before
                     change = sum = 0.0
                     for k in range(K):
                         change += fabs(guess[r, k] / unit[r] - guess[r - 1, k] / unit[r - 1])
