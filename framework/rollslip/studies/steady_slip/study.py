@@ -53,6 +53,8 @@ if TYPE_CHECKING:
 _FIRST_POSITIONS = 56
 #: Instants of a pitch at which doublings give up.
 _MOST_INSTANTS: Final = 256
+#: And beyond which these go on for no maximum.
+_MOST_OF_A_JUMP: Final = 16
 #: Slips at which accuracy is judged, relative to the largest.
 _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 #: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
@@ -366,11 +368,14 @@ class SteadySlip(Study):
         """Balance at the instants of the resolution, or at those that settle it, then with the errors that are left."""
         if assembly.resolution.instants is not None:
             return self._balance(assembly, assembly.resolution.instants), {}
-        balance, moved = self._doubled(assembly)
+        balance, moved = self._doubled(assembly, jump=True)
         return balance, {"instants_error": moved, "slices_error": self._slices_error(balance)}
 
-    def _doubled(self, assembly: Assembly) -> tuple[TorqueBalance, float]:
-        """Double the instants until the torque moves by less than the tolerance, relative to its largest value."""
+    def _doubled(self, assembly: Assembly, *, jump: bool = False) -> tuple[TorqueBalance, float]:
+        """Double the instants until the torque moves by less than the tolerance, relative to its largest value.
+
+        So long as there are not too many, also until the drag of running away is told to within it.
+        """
         tolerance, before = assembly.scene.accuracy.tolerance, None
         instants, moved = _first_instants(assembly), np.inf
         while instants <= _MOST_INSTANTS:
@@ -378,7 +383,9 @@ class SteadySlip(Study):
             torque = self._judged(balance)
             if before is not None:
                 moved = _moved(before, torque)
-                if moved <= tolerance:
+                away = self._way(balance).runs_away if jump and moved <= tolerance else None
+                told = away is None or away.error <= tolerance or instants > _MOST_OF_A_JUMP
+                if moved <= tolerance and told:
                     return balance, moved
             before, instants = torque, 2 * instants
         raise ConvergenceError(
