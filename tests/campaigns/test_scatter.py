@@ -13,6 +13,7 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from rollslip.motion.runaway import Runaway, Running, reserve
 from scipy.stats import norm, spearmanr
 
 import rollslip
@@ -25,7 +26,6 @@ from rollslip.campaigns.uncertainty.scatter import scattering, with_scatter
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
-from rollslip.motion.runaway import Runaway, Running, reserve
 from rollslip.planning.quantities import quantities
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance

@@ -49,7 +49,10 @@ def scene(tmp_path):
 
 def test_a_run_writes_data_plots_and_report(tmp_path):
     done = command("run", "1032930-70C", "--report", cwd=tmp_path)
-    assert re.match(r"rollslip \S+ \| 1032930-70C [0-9a-f]{12} \| contact palmgren; film moes; pressure hertz; traction", done.stdout)
+    assert re.match(
+        r"rollslip \S+ \| 1032930-70C [0-9a-f]{12} \| contact palmgren; film moes; pressure hertz; traction",
+        done.stdout,
+    )
     assert "inner ring: critical slip" in done.stdout
     first, runs, trust = done.stdout.splitlines()[1:4]
     assert re.fullmatch(r"the cage runs away at 42\.\d % cage slip, at a drag of 4\.0\d N m", first)

@@ -21,7 +21,7 @@ from rollslip.catalogue import discovery
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.models import models_as_dict
 from rollslip.errors import DomainError
-from rollslip.models import ISOTHERMAL, ContactModel, FilmModel, SliceModel, Tabled, TractionModel, Validity
+from rollslip.models import ISOTHERMAL, FilmModel, SliceModel, Tabled, TractionModel, Validity
 from rollslip.planning.execution import warnings
 from rollslip.results.words import warned as together
 from rollslip.studies.effective_friction.study import EffectiveFriction

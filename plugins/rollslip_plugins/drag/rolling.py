@@ -146,7 +146,7 @@ class RollingResistance(ResistanceModel):
         x = a * c.pressure_viscosity**0.342 / (ELASTIC * c.radius * (flow / c.radius) ** 0.658 * W**0.0126)
         large = np.maximum(x, 1.0)
         small = np.minimum(x, 1.0 / large)
-        factor = self.factor * in_full(self.starvation)
+        factor = np.asarray(self.factor * in_full(self.starvation))
         if self.inlet_heating != "none":
             factor = factor * heated_inlet(thermal_load(s))
         if self.extent == "film":

@@ -96,10 +96,11 @@ def operation(dataset: "xr.Dataset") -> str:
     """Say at which slip the cage runs, what reserve of drag it has, and which load keeps an acceptable slip."""
     if not has_steady(dataset) or str(dataset["status"].item()) != "found":
         return str(dataset["status"].item())
-    known = (dataset["steady_slip"][0], dataset["torque"][0], dataset["largest_drag"], dataset["largest_drag_slip"])
+    slip, drag = float(dataset["steady_slip"][0]), float(dataset["torque"][0])
+    largest, at = float(dataset["largest_drag"]), float(dataset["largest_drag_slip"])
     reached = float(dataset["most_torque_slip"]), float(dataset["most_torque"])
     least = f"; {_least_load(dataset, needs=False)}" if "least_load" in dataset else ""
-    said = f"{runs_at(*map(float, known), reached=reached)}{_band(dataset, 'steady_slip')}"
+    said = f"{runs_at(slip, drag, largest, at, reached)}{_band(dataset, 'steady_slip')}"
     return f"{said}{_doubted(dataset)}{least}"
 
 
