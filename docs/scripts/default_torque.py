@@ -1,4 +1,4 @@
-"""Write the table default_torque.csv of docs/theory/motion.rst: friction torque by default over ISO 15312's formula.
+"""Write the table default_torque.csv: friction torque by default over ISO 15312's formula.
 
 NU bearings of the catalogue at the reference conditions of ISO 15312: oil of 12 mm2/s at 70 degC, a twentieth of
 the static rating, and the speed at which the formula's torque is what 16 kW/m2 of the seats carry off, less above
