@@ -198,14 +198,6 @@ class Mounting:
         usual=(0, 3e-5), possible=(0, 1e-3),
     )  # fmt: skip
     growth: bool = field(default=True, doc="whether rings and shaft that turn widen by their centrifugal force")
-    bore: float | None = _length(
-        "bore of the bearing; by default by its name, or estimated: half a roller from the raceway (D)",
-        (3e-3, 2), (1e-4, 50), validator=attrs.validators.optional(positive),
-    )  # fmt: skip
-    outside_diameter: float | None = _length(
-        "outside diameter of the bearing; by default by its name, or estimated: half a roller from the raceway (D)",
-        (6e-3, 3.5), (1e-4, 50), validator=attrs.validators.optional(positive),
-    )  # fmt: skip
     shaft_bore: float = _length("bore of a hollow shaft, of the rings' steel", (0, 2), (0, 50), 0.0, non_negative)
     housing_outside_diameter: float | None = _length(
         "outside diameter of the housing, of the rings' steel; by default it is thick",
@@ -317,6 +309,13 @@ class Bearing:
             raise FieldError(
                 "roller_diameter", f"rollers of {shown} do not fit raceways that are {format_quantity(room, 'm')} apart"
             )
+        bore, outside = self.boundaries
+        for name, ring, wrong in (("bore", inner, bore >= inner), ("outside_diameter", outer, outside <= outer)):
+            if wrong:
+                size = format_quantity(bore if name == "bore" else outside, "m")
+                raise FieldError(
+                    "catalogue", f"{name} of {size} leaves nothing of a ring at {format_quantity(ring, 'm')}"
+                )
         if abs(self.radial_clearance) >= diameter:
             clearance = format_quantity(self.radial_clearance, "m")
             raise FieldError("radial_clearance", f"must be less than the roller diameter, {shown}, not {clearance}")

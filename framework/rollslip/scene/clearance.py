@@ -95,8 +95,6 @@ def operating(
     bore, outside = bearing.boundaries
     around = math.inf if m.housing_outside_diameter is None else m.housing_outside_diameter
     for name, size, low, high in (
-        ("bore", bore, 0.0, inner),
-        ("outside_diameter", outside, outer, math.inf),
         ("shaft_bore", m.shaft_bore, -1.0, bore),
         ("housing_outside_diameter", around, outside, math.inf),
     ):

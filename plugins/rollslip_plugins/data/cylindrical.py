@@ -320,8 +320,6 @@ def _bearing(name: str, size: _Size, group: str) -> BearingData:
             radial_clearance=round(0.5e-6 * (low + high), 9),
             clearance_class=group,
             mounting=Mounting(
-                bore=round(1e-3 * size.bore, 7),
-                outside_diameter=round(1e-3 * size.outside, 7),
                 initial_tolerance=round(1e-6 * (high - low), 9),
             ),
             profile=Profile(shape="iso16281"),
