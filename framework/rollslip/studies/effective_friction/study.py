@@ -56,8 +56,6 @@ _MANY: Final = 128
 _MAP: Final = (3, 6)
 #: Evaluations in the search for the critical slips of both rings, each of one ring.
 _SEARCH: Final = 40
-#: Motions of the rollers in the search for the slip of running away, and for that at which the cage runs.
-_MOTIONS: Final = 12
 #: Closure -> what the rollers do, as it is told of a critical slip.
 CLOSURES: Final[Mapping[str, str]] = MappingProxyType(
     {
