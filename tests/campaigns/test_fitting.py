@@ -48,7 +48,11 @@ ROOT = Path(__file__).parents[2]
 REFERENCES = ROOT / "tests" / "references"
 #: The law of the reference, fit_muraki.py.
 OIL = LubricantTable(name="mil-prf-7808", data={"pressure_viscosity_law": "barus"})
-RIG = Rig(rig=RigContact(radius=0.01), lubricant=OIL, models=Models(traction=ModelChoice(name="muraki")))
+RIG = Rig(
+    rig=RigContact(radius=0.01),
+    lubricant=OIL,
+    models=Models(film=ModelChoice(name="moes"), traction=ModelChoice(name="muraki")),
+)
 SLIPS = (0.0005, 0.001, 0.002, 0.004, 0.006, 0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1)
 ONE = ((343.15,), (1.2e9,))
 WARM = ((343.15,), (0.9e9,))
@@ -261,7 +265,9 @@ def test_without_a_rig_file_one_is_shown_that_can_be_used(tmp_path):
 def test_what_models_need_and_nobody_gives_is_told_with_its_place(tmp_path):
     oil = 'viscosity = "60 mPa s"\nthermoviscosity = "0.04 1/K"\npressure_viscosity = "19 1/GPa"\n'
     oil += 'eyring_stress = "4 MPa"\nshear_modulus = "0.3 GPa"\n'
-    (tmp_path / "rig.toml").write_text(f'[rig]\nradius = "10 mm"\n[lubricant]\n{oil}', encoding="utf-8")
+    (tmp_path / "rig.toml").write_text(
+        f'[rig]\nradius = "10 mm"\n[lubricant]\n{oil}[models]\nfilm = "moes"\n', encoding="utf-8"
+    )
     with pytest.raises(SceneError) as caught:
         rig_problem(made(), load_rig(tmp_path / "rig.toml"))
     assert [re.sub(r"^.*rig.toml", "rig.toml", p).partition(" (")[0] for p in caught.value.problems] == [

@@ -263,7 +263,7 @@ def test_a_journal_that_must_not_grow_ends_the_run_and_loses_nothing(folder):
 @pytest.mark.parametrize(
     ("arguments", "code", "said"),
     [
-        (["run", "1032930-70C", "--over", "operation.radial_load=500:5000"], 2, "has no count"),
+        (["run", "1032930-70C", "--over", "operation.radial_load=500N:5000N"], 2, "has no count"),
         ([*LOADS, "--engine", "thread"], 2, "no engine is called 'thread'; did you mean 'threads'"),
         ([*LOADS, "--engine", "serial", "--workers", "2"], 2, "of engines threads and processes"),
         ([*LOADS, "--workers", "2"], 2, "--workers needs an --engine"),
