@@ -112,7 +112,9 @@ class Resolution:
 
 @lru_cache(maxsize=32)
 def _gauss_legendre(points: int) -> tuple[Array, Array]:
-    nodes, weights = np.polynomial.legendre.leggauss(points)
+    from scipy.special import roots_legendre
+
+    nodes, weights = roots_legendre(points)
     return nodes, weights
 
 

@@ -135,19 +135,31 @@ class Probe:
         return [(curves, np.array([self._vertex(curves, *peak) for peak in self._peaks])) for curves in found]
 
     def _vertex(self, curves: Array, k: int, first: int, step: float) -> float:
+        """Slip of a maximum, NaN where there is none among the slips that it was looked for at."""
         low, middle, high = curves[k, first : first + 3]
         curvature = low - 2.0 * middle + high
-        return float(self._slip[first + 1] + 0.5 * step * (low - high) / curvature) if curvature < 0.0 else math.nan
+        steps = 0.5 * (low - high) / curvature if curvature < 0.0 else math.inf
+        return float(self._slip[first + 1] + step * steps) if abs(steps) <= 0.5 * (_AROUND + 1) else math.nan
 
 
 def difference(coarse: tuple[Array, Array], fine: tuple[Array, Array]) -> Errors:
-    """Return the relative errors of friction, of the largest of its curve, and of the critical slip."""
+    """Return the relative errors of friction, of the largest of its curve, and of the critical slip.
+
+    That is infinite where only one has it. A maximum that neither has is none: it is of what it was looked for with.
+    """
     scale = np.abs(fine[0]).max(axis=1, keepdims=True)
     friction = np.abs(coarse[0] - fine[0]) / np.where(scale > 0.0, scale, 1.0)
     found = {"friction": float(friction.max())}
-    if fine[1].size:
-        found["critical_slip"] = float(np.abs(coarse[1] / fine[1] - 1.0).max())
+    any_has = ~(np.isnan(coarse[1]) & np.isnan(fine[1]))
+    if any_has.any():
+        found["critical_slip"] = float(np.abs(coarse[1] / fine[1] - 1.0)[any_has].max())
     return {name: error if error == error else math.inf for name, error in found.items()}
+
+
+def _of_fine(coarse: tuple[Array, Array], fine: tuple[Array, Array]) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Return both without maxima that the fine one has not: those are of few slices and instants."""
+    there = ~np.isnan(fine[1])
+    return (coarse[0], coarse[1][there]), (fine[0], fine[1][there])
 
 
 def _everywhere(coarse: tuple[Array, Array], fine: tuple[Array, Array]) -> Errors:
@@ -249,7 +261,7 @@ def _curves(study: Curved, assembly: Assembly, share: float) -> tuple[Estimated,
     if study.averaged:
         numbers = _INSTANTS if study.nested else _SINGLY
         *ladder, fine = probe.measure(few, numbers)
-        errors = [difference(one, fine) for one in ladder]
+        errors = [difference(*_of_fine(one, fine)) for one in ladder]
         over_instants = Bound.over(numbers[:-1], errors, numbers[-1])
         half = {name: 0.5 * error for name, error in allowed.items()}
         instants = _whole(over_instants.needed(half if not even else allowed), 1, best.instants)
@@ -261,7 +273,7 @@ def _curves(study: Curved, assembly: Assembly, share: float) -> tuple[Estimated,
         bounds = {}
         for rule in _QUADRATURES[: 1 if fixed else None]:
             each = [few.at(attrs.evolve(few.resolution, slices=n, quadrature=rule)) for n in _SLICES]
-            errors = [difference(probe.measure(one, (SOME,))[0], fine) for one in each]
+            errors = [difference(*_of_fine(probe.measure(one, (SOME,))[0], fine)) for one in each]
             bounds[rule] = Bound.over(_SLICES, errors, _FINE)
         quadrature = min(bounds, key=lambda rule: bounds[rule].needed(rest))
         over_slices = bounds[quadrature]
