@@ -98,6 +98,7 @@ KERNELS = (
     "motion/raceway",
     "motion/varying",
     "equilibrium",
+    "gauss",
     "layout",
     "stages/blend",
     "stages/contact",

@@ -71,7 +71,7 @@ def test_every_compiled_kernel_was_looked_at():
     kernels = FOLDERS["rollslip_kernels"]
     found = {path.relative_to(kernels).with_suffix("").as_posix() for _, path in SOURCES if path.suffix == ".pyx"}
     assert found == {
-        "chain", "equilibrium", "layout",
+        "chain", "equilibrium", "gauss", "layout",
         *(f"motion/{name}"
           for name in ("carried", "leapfrog", "planar", "raceway", "rosenbrock", "spin", "system", "varying")),
         *(f"stages/{name}" for name in ("blend", "contact", "drag", "film", "shear_thinning", "simd", "stress",

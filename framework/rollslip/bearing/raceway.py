@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from rollslip.bearing.chain import Chain, Guarded, Job
 from rollslip.bearing.regimes import LIGHT, groups, regime_limits
 from rollslip_kernels.chain import Bound
+from rollslip_kernels.gauss import rules
 from rollslip_kernels.slices import Conditions, Slices
 
 Array = NDArray[np.float64]
@@ -31,7 +32,6 @@ RINGS: tuple[Ring, Ring] = ("inner", "outer")
 PROBES = 12
 _TABLE = 32768  # slices in a table at a time
 _FEWEST, _MOST = 8, 128  # loads of a rule
-_ROUNDING = 1e-13  # of a recurrence, relative to the largest node
 
 
 @attrs.frozen(eq=False)
@@ -122,17 +122,14 @@ class LoadedContacts:
         They are the Gauss rule of its slices by their widths: means over a roller of whatever is smooth in the root of
         the load are the same, and its force is. ``whole`` takes all rollers for one, where they run at the same speeds.
         """
-        owner, first = self.owner, self._first
+        first = self._first
         if whole:
-            owner, first = np.zeros_like(owner), first[[0, -1]]
+            first = first[[0, -1]]
         most = int(np.diff(first).max(initial=0))
         if most <= count:
             return self
-        load, width = np.zeros((2, first.size - 1, most))
-        place = owner, np.arange(owner.size) - first[owner]
-        load[place], width[place] = self.load, self.width
-        nodes, weights = gauss_rules(load, width, count)
-        return LoadedContacts(self.raceway, np.where(weights > 0.0, nodes, 0.0), weights, self.orbit)
+        nodes, weights = rules(self.load, self.width, np.ascontiguousarray(first), count)
+        return LoadedContacts(self.raceway, nodes, weights, self.orbit)
 
     def friction(self, rolling: Any, sliding: Any) -> Array:
         """Friction coefficient of every slice along the orbit, (N,), at speeds that broadcast to it."""
@@ -216,62 +213,30 @@ class LoadedContacts:
 
 
 def gauss_rule(load: Array, force: Array, count: int) -> Array:
-    """Return the Gauss rule of a force distributed over loads: `gauss_rules` of one row, weighed by its forces.
+    """Return the Gauss rule of a force distributed over loads.
+
+    With weights q_k at x_k = sqrt(w_k), Lanczos' recurrence gives the Jacobi matrix of the polynomials that are
+    orthogonal over them; its eigenvalues are the nodes x, and the squares of the first components of its eigenvectors
+    their shares of the weight (`rollslip_kernels.gauss.rules`).
+
+    Parameters
+    ----------
+    load, force : ndarray
+        Loads per length w [N/m] and force [N] at each, (N,).
+    count : int
+        Nodes m of the rule.
 
     Returns
     -------
     ndarray
         Load per length [N/m] and share of the force of each node, (m, 2).
-    """
-    nodes, weights = gauss_rules(load[None], force[None], count)
-    return np.stack((nodes[0], weights[0] / force.sum()), axis=1)
-
-
-def gauss_rules(load: Array, weight: Array, count: int) -> tuple[Array, Array]:
-    """Return the Gauss rule of weights distributed over loads, for each of several rows.
-
-    With weights q_k at x_k = sqrt(w_k), Lanczos' recurrence gives the Jacobi matrix of the polynomials that are
-    orthogonal over them; its eigenvalues are the nodes x, and the squares of the first components of its eigenvectors
-    their shares of the weight.
-
-    Parameters
-    ----------
-    load : ndarray
-        Loads per length w [N/m], (rows, N).
-    weight : ndarray
-        Weight of each, positive, or zero for none, (rows, N).
-    count : int
-        Nodes m of a rule.
-
-    Returns
-    -------
-    tuple of ndarray
-        Loads per length [N/m] of the nodes and their weights, (rows, m) each; a row with fewer different loads than m
-        has so many nodes that weigh something.
 
     References
     ----------
     G. H. Golub, J. H. Welsch, Calculation of Gauss quadrature rules, Math. Comp. 23 (1969) 221-230.
     """
-    x, total = np.sqrt(load), weight.sum(axis=1)
-    basis = np.zeros((load.shape[0], count, load.shape[1]))
-    jacobi = np.zeros((load.shape[0], count, count))
-    vector = np.sqrt(weight / np.where(total > 0.0, total, 1.0)[:, None])
-    ends = _ROUNDING * x.max(axis=1, initial=0.0)
-    for k in range(count):
-        basis[:, k] = vector
-        vector = x * vector
-        jacobi[:, k, k] = (vector * basis[:, k]).sum(axis=1)
-        for _ in range(2):  # once more, for what the rounding of the first leaves
-            shares = basis[:, : k + 1] @ vector[:, :, None]
-            vector = vector - (basis[:, : k + 1].swapaxes(1, 2) @ shares)[:, :, 0]
-        beside = np.sqrt((vector * vector).sum(axis=1))
-        beside[beside <= ends] = 0.0  # no load is left that differs: further nodes weigh nothing
-        vector = vector / np.where(beside > 0.0, beside, np.inf)[:, None]
-        if k + 1 < count:
-            jacobi[:, k, k + 1] = jacobi[:, k + 1, k] = beside
-    nodes, vectors = np.linalg.eigh(jacobi)
-    return nodes**2, vectors[:, 0] ** 2 * total[:, None]
+    nodes, weights = rules(load, force, np.array([0, load.size]), count)
+    return np.stack((nodes[0], weights[0] / force.sum()), axis=1)
 
 
 def load_rule(load: Array, force: Array, mean: Callable[[Array], Array], tolerance: float) -> Array:

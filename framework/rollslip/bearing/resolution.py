@@ -10,7 +10,6 @@
 
 import abc
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Final
 
 import attrs
@@ -21,6 +20,7 @@ from rollslip.bearing.profile import slice_positions
 from rollslip.errors import RollslipError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.scene.values import Scene
+from rollslip_kernels.gauss import legendre
 from rollslip_kernels.slices import Slices
 
 Array = NDArray[np.float64]
@@ -106,16 +106,8 @@ class Resolution:
         """Return positions from the middle and widths of the slices of a roller [m], (n,)."""
         if self.quadrature == "equal":
             return slice_positions(length, self.slices), np.full(self.slices, length / self.slices)
-        nodes, weights = _gauss_legendre(self.slices)
+        nodes, weights = legendre(self.slices)
         return 0.5 * length * nodes, 0.5 * length * weights
-
-
-@lru_cache(maxsize=32)
-def _gauss_legendre(points: int) -> tuple[Array, Array]:
-    from scipy.special import roots_legendre
-
-    nodes, weights = roots_legendre(points)
-    return nodes, weights
 
 
 def finest(scene: Scene) -> Resolution:

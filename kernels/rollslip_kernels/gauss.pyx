@@ -1,0 +1,174 @@
+"""Gauss rules of weights at points, row by row, and those of Gauss and Legendre; what for is said by who asks.
+
+- Lanczos' recurrence gives the Jacobi matrix of the polynomials that are orthogonal over the weights: three terms, then
+  each vector is made orthogonal to all before once more, for what rounding leaves.
+- The eigenvalues of that matrix are the nodes, and the squares of the first components of its eigenvectors their shares
+  of the weight: rotations with Wilkinson's shift, of the first components alone.
+"""
+
+import numpy as np
+
+from libc.math cimport M_PI, copysign, cos, fabs, hypot, sqrt
+
+cdef enum:
+    LANES = 4        # sums go on in so many, which the compiler takes for a vector
+    TURNS = 60       # rotations of a matrix for an eigenvalue; usual are 2
+    STEPS = 12       # by Newton's rule to a node; usual are 3
+
+cdef double EPSILON = 2.220446049250313e-16
+cdef double ROUNDING = 1e-13     # of the recurrence, relative to the largest point
+
+
+cdef double dot(const double *a, const double *b, Py_ssize_t n) noexcept nogil:
+    cdef double lanes[LANES]
+    cdef Py_ssize_t i, k
+    for k in range(LANES):
+        lanes[k] = 0.0
+    for i in range(0, n, 4):   # a step has to stand here as a number
+        for k in range(LANES):
+            lanes[k] += a[i + k] * b[i + k]
+    return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
+
+
+cdef void taken(double *of, double share, const double *other, Py_ssize_t n) noexcept nogil:
+    cdef Py_ssize_t i
+    for i in range(n):
+        of[i] -= share * other[i]
+
+
+cdef Py_ssize_t jacobi(
+    const double *x, double *basis, double *diagonal, double *beside, Py_ssize_t n, Py_ssize_t count
+) noexcept nogil:
+    """Jacobi matrix over n points, whose first row of the basis is given; return its size, at most count."""
+    cdef Py_ssize_t k, j, i
+    cdef double *row
+    cdef double *new
+    cdef double least = 0.0, norm
+    for i in range(n):
+        least = max(least, x[i])
+    least *= ROUNDING
+    for k in range(count):
+        row, new = basis + k * n, basis + (k + 1) * n
+        for i in range(n):
+            new[i] = x[i] * row[i]
+        diagonal[k] = dot(new, row, n)
+        taken(new, diagonal[k], row, n)
+        if k > 0:
+            taken(new, beside[k - 1], row - n, n)
+        for j in range(k + 1):
+            taken(new, dot(new, basis + j * n, n), basis + j * n, n)
+        norm = sqrt(dot(new, new, n))
+        if not norm > least:   # no point is left that differs
+            return k + 1
+        if k + 1 < count:
+            beside[k] = norm
+        for i in range(n):
+            new[i] /= norm
+    return count
+
+
+cdef void eigenvalues(double *diagonal, double *beside, double *first, Py_ssize_t n) noexcept nogil:
+    """Turn a matrix into its eigenvalues, on the diagonal, and the first unit vector into components along theirs."""
+    cdef Py_ssize_t low, high = n - 1, k
+    cdef int turns = 0
+    cdef double half, x, y, r, c, s, moved
+    while high > 0:
+        low = high
+        while low > 0 and fabs(beside[low - 1]) > EPSILON * (fabs(diagonal[low - 1]) + fabs(diagonal[low])):
+            low -= 1
+        if low == high or turns == TURNS:
+            high, turns = high - 1, 0
+            continue
+        turns += 1
+        half, y = 0.5 * (diagonal[high - 1] - diagonal[high]), beside[high - 1]
+        x = diagonal[low] - (diagonal[high] - y * (y / (half + copysign(hypot(half, y), half))))
+        y = beside[low]
+        for k in range(low, high):
+            r = hypot(x, y)
+            c, s = 1.0, 0.0
+            if r > 0.0:
+                c, s = x / r, y / r
+            if k > low:
+                beside[k - 1] = r
+            moved = s * (s * (diagonal[k] - diagonal[k + 1]) - 2.0 * c * beside[k])
+            beside[k] = (c - s) * (c + s) * beside[k] - c * s * (diagonal[k] - diagonal[k + 1])
+            diagonal[k] -= moved
+            diagonal[k + 1] += moved
+            first[k], first[k + 1] = c * first[k] + s * first[k + 1], c * first[k + 1] - s * first[k]
+            if k + 1 < high:
+                x, y = beside[k], s * beside[k + 1]
+                beside[k + 1] *= c
+
+
+def rules(const double[::1] load, const double[::1] weight, const Py_ssize_t[::1] begin, Py_ssize_t count):
+    """Return loads and weights of the Gauss rules of rows in the root of the load, ascending, (rows, count) each.
+
+    Row k has the loads from begin[k] to begin[k + 1], and weights that are not negative. Nodes that it has no different
+    loads for are 0 and weigh nothing.
+    """
+    cdef Py_ssize_t rows = begin.shape[0] - 1, k, i, n, size, most = 0
+    cdef double total, node, share
+    for k in range(rows):
+        most = max(most, begin[k + 1] - begin[k])
+    most += LANES
+    found, shares = np.zeros((rows, count)), np.zeros((rows, count))
+    cdef double[:, ::1] nodes = found, weights = shares
+    cdef double[::1] room = np.empty((count + 2) * most + 3 * count)
+    cdef double *x = &room[0]
+    cdef double *basis = x + most
+    cdef double *diagonal = basis + (count + 1) * most
+    cdef double *beside = diagonal + count
+    cdef double *first = beside + count
+    with nogil:
+        for k in range(rows):
+            n, total = 0, 0.0
+            for i in range(begin[k], begin[k + 1]):
+                if weight[i] > 0.0:
+                    x[n], basis[n] = sqrt(load[i]), sqrt(weight[i])
+                    total += weight[i]
+                    n += 1
+            if n == 0:
+                continue
+            for i in range(n):
+                basis[i] /= sqrt(total)
+            while n % LANES:   # points without weight change nothing
+                x[n] = basis[n] = 0.0
+                n += 1
+            size = jacobi(x, basis, diagonal, beside, n, count)
+            for i in range(size):
+                first[i] = 1.0 if i == 0 else 0.0
+            eigenvalues(diagonal, beside, first, size)
+            for i in range(size):   # in order
+                n, node, share = i, diagonal[i] * diagonal[i], first[i] * first[i] * total
+                while n > 0 and nodes[k, n - 1] > node:
+                    nodes[k, n], weights[k, n] = nodes[k, n - 1], weights[k, n - 1]
+                    n -= 1
+                nodes[k, n], weights[k, n] = node, share
+    return found, shares
+
+
+def legendre(Py_ssize_t n):
+    """Return nodes and weights of the rule of Gauss and Legendre over -1 to 1, (n,) each."""
+    found, shares = np.empty(n), np.empty(n)
+    cdef double[::1] nodes = found, weights = shares
+    cdef Py_ssize_t k, j
+    cdef int step
+    cdef double x, before, now, over, slope, moved
+    with nogil:
+        for k in range((n + 1) // 2):
+            x = cos(M_PI * (k + 0.75) / (n + 0.5)) * (1.0 - (n - 1.0) / (8.0 * n * n * n))   # Tricomi
+            for step in range(STEPS):
+                before, now = 1.0, x
+                for j in range(2, n + 1):
+                    over = x * now
+                    before, now = now, over + (1.0 - 1.0 / j) * (over - before)
+                slope = n * (before - x * now) / ((1.0 - x) * (1.0 + x))
+                moved = now / slope
+                x -= moved
+                if fabs(moved) <= EPSILON:
+                    break
+            x += moved   # where the slope was found; the weight is then taken to the node, to the first order
+            weights[k] = 2.0 / ((1.0 - x) * (1.0 + x) * slope * slope) * (1.0 + 2.0 * x * moved / ((1.0 - x) * (1.0 + x)))
+            x = 0.0 if 2 * k + 1 == n else x - moved
+            nodes[k], nodes[n - 1 - k], weights[n - 1 - k] = -x, x, weights[k]
+    return found, shares
