@@ -125,6 +125,24 @@ def test_more_than_the_drag_of_running_away_is_carried_by_no_slip_near(number):
         assert not [steady for steady in more if steady.slip < 0.5 * (jump.high + beyond)]
 
 
+@pytest.mark.parametrize(("kind", "number"), [("free", 20), ("free", 5), ("catalogue", 9), ("catalogue", 19)])
+def test_the_error_told_of_a_jump_holds_against_four_times_the_positions_and_tells_something(kind, number):
+    one = scenes.balance(getattr(scenes, kind)(number))
+    jumps, dense = one.way().jumps, scenes.finer(one, 4).way().jumps
+    assert len(jumps) == len(dense), "what positions alone bend down is no jump"
+    for jump, finer in zip(jumps, dense, strict=True):
+        assert jump.drag == pytest.approx(finer.drag, rel=jump.error + finer.error + 1e-6)
+        assert jump.error < 0.03
+
+
+@pytest.mark.parametrize(("kind", "number"), [("free", 1), ("free", 7), ("catalogue", 3), ("catalogue", 12)])
+def test_the_error_told_of_the_most_that_is_carried_holds_against_four_times_the_positions(kind, number):
+    one = scenes.balance(getattr(scenes, kind)(number))
+    way, dense = one.way(), scenes.finer(one, 4).way()
+    assert way.largest[1] == pytest.approx(dense.largest[1], rel=way.largest_error + 1e-6)
+    assert way.largest_error < 0.03
+
+
 @given(number=st.integers(0, 10_000))
 @settings(max_examples=3, deadline=None)
 def test_a_bearing_that_turns_the_other_way_has_the_same_way(number):

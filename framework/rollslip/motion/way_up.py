@@ -33,10 +33,14 @@ _CORNER: Final = _STEP / 512.0
 _CLOSE, _FOUND, _SAFETY, _ROUNDS, _MOST = 1e-3, 1e-6, 2.0, 14, 9
 #: Share by which the torque has to fall behind a maximum.
 _FALL: Final = 2.0 * _CLOSE
+#: Fall that positions may make, which is looked at by more of them.
+_SHALLOW: Final = 0.02
 #: How many times the positions a maximum is looked at, loads of a roller there, and what of a change of it is left.
 _FINER, _FEW, _LEFT = 4, 8, 1.0 / 3.0
 #: Least and largest half width of that look, in places; slips between which a corner is looked for, and how often.
 _NARROW, _WIDE, _BETWEEN, _LOOKS = 2e-3, 0.1, 9, 2
+#: How often a look goes on, twice as far, where the torque still rises at its end.
+_FURTHER: Final = 5
 #: Exactness of a steady slip, relative to it and to its torque, and steps towards it.
 _STEADY, _SECANTS = 1e-10, 60
 #: Step of a slip, relative to it, by which the excess torque is differentiated.
@@ -118,7 +122,8 @@ class WayUp:
     @cached_property
     def jumps(self) -> list[Jump]:
         """Maxima of the torque from which the slip jumps, by growing slip and drag."""
-        return [self._search.jump(self.path, *one) for one in _peaks(self.path)]
+        found = [self._search.jump(self.path, *one) for one in _peaks(self.path)]
+        return [jump for jump in found if jump is not None]
 
     @property
     def runs_away(self) -> Jump | None:
@@ -130,6 +135,13 @@ class WayUp:
         """Slip and torque [N m] of the most that the way carries: at the end of the range where nothing jumps."""
         known = [(one.slip, one.torque) for one in (self.path[-1:] if self.jumps else self.path)]
         return max(known + [(one.slip, one.drag) for one in self.jumps], key=lambda one: one[1])
+
+    @cached_property
+    def largest_error(self) -> float:
+        """Error of the most that the way carries, relative: of a jump its own, else what finer positions move it by."""
+        slip, torque = self.largest
+        of_jumps = [jump.error for jump in self.jumps if jump.slip == slip]
+        return of_jumps[0] if of_jumps else self._search.missed(self.near(slip))
 
     @property
     def end(self) -> float:
@@ -247,8 +259,8 @@ class _Search:
                 way[k + 1 : k + 2] = [self.motions.link(way[k], motion), self.motions.link(motion, way[k + 1])]
         return way
 
-    def jump(self, way: list[Motion], k: int, to: float) -> Jump:
-        """The peak at motion k: the vertex of a polynomial, or a corner."""
+    def jump(self, way: list[Motion], k: int, to: float) -> Jump | None:
+        """The peak at motion k: the vertex of a polynomial, or a corner; None if more positions know no fall behind it."""
         place, drag, around = way[k].place, way[k].torque, way[max(k - 1, 0) : k + 2]
         corner = len(around) < 3 or not (way[k].linked and way[k + 1].linked)
         error = 1.0 if not corner else _beside(way, k) / drag
@@ -266,13 +278,19 @@ class _Search:
                 ends[side] = way[j].place
         low, high = min(ends[0], place), max(ends[1], place)
         error = max(error, way[k].error)
-        finer = self._corner(way, k) if corner else self._finer(way[k], place, 0.5 * (high - low))
+        behind = (motion for motion in way[k + 1 :] if math.isnan(to) or motion.place <= to)
+        dip = min(behind, key=lambda motion: motion.torque)
+        finer = self._corner(way, k) if corner else self._finer(way[k], place, 0.5 * (high - low), dip.place)
         if finer is None:
             error = math.inf
         else:
             at, torque, more = finer
             error = max(error, more) + _LEFT * abs(torque / drag - 1.0)
             low, high, place, drag = low + at - place, high + at - place, at, torque
+        if dip.torque > (1.0 - _SHALLOW) * drag:  # positions alone may have bent it down
+            bottom = self._at_finer(dip)
+            if bottom.sure and bottom.torque >= (1.0 - _FALL) * drag:
+                return None
         to = math.nan if math.isnan(to) else slip_of(to)
         return Jump(slip_of(place), drag, to, slip_of(low), slip_of(high), error, corner)
 
@@ -293,14 +311,36 @@ class _Search:
                 break
             known[at], error = new, abs(new.torque / height - 1.0)
         best = max(known.values(), key=lambda motion: motion.torque)
-        return best.place, best.torque, min(error, 1.0)
+        return best.place, best.torque, min(error, _rise(sorted(known), [known[x].torque for x in sorted(known)]))
 
-    def _finer(self, near: Motion, place: float, half: float) -> tuple[float, float, float] | None:
-        """The same by four times the positions; None if they do not tell it."""
-        half = min(max(half, _NARROW), _WIDE)
-        slips = np.array([slip_of(x) for x in (place - half, place, place + half)])
-        found = [one[0] for one in self._fine.at(slips, np.full(3, near.share[0]))]
-        return self._climbed(self._fine, found) if all(one.sure for one in found) else None
+    def _finer(self, near: Motion, place: float, half: float, end: float) -> tuple[float, float, float] | None:
+        """The same by four times the positions, up to where it has fallen; None if they do not tell it."""
+        half, found = min(max(half, _NARROW), _WIDE), dict[float, Motion]()
+        places = place - half, place, min(place + half, end)
+        for _ in range(_FURTHER):
+            slips = np.array([slip_of(x) for x in places])
+            new = self._fine.at(slips, np.full(slips.size, near.share[0]))
+            found |= {x: one[0] for x, one in zip(places, new, strict=True) if one[0].sure}
+            if len(found) < 2:
+                return None
+            x, half = sorted(found), 2.0 * half
+            top = max(x, key=lambda at: found[at].torque)
+            if x[0] < top < x[-1] or top == end:
+                break
+            places = (max(top - half, x[0] - half) if top == x[0] else min(top + half, end),)
+            if places[0] in found:
+                break
+        return self._climbed(self._fine, list(found.values()))
+
+    def _at_finer(self, motion: Motion) -> Motion:
+        """A motion by four times the positions."""
+        return self._fine.at(np.array([motion.slip]), motion.share[:1])[0][0]
+
+    def missed(self, motion: Motion) -> float:
+        """What slips, positions and loads of a roller leave of the torque of a motion, relative."""
+        finer = self._at_finer(motion)
+        off = abs(finer.torque / motion.torque - 1.0) if motion.torque else 0.0
+        return max(motion.error, finer.error) + (1.0 + _LEFT) * off if finer.sure else math.inf
 
     def _corner(self, way: list[Motion], k: int) -> tuple[float, float, float] | None:
         """Place and height of the end of a motion by four times the positions; None if they do not tell it."""
@@ -338,6 +378,16 @@ def _beside(way: list[Motion], k: int) -> float:
     gaps = [b.place - a.place for a, b in sides if not b.linked]
     slopes = [abs(b.torque - a.torque) / (b.place - a.place) for a, b in sides if b.linked]
     return max(gaps, default=0.0) * max(slopes, default=way[k].torque)
+
+
+def _rise(x: list[float], y: list[float]) -> float:
+    """What a maximum may be over the largest of some values, relative: on either side, by the slope of the other."""
+    best = int(np.argmax(y))
+    slopes = np.abs(np.diff(y) / np.diff(x))
+    if not 0 < best < len(x) - 1:  # it still rises there: as far again
+        return float(slopes[0 if best == 0 else -1] * (x[-1] - x[0]) / y[best])
+    over = slopes[best - 1] * (x[best + 1] - x[best]), slopes[best] * (x[best] - x[best - 1])
+    return float(max(over) / y[best])
 
 
 def _vertex(x: list[float], y: list[float]) -> tuple[float, float]:

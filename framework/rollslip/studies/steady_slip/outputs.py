@@ -64,6 +64,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "jump_slip": Output("", "1", "cage slip to which a larger drag takes the cage, NaN where nothing carries it"),
         "most_torque": Output("", "N m", "largest torque of the rollers on the way up, a reserve where nothing jumps"),
         "most_torque_slip": Output("", "1", "cage slip there"),
+        "most_torque_error": Output("", "1", "relative error left of it"),
         "first_maximum_torque": Output(
             "", "N m", "driving torque from which it first falls with slip", status="largest_drag_status"
         ),

@@ -49,6 +49,7 @@ def slip_drag(
         "jump_slip": math.nan if away is None else away.to,
         "most_torque": most,
         "most_torque_slip": most_slip,
+        "most_torque_error": way.largest_error,
         "first_maximum_torque": math.nan if first is None else first.drag,
         "first_maximum_slip": math.nan if first is None else first.slip,
     }
