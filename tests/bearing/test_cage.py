@@ -6,7 +6,7 @@ import pytest
 
 from rollslip import evolve, load_scene, plan, register, run, sweep
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.cage import ALTERNATIVES, MAKES, Cage, estimated_inertia, unstated_scatter
+from rollslip.bearing.cage import MAKES, Cage, estimated_inertia
 from rollslip.bearing.drags import Drags, TotalResistance, torque_capsule
 from rollslip.catalogue import discovery
 from rollslip.errors import PluginError, SceneError
@@ -207,18 +207,11 @@ def test_the_plan_says_what_of_the_cage_is_estimated():
 def test_what_is_estimated_of_a_land_can_be_sampled():
     scene = parse_scene(NAMED, "mine.toml")
     cage = assemble(scene).cage
-    (one,) = unstated_scatter(scene, cage)
-    assert one.quantity == "land_clearance"
-    table = {"distribution": one.distribution, "mean": cage.land_clearance, **one.parameters}
     assert quantities(assemble(scene), {})["cage.land_clearance"].value == cage.land_clearance
-    assert assemble(evolve(scene, {"cage.land_clearance": table["mean"]})).cage == cage
-    for factor in ALTERNATIVES["cage.land_clearance"]:
+    assert assemble(evolve(scene, {"cage.land_clearance": cage.land_clearance})).cage == cage
+    for factor in (0.5, 2.0):
         other = evolve(scene, {"cage.land_clearance": factor * cage.land_clearance})
         assert assemble(other).cage.land_clearance == pytest.approx(factor * cage.land_clearance)
-        assert not unstated_scatter(other, cage)
-    on_rollers = evolve(scene, {"bearing.name": "NU 2312 ECP"})
-    assert unstated_scatter(on_rollers, assemble(on_rollers).cage) == ()
-    assert {assemble(evolve(scene, {"cage.make": make})).cage.make for make in ALTERNATIVES["cage.make"]} == set(MAKES)
 
 
 def test_all_faults_are_found_at_once():

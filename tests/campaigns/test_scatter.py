@@ -13,7 +13,6 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
-from rollslip.motion.runaway import Runaway, Running, reserve
 from scipy.stats import norm, spearmanr
 
 import rollslip
@@ -26,6 +25,7 @@ from rollslip.campaigns.uncertainty.scatter import scattering, with_scatter
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
+from rollslip.motion.torque_balance import Runaway, Running, reserve, rollers, runaway, running
 from rollslip.planning.quantities import quantities
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
@@ -219,31 +219,26 @@ def test_the_share_that_skids_is_that_of_the_torques_beyond_the_largest_drag():
     ],
 )
 def test_a_reserve_is_what_it_is_or_says_why_not(away, runs, factor, begins):
-    slips = np.array([0.2, 0.4, 0.9])
-    found = reserve(
-        assemble(constant(0.5)), 1, Runaway(*away, slips, np.array([3.0, 4.0, 2.0])), Running(*runs)
-    )  # fmt: skip
+    found = reserve(rollers(assemble(constant(0.5)), 1), Runaway(*away, most=4.0), Running(*runs))
     assert found.factor == pytest.approx(factor, nan_ok=True)
     assert found.status.startswith(begins)
 
 
-def test_a_cage_beyond_its_largest_drag_has_the_best_of_the_slips_looked_at():
-    away = Runaway(0.4, 4.0, "found", np.array([0.2, 0.9]), np.array([3.0, 2.0]))
-    runs = Running(math.nan, math.nan, "the cage runs at no slip up to 0.9: and so on")
-    found = reserve(assemble(constant(8.0)), 1, away, runs)
-    # a constant torque of 8 N m fades by 1/sqrt(1 + (1/w)^2) only: 4 of 8 are carried
-    assert found.factor == pytest.approx(0.5, rel=1e-4)
+def test_a_cage_beyond_its_largest_drag_has_the_best_of_the_slips_of_the_way():
+    balance = rollers(assemble(constant(8.0)), 1)
+    away, runs = runaway(balance, 0.95, ""), running(balance)
+    found = reserve(balance, away, runs)
+    # a constant torque of 8 N m fades by 1/sqrt(1 + (1/w)^2) only
+    assert found.factor == pytest.approx(away.most / 8.0, rel=1e-3)
     assert found.status.startswith("the cage skids")
 
 
-def test_where_nothing_runs_away_the_reserve_is_a_bound_by_the_torque_at_the_end():
-    away = Runaway(math.nan, math.nan, "the cage was not found to run away", np.array([0.2, 0.9]), np.array([3.0, 4.0]))
-    bearing = assemble(constant(0.5))
-    found = reserve(bearing, 1, away, Running(0.01, 0.5, "found"))
-    from rollslip.motion.runaway import rollers
-
-    assert found.factor == pytest.approx(rollers(bearing, 1).torque(0.9) / 0.5, rel=1e-3)
-    assert found.status == "at least: up to a slip of 0.9 the cage does not run away"
+def test_where_nothing_runs_away_the_reserve_is_a_bound_by_the_most_that_is_carried():
+    balance = rollers(assemble(constant(0.5)), 1)
+    away, runs = runaway(balance, 0.2, ""), running(balance, 0.2)
+    found = reserve(balance, away, runs, 0.2)
+    assert found.factor == pytest.approx(balance.torque(0.2) / 0.5, rel=1e-3)
+    assert found.status == "at least: up to a slip of 0.2 the cage does not run away"
 
 
 def points(statuses):

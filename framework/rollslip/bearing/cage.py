@@ -63,13 +63,6 @@ MAKES: Final[Mapping[str, Make]] = {
 }
 
 
-#: What else a cage may be whose table is silent: makes, and factors of the estimated clearance of its land (D).
-ALTERNATIVES: Final[Mapping[str, tuple[object, ...]]] = {
-    "cage.make": tuple(MAKES),
-    "cage.land_clearance": (0.5, 2.0),
-}
-
-
 def _of_the_bearing(cage: "Cage") -> float:
     raise TypeError("a cage takes mass, inertia and pocket_clearance; read_cage estimates them")  # pragma: no cover
 
