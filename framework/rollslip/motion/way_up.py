@@ -139,7 +139,7 @@ class WayUp:
     @cached_property
     def largest_error(self) -> float:
         """Error of the most that the way carries, relative: of a jump its own, else what finer positions move it by."""
-        slip, torque = self.largest
+        slip, _ = self.largest
         of_jumps = [jump.error for jump in self.jumps if jump.slip == slip]
         return of_jumps[0] if of_jumps else self._search.missed(self.near(slip))
 
@@ -260,7 +260,7 @@ class _Search:
         return way
 
     def jump(self, way: list[Motion], k: int, to: float) -> Jump | None:
-        """The peak at motion k: the vertex of a polynomial, or a corner; None if more positions know no fall behind it."""
+        """The peak at motion k: a vertex of a polynomial, or a corner; None if more positions know no fall behind."""
         place, drag, around = way[k].place, way[k].torque, way[max(k - 1, 0) : k + 2]
         corner = len(around) < 3 or not (way[k].linked and way[k + 1].linked)
         error = 1.0 if not corner else _beside(way, k) / drag
@@ -316,7 +316,7 @@ class _Search:
     def _finer(self, near: Motion, place: float, half: float, end: float) -> tuple[float, float, float] | None:
         """The same by four times the positions, up to where it has fallen; None if they do not tell it."""
         half, found = min(max(half, _NARROW), _WIDE), dict[float, Motion]()
-        places = place - half, place, min(place + half, end)
+        places: tuple[float, ...] = (place - half, place, min(place + half, end))
         for _ in range(_FURTHER):
             slips = np.array([slip_of(x) for x in places])
             new = self._fine.at(slips, np.full(slips.size, near.share[0]))

@@ -269,7 +269,7 @@ class SteadySlip(Study):
             ring_power; (source, steady): loss; (steady, angle): roller_slip; (ring, steady, angle): normal_force, all
             of these one NaN where there is no steady slip; scalars: status, largest_drag, largest_drag_slip,
             largest_drag_status, largest_drag_error, _low and _high, jump_slip, most_torque, most_torque_slip,
-            first_maximum_torque, first_maximum_slip. For each varied quantity X, if a branch was
+            most_torque_error, first_maximum_torque, first_maximum_slip. For each varied quantity X, if a branch was
             found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit, X_limit_slip, X_limit_status.
 
         Raises
