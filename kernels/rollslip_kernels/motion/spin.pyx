@@ -38,12 +38,15 @@ cdef enum:   # how it ended; below, the ring whose chain refused
     RAISED
 
 cdef enum:           # where a roller is on its way to a balance
+    STANDS = -1
     LOOKS
     BETWEEN
-    ARRIVED
+    GUESSED          # it goes where the slope of the balance before leads
+    NEARS
 
 cdef enum:
     MARCHES = 400        # steps towards a balance at one position
+    SECANTS = 5          # of these without a bracket
     STEPS = 80           # of Newton's method
     OUTRIGHT = 40        # of one that sets out without damping, and mostly needs 4 to 10
     BISECTIONS = 120
@@ -73,6 +76,8 @@ cdef double BEYOND = 0.1        # and to the way outside it; tractions change ov
 cdef double NARROW = 1e-3       # least bracket that counts
 cdef double FIRST = 1e-6        # first step where the slope is not known, relative to the bracket
 cdef double OVER = 1.2          # by how much a step goes beyond where the slope leads
+cdef double ALIKE = 1.5         # factor by which slopes of a balance differ from one position to the next, at most
+cdef double CURVES = 5.0        # by how much a slope may change over the width, relative to it
 cdef double MET = 10.0          # exactness of balances within which two motions are one
 cdef double KEPT = 1e-3         # share of what is left of a row's way after an orbit within which it repeats
 cdef double FORESEEN = 0.02     # and within which two will be one
@@ -384,7 +389,7 @@ cdef class Spin:
                 out[r, 0, 0], out[r, 1, 0] = starts[r, 0], starts[r, 1]
             one[r] = starts[r, 0] == starts[r, 1]
         # where walkers come from, both ends of where each is looked for, and their steps and slopes
-        cdef double[:, ::1] way = np.empty((10, 2 * n + 1))
+        cdef double[:, ::1] way = np.empty((11, 2 * n + 1))
         cdef Py_ssize_t[:, ::1] who = np.empty((4, 2 * n + 1), dtype=np.intp)
         if n:
             with nogil:
@@ -519,17 +524,22 @@ cdef class Spin:
         cdef double *at_low = &way[6, 0]         # and what is left there
         cdef double *high = &way[7, 0]           # beyond the balance
         cdef double *at_high = &way[8, 0]
+        cdef double *begin = &way[10, 0]
         cdef Py_ssize_t *state = &who[2, 0]
-        cdef Py_ssize_t *kept = &who[3, 0]       # how often one end has stayed
+        cdef Py_ssize_t *kept = &who[3, 0]       # how often one end has stayed, or how often it has looked
         cdef double *spin = &self.work[6, 0]
         cdef double *cage = &self.work[7, 0]
         cdef Py_ssize_t a, w, r, count = walking, left
         cdef int number, ended
-        cdef double c, rest, sense, step, longest, to, wider
+        cdef double c, rest, step, longest, to, last
+        cdef bint first
         for a in range(walking):
             w = walks[a]
-            self.active[a], self.slot[a] = rows[w // 2] * K + p, w
-            state[w] = -1
+            r = w // 2
+            self.active[a], self.slot[a] = rows[r] * K + p, w
+            begin[w], state[w], kept[w] = x[w], STANDS, 0
+            if inertia[r] > 0.0 and slope[w] > 0.0:
+                state[w] = GUESSED
         for number in range(MARCHES):
             ended = self._torques(x, spin, cage, count)
             if ended != FOUND:
@@ -542,6 +552,26 @@ cdef class Spin:
                 rest = c * (x[w] - from_[w]) + spin[w]
                 if rest == 0.0:
                     continue
+                if state[w] >= GUESSED:   # secants, as long as the balance is near, and what it was a position before
+                    last, step = slope[w], 0.0
+                    if state[w] == NEARS:
+                        step = x[w] - low[w]
+                        slope[w] = (rest - at_low[w]) / step
+                    to = x[w] - rest / slope[w]
+                    kept[w] += 1
+                    if kept[w] > SECANTS or not last < ALIKE * slope[w] or not slope[w] < ALIKE * last or (
+                            fabs(to - begin[w]) > _longest(&bracket[2 * r], begin[w])):
+                        x[w], state[w], slope[w], kept[w] = begin[w], STANDS, last, 0
+                    else:
+                        low[w], at_low[w], last, x[w] = x[w], rest, fabs(to - x[w]), to
+                        if last <= exact * wide[r] or state[w] == NEARS and (
+                                last * max(last / fabs(step), CURVES * fabs(step) / wide[r]) <= exact * wide[r]):
+                            continue
+                        state[w] = NEARS
+                    self.active[left], self.slot[left] = self.active[a], w
+                    left += 1
+                    continue
+                first = state[w] == STANDS
                 if state[w] == BETWEEN:
                     if (rest < 0.0) == (at_low[w] < 0.0):
                         low[w], at_low[w] = x[w], rest
@@ -560,14 +590,11 @@ cdef class Spin:
                             slope[w] = (rest - at_low[w]) / (x[w] - low[w])
                         state[w], low[w], at_low[w] = LOOKS, x[w], rest
                 if state[w] == LOOKS:
-                    sense = 1.0 if rest < 0.0 else -1.0
-                    wider = bracket[2 * r + 1] - bracket[2 * r]
-                    longest = ALONG * max(wider, NARROW) + BEYOND * max(
-                        max(bracket[2 * r] - x[w], x[w] - bracket[2 * r + 1]), 0.0)
-                    step = longest if number else FIRST * wide[r]
+                    longest = _longest(&bracket[2 * r], x[w])
+                    step = FIRST * wide[r] if first else longest
                     if slope[w] > 0.0:
                         step = min(OVER * fabs(rest) / slope[w] + FIRST * wide[r], longest)
-                    x[w] += sense * step
+                    x[w] += step if rest < 0.0 else -step
                 else:
                     to = high[w] - at_high[w] * (high[w] - low[w]) / (at_high[w] - at_low[w])
                     step = fabs(high[w] - low[w])
@@ -961,6 +988,11 @@ cdef class Spin:
         last, previous = (a * (1.0 - h) + e * f) / determinant, (f * (1.0 - b) + g * a) / determinant
         for k in range(K):
             x[k] += first[k] * last + second[k] * previous
+
+
+cdef inline double _longest(const double *bracket, double x) noexcept nogil:
+    """Longest step of a roller in which no balance is lost."""
+    return ALONG * max(bracket[1] - bracket[0], NARROW) + BEYOND * max(max(bracket[0] - x, x - bracket[1]), 0.0)
 
 
 cdef double _of_curve(const ring_t *ring, double sliding) noexcept nogil:
