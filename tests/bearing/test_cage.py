@@ -6,7 +6,7 @@ import pytest
 
 from rollslip import evolve, load_scene, plan, register, run, sweep
 from rollslip.bearing.assembly import assemble
-from rollslip.bearing.cage import MAKES, Cage, estimated_inertia
+from rollslip.bearing.cage import Cage, estimated_inertia
 from rollslip.bearing.drags import Drags, TotalResistance, torque_capsule
 from rollslip.catalogue import discovery
 from rollslip.errors import PluginError, SceneError

@@ -53,6 +53,10 @@ class TestFilm(Conformance):
     models = (*box("film"), PanHamrock(thickness="central"))
 
 
+class TestPressure(Conformance):
+    models = box("pressure")
+
+
 class TestPressureViscosity(Conformance):
     models = (
         Barus(), Roelands(), Barus(factor=1.2), Roelands(factor=0.8), Roelands(alpha="film"),
@@ -118,7 +122,7 @@ class TestData(Conformance):
 
 def test_no_kind_is_left_out():
     classes = {"contact", "film", "traction", "drag", "integrator", "engine", "study", "thermal", "damage", "torque"}
-    assert set(kinds()) == {*classes, "pressure-viscosity", *DATA}
+    assert set(kinds()) == {*classes, "pressure", "pressure-viscosity", *DATA}
 
 
 # The function --------------------------------------------------------------------------------------------------------
