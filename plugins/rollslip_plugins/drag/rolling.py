@@ -46,23 +46,28 @@ def _compared(quantity: str, low: float, high: float) -> Validity:
 class RollingResistance(ResistanceModel):
     """Resistance of the oil's pressure to rolling, between the rigid and the elastic limit.
 
-    F = C_T C_S (a^-5 + b^-5)^(-1/5), a = 2.0796 sqrt(eta0 u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126. a is exact
-    for a rigid, isoviscous contact; b is Goksem and Hargreaves's fit for an elastic one. With ``extent = "film"`` it is
-    that times 1 + (0.049 L - 0.16) M^2/(1 + M^2), a fit of numerical solutions. Heat and want of oil thin the inlet as
-    they thin the film: C_T = 3.94/(3.94 + Lt^0.62), which agrees with SKF's regression of tests within 4 % (C).
+    F = f C_T C_S C_E (a^-5 + b^-5)^(-1/5), a = 2.0796 sqrt(eta0 u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126. a is
+    exact for a rigid, isoviscous contact; b is Goksem and Hargreaves's fit for an elastic one. C_E is 1 for the inlet
+    alone; with ``extent = "film"`` it is 1 + (0.049 L - 0.16) M^2/(1 + M^2), a fit of numerical solutions. Heat and
+    want of oil thin the inlet as they thin the film: C_T = 3.94/(3.94 + Lt^0.62), which agrees with SKF's regression of
+    tests within 4 % (C).
 
     Symbols:
 
     - F: force on each surface for a unit of length, int h dp/2 over the film [N/m]
+    - f: factor for calibration and scatter (``factor``), 1 by default [1]
     - a, b: its rigid and its elastic limit [N/m]
     - C_T: reduction by shear heating of the inlet (``inlet_heating``), that of film 'inlet-correction' [1]
     - C_S: reduction by starvation (``starvation``), which the supply of oil gives; 1 outside of a scene [1]
+    - C_E: what the film behind the inlet adds (``extent``) [1]
     - Lt: thermal load eta0 beta0 u^2/K_f [1]
     - beta0: fall of the viscosity with temperature -dln(eta0)/dT [1/K]
     - K_f: conductivity of the oil [W/(m K)]
     - eta0: viscosity at ambient pressure [Pa s]
     - u: mean of the two surface speeds [m/s]
     - w: load per length [N/m]
+    - M: load parameter W/sqrt(2 U) [1]
+    - L: lubricant parameter G (2 U)^(1/4) [1]
     - R: equivalent radius [m]
     - alpha: pressure-viscosity coefficient [1/Pa]
     - G: material parameter alpha E' [1]
@@ -70,8 +75,8 @@ class RollingResistance(ResistanceModel):
     - W: load parameter w/(E' R) [1]
     - E': equivalent modulus 2/sum((1 - nu^2)/E) [Pa]
 
-    Range: isothermal, against a numerical solution (Barus) -36 to 0 % at M = W/sqrt(2 U) from 0.2 to 20 and
-    L = G (2 U)^(1/4) from 5 to 15, of which -15 to 0 % up to M = 1 and L = 10. b counts the inlet alone, which the law
+    Range: isothermal, against a numerical solution (Barus) -36 to 0 % at M from 0.2 to 20 and L from 5 to 15, of
+    which -15 to 0 % up to M = 1 and L = 10. b counts the inlet alone, which the law
     meets to -23 to +15 %; the exit, where the pressure falls through a film that narrows, adds up to half as much. With
     ``extent = "film"`` it meets the whole to -2 to +7 % for M up to 20 and L from 3.5 to 20; for smaller L it is too
     large, by 13 % at L = 2 and by far at 0. Torques of bearings speak for the inlet alone: real inlets are not that
@@ -92,8 +97,8 @@ class RollingResistance(ResistanceModel):
 
     name: ClassVar[str] = "rolling-resistance"
     equation: ClassVar[str] = (
-        "F = C_T C_S (a^-5 + b^-5)^(-1/5), a = 2.0796 sqrt(eta0 u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126, "
-        "C_T = 3.94/(3.94 + Lt^0.62); film: F [1 + (0.049 L - 0.16) M^2/(1 + M^2)]"
+        "F = f C_T C_S C_E (a^-5 + b^-5)^(-1/5), a = 2.0796 sqrt(eta0 u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126, "
+        "C_T = 3.94/(3.94 + Lt^0.62), C_E = 1 + (0.049 L - 0.16) M^2/(1 + M^2)"
     )
     references: ClassVar[tuple[Reference, ...]] = (GOKSEM_1978, MARTIN_1916, MURCH_1975)
     validity: ClassVar[tuple[Validity, ...]] = (
@@ -163,7 +168,7 @@ class RollingResistance(ResistanceModel):
 
 @attrs.frozen(kw_only=True)
 class Hysteresis(ResistanceModel):
-    """Resistance of steel that gives back a little less work than it takes: F = k w b/(3 pi R).
+    """Resistance of steel that gives back a little less work than it takes: F = f k w b/(3 pi R).
 
     Rolling by a unit of length the front half of the contact takes up the work int_0^b p (x/R) dx = 2 w b/(3 pi R), of
     which the share k is lost; the two surfaces resist with half of that each.
@@ -171,6 +176,7 @@ class Hysteresis(ResistanceModel):
     Symbols:
 
     - F: force on each surface for a unit of length [N/m]
+    - f: factor for calibration and scatter (``factor``), 1 by default [1]
     - k: share of the work that is lost (``loss``) [1]
     - w: load per length [N/m]
     - b: half width after Hertz, sqrt(8 w R/(pi E')), whatever the pressure in the film [m]
@@ -193,7 +199,7 @@ class Hysteresis(ResistanceModel):
     """
 
     name: ClassVar[str] = "hysteresis"
-    equation: ClassVar[str] = "F = k w b/(3 pi R), b = sqrt(8 w R/(pi E'))"
+    equation: ClassVar[str] = "F = f k w b/(3 pi R), b = sqrt(8 w R/(pi E'))"
     references: ClassVar[tuple[Reference, ...]] = (JOHNSON_1985.at("chapter 9"), GREENWOOD_1961)
     reads = frozenset({"load", "radius", "modulus"})
     domain = MappingProxyType(dict.fromkeys(sorted(reads), POSITIVE))

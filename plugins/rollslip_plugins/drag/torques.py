@@ -79,12 +79,13 @@ class ConstantTorque(DragModel):
 class PetroffLand(DragModel):
     """Torque of the oil between the cage and the land that guides it, after Petroff.
 
-    T = 2 pi eta W R^3 (w_ring - w_c)/c. The inner ring drives the cage, the outer one brakes it. Derived: shear stress
-    eta R (w_ring - w_c)/c on the area 2 pi R W at the lever R.
+    T = f 2 pi eta W R^3 (w_ring - w_c)/c. The inner ring drives the cage, the outer one brakes it. Derived: shear
+    stress eta R (w_ring - w_c)/c on the area 2 pi R W at the lever R.
 
     Symbols:
 
     - T: torque on the cage [N m]
+    - f: factor for calibration and scatter (``factor``), 1 by default [1]
     - eta: viscosity of the oil (``viscosity``) [Pa s]
     - W: width of all rails together (``width``) [m]
     - R: radius of the land (``radius``) [m]
@@ -110,7 +111,7 @@ class PetroffLand(DragModel):
     """
 
     name: ClassVar[str] = "petroff-land"
-    equation: ClassVar[str] = "T = 2 pi eta W R^3 (w_ring - w_c)/c"
+    equation: ClassVar[str] = "T = f 2 pi eta W R^3 (w_ring - w_c)/c"
     references: ClassVar[tuple[Reference, ...]] = (PETROFF_1883, HARRIS_2007)
 
     ring: str = from_scene("guiding_ring", validator=one_of("inner", "outer"), doc="ring whose land guides the cage")
@@ -166,11 +167,12 @@ class PetroffLand(DragModel):
 class Churning(DragModel):
     """Torque of rollers that plough through a mist of oil: each meets F = C_D rho_eff l D (w_c R_m)^2/2 at R_m.
 
-    T = -Z R_m F sign(w_c), rho_eff = phi rho. The rollers' mass of air is left out.
+    T = -f Z R_m F sign(w_c), rho_eff = phi rho. The rollers' mass of air is left out.
 
     Symbols:
 
     - T: torque on the cage [N m]
+    - f: factor for calibration and scatter (``factor``), 1 by default [1]
     - Z: number of rollers (``rollers``) [1]
     - l: length of a roller (``roller_length``) [m]
     - D: diameter of a roller (``roller_diameter``) [m]
@@ -201,7 +203,7 @@ class Churning(DragModel):
     """
 
     name: ClassVar[str] = "churning"
-    equation: ClassVar[str] = "T = -Z R_m C_D phi rho l D |w_c R_m| w_c R_m/2"
+    equation: ClassVar[str] = "T = -f Z R_m C_D phi rho l D |w_c R_m| w_c R_m/2"
     references: ClassVar[tuple[Reference, ...]] = (HARRIS_2007, PARKER_1984)
 
     coefficient: float = parameter(
