@@ -41,6 +41,8 @@ __all__ = [
     "HINDMARSH_2005",
     "ISO_15",
     "ISO_76",
+    "ISO_286",
+    "ISO_492",
     "ISO_3448",
     "ISO_5753",
     "ISO_15312",
@@ -122,6 +124,12 @@ ISO_15: Final = Reference(
     kind="standard", title="Rolling bearings: radial bearings, boundary dimensions, general plan", number="ISO 15"
 )
 ISO_76: Final = Reference(kind="standard", title="Rolling bearings: static load ratings", number="ISO 76")
+ISO_286: Final = Reference(
+    kind="standard", title="ISO code system for tolerances on linear sizes, parts 1 and 2", number="ISO 286"
+)
+ISO_492: Final = Reference(
+    kind="standard", title="Rolling bearings: radial bearings, dimensional tolerances", number="ISO 492"
+)
 ISO_5753: Final = Reference(
     kind="standard", title="Rolling bearings: internal clearance, part 1: radial clearance", number="ISO 5753-1"
 )

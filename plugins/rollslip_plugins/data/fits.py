@@ -13,12 +13,8 @@ from functools import cached_property
 from typing import Final
 
 from rollslip.datasets import Family, FitData
-from rollslip.references import Reference
+from rollslip_plugins.bibliography import ISO_286, ISO_492
 
-_REFERENCES: Final = (
-    Reference(kind="standard", title="ISO code system for tolerances on linear sizes, parts 1 and 2", number="ISO 286"),
-    Reference(kind="standard", title="Rolling bearings: radial bearings, dimensional tolerances", number="ISO 492"),
-)
 #: Steps of the nominal diameter, up to [mm].
 _STEPS: Final = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500, 630, 800, 1000)
 #: Grade -> tolerance of each step [um] (ISO 286-1, table 1).
@@ -153,7 +149,7 @@ class Iso286(Family):
             description=f"{part} {name} with a bearing of class Normal, up to {ends[len(limits) - 1]} mm",
             source="ISO 286 for the seat, ISO 492 class Normal for the bearing: tables that makers print (A), else (B)",
             validity="Solid or thick seats of even roughness; what flattening leaves of it is the scene's.",
-            references=_REFERENCES,
+            references=(ISO_286, ISO_492),
             ring=of,
             limits=tuple(limits),
         )
