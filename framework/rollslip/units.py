@@ -373,6 +373,10 @@ def check_typed(text: str, ends: Sequence[str], unit: str) -> None:
 def no_unit(number: str, unit: str) -> str:
     """Say that a number has no unit, which ones there are, and what it would be in SI units."""
     what = expectation(unit).partition(",")[0]
+    try:
+        float(number)
+    except ValueError:  # too long to be written out
+        return f"{number} has no unit, here {expectation(unit)}"
     told, plain = format_quantity(float(number), unit), f"{number} {unit}"
     size = "" if told == plain else f", which is {told}"
     usual = f"{number} {_QUANTITIES.get(unit, ('', plain))[1].partition(' ')[2]}"
