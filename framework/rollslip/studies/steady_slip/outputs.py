@@ -61,7 +61,12 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         "largest_drag_error": Output("", "1", "relative error left of it", status="largest_drag_status"),
         "largest_drag_low": Output("", "1", "least slip within a thousandth of it", status="largest_drag_status"),
         "largest_drag_high": Output("", "1", "largest slip within a thousandth of it", status="largest_drag_status"),
-        "jump_slip": Output("", "1", "cage slip to which a larger drag takes the cage, NaN where nothing carries it"),
+        "jump_slip": Output(
+            "",
+            "1",
+            "cage slip to which a larger drag takes the cage, NaN where nothing carries it",
+            status="largest_drag_status",
+        ),
         "most_torque": Output("", "N m", "largest torque of the rollers on the way up, a reserve where nothing jumps"),
         "most_torque_slip": Output("", "1", "cage slip there"),
         "most_torque_error": Output("", "1", "relative error left of it"),
