@@ -284,7 +284,7 @@ def test_what_a_scene_says_by_itself_is_not_said_again_of_its_values() -> None:
 
 
 def test_relations_blame_a_key_of_the_scene_and_say_what_they_rest_on() -> None:
-    listed = evolve(SCENE, {"bearing.catalogue.minimum_load_factor": 0.1})
+    listed = evolve(SCENE, {"bearing.catalogue.minimum_load_factor": 0.1, "lubrication.oil_level": "5 mm"})
     for relation in RELATIONS:
         assert math.isfinite(relation.of(listed))
         assert relation.field in attrs.fields_dict(type(getattr(SCENE, relation.table)))
