@@ -213,12 +213,12 @@ def test_its_scatter_is_taken_where_the_scene_says_nothing_of_it():
     made, said = with_scatter(scene("name = 'NU2210'"))
     # class 30 to 60 um, k5 11 um and bore 12 um wide, each even
     left = ((30.0**2 + (0.8 * 50.0 / 59.5) ** 2 * (11.0**2 + 12.0**2)) / 12.0) ** 0.5
-    table = made.uncertainty["bearing"]["mounting.clearance_deviation"]
+    table = made.uncertainty["bearing.mounting.clearance_deviation"]
     assert table == {"distribution": "normal", "mean": "0 um", "deviation": f"{left:.3g} um"}
-    assert made.uncertainty["bearing"]["roller_length"]["scatter"] == RULES["22E"].scatter
+    assert made.uncertainty["bearing.roller_length"]["scatter"] == RULES["22E"].scatter
     assert any(text.startswith("bearing.roller_length (D): ") for text in said)
     own, _ = with_scatter(scene("name = 'NU2210'\nradial_clearance = '20 um'"))
-    assert list(own.uncertainty["bearing"]) == ["roller_length"]
+    assert [key for key in own.uncertainty if key.startswith("bearing.")] == ["bearing.roller_length"]
 
 
 def test_less_than_the_least_load_of_skf_is_told():
