@@ -300,7 +300,7 @@ points = 3
 UNNAMED = {
     "traction.measured", "traction.field", "traction.conduction", "traction.relaxation", "film.reynolds_line",
     "film.line_contact", "film.elements", "integrators.solvers", "integrators.sundials", "integrators.scipy",
-    "drag.rolling", "engines",
+    "engines",
 }  # fmt: skip
 #: Modules of our own that a minimal run, and one of all studies with plots, may load: 154 and 205 when it was set. How
 #: many a library is made of is its own affair, and changes with its releases.
@@ -335,6 +335,7 @@ def test_only_what_a_scene_names_is_loaded(name, tmp_path):
     assert {"contact", "film.formulas", "data.lubricants"} <= plugins
     assert not plugins & UNNAMED
     assert "drag.torques" in plugins  # every bearing has a cage, and it is dragged
+    assert name == "full" or "drag.rolling" in plugins  # as every roller is, unless the scene names its drags
     assert ("integrators.rosenbrock" in plugins) == (name == "full")
     assert ("scipy" in packages) == ("matplotlib" in packages) == (name == "full")
     assert not packages & {"sksundae", "dask", "optuna", "numba", "sympy"}
