@@ -255,9 +255,7 @@ class TorqueBalance:
 
 def rollers(assembly: Assembly, instants: int, *, effective: bool = False, inertia: bool = True) -> TorqueBalance:
     """Return the balance of torques of a bearing, with all that resists its rollers, on 56 positions or more."""
-    drags = Drags()
-    if assembly.scene.cage is not None:
-        assembly, drags = assembly.with_resistance(), assembly.cage.drags
+    assembly, drags = assembly.with_resistance(), assembly.cage.drags
     instants = max(instants, -(-_POSITIONS // assembly.scene.bearing.rollers))
     curves = effective_curves(assembly, instants) if effective else None
     return TorqueBalance(assembly, drags, instants=instants, effective=curves, inertia=inertia)
@@ -322,8 +320,6 @@ def running(balance: TorqueBalance, largest: float = RANGE) -> Running:
 
     Without any drag it is zero.
     """
-    if balance.assembly.scene.cage is None:
-        return _not_running("the scene has no cage, so what drags it is not known; give it a table [cage] with drag")
     if balance.rolls_freely:
         return Running(0.0, 0.0, "found")
     try:
