@@ -54,9 +54,11 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
         done.stdout,
     )
     assert "inner ring: critical slip" in done.stdout
-    first, runs, trust = done.stdout.splitlines()[1:4]
+    first, runs, bound, law, trust = done.stdout.splitlines()[1:6]
     assert re.fullmatch(r"the cage runs away at 42\.\d % cage slip, at a drag of 4\.0\d N m", first)
     assert re.fullmatch(r"with the drags of the scene the cage runs at a slip of 0\.766 %, and could .* the drag", runs)
+    assert bound == "no rolling resistance among the drags: slip and friction torque are lower bounds"
+    assert law.startswith("viscosity under pressure follows Barus's law, as the scene names it: ")
     assert trust.startswith("how far to trust it: 'muraki' is 13 % (rms) off")
     assert done.stdout.count(first) == done.stdout.count(runs) == 1
     warned = [line.removeprefix("warning: ") for line in done.stderr.splitlines() if line.startswith("warning: ")]

@@ -12,7 +12,7 @@ from rollslip.motion.losses import power_balance
 from rollslip.results.account import account_of
 from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
-from rollslip.results.words import verdict
+from rollslip.results.words import LOWER_BOUNDS, verdict
 from rollslip.scene.interchange import read_foreign, write_foreign
 from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.surface_damage.figures import damage_figures
@@ -217,12 +217,13 @@ def test_limits_are_told_in_the_verdict(tmp_path):
     account = account_of(result)
     beyond = "the contact temperature is beyond its limit of 70 degC on the inner and outer ring"
     assert account.harm(result) == beyond
-    assert verdict([result])[0] == beyond
-    assert verdict([measured("power-density")]) == []
-    first, runs, harm, trust = verdict([run(SCENE, "steady-slip"), result])
+    assert verdict([result])[:2] == [LOWER_BOUNDS, beyond], "the scene's one drag is that of the land"
+    (law,) = verdict([measured("power-density")])
+    assert law.startswith("viscosity under pressure follows Barus's law, as the scene names it: ")
+    first, runs, bound, harm, caution, trust = verdict([run(SCENE, "steady-slip"), result])
     assert first.startswith("the cage runs away at")
     assert runs.startswith("with the drags of the scene the cage runs at a slip of")
-    assert (harm, trust[:20]) == (beyond, "how far to trust it:")
+    assert (bound, harm, caution, trust[:20]) == (LOWER_BOUNDS, beyond, law, "how far to trust it:")
     told = account.topics(result)
     assert told["contact temperature"][0].endswith(
         "on the inner and outer ring that is beyond its limit of 70 degC (given in the scene)"

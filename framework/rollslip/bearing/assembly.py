@@ -323,10 +323,11 @@ def assemble(scene: Scene, resolution: Resolution | None = None, *, like: Assemb
         problems.append(where.at("bearing").at("profile").says(str(error)))
     if lubricant is None or problems:
         raise SceneError(problems)
+    starvation = supplied(scene, lubricant).starvation
     conditions = {ring: _conditions(scene, kinematics, lubricant, ring, where) for ring in RINGS}
     law = lubricant.pressure_viscosity_law
     models = {kind: with_law(model, law, lubricant.slopes) for kind, model in models.items()}
-    models["film"] = with_values(models["film"], {"starvation": supplied(scene, lubricant).starvation})
+    models["film"] = with_values(models["film"], {"starvation": starvation})
     models["traction"] = simplified(models["traction"], resolution)
     if not resolution.inlet_heating:
         models["film"] = models["film"].isothermal
