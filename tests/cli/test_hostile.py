@@ -84,8 +84,9 @@ def test_no_command_ends_in_a_traceback(command: list[str], capsys: pytest.Captu
 @pytest.mark.usefixtures("surroundings")
 def test_a_force_that_no_contact_bears_names_its_key(capsys: pytest.CaptureFixture[str]) -> None:
     """sqrt(w E'/(2 pi R)) with w = 1e9 N/15 mm, E' = 208 GPa/(1 - 0.3^2), R = 6.875 mm is 594 GPa."""
+    forces = "study.friction-curve.normal_force=['300 N', '1e9 N']"
     with pytest.raises(SystemExit):
-        main(["run", SCENE, "--study", "friction-curve", "--set", "study.friction-curve.normal_force=['300 N', '1e9 N']"])
+        main(["run", SCENE, "--study", "friction-curve", "--set", forces])
     assert capsys.readouterr().err.splitlines()[-1] == (
         "changes: study.friction-curve.normal_force[1]: 1e+06 kN is 594 GPa of pressure after Hertz, at most 20 GPa is "
         "possible"
