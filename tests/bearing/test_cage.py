@@ -118,7 +118,7 @@ def test_all_of_a_cage_follows_from_its_make_and_the_bearing(make, density, thic
 def test_a_scene_without_a_cage_has_the_one_of_its_bearing():
     cage = assemble(parse_scene(BARE, "mine.toml")).cage
     assert (cage.make, cage.guidance) == ("brass", "roller")
-    assert [drag.name for drag in cage.drags] == ["churning"]
+    assert [drag.name for drag in cage.drags] == ["churning", "rolling-resistance", "hysteresis"]
     assert cage.mass == pytest.approx(weights(8600, 0.4, SCENE.bearing)[0], rel=1e-12)
     # a stated mass sets the inertia with it
     heavy = assemble(evolve(SCENE, {"cage": {"mass": "2 kg"}})).cage
