@@ -13,6 +13,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import attrs
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.cage import supplied
 from rollslip.catalogue.registry import structure_model
 from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
@@ -28,6 +29,7 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
     """Return what can be varied of a scene, by key."""
     scene = assembly.scene
     found = [*_named(scene), *(one for table in _tables(scene) for one in _of(getattr(scene, table), table))]
+    found += _of_supply(assembly)
     found += _of_oil(assembly)
     for attribute in attrs.fields(type(scene.models)):
         kind, choice = attribute.name, getattr(scene.models, attribute.name)
@@ -58,7 +60,7 @@ def _named(scene: Scene) -> Iterator[Quantity]:
 def _tables(scene: Scene) -> list[str]:
     """Tables of a scene that are values themselves; oil and models name what has them."""
     tables = [a.name for a in attrs.fields(Scene) if attrs.has(type(getattr(scene, a.name)))]
-    return [name for name in tables if name not in ("lubricant", "models", "plugins")]
+    return [name for name in tables if name not in ("lubricant", "lubrication", "models", "plugins")]
 
 
 def _thermal(scene: Scene) -> Any:
@@ -82,6 +84,13 @@ def _of(instance: Any, prefix: str) -> Iterator[Quantity]:
             yield from _of(value, key)
         else:
             yield from _single(key, kinds.get(attribute.name), attribute, value)
+
+
+def _of_supply(assembly: Assembly) -> Iterator[Quantity]:
+    """What follows from the kind of supply, in place of what the scene leaves open."""
+    scene = assembly.scene
+    known = supplied(scene, assembly.lubricant).starvation_constant
+    yield from _of(attrs.evolve(scene.lubrication, starvation_constant=known), "lubrication")
 
 
 def _of_oil(assembly: Assembly) -> Iterator[Quantity]:

@@ -13,16 +13,14 @@ from typing import Final, NamedTuple
 import attrs
 from attrs.validators import optional
 
+from rollslip.datasets import Scatter
 from rollslip.fields import FieldError, field, non_negative, one_of, positive
 
-__all__ = ["DENSITY", "FRACTION_SCATTER", "STARVATION_SCATTER", "SUPPLIES", "Lubrication", "Supplied", "Supply"]
+__all__ = ["DENSITY", "SUPPLIES", "Lubrication", "Supplied", "Supply"]
 
 #: Density of an oil that gives none [kg/m3]; mineral oils have 850 to 900, esters up to 1000 (D).
 DENSITY: Final = 870.0
-#: Standard deviation of ln(phi), with the drag coefficient of a roller in it, and of ln(K_rs) (D).
-FRACTION_SCATTER: Final = 0.65
-STARVATION_SCATTER: Final = 0.5
-#: phi = SLOPE H/(D - d); meets SKF's bath drag within -26 to +19 % for nine of ten up to H = DEEPEST d_m (B).
+#: phi = SLOPE H/(D - d); meets SKF's bath drag within -30 to +35 % for nine of ten up to H = DEEPEST d_m (B).
 SLOPE: Final = 0.40
 DEEPEST: Final = 0.3
 #: Jets: speed n d_m [mm/min] from which air carries oil off, and the share that is left at last (C).
@@ -135,6 +133,12 @@ class Lubrication:
         validator=optional(non_negative),
         usual=(0, 2e-7),
         possible=(0, 1),
+        scatter=Scatter(
+            distribution="lognormal",
+            parameters={"deviation_of_ln": 0.5},
+            grade="(D)",
+            source="SKF prints two values of K_rs, a factor of 2 apart, for all that is not a full bath",
+        ),
     )
 
     def __attrs_post_init__(self) -> None:
@@ -155,11 +159,14 @@ class Supplied(NamedTuple):
         Factor phi_rs of film and rolling resistance [1].
     land : float
         Share of the land of the cage that oil fills [1].
+    starvation_constant : float
+        K_rs that it comes from [1].
     """
 
     oil_fraction: float
     starvation: float
     land: float
+    starvation_constant: float
 
     @classmethod
     def of(
@@ -214,7 +221,7 @@ class Supplied(NamedTuple):
             K_rs = lubrication.starvation_constant
         exponent = K_rs * nu * n * (d + D) * math.sqrt(_KZ / (2.0 * (D - d)))
         stated = lubrication.oil_fraction
-        return cls(min(phi, 1.0) if stated is None else stated, math.exp(-min(exponent, _MOST)), kind.land)
+        return cls(min(phi, 1.0) if stated is None else stated, math.exp(-min(exponent, _MOST)), kind.land, K_rs)
 
 
 #: Exponent beyond which no oil is left in the inlets; a film of nothing has no friction.

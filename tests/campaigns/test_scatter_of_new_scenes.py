@@ -1,0 +1,115 @@
+"""What scatters of a scene as ``rollslip new`` writes it: all that is known least, and each of it moves the result.
+
+Independent references: the standard deviations that are declared, from a table of what was estimated of each; SKF's
+formula of starved inlets, by hand; the closed form of its quantiles where K_rs scatters.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from rollslip import evolve
+from rollslip.bearing.assembly import assemble
+from rollslip.campaigns.sweep.distributions import read_uncertainty
+from rollslip.campaigns.uncertainty.band import bands
+from rollslip.campaigns.uncertainty.scatter import scattering, with_scatter
+from rollslip.motion.torque_balance import rollers
+from rollslip.planning.new_scene import ASSUMED, new_scene
+from rollslip.planning.quantities import quantities
+from rollslip.scene.reading import parse_scene
+from rollslip.scene.supply import SUPPLIES
+from rollslip.structure import Location
+
+#: Standard deviations of logarithms by what is known of each: land, churning, rolling, hysteresis.
+DRAGS = {"petroff-land": 0.7, "churning": 0.65, "rolling-resistance": 0.30, "hysteresis": 0.7}
+#: Supplies with a K_rs above 0, and SKF's value of each.
+STARVED = {"splash": 3e-8, "circulating": 3e-8, "jet": 3e-8, "mist": 6e-8, "grease": 6e-8}
+KEY = "lubrication.starvation_constant"
+TAIL = float(norm.ppf(0.95))
+
+
+def scene(name="NU 2216", supply="bath", cage="brass", **changes):
+    """A scene as a person gets it, on few slices."""
+    asked = {"bearing": name, "oil": "iso-vg-68", "speed": "4500 rpm", "load": "1.5 kN", "temperature": "70 degC"}
+    made = parse_scene(new_scene(name, **(ASSUMED | asked | {"supply": supply, "cage": cage})), name)
+    return evolve(made, {"accuracy.slices": 5} | changes)
+
+
+def ends(one, key):
+    """5 and 95 % of what scatters under a key."""
+    problems = []
+    given, _ = with_scatter(one)
+    table = read_uncertainty(given.uncertainty, Location({}), quantities(assemble(one), {}), problems)
+    assert not problems
+    return table.distributions[key].quantile(np.array([0.05, 0.95])).tolist()
+
+
+def slip(one):
+    """Steady slip of rollers at one instant."""
+    balance = rollers(assemble(one), 1, inertia=False)
+    return balance.way(0.95).steady(balance.drag)[0].slip
+
+
+@pytest.mark.parametrize("supply", SUPPLIES)
+def test_a_new_scene_scatters_in_all_that_is_known_least(supply):
+    found = scattering(assemble(scene(supply=supply)))
+    kinds = {"viscosity_factor", "pressure_viscosity_factor", "pressure_exponent_factor"}
+    assert {f"lubricant.{name}" for name in kinds} < found.keys()
+    assert "bearing.mounting.clearance_deviation" in found
+    gone = {"petroff-land"} if supply == "grease" else set()  # it leaves no oil on lands
+    drags = {
+        key.split(".")[2]: declared.parameters["deviation_of_ln"]
+        for key, (declared, _) in found.items()
+        if key.startswith("cage.drag")
+    }
+    assert drags == {name: one for name, one in DRAGS.items() if name not in gone}
+    starved = {KEY: STARVED[supply]} if supply in STARVED else {}
+    assert {key: found[key][1].value for key in found if key.startswith("lubrication")} == starved
+    for declared, _ in found.values():
+        assert declared.grade
+        assert len(declared.source) > 20
+    if starved:
+        assert dict(found[KEY][0].parameters) == {"deviation_of_ln": 0.5}
+
+
+@pytest.mark.parametrize(("supply", "constant"), STARVED.items())
+def test_want_of_oil_scatters_on_film_and_rolling_resistance(supply, constant):
+    """phi_rs = exp(-K_rs nu n (d + D) sqrt(5.1/(2 (D - d)))), in mm, mm2/s and 1/min, at K_rs exp(1.645 0.5)."""
+    plain = scene(supply=supply)
+    low, high = ends(plain, KEY)
+    assert (low, high) == pytest.approx([constant * math.exp(side * 0.5 * TAIL) for side in (-1, 1)], rel=1e-9)
+    oil = assemble(plain).lubricant
+    nu = 1e6 * oil.at(343.15).viscosity / oil.density(343.15)
+    for K_rs in (low, high):
+        made = assemble(evolve(plain, {KEY: K_rs}))
+        phi = math.exp(-K_rs * nu * 4500.0 * 220.0 * math.sqrt(5.1 / (2.0 * 60.0)))  # NU 2216: 80 x 140
+        assert made.models["film"].starvation == pytest.approx(phi, rel=1e-9)
+        rolling = next(drag for drag in made.cage.drags if drag.name == "rolling-resistance")
+        assert rolling.starvation == pytest.approx(phi, rel=1e-9)
+
+
+def test_a_bath_is_full_and_what_is_stated_does_not_scatter():
+    assert KEY not in scattering(assemble(scene(supply="bath"))), "a share of nothing is nothing"
+    low = scene(supply="bath", **{"lubrication.oil_level": "4 mm"})
+    assert scattering(assemble(low))[KEY][1].value == 3e-8, "below the middle of the lowest roller, 8 mm"
+    assert KEY not in scattering(assemble(scene(supply="mist", **{KEY: 6e-8})))
+    assert KEY not in scattering(assemble(scene(supply="mist", **{KEY: 0.0})))
+
+
+@pytest.mark.parametrize("supply", ["circulating", "mist"])
+def test_everything_that_scatters_moves_the_steady_slip(supply):
+    """Each alone, from 5 to 95 %: none is declared of what nothing is made of."""
+    one = scene(supply=supply)
+    for key in scattering(assemble(one)):
+        at = [slip(evolve(one, {key: end})) for end in ends(one, key)]
+        assert abs(math.log(at[1] / at[0])) > 1e-4, key
+
+
+def test_the_band_of_a_run_knows_want_of_oil():
+    only = {KEY: {"distribution": "lognormal", "deviation_of_ln": 2.0}}
+    one = evolve(scene(supply="mist"), {"uncertainty": {"lubrication": {"starvation_constant": only[KEY]}}})
+    band = bands(one, slip(one))["steady_slip"]
+    assert band.most == KEY
+    assert band.low < 1.0 < band.high
