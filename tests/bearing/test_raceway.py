@@ -67,3 +67,13 @@ def test_few_loads_of_a_roller_carry_its_force_and_have_its_friction(whole):
         if whole:
             all_of, some = all_of.sum(), some.sum()
         np.testing.assert_allclose(some, all_of, rtol=2e-7)
+
+
+def test_loads_that_differ_by_rounding_alone_leave_no_node_without_load():
+    """Rollers either side of the load have one load but for rounding: the rule is these loads with all their force."""
+    few, forces = np.array([2e3, 3e3, 5e3]), np.array([1.0, 2.0, 4.0])
+    load = np.concatenate([few, few * (1.0 + 2.0**-52), few * (1.0 - 2.0**-52)])
+    assert np.unique(load).size == 9
+    rule = gauss_rule(load, np.tile(forces, 3), 8)
+    assert rule[:, 0] == pytest.approx(few, rel=1e-9)
+    assert rule[:, 1] == pytest.approx(forces / forces.sum(), rel=1e-9)
