@@ -9,15 +9,10 @@ from scipy.stats import binom
 
 from rollslip import evolve, run
 from rollslip.bearing.assembly import assemble
-from rollslip.scene.values import Scene
 
 SCRIPTS = Path(__file__).parents[2] / "docs" / "scripts"
 #: Every fourteenth size of the catalogue, so that all series and bores are there.
 EVERY = 14
-
-pytestmark = pytest.mark.skipif(
-    "lubrication" not in Scene.__annotations__, reason="the drags by default follow from the table of lubrication"
-)
 
 
 @pytest.fixture(scope="module")
