@@ -152,12 +152,12 @@ def legendre(Py_ssize_t n):
     found, shares = np.empty(n), np.empty(n)
     cdef double[::1] nodes = found, weights = shares
     cdef Py_ssize_t k, j
-    cdef int step
-    cdef double x, before, now, over, slope, moved
+    cdef int _step
+    cdef double x, before, now, over, slope, moved, left
     with nogil:
         for k in range((n + 1) // 2):
             x = cos(M_PI * (k + 0.75) / (n + 0.5)) * (1.0 - (n - 1.0) / (8.0 * n * n * n))   # Tricomi
-            for step in range(STEPS):
+            for _step in range(STEPS):
                 before, now = 1.0, x
                 for j in range(2, n + 1):
                     over = x * now
@@ -168,7 +168,8 @@ def legendre(Py_ssize_t n):
                 if fabs(moved) <= EPSILON:
                     break
             x += moved   # where the slope was found; the weight is then taken to the node, to the first order
-            weights[k] = 2.0 / ((1.0 - x) * (1.0 + x) * slope * slope) * (1.0 + 2.0 * x * moved / ((1.0 - x) * (1.0 + x)))
+            left = (1.0 - x) * (1.0 + x)
+            weights[k] = 2.0 / (left * slope * slope) * (1.0 + 2.0 * x * moved / left)
             x = 0.0 if 2 * k + 1 == n else x - moved
             nodes[k], nodes[n - 1 - k], weights[n - 1 - k] = -x, x, weights[k]
     return found, shares
