@@ -17,7 +17,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Final, Protocol, TypeAlias
+from typing import Any, Final, Protocol, TypeAlias
 
 import attrs
 import numpy as np
@@ -278,6 +278,7 @@ class Motions:
         self._rollers, self._lever = self.sense * assembly.scene.bearing.rollers, 1.0 + k.outer_radius / k.roller_radius
         self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
         self._idle = self._most = 0.0
+        self._last: tuple[bytes | None, Any] = (None, None)
         if largest is not None:
             self._knots = np.linspace(1.0, (1.0 - largest) ** 2, _LOADS)  # centrifugal force, in proportion
             self._loads = self._solved(1.0 - np.sqrt(self._knots))
@@ -326,11 +327,18 @@ class Motions:
 
     def contacts(self, slips: Array, few: int | None = None) -> tuple[Conventional, Conventional]:
         """Contacts of inner and outer ring at all positions of the orbits of some cage slips."""
-        few = self._few if few is None else few
-        key = ("rows", self.instants, self._largest, few, slips.tobytes())
-        made = self.assembly.kept(key, self.instants * slips.size, lambda: self._made(slips, few))
+        made = self._last[1] if self._last[0] == slips.tobytes() else self._kept(slips)
+        if few is not None and few != self._few:  # the rule of a rule is that of what it stands for
+            made = made[0].fewer(few), made[1].fewer(few)
         inner, outer = (Conventional(of.on(own)) for of, own in zip(made, self.assembly.raceways, strict=True))
         return inner, outer
+
+    def _kept(self, slips: Array) -> tuple[LoadedContacts, LoadedContacts]:
+        """Loads at some slips, kept where they are few, else until others are asked for."""
+        key = ("rows", self.instants, self._largest, self._few, slips.tobytes())
+        made = self.assembly.kept(key, self.instants * slips.size, lambda: self._made(slips, self._few))
+        self._last = slips.tobytes(), made
+        return made
 
     def _made(self, slips: Array, few: int) -> tuple[LoadedContacts, LoadedContacts]:
         """Loads of both rings for each row of positions."""

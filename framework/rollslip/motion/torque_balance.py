@@ -17,6 +17,7 @@
 """
 
 import math
+import time
 from functools import cached_property
 from typing import Final
 
@@ -28,12 +29,16 @@ from rollslip.bearing.drags import Drags
 from rollslip.bearing.raceway import Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.effective_table import EffectiveTable, effective_table
-from rollslip.motion.spins import Conventional, Motion, Motions
+from rollslip.motion.spins import Conventional, Motion, Motions, place_of, slip_of
 from rollslip.motion.way_up import WayUp, way_up
 from rollslip.units import format_quantity
 
 #: Loads that stand for the slices of a roller on the way up.
 _FEW: Final = 8
+#: Slips at which its time is measured, the place of the first, and how many times as long all of it takes, with maxima.
+_SOME, _LOW, _ALL = 6, -9.0, 10.0
+#: Range at which no law has a value.
+_NOWHERE: Final = 1e-3
 #: Positions of an orbit, at least, on which rollers with inertia are followed.
 _POSITIONS: Final = 56
 #: Share of the largest drag below which a cage is far from running away, whatever effective friction is off.
@@ -145,6 +150,19 @@ class TorqueBalance:
             few = self._motions(largest, _FEW)
             self._ways[key] = way_up(few, largest, self.motions, steps=steps, through=through)
         return self._ways[key]
+
+    def seconds(self, largest: float = RANGE) -> float:
+        """Return about the time of the processor [s] that the way up takes, from that of some of its slips."""
+        begin = time.process_time()
+        few = self._motions(largest, _FEW)
+        loaded = time.process_time()
+        try:
+            few.at(np.array([slip_of(place) for place in np.linspace(_LOW, place_of(largest), _SOME).tolist()]))
+        except DomainError:  # at the end of the range a law has no value
+            if largest < _NOWHERE:
+                raise
+            return self.seconds(0.5 * largest)
+        return loaded - begin + _ALL * (time.process_time() - loaded)
 
     @property
     def rolls_freely(self) -> bool:

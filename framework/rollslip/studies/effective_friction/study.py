@@ -213,7 +213,7 @@ class EffectiveFriction(Study):
         more, instants = assembly.slices / some.slices, resolution.instants or INSTANTS[-1]
         costs = {part: more * onwards(INSTANTS, each, instants) for part, each in times.items()}
         if self.runaway_range:
-            costs["running away"] = timed(partial(self.runaway, assembly, instants), 1)
+            costs["running away"] = rollers(assembly, instants).seconds(self.runaway_range)
         if self.map_points:
             sizes = (_MAP[0] * (2 * _MAP[0] - 1), _MAP[1] * (2 * _MAP[1] - 1))
             maps = [timed(partial(raceways.map, self.max_cage_slip, n), 1) for n in _MAP]
@@ -339,10 +339,9 @@ class EffectiveFriction(Study):
         return self.closure == "free-roller"
 
     def beyond(self, assembly: Assembly) -> None:
-        """Evaluate the corners of the map, and where the cage runs away."""
+        """Evaluate the corners of the map."""
         if self.map_points:
             self.loaded(assembly, 1).map(self.max_cage_slip, 2)
-        self.runaway(assembly, 1)
 
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return effective friction on few of the instants of a pitch, each a part of the most, (k, 2, n)."""

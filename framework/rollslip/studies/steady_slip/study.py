@@ -207,13 +207,9 @@ class SteadySlip(Study):
     def cost(self, assembly: Assembly) -> Mapping[str, float]:
         """Return the time [s] of the motions of the rollers, from a few of them."""
         bearing, instants = assembly.with_resistance(), assembly.resolution.instants or 2
-
-        def way() -> object:
-            return TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia).way()
-
-        seconds = timed(way)
+        balance = TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia)
         followed = _BRANCH * sum(bool(getattr(self, name)) for name in VARIED) / (2 * self.points)
-        costs = {"orbits": seconds * (_WAYS + followed)}
+        costs = {"orbits": balance.seconds() * (_WAYS + followed)}
         if self.friction == "effective":
             costs["tables"] = timed(partial(effective_curves, bearing, instants)) * _CURVES
         return costs
