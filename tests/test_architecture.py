@@ -348,5 +348,5 @@ def test_only_what_a_scene_names_is_loaded(name, tmp_path):
 
 def test_shipped_scenes_are_package_data():
     assert {entry.name for entry in (files("rollslip") / "scenes").iterdir() if entry.name.endswith(".toml")} == {
-        "1032930-30C.toml", "1032930-50C.toml", "1032930-70C.toml",
+        "1032930-30C.toml", "1032930-50C.toml", "1032930-70C.toml", "gearbox.toml", "turbine.toml",
     }  # fmt: skip

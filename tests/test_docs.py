@@ -430,6 +430,22 @@ def test_operations_are_counted_as_the_table_has_them(monkeypatch):
     assert operations.counted == {"arithmetic": 8, "functions": 2}
 
 
+@pytest.mark.parametrize("name", ["1032930-30C", "1032930-50C", "1032930-70C"])
+def test_scenes_of_the_paper_say_what_the_defaults_make_of_their_bearing(name, monkeypatch):
+    monkeypatch.syspath_prepend(DOCS / "scripts")
+    import paper_defaults
+
+    number, said = r"\d+(?:\.\d)?(?= %| times| N m)", load_scene(name).note
+    now = paper_defaults.note(name)
+    assert re.sub(number, "", said) == re.sub(number, "", now)
+    for old, new in zip(re.findall(number, said), re.findall(number, now), strict=True):
+        assert float(old) == pytest.approx(float(new), abs=1.01 * 10.0 ** -len(old.partition(".")[2]))  # its last digit
+    for models, scene in (("the paper's", load_scene(name)), ("defaults of the box", paper_defaults.by_default(name))):
+        slip, *_ = paper_defaults.found(evolve(scene, paper_defaults.TOLERANCE))
+        told = float(cell("paper_defaults", "slip_percent", scene=name, models=models))
+        assert 100.0 * slip == pytest.approx(told, rel=0.02)  # twice the tolerance of both
+
+
 @pytest.mark.parametrize("name", ["1032930-70C", "1032930-50C"])
 def test_tables_are_those_of_the_shipped_scenes(name):
     changes = {"study.effective-friction.map_points": 0, "study.effective-friction.points": 21}

@@ -85,8 +85,8 @@ class Barus(PressureViscosity):
         """Say that it is too steep."""
         times = 1.0 + _above_roelands(0.4e9) / 100.0
         return (
-            "viscosity under pressure follows Barus's law, as the scene names it: too steep above 0.1 GPa; at 0.4 GPa "
-            f"Roelands's law, the default, gives an oil of 8.6 mPa s 1/{times:.1f} of its viscosity, and more slip"
+            "viscosity under pressure follows Barus's law, as the scene names it: too steep above 0.1 GPa, so slip is "
+            f"too small; at 0.4 GPa it gives an oil of 8.6 mPa s {times:.1f} times what the default, Roelands's, does"
         )
 
     def kernel(self) -> object:

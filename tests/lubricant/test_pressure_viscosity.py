@@ -382,6 +382,6 @@ def test_barus_is_told_first_where_a_scene_names_it():
     told = verdict([run(scene, "effective-friction")])
     assert any("follows Barus's law, as the scene names it: too steep above 0.1 GPa" in line for line in told)
     part = next(part for part in plan(scene).parts if part.part == "viscosity at pressure")
-    assert "Roelands's law, the default, gives" in part.reason
+    assert "times what the default, Roelands's, does" in part.reason
     quiet = evolve(scene, {"lubricant.pressure_viscosity_law": "roelands"})
     assert not any("Barus" in line for line in verdict([run(quiet, "effective-friction")]))

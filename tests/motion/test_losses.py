@@ -116,7 +116,9 @@ def test_the_study_tells_losses_by_source_and_what_the_rings_put_in():
     assert np.abs(result.stored_power).max() < 1e-3 * total.max()
     assert result.friction_torque.values == pytest.approx(total.values / SHIPPED.operation.inner_speed)
     said = account_of(result).topics(result)["losses"][0]
-    assert said.startswith("at a cage slip of 7.16 % the bearing turns 118 W into heat, a friction torque of 178 mN m, ")
+    assert said.startswith(
+        "at a cage slip of 7.16 % the bearing turns 118 W into heat, a friction torque of 178 mN m, "
+    )
     assert account_of(result).record(result)["steady"][0]["losses"].keys() == set(result.source.values)
 
 

@@ -334,21 +334,21 @@ def test_a_scene_with_two_corrections_is_refused_at_its_place():
             {"model": "inlet-correction", "film": "regime", "starvation": 0.8},
             True,
             "murch-wilson, starved by a factor of 0.8",
-            "the film is starved by a factor of 0.8",
+            "thins the film by a factor of 0.8",
         ),
         (
             {"model": "inlet-correction", "thermal": "none", "starvation": 0.8},
             False,
             "isothermal inlet, starved by a factor of 0.8",
-            "the film is starved by a factor of 0.8",
+            "thins the film by a factor of 0.8",
         ),
         (
             {"model": "inlet-correction", "thermal": "none", "starvation": 0.8, "oil_layer": "0.5 um"},
             False,
             "isothermal inlet, starved by a factor of 0.8 and an oil layer of 0.5 um",
-            "the film is starved by a factor of 0.8 and an oil layer of 0.5 um",
+            "thins the film by a factor of 0.8 and an oil layer of 0.5 um",
         ),
-        ({"model": "inlet-correction", "thermal": "gupta"}, True, "gupta", None),  # a hot inlet is usual
+        ({"model": "inlet-correction", "thermal": "gupta"}, True, "gupta", None),
     ],
 )
 def test_plan_and_result_say_what_the_scene_asks_for(film, included, choice, stated):
@@ -356,8 +356,8 @@ def test_plan_and_result_say_what_the_scene_asks_for(film, included, choice, sta
     part = next(part for part in plan(scene, "friction-curve").parts if part.part == "thermal inlet shear")
     assert (part.included, part.choice) == (included, choice)
     assert part.reason == (f"film model '{film['model']}' asks for it" if included else "the scene does not ask for it")
-    said = [text for text in json.loads(run(scene, "friction-curve").attrs["warnings"]) if "starved" in text]
-    assert said == ([] if stated is None else [stated])
+    said = [text for text in json.loads(run(scene, "friction-curve").attrs["warnings"]) if "thins the film" in text]
+    assert [stated in text for text in said] == ([] if stated is None else [True])
 
 
 def test_film_thickness_takes_what_the_correction_reads():

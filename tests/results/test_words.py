@@ -20,11 +20,12 @@ def results():
     return {name: rollslip.run(steady, name) for name in studies}
 
 
-def test_a_verdict_is_five_lines_where_a_drag_is_switched_off_and_a_law_has_a_caution(results):
-    first, runs, bound, caution, trust = verdict(results.values())
+def test_a_verdict_is_six_lines_where_no_drag_is_of_rolling_a_law_has_a_caution_and_the_scene_a_note(results):
+    first, runs, bound, caution, note, trust = verdict(results.values())
     assert bound == "no rolling resistance among the drags: slip and friction torque are lower bounds"
     whole = [dataset.drop_attrs().assign_attrs(dataset.attrs | {"bound_below": 0}) for dataset in results.values()]
-    assert verdict(whole) == [first, runs, caution, trust]
+    assert verdict(whole) == [first, runs, caution, note, trust]
+    assert note == SCENE.note != ""
     assert caution.startswith(
         "viscosity under pressure follows Barus's law, as the scene names it: too steep above 0.1 GPa"
     )
@@ -34,7 +35,7 @@ def test_a_verdict_is_five_lines_where_a_drag_is_switched_off_and_a_law_has_a_ca
     reserve /= float(results["steady-slip"].torque[0])
     assert runs.startswith(f"with the drags of the scene the cage runs at a slip of {100 * slip:.3g} %")
     assert f"could carry {reserve:.3g} times the drag" in runs
-    assert re.search(r"a radial load of at least \S+ k?N keeps the slip below 5 %; makers ask for NTN", runs)
+    assert re.search(r"a radial load of at least \S+ k?N keeps the slip below 5 %; makers ask for \S+ k?N \(NTN\)", runs)
     off = json.loads(away.attrs["validity"])["approximation"]["rms"]
     assert trust.startswith(f"how far to trust it: 'muraki' is {100 * off:.2g} % (rms) off 'maxwell-eyring'")
     assert trust.endswith(
@@ -45,8 +46,8 @@ def test_a_verdict_is_five_lines_where_a_drag_is_switched_off_and_a_law_has_a_ca
 
 def test_without_a_study_of_it_the_balance_of_effective_friction_says_how_the_cage_runs(results):
     """Of the same balance of torques; the load that a slip takes is the other study's."""
-    assert verdict([results["friction-curve"]]) == [verdict(results.values())[3]]  # the caution alone
-    first, runs, bound, _, trust = verdict([results["effective-friction"]])
+    assert verdict([results["friction-curve"]]) == verdict(results.values())[3:5]  # caution and note alone
+    first, runs, bound, *_, trust = verdict([results["effective-friction"]])
     assert bound == verdict(results.values())[2]  # the drags are those of the scene
     assert first.startswith("the cage runs away at")
     assert trust.startswith("how far to trust it")

@@ -73,6 +73,7 @@ def run_origin(plan: Plan, study: str, warnings: list[str], evaluations: int, wa
     return origin(
         **scene_told(scene),
         description=scene.description,
+        **({"note": scene.note} if scene.note else {}),
         packages=packages_of(offers),
         models=models_told(plan.models),
         lubricant=lubricant_told(assembly.lubricant),

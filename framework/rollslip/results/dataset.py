@@ -31,7 +31,7 @@ VOLATILE = ("created", "cost", "plan", "wall_time", "integration_time", "integra
 #: Attributes that say what to cite: as it reads, and as data.
 CITED = ("citations", "bibliography")
 #: What attributes are that any result may have: texts, finite numbers from 0 on, and structures as JSON.
-_TEXTS: Final = ("study", "scene_hash", "source", "created", "title", "description", "scene")
+_TEXTS: Final = ("study", "scene_hash", "source", "created", "title", "description", "note", "scene")
 _NUMBERS: Final = ("evaluations", "wall_time")
 _STRUCTURES: Final = dict.fromkeys(
     ("accuracy", "bibliography", "citations", "models", "plan", "taken_back", "warnings"), list

@@ -115,7 +115,7 @@ def runs_at(
 
 
 def verdict(datasets: "Iterable[xr.Dataset]") -> list[str]:
-    """Return what has to be known first, one line each, no full stops; cautions alone where no result has any of it.
+    """Return what has to be known first, one line each, no full stops; cautions and notes alone where no result has any of it.
 
     Where the cage runs away; how it runs, with what reserve and how surely; whether a bound is all that is known; which
     limits of the surfaces are passed; what a law that somebody chose is known for; how far to trust that. Of several
@@ -125,6 +125,7 @@ def verdict(datasets: "Iterable[xr.Dataset]") -> list[str]:
     first, harms = headline_of(every), [account_of(dataset).harm(dataset) for dataset in every]
     oils: list[dict[str, Any]] = [json.loads(d.attrs["lubricant"]) for d in every if d.attrs.get("lubricant")]
     cautions = dict.fromkeys(one["caution"] for one in oils if one.get("caution"))
+    cautions |= dict.fromkeys(str(dataset.attrs["note"]) for dataset in every if dataset.attrs.get("note"))
     told = sorted(((account_of(d), d) for d in every), key=lambda one: -one[0].knows_operation)
     runs = next(filter(None, (account.operation(dataset) for account, dataset in told)), "")
     if not (first or runs or any(harms)):

@@ -199,6 +199,7 @@ class Scene(Card):
 
     title: str = field(default="", doc="one line about the scene")
     description: str = field(default="", doc="more about the scene, its sources for example")
+    note: str = field(default="", doc="what has to be known before any of its results; told in their first lines")
     bearing: Bearing = field(doc="geometry and material of the bearing")
     surface: Surface = field(default=Surface(), doc="roughness of the running surfaces")
     lubricant: LubricantTable = field(doc="the oil")

@@ -424,7 +424,11 @@ def _off(off: Difference, found: Sequence[Outside], where: str, what: str) -> st
 
 def corrections(film: FilmModel) -> list[str]:
     """Say that want of oil thins the film, which a reader must know who compares it with others."""
-    return [f"the film is starved by {film.inlet_starvation}"] if film.inlet_starvation else []
+    if not film.inlet_starvation:
+        return []
+    return [
+        f"want of oil in the inlets, as lubrication or models.film state it, thins the film by {film.inlet_starvation}"
+    ]
 
 
 def record(found: Sequence[Outside], off: Difference | None, said: Sequence[Told] = ()) -> dict[str, Any]:

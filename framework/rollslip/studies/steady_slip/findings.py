@@ -138,10 +138,20 @@ def _steady(dataset: "xr.Dataset") -> list[str]:
         return [str(dataset["status"].item())]
     return [
         f"steady cage slip {_percent(float(one['steady_slip']))} ({one['stability'].item()}): the cage runs at "
-        f"{_RPM * float(one['cage_speed']):.5g} rpm against a drag of {format_quantity(float(one['torque']), 'N m', 3)}"
+        f"{_RPM * float(one['cage_speed']):.5g} rpm {_against(float(one['torque']))}"
         + ("" if k else _band(dataset, "steady_slip"))
         for k, one in enumerate(dataset.isel(steady=k) for k in range(dataset.sizes["steady"]))
     ]
+
+
+def _against(drag: float) -> str:
+    """Say what a cage bears, or that its drags drive it, as the land of a turning ring does."""
+    size = format_quantity(abs(drag), "N m", 3)
+    return (
+        f"against a drag of {size}"
+        if drag >= 0.0
+        else f"while its drags, the land of a ring for one, drive it by {size}"
+    )
 
 
 def _losses(dataset: "xr.Dataset") -> list[str]:
@@ -291,7 +301,7 @@ def _least_load(dataset: "xr.Dataset", *, needs: bool = True) -> str:
         said += _band(dataset, "least_load")
     makers = dict(zip(dataset["maker"].to_numpy(), dataset["makers_least_load"].to_numpy(), strict=True))
     asked = ", ".join(
-        f"{maker} {format_quantity(float(value), 'N', 3)}" for maker, value in makers.items() if math.isfinite(value)
+        f"{format_quantity(float(value), 'N', 3)} ({maker})" for maker, value in makers.items() if math.isfinite(value)
     )
     said += f"; makers ask for {asked}, for any oil and cage"
     if needs and "makers_status" in dataset:
