@@ -1,4 +1,4 @@
-"""Write docs/tables/paper_defaults.csv: the paper's bearing by the models of its scenes, and by the defaults of the box.
+"""Write docs/tables/paper_defaults.csv: the paper's bearing by the models of its scenes, and by defaults.
 
 The defaults are what a scene gets that states neither models, pressure-viscosity law nor drags: geometry, oil and cage
 stay as the shipped scenes have them. `note` is what each of these scenes says of it; a test holds it to that.
@@ -35,8 +35,8 @@ def note(name):
     """What a scene of the paper says of itself beside the defaults."""
     slip, _, times, torque = found(by_default(name))
     return (
-        "models, law and drags are the paper's or assumed for it; by the defaults of rollslip (Roelands, exact law, light "
-        f"contacts, heated inlets, every drag of an oil bath) this cage slips {100 * slip:.0f} %, could carry "
+        "models, law and drags are the paper's or assumed for it; by the defaults of rollslip (Roelands, exact law, "
+        f"light contacts, heated inlets, every drag of an oil bath) this cage slips {100 * slip:.0f} %, could carry "
         f"{times:.1f} times its drag, and the friction torque is {torque:.1f} N m"
     )
 

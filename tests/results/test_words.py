@@ -35,7 +35,7 @@ def test_a_verdict_is_six_lines_where_no_drag_is_of_rolling_a_law_has_a_caution_
     reserve /= float(results["steady-slip"].torque[0])
     assert runs.startswith(f"with the drags of the scene the cage runs at a slip of {100 * slip:.3g} %")
     assert f"could carry {reserve:.3g} times the drag" in runs
-    assert re.search(r"a radial load of at least \S+ k?N keeps the slip below 5 %; makers ask for \S+ k?N \(NTN\)", runs)
+    assert re.search(r"a radial load of at least \S+ k?N keeps the slip below 5 %; makers ask for .*\(NTN\)", runs)
     off = json.loads(away.attrs["validity"])["approximation"]["rms"]
     assert trust.startswith(f"how far to trust it: 'muraki' is {100 * off:.2g} % (rms) off 'maxwell-eyring'")
     assert trust.endswith(

@@ -115,7 +115,7 @@ def runs_at(
 
 
 def verdict(datasets: "Iterable[xr.Dataset]") -> list[str]:
-    """Return what has to be known first, one line each, no full stops; cautions and notes alone where no result has any of it.
+    """Return what has to be known first, one line each, no full stops; cautions and notes alone if no result has it.
 
     Where the cage runs away; how it runs, with what reserve and how surely; whether a bound is all that is known; which
     limits of the surfaces are passed; what a law that somebody chose is known for; how far to trust that. Of several

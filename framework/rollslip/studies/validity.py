@@ -424,11 +424,8 @@ def _off(off: Difference, found: Sequence[Outside], where: str, what: str) -> st
 
 def corrections(film: FilmModel) -> list[str]:
     """Say that want of oil thins the film, which a reader must know who compares it with others."""
-    if not film.inlet_starvation:
-        return []
-    return [
-        f"want of oil in the inlets, as lubrication or models.film state it, thins the film by {film.inlet_starvation}"
-    ]
+    said = f"want of oil in the inlets, by lubrication or models.film, thins the film by {film.inlet_starvation}"
+    return [said] if film.inlet_starvation else []
 
 
 def record(found: Sequence[Outside], off: Difference | None, said: Sequence[Told] = ()) -> dict[str, Any]:

@@ -147,11 +147,7 @@ def _steady(dataset: "xr.Dataset") -> list[str]:
 def _against(drag: float) -> str:
     """Say what a cage bears, or that its drags drive it, as the land of a turning ring does."""
     size = format_quantity(abs(drag), "N m", 3)
-    return (
-        f"against a drag of {size}"
-        if drag >= 0.0
-        else f"while its drags, the land of a ring for one, drive it by {size}"
-    )
+    return f"{'against a drag of' if drag >= 0.0 else 'and its drags, as a land has, drive it by'} {size}"
 
 
 def _losses(dataset: "xr.Dataset") -> list[str]:
