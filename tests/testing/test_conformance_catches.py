@@ -9,12 +9,14 @@ from hypothesis import settings
 
 from broken_models import BROKEN as BROKEN_MODELS
 from broken_models import FATAL, SOUND, fault_of, install
+from broken_pressures import BROKEN as BROKEN_PRESSURES
+from broken_pressures import SOUND as SOUND_PRESSURES
 from broken_studies import BROKEN as BROKEN_STUDIES
 from rollslip.catalogue import discovery
 from rollslip.testing import Nonconformance, all_checks, check_in_subprocess, checks_of, conformance
 from rollslip.testing.findings import run_check
 
-BROKEN = [*BROKEN_MODELS, *BROKEN_STUDIES]
+BROKEN = [*BROKEN_MODELS, *BROKEN_PRESSURES, *BROKEN_STUDIES]
 
 
 @pytest.fixture(autouse=True)
@@ -25,7 +27,7 @@ def as_long_as_users_search():
     settings.load_profile("short")
 
 
-@pytest.mark.parametrize("model", SOUND, ids=lambda model: model.name)
+@pytest.mark.parametrize("model", [*SOUND, *SOUND_PRESSURES], ids=lambda model: model.name)
 def test_what_the_faults_are_laid_over_is_sound(model):
     failed = [finding for finding in conformance(model) if finding.status not in ("ok", "skipped")]
     assert not failed

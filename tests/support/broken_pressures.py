@@ -1,0 +1,120 @@
+"""Laws of viscosity under pressure, and of the pressure in a film, that each break one rule of the contract."""
+
+from types import MappingProxyType
+
+import attrs
+import numpy as np
+
+from rollslip.fields import parameter, positive
+from rollslip.lubricant.pressure import PressureViscosity, factor_of_oil
+from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, PressureModel
+
+SOURCE = ("Nobody N. On laws that are made to be tested. J. None 1, 2000.",)
+BROKEN = []
+
+
+def breaks(rule):
+    """Put a model of this class on the list of those that a rule has to refuse."""
+
+    def add(cls):
+        BROKEN.append((rule, cls()))
+        return cls
+
+    return add
+
+
+@attrs.frozen(kw_only=True)
+class Power(PressureViscosity):
+    """A power law, eta = eta0 (1 + alpha p/n)^(c n)."""
+
+    name = "sound-pressure-viscosity"
+    equation = "eta = eta0 (1 + alpha p/n)^(c n)"
+    references = SOURCE
+    reads = frozenset({"pressure", "viscosity", "pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity"})
+    domain = MappingProxyType(
+        {
+            "pressure": NON_NEGATIVE,
+            "viscosity": POSITIVE,
+            "pressure_viscosity": NON_NEGATIVE,
+            "thermoviscosity": NON_NEGATIVE,
+            "pressure_thermoviscosity": FINITE,
+        }
+    )
+    power: float = parameter(default=16.0, unit="1", validator=positive, doc="power n")
+    factor: float = factor_of_oil()
+
+    def at(self, conditions, pressure):
+        c, p = conditions, np.asarray(pressure, dtype=float)
+        rise = c.pressure_viscosity * p / self.power
+        fall = c.thermoviscosity + self.factor * c.pressure_thermoviscosity * p / (1.0 + rise)
+        return c.viscosity * np.exp(self.exponent(rise)), fall
+
+    def exponent(self, rise):
+        return self.factor * self.power * np.log1p(rise)
+
+
+@attrs.frozen
+class Squeezed(PressureModel):
+    """Hertz's pressure in a film, written anew."""
+
+    name = "sound-pressure"
+    equation = "p = w/(2 b), b = sqrt(8 w R/(pi E'))"
+    references = SOURCE
+
+    def evaluate(self, slices):
+        c = slices.conditions
+        slices.half_width[...] = np.sqrt(8 * c.radius / (np.pi * c.modulus) * slices.load)
+        slices.pressure[...] = self.pressure(slices, c)
+
+    def pressure(self, s, c):
+        return s.load / (2 * s.half_width)
+
+
+SOUND = [Power(), Squeezed()]
+
+
+@breaks("check_viscosity_does_not_fall_with_pressure")
+@attrs.frozen(kw_only=True)
+class Thins(Power):
+    """An oil that thins under pressure."""
+
+    def exponent(self, rise):
+        return -super().exponent(rise)
+
+
+@breaks("check_without_pressure_the_oil_is_as_it_was")
+@attrs.frozen(kw_only=True)
+class Thicker(Power):
+    """An oil that is a thousandth thicker without pressure."""
+
+    def exponent(self, rise):
+        return super().exponent(rise) + 1e-3
+
+
+@breaks("check_values_at_pressures_are_those_of_the_stage")
+@attrs.frozen(kw_only=True)
+class Apart(Power):
+    """A stage that is a millionth above what the law says at pressures."""
+
+    def evaluate(self, slices):
+        super().evaluate(slices)
+        slices.film_viscosity[...] *= 1.0 + 1e-6
+
+
+@breaks("check_takes_what_an_oil_says_of_pressure")
+@attrs.frozen(kw_only=True)
+class Deaf(Power):
+    """A law that takes a factor of the oil and makes nothing of it."""
+
+    def exponent(self, rise):
+        return self.power * np.log1p(rise)
+
+
+@breaks("check_pressure_does_not_fall_with_the_load")
+@attrs.frozen
+class Relieved(Squeezed):
+    """A pressure that falls where the load is large."""
+
+    def pressure(self, s, c):
+        most = 1e-3 * c.modulus
+        return np.minimum(super().pressure(s, c), most * most / super().pressure(s, c))
