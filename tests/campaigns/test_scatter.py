@@ -132,7 +132,14 @@ def test_a_factor_multiplies_the_whole_drag_compiled_or_not(factor, load, speed)
         other.evaluate(two)
         assert two.resistance[0] == pytest.approx(factor * one.resistance[0], rel=1e-12)
     land = {"ring": "outer", "viscosity": 0.01, "radius": 0.1, "width": 0.01, "clearance": 1e-4}
-    mist = {"density": 900.0, "rollers": 20.0, "roller_diameter": 0.01, "roller_length": 0.01, "orbit_radius": 0.1}
+    mist = {
+        "density": 900.0,
+        "oil_fraction": 0.05,
+        "rollers": 20.0,
+        "roller_diameter": 0.01,
+        "roller_length": 0.01,
+        "orbit_radius": 0.1,
+    }
     for cls, own in ((PetroffLand, land), (Churning, mist)):
         plain, scaled = cls(**own).torque(speed, 0.0, 0.0), cls(**own, factor=factor).torque(speed, 0.0, 0.0)
         assert scaled == pytest.approx(factor * plain, rel=1e-12)

@@ -54,11 +54,12 @@ def test_a_run_writes_data_plots_and_report(tmp_path):
         done.stdout,
     )
     assert "inner ring: critical slip" in done.stdout
-    first, runs, bound, law, trust = done.stdout.splitlines()[1:6]
+    first, runs, bound, law, note, trust = done.stdout.splitlines()[1:7]
     assert re.fullmatch(r"the cage runs away at 42\.\d % cage slip, at a drag of 4\.0\d N m", first)
     assert re.fullmatch(r"with the drags of the scene the cage runs at a slip of 0\.766 %, and could .* the drag", runs)
     assert bound == "no rolling resistance among the drags: slip and friction torque are lower bounds"
     assert law.startswith("viscosity under pressure follows Barus's law, as the scene names it: ")
+    assert note.startswith("models, law and drags are the paper's")
     assert trust.startswith("how far to trust it: 'muraki' is 13 % (rms) off")
     assert done.stdout.count(first) == done.stdout.count(runs) == 1
     warned = [line.removeprefix("warning: ") for line in done.stderr.splitlines() if line.startswith("warning: ")]
@@ -380,4 +381,5 @@ def test_a_run_says_that_constants_fit_at_one_temperature_only_and_its_report_ha
     done = command("run", "1032930-30C", *QUICK, *changes, "--report", "--out", "o", cwd=tmp_path)
     assert "but lubricant.pressure_viscosity is the same at every temperature" in done.stderr
     report = (tmp_path / "o" / "report.html").read_text(encoding="utf-8")
-    assert "Grades: viscosity (B), density (B), conductivity (C). (B) from a standard reference" in report
+    told = "density (B), conductivity (C), pressure viscosity kind (C), viscosity (B)"
+    assert f"Grades: {told}. (B) from a standard reference" in report

@@ -26,7 +26,7 @@ def motion(level, film="metal", mass=5.0, drag=None):
     guidance = "roller" if "rollers" in level else "inner" if "inner" in level else "outer"
     changes = {"cage.guidance": guidance, "cage.pocket_contact": film}
     if guidance == "roller":
-        held = {"mass": 0.4, "inertia": 3.3e-3, "guidance": guidance, "pocket_radial_clearance": 1e-4}
+        held = {"mass": 0.4, "inertia": 3.3e-3, "guidance": guidance, "pocket_radial_clearance": 1e-4, "drag": []}
         changes = {"cage": held | {"pocket_contact": film}}
     if drag and guidance == "roller":
         changes["cage"]["drag"] = [drag]

@@ -72,7 +72,7 @@ def test_shells_complete_scenes_keys_and_names(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "pump.toml").write_text("")
     (tmp_path / "notes.txt").write_text("")
-    assert completed("run", word="") == ["1032930-30C", "1032930-50C", "1032930-70C", "pump.toml"]
+    assert completed("run", word="") == ["1032930-30C", "1032930-50C", "1032930-70C", "gearbox", "turbine", "pump.toml"]
     assert completed("run", "pump.toml", "--set", word="operation.rad") == ["operation.radial_load="]
     assert completed("schema", word="cage.land_r") == ["cage.land_radius"]
     assert completed("new", "a.toml", "--bearing", word="NU2326") == ["NU2326E"]

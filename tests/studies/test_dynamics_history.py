@@ -312,7 +312,7 @@ def test_what_is_uncertain_of_a_history_is_sampled_by_a_sweep_and_no_matter_of_a
         uncertainty=table,
     )
     with pytest.raises(SceneError, match="rollslip sweep run SCENE --study dynamics, where values are uncertain with"):
-        rollslip.uncertainty(of, samples=2, steady=0)
+        rollslip.uncertainty(of, samples=2)
     found = rollslip.sweep(of, study="dynamics", samples=2, output=["largest_cage_slip", "least_margin_to_runaway"])
     assert np.isfinite(found["largest_cage_slip"]).all()
     assert len({*found["largest_cage_slip"].values.tolist()}) == 2
