@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import attrs
 
-from rollslip.fields import FieldError, at_least, field, in_range, non_negative, one_of, positive
+from rollslip.fields import FieldError, Scatter, at_least, field, in_range, non_negative, one_of, positive
 from rollslip.references import Citation
 from rollslip.toml import FrozenTable
 from rollslip.units import format_quantity
@@ -346,32 +346,6 @@ class Surface:
     inner_raceway_roughness: float = _roughness("the inner raceway", 0.16e-6)
     outer_raceway_roughness: float = _roughness("the outer raceway", 0.16e-6)
     roller_roughness: float = _roughness("the rollers", 0.1e-6)
-
-
-@attrs.frozen(kw_only=True)
-class Scatter:
-    """How uncertain a datum of an oil or a bearing is, or a value that a field has by default, and who says so.
-
-    Parameters
-    ----------
-    quantity : str
-        Key of the table of a scene, ``[lubricant]`` or ``[bearing]``, that scatters; empty where a field declares it
-        of itself: ``parameter(..., scatter=Scatter(...))``.
-    distribution : str
-        Name of its distribution, as in the table ``[uncertainty]`` of a scene.
-    parameters : mapping
-        Its parameters there, with units; a centre that is left out is the value of the scene.
-    grade : str
-        A letter of `rollslip.lubricant.GRADES` in parentheses.
-    source : str
-        Where it comes from, in a sentence.
-    """
-
-    quantity: str = ""
-    distribution: str
-    parameters: Mapping[str, object] = attrs.field(converter=FrozenTable)
-    grade: str
-    source: str
 
 
 @attrs.frozen(kw_only=True)

@@ -17,11 +17,13 @@ from typing import Any, TypeAlias, TypedDict
 import attrs
 
 from rollslip.errors import RollslipError
+from rollslip.toml import FrozenTable
 from rollslip.units import as_written, check_unit, format_quantity, likely
 
 __all__ = [
     "FieldError",
     "Ranges",
+    "Scatter",
     "Span",
     "as_given",
     "at_least",
@@ -59,6 +61,32 @@ class FieldError(RollslipError, ValueError):
 
     def __reduce__(self) -> tuple[type["FieldError"], tuple[str, str]]:
         return type(self), (self.field, self.reason)
+
+
+@attrs.frozen(kw_only=True)
+class Scatter:
+    """How uncertain a datum of an oil or a bearing is, or a value that a field has by default, and who says so.
+
+    Parameters
+    ----------
+    quantity : str
+        Key of the table of a scene, ``[lubricant]`` or ``[bearing]``, that scatters; empty where a field declares it
+        of itself: ``parameter(..., scatter=Scatter(...))``.
+    distribution : str
+        Name of its distribution, as in the table ``[uncertainty]`` of a scene.
+    parameters : mapping
+        Its parameters there, with units; a centre that is left out is the value of the scene.
+    grade : str
+        A letter of `rollslip.lubricant.GRADES` in parentheses.
+    source : str
+        Where it comes from, in a sentence.
+    """
+
+    quantity: str = ""
+    distribution: str
+    parameters: Mapping[str, object] = attrs.field(converter=FrozenTable)
+    grade: str
+    source: str
 
 
 def field(

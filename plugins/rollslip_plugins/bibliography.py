@@ -82,21 +82,13 @@ _THROUGH_THE_PAPER: Final = "as cited by Klebanov et al. (2022)"
 # Contact ------------------------------------------------------------------------------------------------------------
 
 HARRIS_2006: Final = Reference(
-    kind="book",
-    authors=("Harris, T. A.", "Kotzalas, M. N."),
-    title="Essential Concepts of Bearing Technology",
-    edition="5th",
-    publisher="CRC Press",
-    year=2006,
-)
+    kind="book", authors=("Harris, T. A.", "Kotzalas, M. N."), title="Essential Concepts of Bearing Technology",
+    edition="5th", publisher="CRC Press", year=2006,
+)  # fmt: skip
 JOHNSON_1985: Final = Reference(
-    kind="book",
-    authors=("Johnson, K. L.",),
-    title="Contact Mechanics",
-    publisher="Cambridge University Press",
-    year=1985,
-    doi="10.1017/CBO9781139171731",
-)
+    kind="book", authors=("Johnson, K. L.",), title="Contact Mechanics", publisher="Cambridge University Press",
+    year=1985, doi="10.1017/CBO9781139171731",
+)  # fmt: skip
 LUNDBERG_1939: Final = Reference(
     authors=("Lundberg, G.",),
     title="Elastische Berührung zweier Halbräume",
@@ -149,33 +141,25 @@ WU_1989: Final = Reference(
     year=1989,
 )
 GEARPIE: Final = Reference(
-    kind="software",
-    authors=("Fernandes, C.",),
-    title="GEARpie, a library for gear contacts",
+    kind="software", authors=("Fernandes, C.",), title="GEARpie, a library for gear contacts",
     publisher="github.com/cfernandesFEUP/GEARpie",
-)
+)  # fmt: skip
 TU_TP_22S: Final = Reference(
     kind="standard", title="Turbine oil Tp-22S", number="TU 38.101821-2001", note="known second-hand"
 )
 GOST_13076: Final = Reference(
-    kind="standard",
-    title="Oil VNII NP 50-1-4",
-    number="GOST 13076-86 and TU 38.401-58-12-91",
+    kind="standard", title="Oil VNII NP 50-1-4", number="GOST 13076-86 and TU 38.401-58-12-91",
     note="recalled, not read",
-)
+)  # fmt: skip
 TU_IPM_10: Final = Reference(kind="standard", title="Oil IPM-10", number="TU 38.1011299", note="recalled, not read")
 TU_B_3V: Final = Reference(kind="standard", title="Oil B-3V", number="TU 38.101295", note="recalled, not read")
 
 # Film ---------------------------------------------------------------------------------------------------------------
 
 MARTIN_1916: Final = Reference(
-    authors=("Martin, H. M.",),
-    title="Lubrication of gear teeth",
-    journal="Engineering",
-    volume="102",
-    pages="119-121",
-    year=1916,
-)
+    authors=("Martin, H. M.",), title="Lubrication of gear teeth", journal="Engineering", volume="102",
+    pages="119-121", year=1916,
+)  # fmt: skip
 WEBER_1954: Final = Reference(
     authors=("Weber, C.", "Saalfeld, K."),
     title="Schmierfilm bei Walzen mit Verformung",

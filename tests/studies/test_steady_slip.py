@@ -771,7 +771,7 @@ def test_a_maker_whose_rule_takes_a_catalogue_says_which_keys():
     assert float(found.makers_least_load.sel(maker="NKE")) == pytest.approx(400.0)
     assert np.isnan(found.makers_least_load.sel(maker="SKF"))
     (said,) = topics(found)["least load"]
-    assert "NKE 400 N, for any oil and cage; SKF's rule needs bearing.catalogue.minimum_load_factor and " in said
+    assert "400 N (NKE), for any oil and cage; SKF's rule needs bearing.catalogue.minimum_load_factor and " in said
     assert said.endswith("bearing.catalogue.reference_speed of the maker's catalogue")
 
 

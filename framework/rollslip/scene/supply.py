@@ -13,8 +13,7 @@ from typing import Final, NamedTuple
 import attrs
 from attrs.validators import optional
 
-from rollslip.datasets import Scatter
-from rollslip.fields import FieldError, field, non_negative, one_of, positive
+from rollslip.fields import FieldError, Scatter, field, non_negative, one_of, positive
 
 __all__ = ["DENSITY", "SUPPLIES", "Lubrication", "Supplied", "Supply"]
 

@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from rollslip.datasets import Scatter
-from rollslip.fields import non_negative, parameter
+from rollslip.fields import Scatter, non_negative, parameter
 
 
 def scattering_factor(deviation: float, source: str) -> Any:
