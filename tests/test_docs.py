@@ -95,7 +95,7 @@ def toml_snippets():
 
 def test_there_are_blocks_to_test():
     assert len(toml_snippets()) == 3
-    assert len(console_blocks()) == 9
+    assert len(console_blocks()) == 11
 
 
 @pytest.mark.parametrize("snippet", toml_snippets())

@@ -72,6 +72,7 @@ def test_independent_quantities_add_in_squares():
     assert math.log(second.low) == pytest.approx(math.sqrt(2.0) * math.log(first.low), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_band_is_about_that_of_samples():
     """Over all that scatters by default; the logarithms of both ends within a fifth."""
     slip = float(rollslip.run(SCENE, "steady-slip").steady_slip[0])

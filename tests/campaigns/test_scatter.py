@@ -180,6 +180,7 @@ def test_a_lognormal_has_one_width():
 # Reserve -------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_quantiles_of_the_reserve_are_those_of_the_torque_that_scatters():
     """A constant torque leaves the largest drag as it is: the reserve is it over a lognormal torque, in closed form."""
     size, sigma = 0.2, 0.5
