@@ -32,7 +32,7 @@ COMMANDS = (
     "run 1032930-70C --report",
     "run 1032930-50C --study dynamics --no-plots",
     "uncertainty 1032930-70C --samples 64",
-    "sweep run 1032930-70C --over operation.radial_load=500:5000:64 --study friction-curve --engine serial",
+    "sweep run 1032930-70C --over operation.radial_load=500N:5000N:64 --study friction-curve --engine serial",
 )
 
 

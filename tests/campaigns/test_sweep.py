@@ -104,7 +104,7 @@ def test_values_of_an_axis(text, values):
 
 def test_the_command_line_writes_lists_with_commas_and_ranges_with_colons():
     assert parse_over("operation.radial_load=500 N, 1 kN") == ("operation.radial_load", ["500 N", "1 kN"])
-    assert parse_over("operation.radial_load=500:5000:10") == ("operation.radial_load", "500:5000:10")
+    assert parse_over("operation.radial_load=500N:5000N:10") == ("operation.radial_load", "500N:5000N:10")
     assert parse_over("accuracy.slices=5,7") == ("accuracy.slices", [5, 7])
     assert parse_over('models.film=["moes", {model = "pan-hamrock", thickness = "central"}]') == (
         "models.film", ["moes", {"model": "pan-hamrock", "thickness": "central"}],

@@ -20,7 +20,7 @@ COMMANDS = {
     "compare": ["compare", "1032930-70C", "--traction", "muraki", "--traction", "maxwell-eyring", "--out", "o"],
     "pareto": ["pareto", "1032930-70C", "--out", "o"],
     "uncertainty": ["uncertainty", "1032930-70C", "--samples", "512", "--out", "o"],
-    "processes": ["sweep", "run", "1032930-70C", "--over", "operation.radial_load=500:5000:400", "--out", "o",
+    "processes": ["sweep", "run", "1032930-70C", "--over", "operation.radial_load=500N:5000N:400", "--out", "o",
                   "--engine", "processes"],
 }  # fmt: skip
 KEEPING = ("motion", "pareto", "uncertainty", "processes")
@@ -58,7 +58,7 @@ def test_an_interrupt_at_any_moment_is_heard(name, moment, tmp_path):
 # Commands that take results or folders of others, and short ones ------------------------------------------------------
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
-SWEEP = ["sweep", "run", "1032930-70C", "--set", "accuracy.slices=7", "--over", "operation.radial_load=500:5000:40"]
+SWEEP = ["sweep", "run", "1032930-70C", "--set", "accuracy.slices=7", "--over", "operation.radial_load=500N:5000N:40"]
 #: Command -> arguments, the longest time until it is interrupted [s], and what it may leave beside what was there.
 OTHERS = {
     "fit": (["fit", "twin-disc.csv", "--traction", "muraki", "--parameters", "eyring_stress", "--out", "o"], 2.0, "o"),

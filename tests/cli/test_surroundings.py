@@ -15,7 +15,7 @@ PROGRAM = "from rollslip.cli import main; main()"
 FEW = ["--set", "accuracy.slices=7"]
 RUN = ["run", "1032930-70C", *FEW, "--report", "--out", "p/o"]
 ONE = ["run", "1032930-70C", *FEW, "--study", "friction-curve", "--report", "--out", "p/o"]
-SWEEP = ["sweep", "run", "1032930-70C", *FEW, "--over", "operation.radial_load=500:5000:400", "--out", "p/o"]
+SWEEP = ["sweep", "run", "1032930-70C", *FEW, "--over", "operation.radial_load=500N:5000N:400", "--out", "p/o"]
 COMPARE = ["compare", "1032930-70C", *FEW, "--traction", "muraki", "--traction", "constant", "--out", "p/o"]
 UNCERTAINTY = ["uncertainty", "1032930-70C", *FEW, "--samples", "512", "--steady", "0", "--out", "p/o"]
 MOTION = ["run", "1032930-50C", "--study", "dynamics", "--set", "study.dynamics.duration=5 ms", "--out", "p/o"]
@@ -65,7 +65,7 @@ def test_commands_do_not_need_a_home_nor_a_lenient_python(name, how, stored, tmp
     if "shell" in given:
         assert allowed(tmp_path), "no file system can be mounted here"
         given = {**given, "HOME": tmp_path / "home"}
-    few = ["sweep", "run", "1032930-70C", *FEW, "--over", "operation.radial_load=500:5000:4", "--engine", "processes"]
+    few = ["sweep", "run", "1032930-70C", *FEW, "--over", "operation.radial_load=500N:5000N:4", "--engine", "processes"]
     arguments = {"run": ONE, "sweep": [*few, "--out", "p/o"], "report": ["report", stored[-1], "--out", "r.html"]}[name]
     done = command(arguments, tmp_path, **given)
     assert done.returncode == 0, done.stderr

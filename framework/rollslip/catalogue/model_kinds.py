@@ -106,7 +106,7 @@ ENGINE: Final = Kind(
     template=Template(
         summary="An engine of sweeps",
         contents="the executor that computes the points",
-        use="rollslip sweep run 1032930-70C --over operation.radial_load=500:5000:5 --engine ${model}",
+        use="rollslip sweep run 1032930-70C --over operation.radial_load=500N:5000N:5 --engine ${model}",
         classes=("Engine", "Executor"),
         needs=("attrs>=24.2",),
     ),

@@ -208,7 +208,7 @@ def _nothing_varied(place: Location, varied: Sequence[str], unsampled: bool) -> 
         problems.append(
             place.at("samples").says(
                 "there is nothing to sample; give a range without a count, such as --over "
-                "operation.radial_load=500:5000, or a table [uncertainty]"
+                "operation.radial_load=500N:5000N, or a table [uncertainty]"
             )
         )
     elif not varied:
