@@ -17,7 +17,7 @@ RUN = ["run", "1032930-70C", *FEW, "--report", "--out", "p/o"]
 ONE = ["run", "1032930-70C", *FEW, "--study", "friction-curve", "--report", "--out", "p/o"]
 SWEEP = ["sweep", "run", "1032930-70C", *FEW, "--over", "operation.radial_load=500N:5000N:400", "--out", "p/o"]
 COMPARE = ["compare", "1032930-70C", *FEW, "--traction", "muraki", "--traction", "constant", "--out", "p/o"]
-UNCERTAINTY = ["uncertainty", "1032930-70C", *FEW, "--samples", "512", "--steady", "0", "--out", "p/o"]
+UNCERTAINTY = ["uncertainty", "1032930-70C", *FEW, "--samples", "512", "--loads", "0", "--out", "p/o"]
 MOTION = ["run", "1032930-50C", "--study", "dynamics", "--set", "study.dynamics.duration=5 ms", "--out", "p/o"]
 
 
