@@ -207,6 +207,7 @@ temperature = "70 degC"
 
 [models]
 contact = "palmgren"
+pressure = "hertz"
 film = "ertel-grubin"
 
 [models.traction]
@@ -237,7 +238,7 @@ map_points = 0
 
 
 def expected(rpm: float, force: float, slip: np.ndarray) -> dict[str, Any]:
-    """The scene once more, from its formulas: Hertz, Walther, Wooster, Grubin, Cross, Lee and Hamrock, Kragelsky."""
+    """The scene once more, from its formulas: Hertz, Walther, Wooster, Roelands, Grubin, Cross, Lee, Kragelsky."""
     r, Ri, Ro, length = 0.0055, 0.03, 0.041, 0.012
     R = r * Ri / (r + Ri)
     E = 208e9 / (1 - 0.3**2)
@@ -252,7 +253,8 @@ def expected(rpm: float, force: float, slip: np.ndarray) -> dict[str, Any]:
     nu = 10**10 ** (W1 + (W2 - W1) * (math.log10(T) - T1) / (T2 - T1)) - 0.7
     eta0 = nu * 1e-6 * 875.0
     alpha = (0.6 + 0.965 * math.log10(eta0 / 1e-3)) * 1e-8
-    eta = eta0 * math.exp(alpha * p)
+    thick = math.log(eta0) + 9.67  # Roelands, with alpha as the slope at no pressure
+    eta = eta0 * math.exp(thick * math.expm1(alpha / (5.1e-9 * thick) * math.log1p(5.1e-9 * p)))
 
     h = 1.95 * R * (alpha * eta0 * u / R) ** (8 / 11) * (w / (E * R)) ** (-1 / 11)
     film_parameter = h / (1.25 * math.hypot(0.15e-6, 0.05e-6))

@@ -30,6 +30,7 @@ from hypothesis import strategies as st
 from rollslip.bearing.chain import Chain, stage
 from rollslip.bearing.regimes import QUANTITIES
 from rollslip.errors import DomainError, PluginError
+from rollslip.lubricant.pressure import with_law
 from rollslip.models import POSITIVE, SliceModel, Validity
 from rollslip.studies.validity import quantity
 from rollslip.testing.rules import (
@@ -44,6 +45,7 @@ from rollslip.testing.rules import (
     without_evaluation,
 )
 from rollslip.testing.samples import (
+    Exponential,
     Unlimited,
     copy_of,
     drawn_tables,
@@ -483,7 +485,11 @@ def parameters_in_other_units(model: Any, powers: tuple[int, int, int, int]) -> 
 
 @rule(SliceModel)
 def check_does_not_know_metre_kilogram_second_and_kelvin(model: SliceModel) -> None:
-    """A law of nature is the same in any units: finds hidden constants, wrong units and members read by mistake."""
+    """A law of nature is the same in any units: finds hidden constants, wrong units and members read by mistake.
+
+    How the oil's viscosity rises is not the model's: an exponential law, which has no number of its own, stands for it.
+    """
+    model = with_law(model, Exponential())
     power = st.integers(-5, 5)
 
     def equal(drawn: tuple[Slices, tuple[int, int, int, int]]) -> None:

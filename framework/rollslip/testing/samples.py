@@ -18,6 +18,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from types import MappingProxyType
 from typing import Any, Final, TypeVar, cast
 
 import attrs
@@ -25,10 +26,12 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, Verbosity, given, settings
 from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
+from numpy.typing import ArrayLike
 
 from rollslip.bearing.chain import Chain
 from rollslip.errors import DomainError
-from rollslip.models import NO_LIMITS, Domain, SliceModel, left_to_scene
+from rollslip.lubricant.pressure import Array, PressureViscosity
+from rollslip.models import NO_LIMITS, NON_NEGATIVE, Domain, SliceModel, left_to_scene
 from rollslip_kernels.slices import COLUMNS, CONDITIONS, Conditions, Slices
 
 T = TypeVar("T")
@@ -132,6 +135,24 @@ class Unlimited:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.model, name)
+
+
+@attrs.frozen
+class Exponential(PressureViscosity):
+    """eta = eta0 exp(alpha p): the law of an oil where it must hold no number with a dimension."""
+
+    name = "exponential"
+    domain = MappingProxyType(
+        dict.fromkeys(
+            ("pressure", "viscosity", "pressure_viscosity", "thermoviscosity", "pressure_thermoviscosity"), NON_NEGATIVE
+        )
+    )
+    reads = frozenset(domain)
+
+    def at(self, conditions: Conditions, pressure: ArrayLike) -> tuple[Array, Array]:
+        """Return viscosity and its fall with temperature."""
+        c, p = conditions, np.asarray(pressure, dtype=float)
+        return c.viscosity * np.exp(c.pressure_viscosity * p), c.thermoviscosity + c.pressure_thermoviscosity * p
 
 
 def law_of(model: Any) -> Any:

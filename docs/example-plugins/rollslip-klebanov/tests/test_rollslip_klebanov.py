@@ -76,9 +76,9 @@ def test_without_the_cut_it_is_muraki_of_the_box() -> None:
 def test_at_the_largest_pressure_the_oil_is_thicker() -> None:
     """As with the mean pressure if that were 4/pi times as high, but for the stress over it."""
     ours, raised = slices(SPEEDS), slices(SPEEDS)
-    Chain(Barus(), Klebanov(viscosity_at="maximum"))(ours)
+    Chain(Barus(), Klebanov(viscosity_at="maximum", law=Barus()))(ours)
     raised.pressure[:] *= 4.0 / math.pi
-    Chain(Barus(), Klebanov())(raised)
+    Chain(Barus(), Klebanov(law=Barus()))(raised)
     np.testing.assert_allclose(ours.friction, raised.friction * 4.0 / math.pi, rtol=1e-13)
 
 

@@ -5,6 +5,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
+import attrs
 import pytest
 import xarray as xr
 from rollslip import evolve, load_scene
@@ -212,9 +213,12 @@ NAMED = (
 
 def test_a_designation_is_looked_up(tmp_path: Path) -> None:
     scene, notes = put(tmp_path, NAMED)
-    same = evolve(load_scene("1032930-50C"), {"bearing": {"name": "NU 2210 ECP/C3"}})
+    operation = attrs.asdict(scene.operation, filter=lambda _, value: value is not None)
+    same = evolve(load_scene("1032930-50C"), {"bearing": {"name": "NU 2210 ECP/C3"}, "operation": operation})
     assert scene.bearing == same.bearing
-    assert scene.bearing.radial_clearance == pytest.approx(65e-6)  # C3 over 40 to 50 mm: 50 to 80 um
+    assert scene.bearing.mounted is not None
+    assert scene.bearing.mounting.initial_clearance == pytest.approx(65e-6)  # C3 over 40 to 50 mm: 50 to 80 um
+    assert 20e-6 < scene.bearing.radial_clearance < 65e-6  # the seats take from it
     assert scene.cage is not None
     assert (scene.cage["make"], scene.cage["guidance"]) == ("polyamide", "roller")
     (told,) = (note for note in notes if "catalogue_designation" in note)

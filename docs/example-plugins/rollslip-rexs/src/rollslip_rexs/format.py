@@ -260,7 +260,7 @@ def _geometry(
         it.notes.append(
             f"{bearing}, {DESIGNATION}: of {designation!r} rollslip's catalogue gives "
             f"{', '.join(key for key in (*told, 'raceways') if told.get(key) is None and 'raceway_' not in key)} "
-            "where the file does not say it, an estimate; its clearance is that before mounting"
+            "where the file does not say it, an estimate; its clearance is that in operation, with usual fits"
         )
         told = {"name": designation, **{key: value for key, value in told.items() if value is not None}}
     material = {
