@@ -4,6 +4,7 @@
 #include "stages/contact.h"
 #include "stages/film.h"
 #include "stages/viscosity.h"
+#include "stages/resistance.h"
 #include "stages/near_stress.h"
 #include "stages/stress.h"
 #include "stages/traction.h"

@@ -1,20 +1,19 @@
 """What resists cage and rollers: torques on the cage, and the rolling resistance of a slice.
 
 - A torque is an ``rs_drag``, a Python one has a trampoline for its function; who calls it never asks which.
-- Torques are added by who calls them, resistances, of which a slice has one column, by ``total_resistance``.
+- Torques are added by who calls them, resistances, of which a slice has one column, by ``total_resistance``; their
+  formulas are in stages/resistance.h.
 """
 
 from cpython.exc cimport PyErr_Occurred, PyErr_SetObject
 from cpython.pycapsule cimport PyCapsule_GetPointer, PyCapsule_IsValid
-from libc.math cimport M_PI, NAN, fabs, pow, sqrt
+from libc.math cimport NAN, fabs, sqrt
 
 from rollslip_abi cimport ROLLSLIP_ABI, ROLLSLIP_DRAG, ROLLSLIP_MODEL, rs_drag, rs_model, rs_slices
+from rollslip_blocks cimport rolling_params, rs_active_blocks
 from rollslip_drag cimport rs_new_drag
 from rollslip_errors cimport rs_raise_pending
 from rollslip_stage cimport rs_cut, rs_new_model
-
-cdef extern from "stages/table.h" nogil:
-    double HEATED_INLET(double power)
 
 cdef enum:
     MOST = 8
@@ -119,47 +118,6 @@ def python_drag(torque):
 # Resistance of a slice -----------------------------------------------------------------------------------------------
 
 
-cdef struct rolling_t:
-    double rigid, elastic, factor
-    bint heated, whole
-
-
-# F = C_S C_T (a^-5 + b^-5)^(-1/5) [1 + (0.049 L - 0.16) M^2/(1 + M^2)], the last factor for the whole film;
-# a = 2.0796 sqrt(eta u w), b = 4.318 (R/alpha) (G U)^0.658 W^0.0126, x = a/b
-cdef int _rolling(const rs_slices *s, const void *params) noexcept nogil:
-    cdef const rolling_t *q = <const rolling_t *>params
-    cdef double shared = pow(s.pressure_viscosity, 0.342) / (q.elastic * s.radius)
-    cdef double heat = s.viscosity * s.thermoviscosity / s.conductivity
-    cdef double flow, a, x, large, small, factor, U, W, square
-    cdef size_t i
-    for i in range(s.n):
-        flow = s.viscosity * s.rolling_speed[i]
-        a = q.rigid * sqrt(flow * s.load[i])
-        W = s.load[i] / (s.modulus * s.radius)
-        x = a * shared / (pow(flow / s.radius, 0.658) * pow(W, 0.0126))
-        large = max(x, 1.0)
-        small = min(x, 1.0 / large)
-        factor = q.factor
-        if q.heated:
-            factor *= HEATED_INLET(pow(heat * (s.rolling_speed[i] * s.rolling_speed[i]), 0.62))
-        if q.whole:
-            U = 2.0 * flow / (s.modulus * s.radius)
-            square = W * W / U
-            factor *= 1.0 + (0.049 * s.pressure_viscosity * s.modulus * sqrt(sqrt(U)) - 0.16) / (1.0 + 1.0 / square)
-        s.resistance[i] = factor * (a / large) * pow(1.0 + small * small * small * small * small, -0.2)
-    return 0
-
-
-# F = k w b/(3 pi R), b = sqrt(8 w R/(pi E'))
-cdef int _hysteresis(const rs_slices *s, const void *params) noexcept nogil:
-    cdef double factor = (<const double *>params)[0] / (3.0 * M_PI * s.radius)
-    cdef double per_load = 8.0 * s.radius / (M_PI * s.modulus)
-    cdef size_t i
-    for i in range(s.n):
-        s.resistance[i] = factor * s.load[i] * sqrt(per_load * s.load[i])
-    return 0
-
-
 cdef struct stages_t:
     int n
     rs_model terms[MOST]
@@ -196,13 +154,13 @@ def rolling_resistance(double rigid, double elastic, double factor, bint heated,
 
     ``heated`` asks for the factor of Murch and Wilson, ``whole`` for the film behind the inlet.
     """
-    cdef rolling_t q = rolling_t(rigid, elastic, factor, heated, whole)
-    return rs_new_model(_rolling, &q, sizeof(q), None)
+    cdef rolling_params q = rolling_params(rigid, elastic, factor, heated, whole)
+    return rs_new_model(rs_active_blocks().rolling_resistance, &q, sizeof(q), None)
 
 
 def hysteresis(double loss):
     """Return the stage of hysteresis; ``loss`` is the share of the work of deformation that is lost."""
-    return rs_new_model(_hysteresis, &loss, sizeof(loss), None)
+    return rs_new_model(rs_active_blocks().hysteresis, &loss, sizeof(loss), None)
 
 
 def total_resistance(capsules):

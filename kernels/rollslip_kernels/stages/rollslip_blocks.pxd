@@ -20,6 +20,10 @@ cdef extern from "stages/table.h" nogil:
         int thermal
         double starvation, layer, exponent
 
+    ctypedef struct rolling_params:
+        double rigid, elastic, factor
+        int heated, whole
+
     ctypedef struct barus_params:
         double factor
 
@@ -80,7 +84,7 @@ cdef extern from "stages/table.h" nogil:
     ctypedef struct rs_blocks:
         rs_evaluate hertz_line, light_contact, power_deflection, lundberg_deflection
         rs_evaluate power_film, moes_film, regime_film, inlet_film
-        rs_evaluate barus, roelands, yasutomi
+        rs_evaluate barus, roelands, yasutomi, rolling_resistance, hysteresis
         rs_evaluate muraki, maxwell_eyring, eyring, kragelsky, constant, gupta
         rs_evaluate carreau, limiting_shear, newtonian_thermal, eyring_thermal
         rs_evaluate power_share, exponential_share, greenwood_tripp_share, blend

@@ -16,6 +16,7 @@ enum { NO_FACTOR, MURCH_WILSON, GUPTA };
 /* Factor of a heated inlet by Lt^0.62, which film and resistance to rolling share          [Murch and Wilson 1975] */
 #define HEATED_INLET(power) (3.94 / (3.94 + (power)))
 typedef struct { rs_model film; int thermal; double starvation, layer, exponent; } inlet_params;
+typedef struct { double rigid, elastic, factor; int heated, whole; } rolling_params;
 typedef struct { double factor; } barus_params;   /* on ln(eta/eta0) */
 typedef struct { double pole_viscosity, pole_pressure, factor; int film; } roelands_params;   /* film: alpha is alpha* */
 typedef struct { double glass_temperature, a1, a2, b1, b2, c1, c2, factor; } yasutomi_params;
@@ -38,7 +39,7 @@ typedef struct {
 #define STAGES(X) \
     X(hertz_line) X(light_contact) X(power_deflection) X(lundberg_deflection) \
     X(power_film) X(moes_film) X(regime_film) X(inlet_film) \
-    X(barus) X(roelands) X(yasutomi) \
+    X(barus) X(roelands) X(yasutomi) X(rolling_resistance) X(hysteresis) \
     X(muraki) X(maxwell_eyring) X(eyring) X(kragelsky) X(constant) X(gupta) \
     X(carreau) X(limiting_shear) X(newtonian_thermal) X(eyring_thermal) \
     X(power_share) X(exponential_share) X(greenwood_tripp_share) X(blend)
