@@ -123,14 +123,14 @@ class LoadedContacts:
         They are the Gauss rule of its slices by their widths: means over a roller of whatever is smooth in the root of
         the load are the same, and its force is. ``whole`` takes all rollers for one, where they run at the same speeds.
         """
-        first = self._first
-        if whole:
-            first = first[[0, -1]]
-        most = int(np.diff(first).max(initial=0))
-        if most <= count:
+        first = self._first[[0, -1]] if whole else self._first
+        if int(np.diff(first).max(initial=0)) <= count:
             return self
-        nodes, weights = rules(self.load, self.width, np.ascontiguousarray(first), count)
-        return LoadedContacts(self.raceway, nodes, weights, self.orbit)
+        return LoadedContacts(self.raceway, *self.rule(count, first), self.orbit)
+
+    def rule(self, count: int, first: "NDArray[np.intp] | None" = None) -> tuple[Array, Array]:
+        """Return loads [N/m] and widths [m] of the Gauss rule of every roller, (rollers, count)."""
+        return rules(self.load, self.width, np.ascontiguousarray(self._first if first is None else first), count)
 
     def friction(self, rolling: Any, sliding: Any) -> Array:
         """Friction coefficient of every slice along the orbit, (N,), at speeds that broadcast to it."""
