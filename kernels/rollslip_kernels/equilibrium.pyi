@@ -19,7 +19,7 @@ def solve(
     clearance: float,
     rise: float,
     load: float,
-    centrifugal: float,
+    centrifugal: NDArray[np.float64],
     reach: float,
     found: dict[str, NDArray[np.float64]],
 ) -> Literal["", "inner", "outer", "range"]: ...

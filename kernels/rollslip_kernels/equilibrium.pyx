@@ -85,12 +85,13 @@ cdef struct bearing_t:
 
 
 def solve(stages, tables, const double[:, :, ::1] direction, const double[::1] xi, const double[::1] drop,
-          const double[:, ::1] weights, double length, double clearance, double rise, double load, double centrifugal,
-          double reach, dict found):
+          const double[:, ::1] weights, double length, double clearance, double rise, double load,
+          const double[::1] centrifugal, double reach, dict found):
     """Fill ``found`` with the equilibrium at every instant; return "", or "inner", "outer" or "range" of a refusal.
 
     ``stages`` and ``tables`` are the contact laws of both rings and the slices they work in, with room for all of one
-    instant; ``direction`` holds cos psi and sin psi (2, M, Z). Of the slices carried along, all of a roller or its
+    instant; ``direction`` holds cos psi and sin psi (2, M, Z), ``centrifugal`` the force of each instant (M,): where
+    rollers stand as in the one before, it goes on from there. Of the slices carried along, all of a roller or its
     half that mirrors the other, ``xi`` are the places over half the roller's length, ``weights`` (3, h) those of the
     moments. ``rise`` is that of the roller's end by the ring's tilt, ``reach`` the longest move due to clearance,
     profile and tilt. The arrays of ``found`` are load (2, M, Z, n), force (2, M, Z), ring, residual (M, 2), shift,
@@ -106,11 +107,14 @@ def solve(stages, tables, const double[:, :, ::1] direction, const double[::1] x
     cdef double[:, ::1] rings = found["ring"], residuals = found["residual"]
     cdef double[:, ::1] shifts = found["shift"], tips = found["tip"]
     cdef double[::1] moments = found["moment"], passes = found["passes"]
-    cdef double nearest = 1.0, least_drop = INFINITY
+    cdef double nearest = 1.0, least_drop = INFINITY, most = 0.0
+    cdef bint stay
     cdef const double *touching
     cdef roller_t *r
     cdef int ended
 
+    if centrifugal.shape[0] != instants:
+        raise ValueError(f"{centrifugal.shape[0]} centrifugal forces for {instants} instants")
     if not (weights.shape[1] == drop.shape[0] == h <= n <= 2 * h):
         raise ValueError(f"{drop.shape[0]} drops, {weights.shape[1]} weights for {h} of {n} slices")
     gathered = []
@@ -123,20 +127,32 @@ def solve(stages, tables, const double[:, :, ::1] direction, const double[::1] x
         b.approach[ring] = &approach[ring, 0]
     b.rollers, b.slices, b.roller = Z, h, <roller_t *>&work[0]
     b.xi, b.drop, b.weights = &xi[0], &drop[0], &weights[0, 0]
-    b.length, b.half_clearance, b.rise, b.load, b.centrifugal = length, 0.5 * clearance, rise, load, centrifugal
+    b.length, b.half_clearance, b.rise, b.load = length, 0.5 * clearance, rise, load
     for i in range(h):
         least_drop = min(least_drop, drop[i])
 
     with nogil:
         for m in range(instants):
-            nearest = min(nearest, _nearest(&direction[0, m, 0], Z))
+            nearest, most = min(nearest, _nearest(&direction[0, m, 0], Z)), max(most, centrifugal[m])
+        b.centrifugal = most
         ended = _measure(&b, max(least_drop, 0.0), nearest, reach)
         m = 0
         while ended == ARRIVED and m < instants:
+            stay = m > 0 and max(residuals[m - 1, 0], residuals[m - 1, 1]) <= ROUNDING
             for j in range(Z):
+                stay = stay and direction[0, m, j] == direction[0, m - 1, j]
+                stay = stay and direction[1, m, j] == direction[1, m - 1, j]
                 b.roller[j].direction[0], b.roller[j].direction[1] = direction[0, m, j], direction[1, m, j]
-            _start(&b, _depth(&b, _nearest(&direction[0, m, 0], Z)))
-            ended = _settle(&b, &passes[m], &residuals[m, 0])
+            if stay:
+                _go_on(&b, centrifugal[m])
+                ended = _settle(&b, &passes[m], &residuals[m, 0])
+                stay = ended == ARRIVED and max(residuals[m, 0], residuals[m, 1]) <= ROUNDING
+            if not stay:
+                b.centrifugal = centrifugal[m]
+                b.seat = _approach_for(&b, b.centrifugal)
+                b.rest = b.seat + max(least_drop, 0.0)
+                _start(&b, _depth(&b, _nearest(&direction[0, m, 0], Z)))
+                ended = _settle(&b, &passes[m], &residuals[m, 0])
             rings[m, 0], rings[m, 1] = b.at[0], b.at[1]
             moments[m] = 0.0
             for j in range(Z):
@@ -255,6 +271,28 @@ cdef void _start(bearing_t *b, double depth) noexcept nogil:
         for i in range(h):
             b.approach[INNER][j * h + i] = (gap - r.at[0]) + (rise - r.at[1]) * b.xi[i] - b.drop[i]
             b.approach[OUTER][j * h + i] = r.at[0] + r.at[1] * b.xi[i] - b.drop[i]
+
+
+cdef void _go_on(bearing_t *b, double centrifugal) noexcept nogil:
+    """From an equilibrium to that under another centrifugal force: rollers that only this one presses go with it."""
+    cdef double outward = b.rest
+    cdef size_t i, j, h = b.slices
+    cdef roller_t *r
+    b.rest -= b.seat
+    b.centrifugal, b.seat = centrifugal, _approach_for(b, centrifugal)
+    b.rest += b.seat
+    outward = b.rest - outward
+    b.least = max(b.load, b.centrifugal)
+    b.search.descent = INFINITY
+    for j in range(b.rollers):
+        r = &b.roller[j]
+        r.search.descent = INFINITY
+        if r.contact[INNER].force[0] > 0.0:
+            continue
+        r.at[0] += outward
+        for i in range(h):
+            b.approach[OUTER][j * h + i] += outward
+            b.approach[INNER][j * h + i] -= outward
 
 
 cdef int _settle(bearing_t *b, double *passes, double *residual) noexcept nogil:

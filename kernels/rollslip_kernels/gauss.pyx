@@ -100,50 +100,121 @@ cdef void eigenvalues(double *diagonal, double *beside, double *first, Py_ssize_
                 beside[k + 1] *= c
 
 
+cdef struct room_t:   # for one rule at a time
+    double *x
+    double *basis
+    double *diagonal
+    double *beside
+    double *first
+
+
+cdef Py_ssize_t _gather(
+    const room_t *at, const double *load, const double *weight, Py_ssize_t n, double above
+) noexcept nogil:
+    """Roots of loads, and of their weights, of the loads that count."""
+    cdef Py_ssize_t i, found = 0
+    for i in range(n):
+        if load[i] > above and weight[i] > 0.0:
+            at.x[found], at.basis[found] = sqrt(load[i]), sqrt(weight[i])
+            found += 1
+    return found
+
+
+cdef void _rule(const room_t *at, Py_ssize_t n, Py_ssize_t count, double *nodes, double *weights) noexcept nogil:
+    """The rule of what is gathered, ascending, into nodes and weights that are 0."""
+    cdef Py_ssize_t i, j, size
+    cdef double total = 0.0, node, share
+    if n == 0:
+        return
+    for i in range(n):
+        total += at.basis[i] * at.basis[i]
+    for i in range(n):
+        at.basis[i] /= sqrt(total)
+    while n % LANES:   # points without weight change nothing
+        at.x[n] = at.basis[n] = 0.0
+        n += 1
+    size = jacobi(at.x, at.basis, at.diagonal, at.beside, n, count)
+    for i in range(size):
+        at.first[i] = 1.0 if i == 0 else 0.0
+    eigenvalues(at.diagonal, at.beside, at.first, size)
+    for i in range(size):
+        j, node, share = i, at.diagonal[i] * at.diagonal[i], at.first[i] * at.first[i] * total
+        while j > 0 and nodes[j - 1] > node:
+            nodes[j], weights[j] = nodes[j - 1], weights[j - 1]
+            j -= 1
+        nodes[j], weights[j] = node, share
+
+
+cdef room_t _room(double[::1] of, Py_ssize_t most, Py_ssize_t count) noexcept:
+    cdef room_t at
+    at.x = &of[0]
+    at.basis = at.x + most
+    at.diagonal = at.basis + (count + 1) * most
+    at.beside = at.diagonal + count
+    at.first = at.beside + count
+    return at
+
+
 def rules(const double[::1] load, const double[::1] weight, const Py_ssize_t[::1] begin, Py_ssize_t count):
     """Return loads and weights of the Gauss rules of rows in the root of the load, ascending, (rows, count) each.
 
     Row k has the loads from begin[k] to begin[k + 1], and weights that are not negative. Nodes that it has no different
     loads for are 0 and weigh nothing.
     """
-    cdef Py_ssize_t rows = begin.shape[0] - 1, k, i, n, size, most = 0
-    cdef double total, node, share
+    cdef Py_ssize_t rows = begin.shape[0] - 1, k, most = 0
     for k in range(rows):
         most = max(most, begin[k + 1] - begin[k])
     most += LANES
     found, shares = np.zeros((rows, count)), np.zeros((rows, count))
     cdef double[:, ::1] nodes = found, weights = shares
-    cdef double[::1] room = np.empty((count + 2) * most + 3 * count)
-    cdef double *x = &room[0]
-    cdef double *basis = x + most
-    cdef double *diagonal = basis + (count + 1) * most
-    cdef double *beside = diagonal + count
-    cdef double *first = beside + count
+    cdef double[::1] own = np.empty((count + 2) * most + 3 * count)
+    cdef room_t at = _room(own, most, count)
     with nogil:
         for k in range(rows):
-            n, total = 0, 0.0
-            for i in range(begin[k], begin[k + 1]):
-                if weight[i] > 0.0:
-                    x[n], basis[n] = sqrt(load[i]), sqrt(weight[i])
-                    total += weight[i]
-                    n += 1
-            if n == 0:
-                continue
+            if begin[k + 1] > begin[k]:
+                _rule(&at, _gather(&at, &load[begin[k]], &weight[begin[k]], begin[k + 1] - begin[k], -1.0), count,
+                      &nodes[k, 0], &weights[k, 0])
+    return found, shares
+
+
+def row_rules(const double[:, ::1] load, const double[::1] width, Py_ssize_t count):
+    """Return the same of rows of loads over slices of one set of widths, (rows, count) each.
+
+    Of a row whose halves mirror each other one is gathered, and what differs from the row before by rounding alone has
+    its rule, as rollers have that rest on the outer ring.
+    """
+    cdef Py_ssize_t rows = load.shape[0], n = load.shape[1], k, i, h = n // 2
+    cdef bint even = True, mirrored, again
+    cdef double least
+    if width.shape[0] != n:
+        raise ValueError(f"{width.shape[0]} widths of {n} slices")
+    found, shares = np.zeros((rows, count)), np.zeros((rows, count))
+    cdef double[:, ::1] nodes = found, weights = shares
+    cdef double[::1] own = np.empty((count + 2) * (n + LANES) + 3 * count), doubled = np.empty(n)
+    cdef room_t at = _room(own, n + LANES, count)
+    with nogil:
+        for i in range(n):
+            even = even and width[i] == width[n - 1 - i]
+            doubled[i] = 2.0 * width[i] if i >= h + n % 2 else width[i]
+        for k in range(rows):
+            again, least = k > 0, 0.0
             for i in range(n):
-                basis[i] /= sqrt(total)
-            while n % LANES:   # points without weight change nothing
-                x[n] = basis[n] = 0.0
-                n += 1
-            size = jacobi(x, basis, diagonal, beside, n, count)
-            for i in range(size):
-                first[i] = 1.0 if i == 0 else 0.0
-            eigenvalues(diagonal, beside, first, size)
-            for i in range(size):   # in order
-                n, node, share = i, diagonal[i] * diagonal[i], first[i] * first[i] * total
-                while n > 0 and nodes[k, n - 1] > node:
-                    nodes[k, n], weights[k, n] = nodes[k, n - 1], weights[k, n - 1]
-                    n -= 1
-                nodes[k, n], weights[k, n] = node, share
+                least = max(least, load[k, i])
+            least *= ROUNDING
+            i = 0
+            while again and i < n:
+                again, i = fabs(load[k, i] - load[k - 1, i]) <= least, i + 1
+            if again:
+                for i in range(count):
+                    nodes[k, i], weights[k, i] = nodes[k - 1, i], weights[k - 1, i]
+                continue
+            mirrored, i = even, 0
+            while mirrored and i < h:
+                mirrored, i = load[k, i] == load[k, n - 1 - i], i + 1
+            if mirrored:
+                _rule(&at, _gather(&at, &load[k, h], &doubled[h], n - h, 0.0), count, &nodes[k, 0], &weights[k, 0])
+            else:
+                _rule(&at, _gather(&at, &load[k, 0], &width[0], n, 0.0), count, &nodes[k, 0], &weights[k, 0])
     return found, shares
 
 

@@ -12,7 +12,14 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq, root
 
 from rollslip.bearing.chain import Chain
-from rollslip.bearing.equilibrium import LoadCase, angular_positions, solve_equilibrium, solve_pitch
+from rollslip.bearing.equilibrium import (
+    LoadCase,
+    angular_positions,
+    over_pitch,
+    solve_equilibrium,
+    solve_orbits,
+    solve_pitch,
+)
 from rollslip.bearing.profile import profile_drop, slice_positions
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.models import SliceModel
@@ -351,6 +358,19 @@ def test_half_of_a_pitch_mirrors_the_other(Z, instants, changes, known):
     found = solve_pitch(whole, palmgren(), before)
     alike(found, solve_equilibrium(whole, palmgren()))
     check(whole, found, palmgren())
+
+
+@pytest.mark.parametrize("changes", [{}, {"misalignment": 3e-4, "slices": 12}, {"radial_clearance": -2e-5}])
+@pytest.mark.parametrize(("Z", "instants"), [(28, 1), (13, 4), (14, 5)])
+def test_orbits_at_many_speeds_are_those_of_each(Z, instants, changes):
+    """Each goes on from the one before; where rollers lift off, and without centrifugal force, too."""
+    forces = 174.0 * np.array([1.0, 0.99, 0.5, 0.1, 1e-6, 0.0, 3.0, 3.0])
+    given, law = case(Z=Z, instants=instants, **changes), iso16281()
+    for name, part in zip(("inner_load", "outer_load"), solve_orbits(given, law, forces), strict=True):
+        every = over_pitch(part, instants)
+        for force, found in zip(forces, every, strict=True):
+            want = getattr(solve_pitch(attrs.evolve(given, centrifugal_force=force), law), name)
+            np.testing.assert_allclose(found, want, rtol=0, atol=1e-10 * want.max())
 
 
 def test_what_is_known_must_be_every_second_instant():

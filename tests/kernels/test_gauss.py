@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from rollslip_kernels.gauss import legendre, rules
+from rollslip_kernels.gauss import legendre, row_rules, rules
 
 pytestmark = pytest.mark.quick
 
@@ -52,6 +52,23 @@ def test_rules_of_loads_as_of_a_roller_are_those_of_numpy(points, count):
         want, shares = by_numpy(row[width > 0.0], width[width > 0.0], count)
         np.testing.assert_allclose(x, want, rtol=0, atol=1e-13 * want.max())
         np.testing.assert_allclose(w, shares, rtol=0, atol=1e-11 * width.sum())
+
+
+@pytest.mark.parametrize(("slices", "count"), [(12, 8), (77, 8), (40, 4)])
+@pytest.mark.parametrize("tilt", [0.0, 0.3])
+def test_rules_of_whole_rows_are_those_of_their_loaded_slices(slices, count, tilt):
+    """Some rows twice, some without load, and such as mirror themselves where they are not tilted."""
+    rng, x = np.random.default_rng(3), np.linspace(-1.0, 1.0, slices)
+    load = np.maximum(1.0 - rng.uniform(0.3, 1.2, (20, 1)) * x**2 + tilt * x, 0.0) ** (10 / 9) * 1e5
+    load = 0.5 * (load + load[:, ::-1]) if tilt == 0.0 else load
+    load[[4, 9]], load[7] = load[[3, 8]] * (1.0 + 2e-16), 0.0
+    width = 1.0 - 0.3 * x**2
+    width = 0.5 * (width + width[::-1])
+    some = load > 0.0
+    begin = np.append(0, np.cumsum(some.sum(axis=1)))
+    want = rules(load[some], np.broadcast_to(width, load.shape)[some], begin, count)
+    for found, expected in zip(row_rules(load, width, count), want, strict=True):
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * expected.max())
 
 
 @pytest.mark.parametrize("n", [1, 2, 5, 48, 801])

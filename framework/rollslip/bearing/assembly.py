@@ -12,7 +12,14 @@ import numpy as np
 from rollslip.bearing.cage import Cage, read_cage, supplied, with_drags
 from rollslip.bearing.chain import Chain
 from rollslip.bearing.drags import with_values
-from rollslip.bearing.equilibrium import LoadCase, LoadDistribution, angular_positions, solve_pitch
+from rollslip.bearing.equilibrium import (
+    LoadCase,
+    LoadDistribution,
+    angular_positions,
+    over_pitch,
+    solve_orbits,
+    solve_pitch,
+)
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.profile import profile_drop
 from rollslip.bearing.raceway import RINGS, Array, Raceway, Ring
@@ -26,6 +33,7 @@ from rollslip.models import ContactModel, FilmModel, PressureModel, SliceModel, 
 from rollslip.scene.values import LubricantTable, Scene
 from rollslip.structure import Location
 from rollslip.units import format_quantity
+from rollslip_kernels.gauss import row_rules
 from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 
 _PIECE = 2048  # slices whose deflection is found at a time
@@ -196,6 +204,26 @@ class Assembly:
             return self._solved_loads(instants, cage_speed, known)
         return self.kept(("loads", instants), instants, lambda: self._solved_loads(instants, None, None))
 
+    def orbit_loads(
+        self, instants: int, cage_speeds: Array, few: int = 0
+    ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """Loads per length of inner and outer ring [N/m] at cage speeds [rad/s], and their widths [m].
+
+        Of shape (speeds, instants, Z, slices), the widths (slices,), or both (speeds, instants, Z, few) of their Gauss
+        rules of a few loads.
+        """
+        forces = np.array([self._centrifugal_force_at(speed) for speed in cage_speeds.tolist()])
+
+        def whole(part: Array) -> tuple[Array, Array]:
+            if not few:
+                return over_pitch(part, instants), self.widths
+            rule = row_rules(np.ascontiguousarray(part).reshape(-1, self.slices), self.widths, few)
+            load, width = (over_pitch(of.reshape(*part.shape[:3], few), instants) for of in rule)
+            return load, width
+
+        inner, outer = solve_orbits(self._case(instants), self.raceways, forces)
+        return whole(inner), whole(outer)
+
     def kept(self, what: tuple[Hashable, ...], instants: int, make: Callable[[], _T]) -> _T:
         """Return what the loads of some instants alone decide, made once for all bearings that are loaded alike.
 
@@ -212,19 +240,22 @@ class Assembly:
     def _solved_loads(
         self, instants: int, cage_speed: float | None, known: LoadDistribution | None
     ) -> LoadDistribution:
+        force = self.centrifugal_force if cage_speed is None else self._centrifugal_force_at(cage_speed)
+        return solve_pitch(self._case(instants, force), self.raceways, known)
+
+    def _case(self, instants: int, centrifugal_force: float = 0.0) -> LoadCase:
         b, o = self.scene.bearing, self.scene.operation
-        case = LoadCase(
+        return LoadCase(
             angular_positions(b.rollers, instants),
             b.roller_length,
             self.drop,
             radial_clearance=b.radial_clearance,
             radial_load=o.radial_load,
             misalignment=o.misalignment,
-            centrifugal_force=self.centrifugal_force if cage_speed is None else self._centrifugal_force_at(cage_speed),
+            centrifugal_force=centrifugal_force,
             position=self.position,
             widths=self.widths,
         )
-        return solve_pitch(case, self.raceways, known)
 
     @cached_property
     def _alike(self) -> tuple[Hashable, ...]:

@@ -108,8 +108,9 @@ class LoadCase:
         Radial load F_r on the inner ring [N], not negative.
     misalignment : float
         Tilt of the inner ring in the plane of load [rad].
-    centrifugal_force : float
-        Centrifugal force F_c of a roller [N], not negative.
+    centrifugal_force : float or ndarray
+        Centrifugal force F_c of a roller [N], not negative; one, or that of each instant, (instants,). Where rollers
+        stand as at the instant before, its equilibrium is where the search begins.
     position, widths : ndarray, optional
         Places of the slices from the roller's middle and their widths, the weights of a quadrature along it [m], of
         shape (n,); by default the midpoints of equal slices.
@@ -126,7 +127,7 @@ class LoadCase:
     radial_clearance: float
     radial_load: float
     misalignment: float = 0.0
-    centrifugal_force: float = 0.0
+    centrifugal_force: Floats = attrs.field(default=0.0, converter=_array)
     position: Floats = attrs.field(
         default=attrs.Factory(lambda case: _midpoints(case.roller_length, case.drop.size), takes_self=True),
         converter=_array,
@@ -146,8 +147,12 @@ class LoadCase:
         if not 0.0 < self.roller_length < np.inf:
             raise ValueError(f"roller_length is {self.roller_length} m: it must be positive")
         for name in ("radial_load", "centrifugal_force"):
-            if not 0.0 <= getattr(self, name) < np.inf:
+            if not np.all((getattr(self, name) >= 0.0) & (getattr(self, name) < np.inf)):
                 raise ValueError(f"{name} is {getattr(self, name)} N: it must be zero or positive")
+        if self.centrifugal_force.shape not in ((), self.psi.shape[:1]):
+            raise ValueError(
+                f"centrifugal_force must be one or of shape (instants,), not {self.centrifugal_force.shape}"
+            )
         for name in ("radial_clearance", "misalignment"):
             if not np.isfinite(getattr(self, name)):
                 raise ValueError(f"{name} is {getattr(self, name)}: it must be finite")
@@ -296,7 +301,7 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         clearance=case.radial_clearance,
         rise=half_length * case.misalignment,
         load=case.radial_load,
-        centrifugal=case.centrifugal_force,
+        centrifugal=np.full(instants, case.centrifugal_force),
         reach=abs(case.radial_clearance) + float(np.ptp(case.drop)) + case.roller_length * abs(case.misalignment),
         found=balance,
     )
@@ -336,6 +341,32 @@ def solve_equilibrium(case: LoadCase, contacts: tuple[Contacts, Contacts]) -> Lo
         moment_residual=moment_residual,
         iterations=iterations,
     )
+
+
+def solve_orbits(case: LoadCase, contacts: tuple[Contacts, Contacts], centrifugal: Floats) -> tuple[Floats, Floats]:
+    """Loads of inner and outer ring [N/m] at several centrifugal forces [N], each from the one before.
+
+    Of shape (forces, first half of a roller pitch, Z, n); `over_pitch` gives the other half.
+
+    Raises
+    ------
+    ConvergenceError, DomainError
+        As `solve_equilibrium`.
+    """
+    instants, rollers = case.psi.shape
+    solved = instants // 2 + 1
+    psi, forces = np.repeat(case.psi[:solved], centrifugal.size, axis=0), np.tile(centrifugal, solved)
+    solution = solve_equilibrium(attrs.evolve(case, psi=psi, centrifugal_force=forces), contacts)
+    inner, outer = (
+        load.reshape(solved, centrifugal.size, rollers, -1).swapaxes(0, 1)
+        for load in (solution.inner_load, solution.outer_load)
+    )
+    return inner, outer
+
+
+def over_pitch(part: Floats, instants: int) -> Floats:
+    """Return what rollers have over a whole pitch (n, instants, Z, ...), of its first half, which the other mirrors."""
+    return np.concatenate((part, part[:, instants - part.shape[1] : 0 : -1, ::-1]), axis=1)
 
 
 #: Arrays of a `LoadDistribution` whose first axis is that of the instants, beside psi.
@@ -388,7 +419,7 @@ def solve_pitch(
         return solve_equilibrium(case, contacts)
     solution = solve_equilibrium(attrs.evolve(case, psi=case.psi[solved]), contacts)
 
-    def over_pitch(name: str) -> Floats:
+    def whole_of(name: str) -> Floats:
         part: Floats = getattr(solution, name)
         whole = np.empty((instants, *part.shape[1:]))
         if known is not None:
@@ -400,7 +431,7 @@ def solve_pitch(
             whole[images] = whole[images, ::-1] * np.array([1.0, -1.0])  # along the line of load, and across it
         return whole
 
-    pitch: dict[str, Any] = {name: over_pitch(name) for name in _BY_INSTANT}
+    pitch: dict[str, Any] = {name: whole_of(name) for name in _BY_INSTANT}
     return attrs.evolve(
         solution,
         psi=case.psi,

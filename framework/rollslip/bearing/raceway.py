@@ -30,7 +30,7 @@ RINGS: tuple[Ring, Ring] = ("inner", "outer")
 
 #: At how many speeds few loads are held against all.
 PROBES = 12
-_TABLE = 32768  # slices in a table at a time
+_TABLE, _LANES = 32768, 8  # slices in a table at a time, and of the widest vectors
 _FEWEST, _MOST = 8, 128  # loads of a rule
 _ROUNDING = 1e-13  # of a share of the force
 
@@ -126,11 +126,8 @@ class LoadedContacts:
         first = self._first[[0, -1]] if whole else self._first
         if int(np.diff(first).max(initial=0)) <= count:
             return self
-        return LoadedContacts(self.raceway, *self.rule(count, first), self.orbit)
-
-    def rule(self, count: int, first: "NDArray[np.intp] | None" = None) -> tuple[Array, Array]:
-        """Return loads [N/m] and widths [m] of the Gauss rule of every roller, (rollers, count)."""
-        return rules(self.load, self.width, np.ascontiguousarray(self._first if first is None else first), count)
+        nodes, weights = rules(self.load, self.width, np.ascontiguousarray(first), count)
+        return LoadedContacts(self.raceway, nodes, weights, self.orbit)
 
     def friction(self, rolling: Any, sliding: Any) -> Array:
         """Friction coefficient of every slice along the orbit, (N,), at speeds that broadcast to it."""
@@ -154,7 +151,7 @@ class LoadedContacts:
         raceway = self.raceway
         stage, table = known or (raceway.chain.kernel.as_stage(), None)
         if table is None or len(table) < self.force.size:
-            table = Slices(self.force.size, raceway.conditions)
+            table = Slices(self.force.size + _LANES, raceway.conditions)
         return stage, table, (stage, table, self.load, self.force, self.width, self._first, raceway.chain.resists)
 
     def mean(self, pull: Array) -> Array:

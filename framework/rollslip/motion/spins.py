@@ -17,7 +17,6 @@
 
 import math
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any, Final, Protocol, TypeAlias
 
 import attrs
@@ -25,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.equilibrium import angular_positions
 from rollslip.bearing.kinematics import Kinematics
 from rollslip.bearing.raceway import RINGS, Array, LoadedContacts, Raceway
 from rollslip.errors import ConvergenceError
@@ -35,11 +35,8 @@ Found: TypeAlias = NDArray[np.bool_]
 Rows: TypeAlias = NDArray[np.intp]
 #: Entrainment speed that is never fallen below in the film [m/s]: u_film = sqrt(u^2 + SLOW^2).
 SLOW: Final = 1e-3
-#: Loads of a roller that is sent round; share of all forces by which a straight line over the centrifugal one may miss
-#: them in the middle of an interval, where they are known then, and how often intervals are halved.
-_ROUGH, _STRAIGHT, _HALVINGS = 4, 5e-4, 5
-#: Slip beyond an interval of slips that still belongs to it.
-_ROUNDING: Final = 1e-12
+#: Loads of a roller that is sent round.
+_ROUGH: Final = 4
 #: Orbits at most, by implicit Euler and by differences of second order; exactness of balances, relative to the bracket,
 #: with inertia and without.
 _ORBITS, _LONG, _EXACT, _EXACTLY = 8, 24, 1e-5, 1e-12
@@ -248,11 +245,8 @@ class Motions:
         Friction curves of inner and outer raceway in place of the whole chain.
     inertia : bool
         False for rollers without inertia of their spin.
-    between : tuple of float, optional
-        Cage slips, smallest and largest, between which loads are solved at some, and linear in centrifugal force from
-        one to the next. Elsewhere, and by default, they are solved at every slip.
     few : int
-        Loads that stand for the slices of a roller, 0 for all of these, and not between slips.
+        Loads that stand for the slices of a roller, 0 for all of these.
     beside : Motions, optional
         Others of the same bearing, which know what its rollers slip without slip of the cage.
     """
@@ -265,12 +259,11 @@ class Motions:
         pocket: float = 0.0,
         effective: tuple[Curve, Curve] | None = None,
         inertia: bool = True,
-        between: tuple[float, float] | None = None,
         few: int = 0,
         beside: "Motions | None" = None,
     ) -> None:
         self.assembly, self.instants, self.effective, self.inertia = assembly, instants, effective, inertia
-        self.pocket, self._between, self._few = pocket, between, few
+        self.pocket, self._few = pocket, few
         k = assembly.kinematics
         self.positions = assembly.scene.bearing.rollers * instants
         #: 1 or -1: that in which the kinematics let the rollers go round
@@ -285,7 +278,7 @@ class Motions:
         self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
         self._idle = self._most = 0.0
         self._last: tuple[Any, Any] = (None, None)
-        inner, outer = (of.sum(axis=1) for of in self.loads(0.0))
+        inner, outer = ((load * width).sum(axis=1) for load, width in self.loads(np.zeros(1)))
         weight = inner
         if self.resists:
             weight = _EVEN * (inner + outer).mean() + (1.0 - _EVEN) * (inner + outer)
@@ -296,19 +289,24 @@ class Motions:
             rest = self._came_to(np.zeros(1), np.zeros((1, 2)))[0][0, 0]
             self._idle, self._most = max(float(np.abs(rest).mean()), _LEAST), float(np.abs(rest).max())
 
-    def like(self, *, instants: int, few: int, between: tuple[float, float] | None = None) -> "Motions":
-        """Return those at other instants, by other loads of a roller, solved at every slip or between two."""
+    def like(self, *, instants: int, few: int) -> "Motions":
+        """Return those at other instants, by other loads of a roller."""
         return Motions(
             self.assembly, instants, pocket=self.pocket, effective=self.effective, inertia=self.inertia, few=few,
-            between=between, beside=self,
+            beside=self,
         )  # fmt: skip
 
-    def loads(self, cage_slip: float) -> tuple[Array, Array]:
-        """Loads per length of inner and outer ring [N/m], positions in the sense of the orbit, (K, slices)."""
-        speed = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - cage_slip)
-        loads = self.assembly.load_distribution(self.instants, speed)
-        order = np.argsort(loads.psi.ravel())[(int(self.sense) * np.arange(self.positions)) % self.positions]
-        return loads.inner_load.reshape(self.positions, -1)[order], loads.outer_load.reshape(self.positions, -1)[order]
+    def loads(self, slips: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """Loads of inner and outer ring [N/m], rows of positions in the sense of the orbit, and their widths [m]."""
+        speeds = self.assembly.kinematics.epicyclic_cage_speed * (1.0 - slips)
+        psi = angular_positions(self.assembly.scene.bearing.rollers, self.instants)
+        order = np.argsort(psi.ravel())[(int(self.sense) * np.arange(self.positions)) % self.positions]
+
+        def rows(of: Array) -> Array:
+            return of if of.ndim == 1 else of.reshape(slips.size, order.size, -1)[:, order].reshape(-1, of.shape[-1])
+
+        inner, outer = self.assembly.orbit_loads(self.instants, speeds, self._few)
+        return (rows(inner[0]), rows(inner[1])), (rows(outer[0]), rows(outer[1]))
 
     def unit(self, slips: Array) -> Array:
         """Roller slips of share one: of rolling on the outer ring, and what rollers slip without the cage."""
@@ -324,7 +322,7 @@ class Motions:
 
     def contacts(self, slips: Array, few: int | None = None) -> tuple[Conventional, Conventional]:
         """Contacts of inner and outer ring at all positions of the orbits of some cage slips."""
-        key = ("rows", self.instants, self._between, self._few, slips.tobytes())
+        key = ("rows", self.instants, self._few, slips.tobytes())
         if self._last[0] != key:
             made = self.assembly.kept(key, self.instants * slips.size, lambda: self._made(slips))
             self._last = key, made
@@ -335,62 +333,8 @@ class Motions:
         return inner, outer
 
     def _made(self, slips: Array) -> tuple[LoadedContacts, LoadedContacts]:
-        """Loads of both rings for each row of positions."""
-        low, high = self._between or (math.inf, -math.inf)
-        if np.any((slips < low - _ROUNDING) | (slips > high + _ROUNDING)):
-            made = [self._of_rows(np.array(of)) for of in zip(*map(self.loads, slips.tolist()), strict=True)]
-            inner, outer = [of.fewer(self._few) for of in made] if self._few else made
-            return inner, outer
-        knots, rules = self._rules
-        force = (1.0 - slips) ** 2
-        j = np.clip(np.searchsorted(knots, force) - 1, 0, knots.size - 2)
-        part = ((force - knots[j]) / (knots[j + 1] - knots[j]))[:, None, None]
-
-        def straight(rule: Array) -> LoadedContacts:
-            carried, width = (rule[:, j] * (1.0 - part) + rule[:, j + 1] * part).reshape(2, -1, self._few)
-            load = np.divide(carried, width, out=np.zeros_like(carried), where=width > 0.0)
-            return LoadedContacts(self.assembly.inner, load, width, 1.0)
-
-        return straight(rules[0]), straight(rules[1])
-
-    def _of_rows(self, rows: Array) -> LoadedContacts:
-        return LoadedContacts(self.assembly.inner, rows.reshape(-1, rows.shape[-1]), self.assembly.widths, 1.0)
-
-    @cached_property
-    def _rules(self) -> tuple[Array, tuple[Array, Array]]:
-        key = ("rules", self.instants, self._between, self._few)
-        return self.assembly.kept(key, self.instants * 2**_HALVINGS, self._found_rules)
-
-    def _found_rules(self) -> tuple[Array, tuple[Array, Array]]:
-        """Centrifugal forces, ascending, relative to those without slip, between which loads are straight enough.
-
-        With them forces [N] and widths [m] of few loads of a roller there, of both rings, (2, knots, K, few).
-        """
-        assert self._between is not None
-        low, high = ((1.0 - slip) ** 2 for slip in reversed(self._between))
-        known = {force: self.loads(1.0 - math.sqrt(force)) for force in (low, high)}
-        todo, widths = [(low, high)], self.assembly.widths
-        for _ in range(_HALVINGS):
-            halved = []
-            for one, two in todo:
-                middle = 0.5 * (one + two)
-                known[middle] = here = self.loads(1.0 - math.sqrt(middle))
-                ends = zip(known[one], here, known[two], strict=True)
-                if any(
-                    np.abs((at - 0.5 * (a + b)) @ widths).sum() > _STRAIGHT * (at @ widths).sum() for a, at, b in ends
-                ):
-                    halved += [(one, middle), (middle, two)]
-            todo = halved
-        knots = sorted(known)
-
-        def of(rows: Array) -> Array:
-            load, width = self._of_rows(rows).rule(self._few)
-            return np.stack((load * width, width)).reshape(2, len(knots), self.positions, self._few)
-
-        return np.array(knots), (
-            of(np.array([known[at][0] for at in knots])),
-            of(np.array([known[at][1] for at in knots])),
-        )
+        inner, outer = (LoadedContacts(self.assembly.inner, *own, 1.0) for own in self.loads(slips))
+        return inner, outer
 
     def frictions(self, contacts: tuple[Conventional, Conventional]) -> tuple["Conventional | Effective", ...]:
         """Friction of both rings: that of the contacts, or the effective one of their forces."""

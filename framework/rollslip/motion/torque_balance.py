@@ -139,21 +139,22 @@ class TorqueBalance:
             self.assembly, self.instants, pocket=self._pocket, effective=self.effective, inertia=self.inertia
         )
 
-    def _few(self, largest: float) -> Motions:
-        """The same by few loads of a roller, and loads straight from slip to slip."""
-        return self.motions.like(instants=self.instants, few=_FEW, between=(0.0, largest))
+    @cached_property
+    def _few(self) -> Motions:
+        """The same by few loads of a roller."""
+        return self.motions.like(instants=self.instants, few=_FEW)
 
     def way(self, largest: float = RANGE, *, steps: int = 0, through: tuple[float, ...] = ()) -> WayUp:
         """Return the way up over the cage slips up to the largest, `rollslip.motion.way_up.way_up`."""
         key = largest, steps, through
         if key not in self._ways:
-            self._ways[key] = way_up(self._few(largest), largest, self.motions, steps=steps, through=through)
+            self._ways[key] = way_up(self._few, largest, self.motions, steps=steps, through=through)
         return self._ways[key]
 
     def seconds(self, largest: float = RANGE) -> float:
         """Return about the time of the processor [s] that the way up takes, from that of some of its slips."""
         begin = time.process_time()
-        few = self._few(largest)
+        few = self._few
         loaded = time.process_time()
         try:
             few.at(np.array([slip_of(place) for place in np.linspace(_LOW, place_of(largest), _SOME).tolist()]))

@@ -294,10 +294,9 @@ class _Search:
         to = math.nan if math.isnan(to) else slip_of(to)
         return Jump(slip_of(place), drag, to, slip_of(low), slip_of(high), error, corner)
 
-    def _fine(self, *places: float) -> Motions:
-        """Motions by four times the positions, their loads straight between two places if they are given."""
-        between = (slip_of(places[0]), slip_of(places[1])) if places else None
-        return self.exact.like(instants=_FINER * self.motions.instants, few=_FEW, between=between)
+    @cached_property
+    def _fine(self) -> Motions:
+        return self.exact.like(instants=_FINER * self.motions.instants, few=_FEW)
 
     def _climbed(self, motions: Motions, around: list[Motion]) -> tuple[float, float, float]:
         """Place and height of a maximum between motions, by vertices of polynomials, and by how much these miss it."""
@@ -318,10 +317,9 @@ class _Search:
         """The same by four times the positions, up to where it has fallen; None if they do not tell it."""
         half, found = min(max(half, _NARROW), _WIDE), dict[float, Motion]()
         places: tuple[float, ...] = (place - half, place, min(place + half, end))
-        fine = self._fine(place - 2.0 * half, place + 2.0 * half)
         for _ in range(_FURTHER):
             slips = np.array([slip_of(x) for x in places])
-            new = fine.at(slips, np.full(slips.size, near.share[0]))
+            new = self._fine.at(slips, np.full(slips.size, near.share[0]))
             found |= {x: one[0] for x, one in zip(places, new, strict=True) if one[0].sure}
             if len(found) < 2:
                 return None
@@ -332,15 +330,11 @@ class _Search:
             places = (max(top - half, x[0] - half) if top == x[0] else min(top + half, end),)
             if places[0] in found:
                 break
-        return self._climbed(fine, list(found.values()))
-
-    @cached_property
-    def _finest(self) -> Motions:
-        return self._fine()
+        return self._climbed(self._fine, list(found.values()))
 
     def _at_finer(self, motion: Motion) -> Motion:
         """A motion by four times the positions."""
-        return self._finest.at(np.array([motion.slip]), motion.share[:1])[0][0]
+        return self._fine.at(np.array([motion.slip]), motion.share[:1])[0][0]
 
     def missed(self, motion: Motion) -> float:
         """What slips, positions and loads of a roller leave of the torque of a motion, relative."""
@@ -351,11 +345,10 @@ class _Search:
     def _corner(self, way: list[Motion], k: int) -> tuple[float, float, float] | None:
         """Place and height of the end of a motion by four times the positions; None if they do not tell it."""
         low, high, start = way[k].place - _WIDE, way[k].place + _WIDE, way[k].share[0]
-        fine = self._fine(low, high)
         best: tuple[float, float, float] | None = None
         for _ in range(_LOOKS):
             places = np.linspace(low, high, _BETWEEN).tolist()
-            found = [one[0] for one in fine.at(np.array([slip_of(x) for x in places]), np.full(_BETWEEN, start))]
+            found = [one[0] for one in self._fine.at(np.array([slip_of(x) for x in places]), np.full(_BETWEEN, start))]
             torques = [one.torque if one.sure else -math.inf for one in found]
             top = int(np.argmax(torques))
             if not 0 < top < _BETWEEN - 1:

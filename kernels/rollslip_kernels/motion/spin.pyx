@@ -45,6 +45,7 @@ cdef enum:           # where a roller is on its way to a balance
     NEARS
 
 cdef enum:
+    LANES = 8            # slices of the widest vectors
     MARCHES = 400        # steps towards a balance at one position
     SECANTS = 5          # of these without a bracket
     STEPS = 80           # of Newton's method
@@ -99,6 +100,7 @@ cdef struct ring_t:
     double *resistance
     bint resists
     size_t evaluated
+    Py_ssize_t room            # slices of the table
     const double *nodes        # of a curve of friction over V/(|V| + scale), or NULL: value and slope per cell
     Py_ssize_t cells
     double scale, begin, end
@@ -167,7 +169,7 @@ cdef class Spin:
             self.kept.append((gathered, load, force, width, first))
             ring.chain = (<rs_model *>PyCapsule_GetPointer(stage, ROLLSLIP_MODEL))[0]
             ring.table = (<rs_slices *>PyCapsule_GetPointer(gathered, "rollslip.slices"))[0]
-            ring.first, ring.resists = &first[0], resists
+            ring.first, ring.resists, ring.room = &first[0], resists, len(table)
             if n:
                 ring.load, ring.force, ring.width = &load[0], &force[0], &width[0]
 
@@ -755,10 +757,14 @@ cdef class Spin:
         if ring.nodes != NULL:
             ring.evaluated += count
             return FOUND
+        ring.evaluated += n
+        while n % LANES and n < ring.room:   # whole vectors; stages would copy an odd end
+            s.load[n], s.rolling_speed[n] = s.load[n - 1], s.rolling_speed[n - 1]
+            s.sliding_speed[n] = s.sliding_speed[n - 1]
+            n += 1
         s.n = n
         if n:
             status = ring.chain.evaluate(s, ring.chain.params)
-            ring.evaluated += n
             if status != 0:
                 return RAISED if status == -1 else which
         n = 0
