@@ -209,22 +209,29 @@ class TorqueBalance:
             If a law has no value there, or the epicyclic cage speed is zero.
         """
         if cage_slip not in self._known:
-            self._known[cage_slip] = self.orbit_of(self._on_way(np.array([cage_slip]))[0])
+            self._known[cage_slip] = self.orbit_of(self._on_way(cage_slip))
         return self._known[cage_slip]
 
     def torques(self, cage_slips: Array) -> Array:
-        """Return the torques on the cage at several slips [N m], (n,)."""
-        return np.array([motion.torque for motion in self._on_way(cage_slips)])
+        """Return the torques on the cage at several slips [N m], (n,), on the way up through these alone."""
+        out, order, below = np.empty(cage_slips.size), np.argsort(cage_slips), None
+        found = self.motions.at(cage_slips[order])
+        for k, here in zip(order.tolist(), found, strict=True):
+            if len(here) > 1:
+                known = below or self._below(float(cage_slips[k]))
+                here = self.motions.at(cage_slips[k : k + 1], known.share[:1])[0]
+            below = here[0]
+            out[k] = below.torque
+        return out
 
-    def _on_way(self, cage_slips: Array) -> list[Motion]:
-        """The motions of the way up at some slips."""
-        found = self.motions.at(cage_slips)
-        for k, here in enumerate(found):
-            if len(here) > 1:  # from below
-                slip = float(cage_slips[k])
-                below = self.way(max(RANGE, slip)).near(slip)
-                found[k] = self.motions.at(cage_slips[k : k + 1], below.share[:1])[0]
-        return [one for one, *_ in found]
+    def _below(self, slip: float) -> Motion:
+        """The motion of the way up at the next slip below one."""
+        return self.way(max(RANGE, slip)).near(slip)
+
+    def _on_way(self, slip: float) -> Motion:
+        """The motion of the way up at a slip."""
+        here = self.motions.at(np.array([slip]))[0]
+        return here[0] if len(here) == 1 else self.motions.at(np.array([slip]), self._below(slip).share[:1])[0][0]
 
     def orbit_of(self, motion: Motion) -> Orbit:
         """Return a motion on all slices, such as that of a steady slip, with the forces in it."""
