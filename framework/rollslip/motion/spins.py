@@ -248,7 +248,7 @@ class Motions:
     few : int
         Loads that stand for the slices of a roller, 0 for all of these.
     beside : Motions, optional
-        Others of the same bearing, which know what its rollers slip without slip of the cage.
+        Others of the same bearing, or one nearly alike, which know what its rollers slip without slip of the cage.
     """
 
     def __init__(

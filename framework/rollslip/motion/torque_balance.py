@@ -114,6 +114,8 @@ class TorqueBalance:
         Friction curves of inner and outer raceway in place of the whole chain; `effective_curves`.
     inertia : bool
         False for rollers without inertia of their spin, whose contacts balance at every position.
+    beside : TorqueBalance, optional
+        That of a bearing nearly alike, whose rollers slip about as much without slip of the cage.
     """
 
     def __init__(
@@ -124,8 +126,9 @@ class TorqueBalance:
         instants: int,
         effective: tuple[EffectiveCurve, EffectiveCurve] | None = None,
         inertia: bool = True,
+        beside: "TorqueBalance | None" = None,
     ) -> None:
-        self.assembly, self.drags, self.instants = assembly, drags, instants
+        self.assembly, self.drags, self.instants, self._beside = assembly, drags, instants, beside
         self.effective, self.inertia = effective, inertia
         self._known: dict[float, Orbit] = {}
         self._ways: dict[tuple[float, int, tuple[float, ...]], WayUp] = {}
@@ -136,8 +139,9 @@ class TorqueBalance:
     def motions(self) -> Motions:
         """Motions of the rollers on all slices, their loads solved at every slip."""
         return Motions(
-            self.assembly, self.instants, pocket=self._pocket, effective=self.effective, inertia=self.inertia
-        )
+            self.assembly, self.instants, pocket=self._pocket, effective=self.effective, inertia=self.inertia,
+            beside=None if self._beside is None else self._beside.motions,
+        )  # fmt: skip
 
     @cached_property
     def _few(self) -> Motions:
@@ -278,12 +282,19 @@ class TorqueBalance:
         return np.stack([on_inner[0], on_outer[0]]), np.stack([on_inner[1], on_outer[1]])
 
 
-def rollers(assembly: Assembly, instants: int, *, effective: bool = False, inertia: bool = True) -> TorqueBalance:
+def rollers(
+    assembly: Assembly,
+    instants: int,
+    *,
+    effective: bool = False,
+    inertia: bool = True,
+    beside: TorqueBalance | None = None,
+) -> TorqueBalance:
     """Return the balance of torques of a bearing, with all that resists its rollers, on 56 positions or more."""
     assembly, drags = assembly.with_resistance(), assembly.cage.drags
     instants = max(instants, -(-_POSITIONS // assembly.scene.bearing.rollers))
     curves = effective_curves(assembly, instants) if effective else None
-    return TorqueBalance(assembly, drags, instants=instants, effective=curves, inertia=inertia)
+    return TorqueBalance(assembly, drags, instants=instants, effective=curves, inertia=inertia, beside=beside)
 
 
 @attrs.frozen

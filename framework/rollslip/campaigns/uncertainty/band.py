@@ -19,7 +19,7 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.campaigns.sweep.distributions import read_uncertainty
 from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.errors import ConvergenceError, DomainError, SceneError
-from rollslip.motion.torque_balance import rollers
+from rollslip.motion.torque_balance import TorqueBalance, rollers
 from rollslip.planning.quantities import quantities
 from rollslip.scene.changes import evolve
 from rollslip.scene.values import Scene
@@ -35,7 +35,7 @@ ENDS: Final = (0.05, 0.95)
 #: Slices and positions of a pitch, and the largest slip that is looked at.
 _SLICES, _INSTANTS, _LAST = 12, 1, 0.95
 #: Accuracy of a logarithm, longest step and most steps of secants.
-_FOUND, _LONGEST, _MOST = 5e-3, 1.0, 12
+_FOUND, _LONGEST, _MOST = 0.03, 1.0, 12
 #: Step of a logarithm from which secants begin.
 _FIRST: Final = 0.05
 
@@ -116,11 +116,16 @@ _Logs = tuple[float, dict[tuple[str, int], float]]
 
 def _slips(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
     """Logarithms of the steady slip as it is and with each quantity moved; infinite where there is none."""
+    slope: float | None = None
+    beside: TorqueBalance | None = None
 
     def of(assembly: Assembly, near: float) -> float:
-        balance = rollers(assembly, _INSTANTS, inertia=False)
-        found, rises = _root(lambda log: balance.excess(min(math.exp(log), _LAST)), near, math.log(_LAST))
-        if rises:
+        nonlocal slope, beside
+        balance = rollers(assembly, _INSTANTS, inertia=False, beside=beside)
+        beside = beside or balance
+        found, rises = _root(lambda log: balance.excess(min(math.exp(log), _LAST)), near, math.log(_LAST), slope)
+        if rises > 0.0:
+            slope = slope or rises
             return found
         way = balance.way(_LAST)  # beyond a fold, or there is none: who is the first to hold the cage
         steady = next(iter(way.steady(balance.drag)), None)
@@ -134,40 +139,50 @@ def _slips(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
 
 def _loads(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
     """Logarithms of the load at which the steady slip is a given one, likewise."""
+    slope: float | None = None
+    beside = rollers(nominal, _INSTANTS, inertia=False)
 
     def of(assembly: Assembly) -> Callable[[float], float]:
         def excess(log: float) -> float:
             there = _few(evolve(assembly.scene, {"operation.radial_load": math.exp(log)}), assembly)
-            return rollers(there, _INSTANTS, inertia=False).excess(slip)
+            return rollers(there, _INSTANTS, inertia=False, beside=beside).excess(slip)
 
         return excess
 
     def found(assembly: Assembly, near: float) -> float:
-        at, rises = _root(of(assembly), near, math.inf)
-        return at if rises else math.nan
+        nonlocal slope
+        at, rises = _root(of(assembly), near, math.inf, slope)
+        slope = slope or rises
+        return at if rises > 0.0 else math.nan
 
     begin = found(nominal, math.log(nominal.scene.operation.radial_load))
     return begin, {which: found(one, begin) for which, one in moved.items()} if math.isfinite(begin) else {}
 
 
-def _root(excess: Callable[[float], float], begin: float, last: float) -> tuple[float, bool]:
-    """Where an excess passes zero near a logarithm, by secants, and whether it rises there; not, where they fail."""
-    x, before = begin, begin - _FIRST
+def _root(
+    excess: Callable[[float], float], begin: float, last: float, slope: float | None = None
+) -> tuple[float, float]:
+    """Where an excess passes zero near a logarithm, by secants, and its slope there; NaN and 0 where they fail.
+
+    The first step goes by a slope that is known, such as that of a bearing nearly alike.
+    """
+    x = begin
     try:
-        y, other = excess(x), excess(before)
+        y = excess(x)
+        rises = slope or (y - excess(x - _FIRST)) / _FIRST
         for _ in range(_MOST):
-            if y == other:
+            if rises == 0.0:
                 break
-            rises = (y - other) / (x - before) > 0.0
-            step = -y * (x - before) / (y - other)
+            step = -y / rises
             if abs(step) <= _FOUND and x + step < last:
                 return x + step, rises
             before, other = x, y
             x += max(min(step, _LONGEST), -_LONGEST)
             y = excess(x)
+            rises = (y - other) / (x - before)
     except (DomainError, ConvergenceError, OverflowError):
         pass
-    return math.nan, False
+    return math.nan, 0.0
 
 
 def _band(logs: _Logs) -> Band | None:
