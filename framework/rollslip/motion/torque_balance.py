@@ -39,8 +39,8 @@ _FEW: Final = 8
 _SOME, _LOW, _ALL = 6, -9.0, 10.0
 #: Range at which no law has a value.
 _NOWHERE: Final = 1e-3
-#: Positions of an orbit, at least, on which rollers with inertia are followed.
-_POSITIONS: Final = 56
+#: Positions of an orbit, at least and at most, on which rollers with inertia are followed.
+_POSITIONS: Final = (56, 512)
 #: Share of the largest drag below which a cage is far from running away, whatever effective friction is off.
 _FAR: Final = 0.5
 #: A slip at which the cage hardly turns.
@@ -290,9 +290,13 @@ def rollers(
     inertia: bool = True,
     beside: TorqueBalance | None = None,
 ) -> TorqueBalance:
-    """Return the balance of torques of a bearing, with all that resists its rollers, on 56 positions or more."""
+    """Return the balance of torques of a bearing, with all that resists its rollers, on 56 to 512 positions.
+
+    What positions leave of a maximum is looked at by more of them; means over a pitch may need more of its instants.
+    """
     assembly, drags = assembly.with_resistance(), assembly.cage.drags
-    instants = max(instants, -(-_POSITIONS // assembly.scene.bearing.rollers))
+    least, most = (-(-positions // assembly.scene.bearing.rollers) for positions in _POSITIONS)
+    instants = min(max(instants, least), most)
     curves = effective_curves(assembly, instants) if effective else None
     return TorqueBalance(assembly, drags, instants=instants, effective=curves, inertia=inertia, beside=beside)
 
