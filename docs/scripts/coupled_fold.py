@@ -4,11 +4,10 @@ The scenes are those of plan_proof.py (tests/support/plan_scenes.py) with the ne
 once with a flow of oil that enters at the scene's temperature. At every cage slip the network settles with the losses
 that belong to it, and the rollers carry a torque: its largest value is the fold of the coupled system. Beside it stand
 the folds of temperatures that are held: as the scene gives them, and as they are where the cage runs with its own drag.
-What a further drag takes off the cage is work that leaves the bearing. Some ten minutes on two cores.
+What a further drag takes off the cage is work that leaves the bearing. Some two minutes.
 """
 
 import sys
-import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -52,7 +51,6 @@ class Found:
     held: object = None
     coupled: tuple = ()
     ended: str = ""
-    seconds: float = np.nan
 
 
 class Coupled:
@@ -137,7 +135,6 @@ def folded(coupled):
 def look(given):
     """Folds of a scene with one cooling."""
     x, cooling = given
-    begin = time.process_time()
     try:
         one = evolve(scene(x), {"accuracy.tolerance": 1e-2, "models.thermal": COOLED[cooling]})
         what = described(one).rpartition(";")[0]
@@ -148,7 +145,7 @@ def look(given):
         oil = coupled.model.nodes.index("oil")
         found = fold[0], fold[1], fold[3][oil] - runs[oil]
         warmed = runs[oil] - one.operation.temperature
-        return Found(what, "", slip, warmed, as_given, held, found, ended, time.process_time() - begin)
+        return Found(what, "", slip, warmed, as_given, held, found, ended)
     except RollslipError as error:
         return Found("", refused=str(error))
 
@@ -200,7 +197,6 @@ def summed(cooling, known, refused):
         [cooling, "coupled over held drag", *quantiles([f.coupled[1] / f.held.drag for f in both])],
         [cooling, "coupled over given drag", *quantiles([f.coupled[1] / f.given.drag for f in given])],
         [cooling, "coupled less held slip [points]", *quantiles([f.coupled[0] - f.held.slip for f in both], 100.0)],
-        [cooling, "processor [s]", *quantiles([f.seconds for f in known])],
     ]
 
 
