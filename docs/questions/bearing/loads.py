@@ -11,7 +11,7 @@ import numpy as np
 
 import rollslip
 
-loads = rollslip.load_distribution("1032930-50C")
+loads = rollslip.load_distribution("gearbox")
 forces = loads.normal_force.isel(instant=0)
 angle = np.degrees((loads.angle.isel(instant=0).values + np.pi) % (2 * np.pi) - np.pi)
 order = np.argsort(angle)

@@ -11,7 +11,7 @@ import numpy as np
 
 import rollslip
 
-scene = rollslip.load_scene("1032930-70C")
+scene = rollslip.load_scene("gearbox")
 fig, axes = plt.subplots()
 for minutes, profile in ((3, "none"), (0, "iso16281"), (3, "iso16281")):
     changes = {"operation.misalignment": np.radians(minutes / 60), "bearing.profile": profile}

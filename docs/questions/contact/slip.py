@@ -10,7 +10,8 @@ import matplotlib.pyplot as plt
 
 import rollslip
 
-result = rollslip.run("1032930-30C", "friction-curve")
+forces = {"study.friction-curve.normal_force": ["300 N", "600 N", "1200 N"]}
+result = rollslip.run(rollslip.evolve(rollslip.load_scene("turbine"), forces), "friction-curve")
 fig, axes = plt.subplots()
 for force in result.normal_force.values:
     curve = result.friction.sel(normal_force=force)

@@ -18,7 +18,7 @@ def smooth_limit(slices):
     return 0.05 * np.tanh(slices.film_viscosity * rate / (0.05 * slices.pressure))
 
 
-scene = rollslip.load_scene("1032930-70C")
+scene = rollslip.load_scene("turbine")
 fig, axes = plt.subplots()
 for law in ("maxwell-eyring", "smooth-limit"):
     result = rollslip.run(rollslip.evolve(scene, {"models.traction.hydrodynamic": law}), "friction-curve")
