@@ -18,6 +18,7 @@ from pybtex.database import parse_string
 import rollslip
 import warm
 from rollslip.results.dataset import VOLATILE
+from rollslip.results.words import LOWER_BOUNDS
 
 QUICK = ["--study", "friction-curve", "--no-plots"]
 
@@ -318,6 +319,10 @@ def test_plan_says_what_is_left_out_and_why(tmp_path):
         any(line.startswith(f"{study}: ") for line in short) for study in ("effective-friction", "friction-curve")
     )
     assert short[-1] == "every part with its reason: rollslip plan -v 1032930-70C"
+    known = json.loads(command("run", "1032930-70C", "--no-plots", "--json", cwd=tmp_path).stdout)["verdict"]
+    cautions = [line for line in short if line in known]
+    assert cautions[:1] == [LOWER_BOUNDS]
+    assert [line.partition(" Barus")[0] for line in cautions[1:]] == ["viscosity under pressure follows"]
     rows = {r["part"]: r for r in rollslip.plan("1032930-70C").as_dict()["parts"]}
     assert rows["slices"]["included"]
     assert not rows["unloaded contacts"]["included"]

@@ -58,9 +58,11 @@ def headline_of(scene: Scene, models: Iterable[tuple[str, str, str]]) -> str:
 
 
 def print_short_plan(plan: "Plan") -> None:
-    """Print the plan in a few lines: of each study how finely, with what errors and at what cost, and what is out."""
+    """Print the plan in a few lines: cautions, of each study how finely and at what cost, and what is out."""
     from rollslip.planning.plan import duration_range
 
+    for caution in plan.cautions:
+        click.echo(caution)
     for study in plan.studies:
         own = [part for part in plan.parts if part.study == study]
         resolution = plan.estimated[study].resolution

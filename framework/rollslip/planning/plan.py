@@ -92,6 +92,12 @@ class Plan(Card):
         return foreseen(self.scene, self.studies, self.seconds, self.evaluations)
 
     @property
+    def cautions(self) -> list[str]:
+        """What holds of all its results, as a run tells first: whether they are bounds, and a law of the oil."""
+        bound = LOWER_BOUNDS if _caged(self.studies) and self.assembly.cage.drags.bound_below else ""
+        return [*filter(None, (bound, self.assembly.lubricant.pressure_viscosity_law.caution()))]
+
+    @property
     def models(self) -> tuple[tuple[str, Any], ...]:
         """Kind and model of all that is used, each once: those of a contact first."""
         studies = (pair for study in self.studies.values() for pair in study.models(self.assembly))
@@ -321,8 +327,7 @@ def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluat
         for name in ("tolerance", "critical_slip", "friction", "cage_speed")
         if (value := getattr(scene.accuracy, name)) is not None and value < EXACT
     ]
-    caged = any(study.with_cage or getattr(study, "runaway_range", 0.0) for study in studies.values())
-    if caged and "mass" not in (scene.cage or {}):
+    if _caged(studies) and "mass" not in (scene.cage or {}):
         said.append(f"the cage is the bearing's own, {'; '.join(in_words(scene, read_cage(scene)))}")
     if held := _held(scene, studies):
         said.append(
@@ -336,6 +341,11 @@ def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluat
             "Ctrl-C ends it, and rollslip plan says what the time goes to"
         )
     return said
+
+
+def _caged(studies: Mapping[str, Study]) -> bool:
+    """Whether a study tells of the cage."""
+    return any(study.with_cage or getattr(study, "runaway_range", 0.0) for study in studies.values())
 
 
 def duration(seconds: float) -> str:
