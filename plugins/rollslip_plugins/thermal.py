@@ -33,8 +33,8 @@ _SEAT: Final = 2000.0
 _WIDTH: Final = 1.8
 #: Masses of housing and shaft over that of the rings (D), and of the oil in the bearing over its free volume (D).
 _HOUSING, _SHAFT, _FILLED = 5.0, 3.0, 0.1
-#: Specific heat [J/(kg K)] and density [kg/m3] of an oil where nothing is given (B).
-_OIL_HEAT, _OIL_DENSITY = 2000.0, 900.0
+#: Specific heat of an oil where none is given [J/(kg K)] (B).
+_OIL_HEAT: Final = 2000.0
 
 _NODES: Final = ("oil", "inner ring", "rollers", "outer ring", "housing", "shaft")
 _OIL, _INNER, _ROLLERS, _OUTER, _HOUSE, _AXLE = range(len(_NODES))
@@ -409,7 +409,7 @@ def _estimates(model: Network, assembly: "Assembly") -> dict[str, Any]:
         whole, seat = flux * seats[part] / _REFERENCE_EXCESS, _SEAT * seats[part]
         found[f"{ring}_{part}"] = model.surroundings_factor * seat
         found[f"{part}_ambient"] = model.surroundings_factor / (1.0 / whole - 1.0 / seat)
-    density = _OIL_DENSITY if assembly.lubricant.density is None else assembly.lubricant.density(
+    density = DENSITY if assembly.lubricant.density is None else assembly.lubricant.density(
         scene.operation.temperature
     )  # fmt: skip
     nu, diffusivity = oil.viscosity / density, oil.conductivity / (density * model.oil_specific_heat)
