@@ -79,6 +79,18 @@ def test_rows_are_sent_round_as_each_by_itself():
         assert [one.torque for one in alone] == pytest.approx([one.torque for one in here], rel=1e-9)
 
 
+def test_two_rollers_of_a_row_have_room_where_all_load_is_at_one_position():
+    """Their slices are gathered into one table, which is no larger than all loads are where these are spread."""
+    one = scenes.balance(scenes.catalogue(4), positions=1)
+    motions, slips = one.motions, np.array([0.01, 0.3])
+    spins = motions.spins(slips)
+    for contacts, (_, table, ring) in zip(spins._contacts, spins._gathered, strict=True):
+        at_positions = np.diff(ring[5]).reshape(slips.size, motions.positions).sum(axis=0)
+        assert len(table) >= max(contacts.force.size, 2 * at_positions.max())
+        if contacts.raceway is one.assembly.inner:
+            assert 2 * at_positions.max() > contacts.force.size, "or the case is none"
+
+
 # Of any bearing ------------------------------------------------------------------------------------------------------
 
 

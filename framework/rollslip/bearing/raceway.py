@@ -150,8 +150,9 @@ class LoadedContacts:
         """
         raceway = self.raceway
         stage, table = known or (raceway.chain.kernel.as_stage(), None)
-        if table is None or len(table) < self.force.size:
-            table = Slices(self.force.size + _LANES, raceway.conditions)
+        most = 2 * self.force.size + _LANES  # two are sent at once through a position, which may have all of it
+        if table is None or len(table) < most:
+            table = Slices(most, raceway.conditions)
         return stage, table, (stage, table, self.load, self.force, self.width, self._first, raceway.chain.resists)
 
     def mean(self, pull: Array) -> Array:
