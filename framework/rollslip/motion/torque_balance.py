@@ -39,7 +39,7 @@ _FEW: Final = 8
 _SOME, _LOW, _ALL = 6, -9.0, 10.0
 #: Range at which no law has a value.
 _NOWHERE: Final = 1e-3
-#: Positions of an orbit, at least and at most, on which rollers with inertia are followed.
+#: Positions of an orbit, at least and at most, on which rollers are followed.
 _POSITIONS: Final = (56, 512)
 #: Share of the largest drag below which a cage is far from running away, whatever effective friction is off.
 _FAR: Final = 0.5
@@ -131,7 +131,7 @@ class TorqueBalance:
         self.assembly, self.drags, self.instants, self._beside = assembly, drags, instants, beside
         self.effective, self.inertia = effective, inertia
         self._known: dict[float, Orbit] = {}
-        self._ways: dict[tuple[float, int, tuple[float, ...]], WayUp] = {}
+        self._ways: dict[tuple[float, int], WayUp] = {}
         friction = drags.pocket_friction
         self._pocket = 0.0 if friction is None else friction.coefficient
 
@@ -148,11 +148,11 @@ class TorqueBalance:
         """The same by few loads of a roller."""
         return self.motions.like(instants=self.instants, few=_FEW)
 
-    def way(self, largest: float = RANGE, *, steps: int = 0, through: tuple[float, ...] = ()) -> WayUp:
+    def way(self, largest: float = RANGE, *, steps: int = 0) -> WayUp:
         """Return the way up over the cage slips up to the largest, `rollslip.motion.way_up.way_up`."""
-        key = largest, steps, through
+        key = largest, steps
         if key not in self._ways:
-            self._ways[key] = way_up(self._few, largest, self.motions, steps=steps, through=through)
+            self._ways[key] = way_up(self._few, largest, self.motions, steps=steps)
         return self._ways[key]
 
     def seconds(self, largest: float = RANGE) -> float:
@@ -282,6 +282,11 @@ class TorqueBalance:
         return np.stack([on_inner[0], on_outer[0]]), np.stack([on_inner[1], on_outer[1]])
 
 
+def fewest_instants(assembly: Assembly) -> int:
+    """Return the instants of a pitch on which rollers are followed at least: those of 56 positions."""
+    return -(-_POSITIONS[0] // assembly.scene.bearing.rollers)
+
+
 def rollers(
     assembly: Assembly,
     instants: int,
@@ -295,8 +300,7 @@ def rollers(
     What positions leave of a maximum is looked at by more of them; means over a pitch may need more of its instants.
     """
     assembly, drags = assembly.with_resistance(), assembly.cage.drags
-    least, most = (-(-positions // assembly.scene.bearing.rollers) for positions in _POSITIONS)
-    instants = min(max(instants, least), most)
+    instants = min(max(instants, fewest_instants(assembly)), -(-_POSITIONS[1] // assembly.scene.bearing.rollers))
     curves = effective_curves(assembly, instants) if effective else None
     return TorqueBalance(assembly, drags, instants=instants, effective=curves, inertia=inertia, beside=beside)
 

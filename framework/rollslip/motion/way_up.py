@@ -22,7 +22,7 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.raceway import Array
-from rollslip.errors import DomainError
+from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.spins import TWO, Motion, Motions, place_of, slip_of
 
 #: Smallest slip; steps of the place of a slip, ln(S/(1 - S)), and the gap to which the end of a motion is found.
@@ -177,6 +177,11 @@ class WayUp:
                 found.append(self._between(k, drag, left, right))
             left = right
         return found
+
+    def at(self, slips: Sequence[float]) -> list[Motion]:
+        """Return the motions of the way at other slips of its range, by the loads of the search."""
+        starts = np.array([self.near(slip).share[0] for slip in slips])
+        return [one for one, *_ in self._search.motions.at(np.array(slips), starts)]
 
     def near(self, slip: float) -> Motion:
         """Return the motion of the path at the largest slip up to one, from which rollers come to that of this slip."""
@@ -428,7 +433,7 @@ def _trusted(way: list[Motion]) -> list[Motion]:
     return [m for k, m in enumerate(way) if m.linked or k in (0, last) or way[k + 1].linked]
 
 
-def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0, through: Sequence[float] = ()) -> WayUp:
+def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) -> WayUp:
     """Return the way up of a bearing over the cage slips up to the largest.
 
     Parameters
@@ -436,32 +441,29 @@ def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0, 
     motions : Motions
         Those of its rollers by few loads, for the search.
     largest : float
-        Largest cage slip, below 1. A law without a value there shortens the range.
+        Largest cage slip, below 1. What is not found there shortens the range.
     exact : Motions
         The same on all slices, for steady slips.
     steps : int, optional
         Steps to begin with, if more than those of 0.25 in ln(S/(1 - S)).
-    through : sequence of float, optional
-        Slips that are on the way, whatever its steps.
 
     Raises
     ------
     DomainError
         If a law has no value even at the smallest slips, or the epicyclic cage speed is zero.
     ConvergenceError
-        If loads are not found.
+        If loads or balances of the rollers are not found even there.
     """
     begin, end, refusal = place_of(min(_SMALLEST, 0.5 * largest)), place_of(largest), ""
     count = max(math.ceil((end - begin) / _STEP), steps)
-    slips = [slip_of(place) for place in np.linspace(begin, end, count + 1)[:-1].tolist()]
-    slips = sorted({*slips, *(slip for slip in through if slips[0] < slip < largest), largest})
+    slips = [*(slip_of(place) for place in np.linspace(begin, end, count + 1)[:-1].tolist()), largest]
     search = _Search(motions, exact)
     while True:
         try:
             way, others = search.ways(slips)
             way = _trusted(search.refined(_trusted(way)))
             break
-        except DomainError as error:  # a law has no value at the end of the range
+        except (DomainError, ConvergenceError) as error:  # at the end of the range a law has no value, or a roller none
             slips, refusal = slips[:-1], str(error)
             if not slips:
                 raise
