@@ -164,6 +164,40 @@ def test_a_bearing_that_turns_the_other_way_has_the_same_way(number):
     assert [m.torque for m in ways[0].path] == pytest.approx([m.torque for m in ways[1].path], rel=1e-9)
 
 
+@given(number=st.integers(0, 10_000), resists=st.sampled_from([None, True, False]))
+@settings(max_examples=3, deadline=None)
+def test_finer_slips_change_nothing_beyond_the_error_that_is_told(number, resists):
+    one = scenes.balance(scenes.free(number) if resists is None else scenes.catalogue(number, resists=resists))
+    way, dense = one.way(), one.way(steps=250)
+    assert (way.runs_away is None) == (dense.runs_away is None)
+    if (away := way.runs_away) is not None:
+        known = away.error + dense.runs_away.error + 1e-6  # exactness of a vertex
+        assert away.drag == pytest.approx(dense.runs_away.drag, rel=known)
+    known = way.largest_error + dense.largest_error + 1e-6
+    assert way.largest[1] == pytest.approx(dense.largest[1], rel=known)
+
+
+@given(number=st.integers(0, 10_000))
+@settings(max_examples=3, deadline=None)
+def test_units_in_which_a_bearing_is_given_change_nothing(number):
+    scene = scenes.free(number)
+    o, b = scene.operation, scene.bearing
+    written = evolve(
+        scene,
+        {
+            "operation.inner_speed": f"{o.inner_speed / math.tau!r} Hz",
+            "operation.radial_load": f"{o.radial_load / 1e3!r} kN",
+            "operation.temperature": f"{o.temperature - 273.15!r} degC",
+            "bearing.roller_diameter": f"{b.roller_diameter / 25.4e-3!r} in",
+            "bearing.roller_length": f"{b.roller_length * 1e3!r} mm",
+            "bearing.radial_clearance": f"{b.radial_clearance * 1e9!r} nm",
+        },
+    )
+    ways = [scenes.balance(one).way() for one in (scene, written)]
+    assert [m.torque for m in ways[0].path] == pytest.approx([m.torque for m in ways[1].path], rel=1e-7)
+    assert [jump.drag for jump in ways[0].jumps] == pytest.approx([jump.drag for jump in ways[1].jumps], rel=1e-7)
+
+
 @pytest.mark.parametrize("number", range(6))
 def test_a_default_bearing_has_a_steady_slip_and_a_largest_drag_or_a_reserve(number):
     one = scenes.balance(scenes.catalogue(number))
