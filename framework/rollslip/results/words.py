@@ -89,29 +89,24 @@ def runs_away(slip: float, drag: float, status: str) -> str:
     return f"the cage runs away at {percent(slip)} cage slip, at a drag of {format_quantity(drag, 'N m', 3)}"
 
 
-def runs_at(
-    slip: float, drag: float, largest: float, at: float, reached: tuple[float, float] = (math.nan, math.nan)
-) -> str:
+def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
     """Say at which slip a cage runs, and how many times the drag there the largest one is; no full stop.
 
     Parameters
     ----------
-    slip : float
-        The least steady cage slip.
-    drag, largest, at : float
-        Drag torque there, the largest one that the rollers carry [N m], and its slip; NaN where these are not known.
-    reached : tuple of float
-        Slip and torque [N m] of the most that rollers carry where the cage runs away nowhere in the range.
+    slip, at : float
+        The least steady cage slip, and that of running away, NaN where there is none.
+    reserve, status : float and str
+        Largest drag over the drags of the scene, and what was found of it: that, at least that, or why there is none.
     """
     if not slip > 0.0:
         return f"{SWITCHED_OFF}, so the cage runs without slip"
     said = f"with the drags of the scene the cage runs at a slip of {100.0 * slip:.3g} %"
     if slip > at:
         return f"{said}, beyond that of running away: there its drag falls with slip faster than what the rollers carry"
-    if math.isnan(largest) and drag > 0.0 and reached[1] > drag:
-        times, end = reached[1] / drag, percent(reached[0])
-        return f"{said}, and could carry {times:.3g} times the drag, at a slip of {end}"
-    return f"{said}, and could carry {largest / drag:.3g} times the drag" if drag > 0.0 and largest > 0.0 else said
+    if not math.isfinite(reserve):
+        return said
+    return f"{said}, and could carry {'at least ' * status.startswith('at least')}{reserve:.3g} times the drag"
 
 
 def verdict(datasets: "Iterable[xr.Dataset]") -> list[str]:

@@ -44,7 +44,10 @@ class EffectiveFrictionAccount(PlainAccount):
         slip, drag, status = (dataset[name].item() for name in _STEADY)
         if math.isnan(slip):
             return str(status)
-        return runs_at(slip, drag, dataset["runaway_drag"].item(), dataset["runaway_slip"].item())
+        reserve, known = dataset["runaway_drag"].item() / drag if drag > 0.0 else math.nan, "found"
+        if "drag_reserve" in dataset:
+            reserve, known = dataset["drag_reserve"].item(), dataset["reserve_status"].item()
+        return runs_at(slip, dataset["runaway_slip"].item(), reserve, known)
 
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say where the cage runs away and runs, and what was found of each curve."""
@@ -53,14 +56,15 @@ class EffectiveFrictionAccount(PlainAccount):
 
     def sentences(self, dataset: "xr.Dataset") -> list[str]:
         """Return where the cage runs away and runs, and what was found of each curve."""
-        return [*self._balanced(dataset), *super().sentences(_curves(dataset))]
+        return [*self.known_better(dataset), *super().sentences(_curves(dataset))]
 
-    def _balanced(self, dataset: "xr.Dataset") -> list[str]:
+    def known_better(self, dataset: "xr.Dataset") -> list[str]:
+        """Return where the cage runs away and runs."""
         return [text for text in (self.headline(dataset), self.operation(dataset)) if text]
 
     def lines(self, dataset: "xr.Dataset") -> list[str]:
         """Return what is said on a terminal."""
-        said, a = [*self._balanced(dataset), *super().lines(_curves(dataset))], dataset.attrs
+        said, a = [*self.known_better(dataset), *super().lines(_curves(dataset))], dataset.attrs
         if "instants_error" in a:
             slices = a.get("slices_error", 0.0)  # one slice under an even load leaves none
             said.append(

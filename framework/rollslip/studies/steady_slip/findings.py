@@ -97,10 +97,11 @@ def operation(dataset: "xr.Dataset") -> str:
     if not has_steady(dataset) or str(dataset["status"].item()) != "found":
         return str(dataset["status"].item())
     slip, drag = float(dataset["steady_slip"][0]), float(dataset["torque"][0])
-    largest, at = float(dataset["largest_drag"]), float(dataset["largest_drag_slip"])
-    reached = float(dataset["most_torque_slip"]), float(dataset["most_torque"])
+    reserve, known = float(dataset["largest_drag"]) / drag if drag > 0.0 else math.nan, "found"
+    if "drag_reserve" in dataset:
+        reserve, known = float(dataset["drag_reserve"]), str(dataset["reserve_status"].item())
     least = f"; {_least_load(dataset, needs=False)}" if "least_load" in dataset else ""
-    said = f"{runs_at(slip, drag, largest, at, reached)}{_band(dataset, 'steady_slip')}"
+    said = f"{runs_at(slip, float(dataset['largest_drag_slip']), reserve, known)}{_band(dataset, 'steady_slip')}"
     return f"{said}{_doubted(dataset)}{least}"
 
 

@@ -15,7 +15,7 @@ import attrs
 
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
-from rollslip.motion.torque_balance import TorqueBalance
+from rollslip.motion.torque_balance import RANGE, TorqueBalance
 from rollslip.results.words import SWITCHED_OFF
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.units import format_quantity
@@ -30,8 +30,8 @@ ANY_LOAD: Final = ("no load is needed", "any load serves")
 NO_LOAD: Final = ("no load serves", "the cage does not hold a slip")
 #: Relative accuracy of the load.
 _FOUND: Final = 1e-4
-#: Step of the slip by which it is seen whether the cage holds it, relative.
-_STEP: Final = 1e-3
+#: By how much the least steady slip at that load may be another, relative.
+_SAME: Final = 1e-2
 
 
 def least_load(balance: Callable[[float], TorqueBalance], load: float, slip: float) -> tuple[float, str]:
@@ -64,10 +64,11 @@ def least_load(balance: Callable[[float], TorqueBalance], load: float, slip: flo
                 return math.nan, f"{serves}: between {ends} the steady slip stays {way} than {slip:g}"
             low, high = (low - math.log(_WIDER), begin) if over > 0.0 else (begin, high + math.log(_WIDER))
         found = math.exp(brentq(excess, low, high, xtol=_FOUND))
-        holds = balance(found).excess(slip * (1.0 + _STEP)) > balance(found).excess(slip)
+        there = balance(found)
+        least = next((one.slip for one in there.way(max(RANGE, slip)).steady(there.drag)), math.inf)
     except (DomainError, ConvergenceError) as error:
         return math.nan, f"not found: {error}"
-    if not holds:
+    if abs(least / slip - 1.0) > _SAME:  # on its way up the cage has jumped
         shown = format_quantity(found, "N", 4)
         return math.nan, f"{NO_LOAD[1]} of {slip:g}: at {shown} it has run away before"
     return found, "found"

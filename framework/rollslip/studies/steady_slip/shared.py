@@ -1,10 +1,9 @@
-"""What other studies take of a steady slip: the resolution of its torques, the slip, and slices evaluated there."""
+"""What other studies take of a steady slip: the resolution of its torques, and slices evaluated there."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
 import attrs
-import numpy as np
 
 from rollslip.bearing.raceway import RINGS
 from rollslip.studies.answers import Estimated, Evaluated
@@ -26,16 +25,6 @@ def estimate_torques(study: Study, assembly: "Assembly", *, cheaper_laws: bool) 
     errors = {part: {of: error for of, error in some.items() if of != "critical_slip"} for part, some in
               found.errors.items()}  # fmt: skip
     return attrs.evolve(found, errors=errors)
-
-
-def least_steady(study: Study, assembly: "Assembly") -> tuple[float, str]:
-    """Return the least steady slip, NaN if there is none, and what was found in words.
-
-    It is held: without slip the drag is larger than what the rollers drive with.
-    """
-    found, _ = study.only(assembly, frozenset({"steady_slip", "status"})) or ({}, {})
-    slips = [float(slip) for slip in found["steady_slip"][1] if np.isfinite(slip)]
-    return slips[0] if slips else np.nan, str(found["status"][1])
 
 
 def evaluated_slices(balance: "TorqueBalance", orbits: "Iterable[Orbit]") -> list[Evaluated]:

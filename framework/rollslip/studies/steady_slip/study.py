@@ -24,12 +24,23 @@ from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
 from rollslip.bearing.resolution import Resolution, refined
-from rollslip.errors import ConvergenceError
+from rollslip.errors import ConvergenceError, DomainError
 from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.motion.continuation import Branch, follow
 from rollslip.motion.effective_table import table_records
-from rollslip.motion.torque_balance import RANGE, Near, Orbit, TorqueBalance, effective_curves, near_running_away
+from rollslip.motion.torque_balance import (
+    RANGE,
+    Near,
+    Orbit,
+    TorqueBalance,
+    effective_curves,
+    fewest_instants,
+    near_running_away,
+    reserve,
+    runaway,
+    running,
+)  # fmt: skip
 from rollslip.motion.way_up import Steady, WayUp
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
@@ -49,8 +60,6 @@ from rollslip.studies.timing import timed
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Doublings start at this many positions of an orbit or more.
-_FIRST_POSITIONS = 56
 #: Instants of a pitch at which doublings give up.
 _MOST_INSTANTS: Final = 256
 #: And beyond which these go on for no maximum.
@@ -63,8 +72,8 @@ _LEVEL = 1e-3
 _TRIED: Final = 1e-3
 #: Shares of the tolerances that slices and instants may use, and that tables may take.
 _SHARE, _TABLES = 0.5, 0.2
-#: Ways up that a run finds while it doubles instants, and motions of the rollers of a followed branch.
-_WAYS, _BRANCH = 2, 350
+#: Ways up that a run finds while it doubles instants, slips of one, and motions of the rollers of a followed branch.
+_WAYS, _SLIPS, _BRANCH = 2, 25, 350
 #: Tables of effective friction that a run makes, for the slices and instants that it tries and is judged with.
 _CURVES: Final = 40
 #: What an acceptable slip gives.
@@ -102,7 +111,7 @@ class SteadySlip(Study):
         validator=in_range(0.0, 1.0, open=True),
     )
     points: int = parameter(
-        default=25, doc="steps of the way up, two for each; more are added near its maxima", validator=at_least(6)
+        default=25, doc="slips of the slip-drag curve, at least; the way up has its own", validator=at_least(6)
     )
     friction: str = parameter(
         default="conventional",
@@ -134,7 +143,7 @@ class SteadySlip(Study):
         """Return about how many slices the study will evaluate."""
         loads = assembly.load_distribution(1)
         loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
-        per_orbit = 10 * 2 * max(1, _FIRST_POSITIONS // assembly.scene.bearing.rollers)
+        per_orbit = 10 * 2 * fewest_instants(assembly)
         followed = sum(bool(getattr(self, name)) for name in VARIED)
         return int(loaded) * per_orbit * (3 * self.points + 60 + 350 * followed)
 
@@ -208,7 +217,7 @@ class SteadySlip(Study):
         """Return the time [s] of the motions of the rollers, from a few of them."""
         bearing, instants = assembly.with_resistance(), assembly.resolution.instants or 2
         balance = TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia)
-        followed = _BRANCH * sum(bool(getattr(self, name)) for name in VARIED) / (2 * self.points)
+        followed = _BRANCH * sum(bool(getattr(self, name)) for name in VARIED) / (2 * _SLIPS)
         costs = {"orbits": balance.seconds() * (_WAYS + followed)}
         if self.friction == "effective":
             costs["tables"] = timed(partial(effective_curves, bearing, instants)) * _CURVES
@@ -285,8 +294,9 @@ class SteadySlip(Study):
         slips = [0.0] if balance.rolls_freely else [one.slip for one in steady]
         states = [balance.orbit_of(one.motion) for one in steady]
         if not states:
-            states = [balance.orbit(slip) for slip in slips or [share * self.max_cage_slip for share in _JUDGED]]
-        variables, coords, error = slip_drag(balance, way, slips, self.max_cage_slip, self.table)
+            end = min(self.max_cage_slip, way.end)
+            states = [balance.orbit(slip) for slip in slips or [share * end for share in _JUDGED]]
+        variables, coords, error = slip_drag(balance, way, slips, self.max_cage_slip, self.points, self.table)
         positions = states[0].roller_slip.size
         variables |= self._steady(balance, way, states, steady) if slips else self._unsteady(positions)
         angle = 2.0 * np.pi * np.arange(positions) / positions
@@ -294,7 +304,7 @@ class SteadySlip(Study):
         variables |= _films(balance, states, steady=bool(slips))
         lost, source = losses(balance, states, steady=bool(slips))
         variables, coords = variables | lost, coords | source
-        variables |= self.variables(status=status_of(balance, way, slips))
+        variables |= self.variables(status=status_of(balance, way, slips)) | self._reserve(balance)
         for name in VARIED:
             if limits := getattr(self, name):
                 found = self._followed(assembly, instants, name, limits, slips)
@@ -328,24 +338,33 @@ class SteadySlip(Study):
 
     def only(self, assembly: Assembly, outputs: frozenset[str]) -> Some | None:
         """Return steady slips and status, or a least load, as `run` finds them; None if more is asked than these."""
-        instants, few = assembly.resolution.instants, _first_instants(assembly)
         if outputs <= {"least_load", "least_load_status"} and self.acceptable_slip is not None:
-            return self._least_load(assembly, instants or few, self.acceptable_slip), {}
+            return self._least_load(assembly, self.balance(assembly).instants, self.acceptable_slip), {}
         if not outputs <= {"steady_slip", "status"}:
             return None
-        assembly = _loaded(assembly).with_resistance()
-        balance = self._balance(assembly, instants) if instants is not None else self._doubled(assembly)[0]
-        way = self._way(balance)
-        slips = [0.0] if balance.rolls_freely else [one.slip for one in way.steady(balance.drag)]
-        status = status_of(balance, way, slips)
-        known = np.array(slips or [np.nan])
+        _, steady, status = self.steady(assembly)
+        known = np.array([one.slip for one in steady] or [np.nan])
         return self.variables(status=status, steady_slip=known), {
             "steady": ("steady", np.arange(known.size), about("1", "steady cage slip"))
         }
 
+    def steady(self, assembly: Assembly) -> tuple[TorqueBalance, list[Steady], str]:
+        """Return the balance of torques of a bearing, its steady slips on the way up, and what was found in words.
+
+        A cage that nothing drags has slip 0, which nothing needs to hold.
+        """
+        assembly = _loaded(assembly).with_resistance()
+        balance = self._doubled(assembly)[0] if assembly.resolution.instants is None else self.balance(assembly)
+        way = self._way(balance)
+        if balance.rolls_freely:
+            found = [Steady(0.0, 0.0, np.inf, balance.motions.at(np.zeros(1))[0][0])]
+        else:
+            found = way.steady(balance.drag)
+        return balance, found, status_of(balance, way, [one.slip for one in found])
+
     def balance(self, assembly: Assembly) -> TorqueBalance:
         """Return the balance of torques of a bearing at its instants, with resistance to rolling if it has some."""
-        return self._balance(assembly, assembly.resolution.instants or _first_instants(assembly))
+        return self._balance(assembly, max(assembly.resolution.instants or 0, fewest_instants(assembly)))
 
     def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
         return TorqueBalance(
@@ -358,12 +377,18 @@ class SteadySlip(Study):
 
     def _way(self, balance: TorqueBalance) -> WayUp:
         """The way up, until the cage all but stands."""
-        return balance.way(max(RANGE, self.max_cage_slip), steps=2 * self.points, through=(self.max_cage_slip,))
+        return balance.way(max(RANGE, self.max_cage_slip))
+
+    def _reserve(self, balance: TorqueBalance) -> dict[str, Any]:
+        largest = max(RANGE, self.max_cage_slip)
+        away, runs = runaway(balance, largest, f"{self.table}.max_cage_slip"), running(balance, largest)
+        kept = reserve(balance, away, runs, largest)
+        return self.variables(drag_reserve=kept.factor, reserve_status=kept.status)
 
     def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
         """Balance at the instants of the resolution, or at those that settle it, then with the errors that are left."""
         if assembly.resolution.instants is not None:
-            return self._balance(assembly, assembly.resolution.instants), {}
+            return self.balance(assembly), {}
         balance, moved = self._doubled(assembly, jump=True)
         return balance, {"instants_error": moved, "slices_error": self._slices_error(balance)}
 
@@ -373,7 +398,7 @@ class SteadySlip(Study):
         So long as there are not too many, also until the drag of running away is told to within it.
         """
         tolerance, before = assembly.scene.accuracy.tolerance, None
-        instants, moved = _first_instants(assembly), np.inf
+        instants, moved = fewest_instants(assembly), np.inf
         while instants <= _MOST_INSTANTS:
             balance = self._balance(assembly, instants)
             torque = self._judged(balance)
@@ -390,12 +415,20 @@ class SteadySlip(Study):
         )
 
     def _judged(self, balance: TorqueBalance) -> Array:
-        return balance.torques(self.max_cage_slip * np.array(_JUDGED))
+        slips = self.max_cage_slip * np.array(_JUDGED)
+        while True:
+            try:
+                return balance.torques(slips)
+            except (DomainError, ConvergenceError):  # at the end of the range, which the least slip does not need
+                slips = slips[:-1]
+                if not slips.size:
+                    raise
 
     def _inertia_effect(self, balance: TorqueBalance) -> float:
         """Largest relative difference of the torque without inertia of the rollers from that with it."""
         torques = [self._judged(balance), self._judged(balance.with_inertia(not self.inertia))]
         inert, free = torques if self.inertia else reversed(torques)
+        inert, free = inert[: free.size], free[: inert.size]
         scale = np.abs(inert)
         return float((np.abs(free - inert) / np.where(scale > 0.0, scale, 1.0)).max())
 
@@ -520,12 +553,8 @@ def _stability(way: WayUp, state: Orbit, steady: Steady) -> str:
     return "stable" if abs(state.multiplier) < 1.0 else "unstable: the rollers do not hold their spin"
 
 
-def _first_instants(assembly: Assembly) -> int:
-    """Instants of a pitch with which doublings begin."""
-    return -(-_FIRST_POSITIONS // assembly.scene.bearing.rollers)
-
-
 def _moved(before: Array, after: Array) -> float:
+    after, before = after[: before.size], before[: after.size]  # as far as laws have values
     return float(np.abs(after - before).max() / (np.abs(after).max() or 1.0))
 
 

@@ -19,7 +19,7 @@ from rollslip.fields import at_least, in_range, parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Part
-from rollslip.studies.steady_slip.shared import estimate_torques, evaluated_slices, least_steady
+from rollslip.studies.steady_slip.shared import estimate_torques, evaluated_slices
 from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.surface_damage.model import (
@@ -154,11 +154,15 @@ class SurfaceDamage(Study):
             return self._told(assembly, (), np.nan, "models.damage names no measure, so none was taken; name one or "
                               "several, 'rollslip models damage' lists them", None)  # fmt: skip
         there = assembly.with_resistance()
-        slip, status = (self.cage_slip, _FOUND) if self.cage_slip is not None else least_steady(self._steady, there)
-        if not np.isfinite(slip):
-            return self._told(assembly, measures, slip, status, None)
-        balance = self._steady.balance(there)
-        return self._told(assembly, measures, slip, _FOUND, balance.evaluated(balance.orbit(slip)))
+        if self.cage_slip is not None:
+            balance = self._steady.balance(there)
+            orbit = balance.orbit(self.cage_slip)
+        else:
+            balance, steady, status = self._steady.steady(there)
+            if not steady:
+                return self._told(assembly, measures, np.nan, status, None)
+            orbit = balance.orbit_of(steady[0].motion)
+        return self._told(assembly, measures, orbit.cage_slip, _FOUND, balance.evaluated(orbit))
 
     def _told(
         self,

@@ -23,7 +23,6 @@ from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.motion.continuation import crossing
 from rollslip.motion.losses import PowerBalance, power_balance
-from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.scene.changes import evolve
 from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.thermal_balance.model import PLACES, ThermalModel
@@ -41,8 +40,8 @@ _BESIDE: Final = 3.0
 _FOUND, _MOVED = 1e-7, 0.2
 #: Step of temperature by which flows are differentiated [K].
 _STEP: Final = 0.02
-#: Relative accuracy of a steady slip, and step by which its excess torque is differentiated.
-_PRECISE, _NUDGE = 1e-12, 1e-4
+#: Relative accuracy of a steady slip, where flows are differentiated.
+_PRECISE: Final = 1e-12
 #: Heat that may be left of the nodes that follow, relative to the losses, where they are found by another method.
 _LEFT: Final = 1e-4
 #: Halvings that place the end of a curve.
@@ -171,13 +170,11 @@ class Heated:
             there = there.with_bounds(*bounds).with_resistance()
             if (beside := self._beside(there, changes)) is not None:
                 return beside
-            found, _ = self._study.only(there, frozenset({"steady_slip", "status"})) or ({}, {})
-            slips, status = found["steady_slip"][1], str(found["status"][1])
-            balance = self._study.balance(there)
-            slip = self._held(balance, [float(one) for one in slips if np.isfinite(one)])
-            if slip is None:
-                return State(np.nan, refusal=status if status != "found" else "no slip is held", by_film=True)
-            state = State(slip, power_balance(balance, balance.orbit(slip)))
+            balance, steady, status = self._study.steady(there)
+            held = next((one for one in steady if one.slope > 0.0), None)
+            if held is None:
+                return State(np.nan, refusal="no slip is held" if steady else status, by_film=True)
+            state = State(held.slip, power_balance(balance, balance.orbit_of(held.motion)), slope=held.slope)
             self._sought.append((changes, state))
             return state
         except (SceneError, DomainError) as error:  # of temperatures that nobody wrote into a scene
@@ -194,29 +191,13 @@ class Heated:
         if near > _BESIDE or (start := self._sought[of][1].slip) == 0.0:
             return None
         balance, known = self._study.balance(there), self._sought[of][1]
-        if np.isnan(known.slope):
-            before = balance.excess(start)
-            slope = (balance.excess(start * (1.0 + _NUDGE)) - before) / (_NUDGE * start)
-        else:
-            slope = known.slope
-        found = crossing(balance.excess, start, slope, self._study.max_cage_slip, _PRECISE if self.sharp else _FOUND)
+        exact = _PRECISE if self.sharp else _FOUND
+        found = crossing(balance.excess, start, known.slope, self._study.max_cage_slip, exact)
         if found is None or not found[1] > 0.0 or abs(found[0] - start) > _MOVED * start:
             return None
         slip, slope = found
         self._sought[of] = (self._sought[of][0], attrs.evolve(known, slope=slope))
         return State(slip, power_balance(balance, balance.orbit(slip)), slope=slope)
-
-    def _held(self, balance: TorqueBalance, slips: list[float]) -> float | None:
-        """The least slip that the cage holds, to the last digits."""
-        for k, slip in enumerate(slips):
-            if slip == 0.0 or (not self.sharp and k == 0):  # the first one is held: without slip the drag is larger
-                return slip
-            step = _NUDGE * slip
-            slope = (balance.excess(slip + step) - balance.excess(slip - step)) / (2.0 * step)
-            if slope > 0.0:
-                sharper = crossing(balance.excess, slip, slope, self._study.max_cage_slip, _PRECISE)
-                return slip if sharper is None else float(sharper[0])
-        return None
 
     def inflows(self, temperatures: Array) -> Array:
         """Heat that flows into each node, with the losses at these temperatures [W], (n,)."""

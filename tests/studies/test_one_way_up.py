@@ -1,0 +1,139 @@
+"""What studies say of slip, drag and reserve is of one way up: at one resolution no digit differs between them."""
+
+import math
+import re
+
+import attrs
+import numpy as np
+import pytest
+
+import way_up_scenes as scenes
+from rollslip import evolve
+from rollslip.bearing.assembly import assemble
+from rollslip.errors import ConvergenceError, DomainError
+from rollslip.motion.spins import Motions
+from rollslip.motion.torque_balance import AT_LEAST, FOUND, RANGE, rollers
+from rollslip.studies.dynamics.along import away_of
+from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip.studies.thermal_balance.study import ThermalBalance
+
+#: With two folds; a jump that is none of running away; a fold beside motions from above; none, and much slip of rollers
+#: at rest; none without resistance to rolling; a fold and a drag beyond it.
+HARD = {
+    "two motions": scenes.free(5),
+    "a jump from which the slip does not double": scenes.catalogue(9),
+    "a fold with rolling resistance": scenes.catalogue(1),
+    "no fold with rolling resistance": scenes.catalogue(3),
+    "no fold": scenes.catalogue(10, resists=False),
+    "skids": evolve(scenes.free(6), {"cage.drag": [{"model": "constant-torque", "size": "1 kN m"}]}),
+}
+
+
+def few(scene, instants=1):
+    """Few slices; so few instants that every study takes the least on which rollers are followed."""
+    made = assemble(scene)
+    slices = min(8, made.slices)
+    return made.at(attrs.evolve(made.resolution, slices=slices, quadrature="equal", instants=instants))
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_all_studies_say_the_same_of_one_bearing(name):
+    whole = _asked_alike(few(HARD[name]))
+    skids = name == "skids"
+    assert whole.reserve_status.item().startswith("the cage skids" if skids else (FOUND, AT_LEAST))
+    assert skids or math.isnan(float(whole.largest_drag)) == whole.reserve_status.item().startswith(AT_LEAST)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(60))
+def test_all_studies_say_the_same_of_random_bearings(number):
+    bearing = few((scenes.free, scenes.catalogue)[number % 2](1000 + number))
+    try:
+        rollers(bearing, 1).way()
+    except DomainError as error:
+        for study in (SteadySlip(), EffectiveFriction()):
+            with pytest.raises(DomainError, match=re.escape(str(error)[:20])):
+                study.run(bearing)
+        pytest.skip(f"a law has no value: {error}")
+    _asked_alike(bearing)
+
+
+def _asked_alike(bearing):
+    """Ask all studies of one bearing, and return what steady-slip says."""
+    quick = EffectiveFriction(points=5, map_points=0, closure="epicyclic")
+    simple, whole, heat = quick.run(bearing), SteadySlip().run(bearing), ThermalBalance().run(bearing)
+    away = away_of(quick, quick.loaded(bearing, 1))
+
+    def same(*values):
+        np.testing.assert_array_equal(values, np.full(len(values), values[0]))
+
+    same(*(float(one) for one in (simple.runaway_slip, whole.largest_drag_slip, away.slip)))
+    same(*(float(one) for one in (simple.runaway_drag, whole.largest_drag, away.drag)))
+    same(*(float(one) for one in (simple.steady_cage_slip, whole.steady_slip[0], heat.given_slip)))
+    same(float(simple.steady_drag), float(whole.torque[0]))
+    same(float(simple.drag_reserve), float(whole.drag_reserve))
+    same(simple.reserve_status.item(), whole.reserve_status.item())
+    some, _ = SteadySlip().only(bearing, frozenset({"steady_slip", "status"}))
+    same(float(some["steady_slip"][1][0]), float(whole.steady_slip[0]))
+    (at_once, _), *_ = EffectiveFriction.together([(quick, bearing)], frozenset({"runaway_drag", "drag_reserve"}))
+    same(float(at_once["runaway_drag"][1]), float(whole.largest_drag))
+    if whole.reserve_status.item() == FOUND:
+        assert float(whole.drag_reserve * whole.torque[0]) == pytest.approx(float(whole.largest_drag), rel=1e-12)
+    return whole
+
+
+@pytest.mark.parametrize("name", ["a fold with rolling resistance", "no fold with rolling resistance", "no fold"])
+def test_the_least_load_of_its_own_slip_is_the_load_of_a_bearing(name):
+    bearing = few(HARD[name])
+    (steady, *_), load = SteadySlip().steady(bearing)[1], bearing.scene.operation.radial_load
+    found, _ = SteadySlip(acceptable_slip=steady.slip).only(bearing, frozenset({"least_load"}))
+    assert found["least_load"][1] == pytest.approx(load, rel=2e-4)  # it is found to 1e-4
+
+
+def test_a_slip_that_the_cage_on_its_way_up_jumps_over_has_no_least_load():
+    """Between the jump and where it leads to, though the rollers of a cage from above would hold it there."""
+    balance = rollers(few(HARD["two motions"]), 1)
+    jump = balance.way().runs_away
+    slip = math.sqrt(jump.slip * jump.to)
+    found, _ = SteadySlip(acceptable_slip=slip).only(few(HARD["two motions"]), frozenset({"least_load"}))
+    assert math.isnan(found["least_load"][1])
+
+
+def test_the_slip_that_a_larger_drag_takes_the_cage_to_has_a_status_of_its_own():
+    jumps, ends, none = (SteadySlip().run(few(HARD[name])) for name in ("two motions", "skids", "no fold"))
+    assert (jumps.jump_slip_status.item(), float(jumps.jump_slip) > 0.0) == ("found", True)
+    assert ends.largest_drag_status.item() == "found"
+    assert ends.jump_slip_status.item() == "a larger drag is carried by no slip up to 0.95"
+    assert np.isnan(ends.jump_slip)
+    assert none.jump_slip_status.item() == none.largest_drag_status.item()
+
+
+@pytest.mark.parametrize("error", [DomainError, ConvergenceError])
+def test_a_steady_slip_survives_a_failure_at_the_far_end_of_its_curve(error, monkeypatch):
+    known = SteadySlip().run(few(HARD["no fold"]))
+    plain = Motions.at
+
+    def refusing(self, slips, starts=None):
+        if np.any(slips > 0.5):
+            raise error("no value there")
+        return plain(self, slips, starts)
+
+    monkeypatch.setattr(Motions, "at", refusing)
+    found = SteadySlip().run(few(HARD["no fold"]))
+    assert float(known.cage_slip[-1]) == 0.9
+    assert 0.4 < float(found.cage_slip[-1]) <= 0.5
+    assert float(found.steady_slip[0]) == pytest.approx(float(known.steady_slip[0]), rel=1e-9)
+    assert found.status.item() == "found"
+    assert "no value there" in found.largest_drag_status.item()
+    quick = EffectiveFriction(points=5, map_points=0, closure="epicyclic")
+    assert float(quick.run(few(HARD["no fold"])).steady_cage_slip) == float(found.steady_slip[0])
+
+
+def test_more_slips_of_a_curve_change_nothing_that_is_said_of_it():
+    bearing = few(HARD["two motions"])
+    plain, dense = (SteadySlip(points=points).run(bearing) for points in (25, 150))
+    assert dense.sizes["cage_slip"] > 150 > plain.sizes["cage_slip"]
+    for name in ("steady_slip", "largest_drag", "largest_drag_slip", "most_torque", "drag_reserve"):
+        np.testing.assert_array_equal(dense[name], plain[name])
+    assert RANGE > float(plain.cage_slip[-1]) == 0.9
