@@ -7,9 +7,11 @@ import re
 import pytest
 
 import rollslip
-from rollslip.results.account import account_of
+from rollslip.cli import console
+from rollslip.results.account import account_of, told_elsewhere
 from rollslip.results.words import runs_at, runs_away, verdict, warned
 
+RUNS = "with the drags of the scene the cage runs at a slip of"
 SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 9, "accuracy.tolerance": 1e-2})
 
 
@@ -29,8 +31,8 @@ def test_a_verdict_is_six_lines_where_no_drag_is_of_rolling_a_law_has_a_caution_
     assert caution.startswith(
         "viscosity under pressure follows Barus's law, as the scene names it: too steep above 0.1 GPa"
     )
-    away = results["effective-friction"]
-    assert first == runs_away(float(away.runaway_slip), float(away.runaway_drag), "found")
+    away, steady = results["effective-friction"], results["steady-slip"]
+    assert first == runs_away(float(steady.largest_drag_slip), float(steady.largest_drag), "found")
     slip, reserve = float(results["steady-slip"].steady_slip[0]), float(results["steady-slip"].largest_drag)
     reserve /= float(results["steady-slip"].torque[0])
     assert runs.startswith(f"with the drags of the scene the cage runs at a slip of {100 * slip:.3g} %")
@@ -72,22 +74,55 @@ def test_a_probability_stands_beside_how_the_cage_runs(results, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("slip", "drag", "said"),
+    ("slip", "reserve", "status", "said"),
     [
-        (0.1, 1.0, "with the drags of the scene the cage runs at a slip of 10 %, and could carry 4 times the drag"),
-        (0.1, 0.0, "with the drags of the scene the cage runs at a slip of 10 %"),
-        (0.0, 0.0, "every drag is switched off by cage.drag = [], as in no bearing, so the cage runs without slip"),
+        (
+            0.1,
+            4.0,
+            "found",
+            f"{RUNS} 10 %, and could carry 4 times the drag",
+        ),
+        (
+            0.1,
+            4.0,
+            "at least: up to a slip of 0.95 the cage does not run away",
+            f"{RUNS} 10 %, and could carry at least 4 times the drag",
+        ),
+        (
+            0.1,
+            math.inf,
+            "at least: no torque drags the cage",
+            f"{RUNS} 10 %",
+        ),
+        (
+            0.0,
+            math.inf,
+            "found",
+            "every drag is switched off by cage.drag = [], as in no bearing, so the cage runs without slip",
+        ),
         (
             0.5,
-            1.0,
-            "with the drags of the scene the cage runs at a slip of 50 %, beyond that of running away: there its drag "
+            0.9,
+            "the cage skids: its drags are more than the rollers carry",
+            f"{RUNS} 50 %, beyond that of running away: there its drag "
             "falls with slip faster than what the rollers carry",
         ),
     ],
 )
-def test_how_a_cage_runs_is_told_with_what_it_could_carry(slip, drag, said):
-    assert runs_at(slip, drag, 4.0, 0.4) == said
-    assert runs_at(slip, drag, math.nan, math.nan).startswith(said.split(",")[0])
+def test_how_a_cage_runs_is_told_with_what_it_could_carry(slip, reserve, status, said):
+    assert runs_at(slip, 0.4, reserve, status) == said
+    assert runs_at(slip, math.nan, math.nan, "not known").startswith(said.split(",")[0])
+
+
+def test_a_number_that_two_results_know_is_told_once_by_the_one_that_knows_it_best(results):
+    both = [results["effective-friction"], results["steady-slip"]]
+    assert verdict(both)[0] == account_of(both[1]).headline(both[1])
+    known = account_of(both[0]).known_better(both[0])
+    assert len(known) == 2
+    assert told_elsewhere(both) == {*known}
+    assert not told_elsewhere(both[:1])
+    shown = console.findings(both[0], [*verdict(both), *told_elsewhere(both)])
+    assert [line for line in console.findings(both[0]) if line not in shown] == known
 
 
 def test_a_law_within_what_it_was_made_for_is_not_named(results):

@@ -16,7 +16,7 @@ from rollslip.bearing.resolution import error_text
 from rollslip.catalogue.discovery import available, find
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.cli.app import terminal
-from rollslip.results.account import account_of
+from rollslip.results.account import account_of, told_elsewhere
 from rollslip.results.words import first_line, verdict
 from rollslip.scene.values import EXACT, Scene, scene_hash
 from rollslip.units import format_quantity
@@ -140,6 +140,7 @@ def print_results(datasets: "Iterable[xr.Dataset]", *, whole: bool) -> int:
     every, left = list(datasets), 0
     for line in (told := verdict(every)):
         click.echo(line)
+    told += told_elsewhere(every)
     for dataset in every:
         lines, missed = findings(dataset, told), missed_errors(dataset)
         shown = len(lines) if whole else account_of(dataset).most_important

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ACCOUNT", "Account", "Contact", "PlainAccount", "Story", "Table", "account_of", "capital", "headline_of",
-    "untold", "with_unit",
+    "told_elsewhere", "untold", "with_unit",
 ]  # fmt: skip
 
 
@@ -88,6 +88,10 @@ class Account:
     def operation(self, dataset: "xr.Dataset") -> str:
         """Return how the bearing runs, and with what reserve, without its full stop; nothing where it is not known."""
         return ""
+
+    def known_better(self, dataset: "xr.Dataset") -> list[str]:
+        """Return which of its sentences one that knows more of how the bearing runs tells in place of it."""
+        return []
 
     def chance(self, dataset: "xr.Dataset") -> str:
         """Return how probably the cage does not run away where data scatter; nothing where it is not known."""
@@ -204,8 +208,17 @@ class PlainAccount(Account):
 
 
 def headline_of(datasets: "Iterable[xr.Dataset]") -> str:
-    """Return the headline of the first result that has one; nothing if none has."""
-    return next(filter(None, (account_of(dataset).headline(dataset) for dataset in datasets)), "")
+    """Return the headline of the result that knows most of how the bearing runs; nothing if none has one."""
+    told = sorted(((account_of(d), d) for d in datasets), key=lambda one: -one[0].knows_operation)
+    return next(filter(None, (account.headline(dataset) for account, dataset in told)), "")
+
+
+def told_elsewhere(datasets: "Iterable[xr.Dataset]") -> set[str]:
+    """Return sentences of results beside which another one knows it better: one number is told once."""
+    told = [(account_of(dataset), dataset) for dataset in datasets]
+    most = max((account.knows_operation for account, _ in told), default=0)
+    return {text for account, dataset in told if account.knows_operation < most
+            for text in account.known_better(dataset)}  # fmt: skip
 
 
 def untold(datasets: "Iterable[xr.Dataset]") -> list[str]:

@@ -33,7 +33,7 @@ from rollslip.files import whole_file
 from rollslip.lubricant.oil import legend
 from rollslip.lubricant.table import OilTable
 from rollslip.references import Citation
-from rollslip.results.account import Table, account_of, capital
+from rollslip.results.account import Table, account_of, capital, told_elsewhere
 from rollslip.results.curves import percent
 from rollslip.results.dark import GROUND, INK, adapting
 from rollslip.results.dataset import citations_of
@@ -154,9 +154,11 @@ def _warnings(datasets: "Datasets") -> str:
 
 
 def _findings(datasets: "Datasets") -> str:
-    body = ""
+    body, left_out = "", told_elsewhere(datasets.values())
     for name, dataset in datasets.items():
-        if told := "".join(map(_told, account_of(dataset).story(dataset))):
+        story = ([text for text in part if text not in left_out] if isinstance(part, list) else part
+                 for part in account_of(dataset).story(dataset))  # fmt: skip
+        if told := "".join(_told(part) for part in story if part):
             body += _tag("h3", name) + told
     return body
 

@@ -40,6 +40,10 @@ class DynamicsAccount(Account):
             return history_findings.largest_in_words(dataset)
         return findings.operation(dataset)
 
+    def known_better(self, dataset: "xr.Dataset") -> list[str]:
+        """Return where the cage runs away, if operation does not change."""
+        return [] if history_findings.along(dataset) else [findings.headline(dataset)]
+
     def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
         """Say what was found, by what it is about."""
         return history_findings.told(dataset, findings.topics(dataset)) | damage.over_motion(dataset)
