@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import way_up_scenes as scenes
-from rollslip import evolve
+from rollslip import evolve, load_scene, plan
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.spins import Motions
@@ -137,3 +137,17 @@ def test_more_slips_of_a_curve_change_nothing_that_is_said_of_it():
     for name in ("steady_slip", "largest_drag", "largest_drag_slip", "most_torque", "drag_reserve"):
         np.testing.assert_array_equal(dense[name], plain[name])
     assert RANGE > float(plain.cage_slip[-1]) == 0.9
+
+
+@pytest.mark.parametrize("study", ["effective-friction", "steady-slip"])
+def test_what_is_left_out_under_a_bound_may_be_so_on_the_whole_way_up(study):
+    """Of a bearing whose film is full at all slips of the curves, and mixed where its cage all but stands."""
+    made = plan(load_scene("gearbox"), study)
+    balance = rollers(made.assemblies[study], 1)
+    for slip in (0.001, 0.1, 0.6, RANGE):
+        thinnest = [
+            of.slices.film_thickness.min() for of in balance.evaluated(balance.orbit(slip))
+        ]  # or a bound breaks
+    limit = balance.assembly.traction.full_film_from
+    assert min(thinnest) < limit * balance.assembly.inner.conditions.roughness
+    assert made.estimated[study].resolution.boundary

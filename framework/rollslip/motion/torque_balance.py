@@ -41,6 +41,8 @@ _SOME, _LOW, _ALL = 6, -9.0, 10.0
 _NOWHERE: Final = 1e-3
 #: Positions of an orbit, at least and at most, on which rollers are followed.
 _POSITIONS: Final = (56, 512)
+#: Slips of a way up at which bounds of laws are looked at, relative to its end.
+_LOOKED_AT: Final = (0.0, 0.02, 0.15, 0.5, 1.0)
 #: Share of the largest drag below which a cage is far from running away, whatever effective friction is off.
 _FAR: Final = 0.5
 #: A slip at which the cage hardly turns.
@@ -303,6 +305,19 @@ def rollers(
     instants = min(max(instants, fewest_instants(assembly)), -(-_POSITIONS[1] // assembly.scene.bearing.rollers))
     curves = effective_curves(assembly, instants) if effective else None
     return TorqueBalance(assembly, drags, instants=instants, effective=curves, inertia=inertia, beside=beside)
+
+
+def look_along(assembly: Assembly, end: float, *, inertia: bool = True) -> None:
+    """Evaluate the contacts of rollers at some slips of the way up: what watches the chains of the bearing sees them.
+
+    Its search is compiled and looks at no bound.
+    """
+    balance = rollers(assembly, 1, inertia=inertia)
+    for share in _LOOKED_AT:
+        try:
+            balance.evaluated(balance.orbit(share * end))
+        except (DomainError, ConvergenceError):  # where it ends; a run says so
+            return
 
 
 @attrs.frozen

@@ -28,7 +28,7 @@ from rollslip.bearing.raceway import PROBES, RINGS, Array, LoadedContacts
 from rollslip.errors import ConvergenceError
 from rollslip.fields import at_least, in_range, one_of, parameter
 from rollslip.hookspecs import hookimpl
-from rollslip.motion.torque_balance import Runaway, TorqueBalance, reserve, rollers, runaway, running
+from rollslip.motion.torque_balance import Runaway, TorqueBalance, look_along, reserve, rollers, runaway, running
 from rollslip.results.curves import FIRST, Curves
 from rollslip.results.dataset import about
 from rollslip.studies.answers import Evaluated, Keep, Measurable, Output, Some
@@ -339,9 +339,11 @@ class EffectiveFriction(Study):
         return self.closure == "free-roller"
 
     def beyond(self, assembly: Assembly) -> None:
-        """Evaluate the corners of the map."""
+        """Evaluate the corners of the map, and contacts on the way up."""
         if self.map_points:
             self.loaded(assembly, 1).map(self.max_cage_slip, 2)
+        if self.runaway_range:
+            look_along(assembly, self.runaway_range)
 
     def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
         """Return effective friction on few of the instants of a pitch, each a part of the most, (k, 2, n)."""

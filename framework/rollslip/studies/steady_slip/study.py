@@ -36,6 +36,7 @@ from rollslip.motion.torque_balance import (
     TorqueBalance,
     effective_curves,
     fewest_instants,
+    look_along,
     near_running_away,
     reserve,
     runaway,
@@ -241,6 +242,10 @@ class SteadySlip(Study):
         bearing = assembly.with_resistance()
         balances = [self._balance(bearing, m) for m in instants]
         return np.array([[balance.torques(slip)] for balance in balances])
+
+    def beyond(self, assembly: Assembly) -> None:
+        """Evaluate contacts on the way up."""
+        look_along(assembly, max(RANGE, self.max_cage_slip), inertia=self.inertia)
 
     @property
     def judged_at(self) -> str:
