@@ -25,19 +25,18 @@ def by_default(name):
 
 
 def found(scene):
-    """Steady slip, drag there [N m], times the drag that the rollers could carry, and friction torque [N m]."""
+    """Steady slip, drag there [N m], and friction torque [N m]."""
     result = run(scene, "steady-slip")
-    slip, drag, torque = (float(result[name][0]) for name in ("steady_slip", "torque", "friction_torque"))
-    return slip, drag, float(result.most_torque) / drag, torque
+    return tuple(float(result[name][0]) for name in ("steady_slip", "torque", "friction_torque"))
 
 
 def note(name):
     """What a scene of the paper says of itself beside the defaults."""
-    slip, _, times, torque = found(by_default(name))
+    slip, _, torque = found(by_default(name))
     return (
         "models, law and drags are the paper's or assumed for it; by the defaults of rollslip (Roelands, exact law, "
-        f"light contacts, heated inlets, every drag of an oil bath) this cage slips {100 * slip:.0f} %, could carry "
-        f"{times:.1f} times its drag, and the friction torque is {torque:.1f} N m"
+        f"light contacts, heated inlets, every drag of an oil bath) this cage slips {100 * slip:.0f} %, and the "
+        f"friction torque is {torque:.1f} N m"
     )
 
 
@@ -48,10 +47,10 @@ def main():
             ("the paper's", evolve(load_scene(name), TOLERANCE)),
             ("defaults of the box", by_default(name)),
         ):
-            slip, drag, times, torque = found(scene)
-            rows.append((name, models, f"{100 * slip:.3g}", f"{drag:.3g}", f"{times:.3g}", f"{torque:.3g}"))
+            slip, drag, torque = found(scene)
+            rows.append((name, models, f"{100 * slip:.3g}", f"{drag:.3g}", f"{torque:.3g}"))
         print(f'note = "{note(name)}"')
-    header = ("scene", "models", "slip_percent", "drag_N_m", "could_carry_times", "friction_torque_N_m")
+    header = ("scene", "models", "slip_percent", "drag_N_m", "friction_torque_N_m")
     write_table("paper_defaults", header, rows)
 
 

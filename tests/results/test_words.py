@@ -95,6 +95,12 @@ def test_a_probability_stands_beside_how_the_cage_runs(results, monkeypatch):
             f"{RUNS} 10 %",
         ),
         (
+            0.1,
+            1.0,
+            "at least: up to a slip of 0.95 the cage does not run away",
+            f"{RUNS} 10 %",
+        ),
+        (
             0.0,
             math.inf,
             "found",

@@ -104,9 +104,10 @@ def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
     said = f"with the drags of the scene the cage runs at a slip of {100.0 * slip:.3g} %"
     if slip > at:
         return f"{said}, beyond that of running away: there its drag falls with slip faster than what the rollers carry"
-    if not math.isfinite(reserve):
+    bound = status.startswith("at least")
+    if not math.isfinite(reserve) or (bound and not reserve > 1.0):  # which says nothing
         return said
-    return f"{said}, and could carry {'at least ' * status.startswith('at least')}{reserve:.3g} times the drag"
+    return f"{said}, and could carry {'at least ' * bound}{reserve:.3g} times the drag"
 
 
 def verdict(datasets: "Iterable[xr.Dataset]") -> list[str]:

@@ -1,17 +1,21 @@
 """Why a bearing has a steady slip or none, and why a range that was followed has no limit, in words."""
 
+from typing import Final
+
 import numpy as np
 
 from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
 from rollslip.motion.continuation import Branch
-from rollslip.motion.torque_balance import TorqueBalance
-from rollslip.motion.way_up import WayUp
+from rollslip.motion.torque_balance import Orbit, TorqueBalance
+from rollslip.motion.way_up import Steady, WayUp
 from rollslip.results.words import SWITCHED_OFF
 from rollslip.studies.steady_slip.outputs import FASTER, VARIED
 from rollslip.units import format_quantity
 
 #: What the status says of a cage that its rollers cannot hold in the range: drag is larger beyond it, or maybe not.
 RUNS_AWAY, LEAVES = "slip runs away", "slip leaves the range"
+#: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
+_LEVEL: Final = 1e-3
 #: What a branch may miss of a range that it goes through, relative.
 _THROUGH = 1e-3
 
@@ -32,6 +36,15 @@ def status_of(balance: TorqueBalance, way: WayUp, slips: list[float]) -> str:
     if slip == way.end:
         return f"{carried}, where it still rises): {LEAVES if way.refusal else RUNS_AWAY}"
     return f"{carried}): {RUNS_AWAY}"
+
+
+def stability_of(way: WayUp, state: Orbit, steady: Steady) -> str:
+    """Say whether the cage holds a slip: whether more slip leaves more torque to speed it up."""
+    if abs(steady.slope) <= _LEVEL * way.largest[1]:
+        return "a fold: a stable and an unstable slip meet"
+    if steady.slope < 0.0:
+        return "unstable: with more slip the rollers drive the cage less than the drag asks for"
+    return "stable" if abs(state.multiplier) < 1.0 else "unstable: the rollers do not hold their spin"
 
 
 def no_fold(

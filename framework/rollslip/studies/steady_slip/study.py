@@ -54,7 +54,7 @@ from rollslip.studies.steady_slip.minimum_load import RULES, least_load
 from rollslip.studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
 from rollslip.studies.steady_slip.shared import evaluated_slices
 from rollslip.studies.steady_slip.slip_drag import slip_drag
-from rollslip.studies.steady_slip.statuses import no_fold, status_of
+from rollslip.studies.steady_slip.statuses import no_fold, stability_of, status_of
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
 
@@ -67,8 +67,6 @@ _MOST_INSTANTS: Final = 256
 _MOST_OF_A_JUMP: Final = 16
 #: Slips at which accuracy is judged, relative to the largest.
 _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
-#: Slope of the excess torque, relative to the largest torque over the range, below which branches are said to meet.
-_LEVEL = 1e-3
 #: Error of tables, with which it is tried whether effective friction is enough.
 _TRIED: Final = 1e-3
 #: Shares of the tolerances that slices and instants may use, and that tables may take.
@@ -445,7 +443,7 @@ class SteadySlip(Study):
         return _moved(self._judged(coarser), self._judged(balance))
 
     def _steady(self, balance: TorqueBalance, way: WayUp, states: list[Orbit], steady: list[Steady]) -> dict[str, Any]:
-        kinds = [_stability(way, *one) for one in zip(states, steady, strict=True)] if steady else ["stable"]
+        kinds = [stability_of(way, *one) for one in zip(states, steady, strict=True)] if steady else ["stable"]
         force = np.stack([state.force for state in states], axis=1)
         traction = np.stack([state.traction for state in states], axis=1)
         total = force.sum(axis=2)
@@ -547,15 +545,6 @@ def _loaded(assembly: Assembly) -> Assembly:
     if not assembly.load_distribution(2).inner_force.any():
         raise unloaded(assembly.scene, "nothing drives the cage")
     return assembly
-
-
-def _stability(way: WayUp, state: Orbit, steady: Steady) -> str:
-    """Say whether the cage holds a slip: whether more slip leaves more torque to speed it up."""
-    if abs(steady.slope) <= _LEVEL * way.largest[1]:
-        return "a fold: a stable and an unstable slip meet"
-    if steady.slope < 0.0:
-        return "unstable: with more slip the rollers drive the cage less than the drag asks for"
-    return "stable" if abs(state.multiplier) < 1.0 else "unstable: the rollers do not hold their spin"
 
 
 def _moved(before: Array, after: Array) -> float:
