@@ -15,7 +15,6 @@ import click
 import architecture
 from rollslip.bearing.cage import Cage
 from rollslip.campaigns.sweep.definition import SweepTable
-from rollslip.campaigns.sweep.distributions import DISTRIBUTIONS, Correlation
 from rollslip.catalogue.kinds import get_kind, offered_kinds
 from rollslip.catalogue.kinds import kinds as all_kinds
 from rollslip.catalogue.registry import available, get_class
@@ -23,6 +22,7 @@ from rollslip.cli.main import cli
 from rollslip.cli.models import models_as_dict
 from rollslip.lubricant import GRADES, OilPoint, OilTable, OverTemperature
 from rollslip.measurement import QUANTITIES
+from rollslip.scene.distributions import DISTRIBUTIONS, Correlation
 from rollslip.scene.plausibility import RELATIONS
 from rollslip.scene.schema import schema, shown_default, shown_range
 from rollslip.studies.study import study_class

@@ -10,9 +10,9 @@ from click.testing import CliRunner
 from scipy.stats import norm
 
 import rollslip
-from rollslip.campaigns.uncertainty.band import Band, bands, with_bands
 from rollslip.campaigns.uncertainty.margin import uncertainty
 from rollslip.cli.main import cli
+from rollslip.planning.band import Band, bands, with_bands
 from rollslip.results.account import account_of
 from rollslip.scene.reading import load_scene
 from scattered import constant, uncertain
@@ -87,7 +87,7 @@ def test_the_band_is_about_that_of_samples():
 def test_without_a_steady_slip_or_without_scatter_there_is_no_band(monkeypatch):
     dataset = rollslip.run(SCENE, "steady-slip")
     assert with_bands(SCENE, dataset.assign(steady_slip=("steady", np.array([np.nan])))).attrs.get("band") is None
-    monkeypatch.setattr("rollslip.campaigns.uncertainty.scatter.scattering", lambda assembly: {})
+    monkeypatch.setattr("rollslip.planning.scatter.scattering", lambda assembly: {})
     assert with_bands(SCENE, dataset).attrs.get("band") is None
     assert Band(0.5, math.inf, "x").high == math.inf
 

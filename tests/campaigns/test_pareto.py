@@ -24,7 +24,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import finest
 from rollslip.campaigns.pareto import figures as front_figures
 from rollslip.campaigns.pareto import pareto as fronts
-from rollslip.campaigns.pareto.candidates import AXES, EXACT, FINEST, HALF, PLANNED, plan_family
+from rollslip.campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, plan_family
 from rollslip.campaigns.pareto.findings import findings, records, results_of, tables
 from rollslip.campaigns.pareto.pareto import front, run_family
 from rollslip.catalogue import discovery
@@ -34,6 +34,7 @@ from rollslip.models import FilmModel, TractionModel
 from rollslip.results.dataset import save
 from rollslip.results.report import write_report
 from rollslip.results.style import STYLE
+from rollslip.studies.study import AXES
 
 #: Few slices and slips: quick, and still both rings, a profile and a maximum.
 SCENE = evolve(

@@ -17,16 +17,16 @@ from scipy.stats import norm, spearmanr
 
 import rollslip
 from rollslip.bearing.assembly import assemble
-from rollslip.campaigns.sweep.distributions import LogNormal
 from rollslip.campaigns.uncertainty import findings
 from rollslip.campaigns.uncertainty.margin import plan_margin, uncertainty
 from rollslip.campaigns.uncertainty.samples import least_loads, of_friction, shares_of
-from rollslip.campaigns.uncertainty.scatter import scattering, with_scatter
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
 from rollslip.motion.torque_balance import Runaway, Running, reserve, rollers, runaway, running
 from rollslip.planning.quantities import quantities
+from rollslip.planning.scatter import scattering, with_scatter
+from rollslip.scene.distributions import LogNormal
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand
@@ -81,17 +81,13 @@ def test_data_of_a_bearing_and_fields_of_a_cage_or_a_table_scatter_alike(monkeyp
     share = Scatter(distribution="lognormal", parameters={"deviation_of_ln": 0.7}, grade="(D)", source="an estimate")
     quantity = quantities(assemble(SCENE), {})["cage.land_clearance"]
     declared = attrs.evolve(quantity, attribute=field.evolve(metadata={**field.metadata, "scatter": share}))
-    monkeypatch.setattr(
-        "rollslip.campaigns.uncertainty.scatter.quantities", lambda assembly, studies: {declared.key: declared}
-    )
+    monkeypatch.setattr("rollslip.planning.scatter.quantities", lambda assembly, studies: {declared.key: declared})
     assert scattering(assemble(SCENE)) == {}, "the scene states it"
     cage = {key: value for key, value in SCENE.raw["cage"].items() if key != "land_clearance"}
     scene = rollslip.evolve(SCENE, {"cage": cage})
     assert list(scattering(assemble(scene))) == ["cage.land_clearance"]
     nothing = attrs.evolve(declared, value=0.0)
-    monkeypatch.setattr(
-        "rollslip.campaigns.uncertainty.scatter.quantities", lambda assembly, studies: {nothing.key: nothing}
-    )
+    monkeypatch.setattr("rollslip.planning.scatter.quantities", lambda assembly, studies: {nothing.key: nothing})
     assert scattering(assemble(scene)) == {}, "a share of nothing is nothing"
 
 
@@ -323,7 +319,7 @@ def test_rank_correlations_are_those_of_scipy_and_the_caveat_follows_from_them()
 
 
 def test_a_scene_without_any_scatter_says_what_to_write(monkeypatch):
-    monkeypatch.setattr("rollslip.campaigns.uncertainty.scatter.scattering", lambda assembly: {})
+    monkeypatch.setattr("rollslip.planning.scatter.scattering", lambda assembly: {})
     with pytest.raises(SceneError, match="state what is uncertain"):
         with_scatter(SCENE)
 

@@ -12,12 +12,12 @@ from scipy.stats import norm
 
 from rollslip import evolve
 from rollslip.bearing.assembly import assemble
-from rollslip.campaigns.sweep.distributions import read_uncertainty
-from rollslip.campaigns.uncertainty.band import bands
-from rollslip.campaigns.uncertainty.scatter import scattering, with_scatter
 from rollslip.motion.torque_balance import rollers
+from rollslip.planning.band import bands
 from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.planning.quantities import quantities
+from rollslip.planning.scatter import scattering, with_scatter
+from rollslip.scene.distributions import read_uncertainty
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import SUPPLIES
 from rollslip.structure import Location

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from rollslip import plan
-from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.catalogue.discovery import find, get_class
 from rollslip.cli.models import kinds_of
 from rollslip.datasets import BearingData, Family
 from rollslip.errors import UnknownNameError
 from rollslip.planning.plausibility import implausible
+from rollslip.planning.scatter import with_scatter
 from rollslip.scene.reading import parse_scene
 from rollslip_plugins.data.cylindrical import CATALOGUE, RULES
 

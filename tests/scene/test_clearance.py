@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from rollslip import evolve, get_model, load_scene, plan, run
 from rollslip.bearing.assembly import assemble
-from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.datasets import Bearing, Catalogue, Material, Mounting
 from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
+from rollslip.planning.scatter import with_scatter
 from rollslip.scene.clearance import operating, share, spun, usual_fit
 from rollslip.scene.reading import from_raw, parse_scene
 from rollslip.scene.values import resolved, scene_hash

@@ -10,12 +10,11 @@ import xarray as xr
 from rollslip import available, evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import finest
-from rollslip.campaigns.pareto.candidates import AXES
 from rollslip.errors import ConvergenceError, SceneError
 from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
 from rollslip.studies.estimates import by_doubling
-from rollslip.studies.study import settings, study_class
+from rollslip.studies.study import AXES, settings, study_class
 from rollslip.studies.surface_damage.over_motion import OVER_MOTION
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.05, "accuracy.slices": 5})

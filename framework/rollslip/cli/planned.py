@@ -67,7 +67,7 @@ def sweep_headline(sweep: "Sweep") -> str:
 
 def sweep_planned(sweep: "Sweep") -> list[str]:
     """Say what is swept, before anything runs."""
-    from rollslip.campaigns.sweep.distributions import shown
+    from rollslip.scene.distributions import shown
 
     lines = []
     for axis in sweep.design.axes:

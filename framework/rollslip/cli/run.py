@@ -119,8 +119,8 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, ver
 
     It prints what matters most, with -v all that was found.
     """
-    from rollslip.campaigns.uncertainty.band import with_bands
     from rollslip.cli import console
+    from rollslip.planning.band import with_bands
     from rollslip.planning.execution import execute
     from rollslip.planning.plan import plan
     from rollslip.planning.verification import verify as verified

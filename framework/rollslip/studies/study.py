@@ -34,11 +34,26 @@ from rollslip.units import format_quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["CONTACT_CHOICES", "JUDGED", "Study", "settings", "study_class"]
+__all__ = ["AXES", "CONTACT_CHOICES", "JUDGED", "Study", "settings", "study_class"]
 
 #: Slips of a curve at which models are judged.
 JUDGED: Final = 5
-#: Numerical and modelling choices that act on whatever evaluates contacts.
+#: What can be chosen numerically and of models -> what it means, in the order in which it is told.
+AXES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "slices": "number of equal slices",
+        "quadrature": "points of Gauss and Legendre in their place",
+        "instants": "instants of a roller pitch",
+        "table_tolerance": "error of tables",
+        "integrator": "integrator",
+        "integrator_tolerance": "relative tolerance of a step",
+        "compiled": "NumPy in place of the compiled stages",
+        "traction": "law of the full film, and error up to which it is evaluated",
+        "film": "film thickness",
+        "friction": "friction of the raceways in motion",
+    }
+)
+#: Those of `AXES` that act on whatever evaluates contacts.
 CONTACT_CHOICES: Final = frozenset({"slices", "quadrature", "compiled", "traction", "film"})
 
 
@@ -52,7 +67,7 @@ class Study(abc.ABC):
     outputs: ClassVar[Mapping[str, Output]]
     #: Key of [accuracy] (friction, critical_slip, cage_speed) -> variable of the result that is held against it.
     judged: ClassVar[Mapping[str, str]] = MappingProxyType({})
-    #: Numerical and modelling choices that change its results, of `rollslip.campaigns.pareto.candidates.AXES`.
+    #: Numerical and modelling choices that change its results, of `AXES`.
     acts: ClassVar[frozenset[str]] = CONTACT_CHOICES
     #: Its friction curves, if it gives some.
     curves_of: ClassVar[Curves | None] = None

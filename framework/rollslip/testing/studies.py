@@ -14,7 +14,6 @@ import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
-from rollslip.campaigns.pareto.candidates import AXES
 from rollslip.planning.plan import estimate
 from rollslip.results.account import account_of
 from rollslip.results.curves import Curves
@@ -22,7 +21,7 @@ from rollslip.scene.reading import parse_scene
 from rollslip.scene.values import Scene
 from rollslip.studies.answers import Part
 from rollslip.studies.outputs import evaluate
-from rollslip.studies.study import Study
+from rollslip.studies.study import AXES, Study
 from rollslip.testing.rules import Inapplicable, refuse_unless, rule
 
 if TYPE_CHECKING:

@@ -15,7 +15,6 @@
 import contextlib
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from types import MappingProxyType
 from typing import Any, Final
 
 import attrs
@@ -30,23 +29,8 @@ from rollslip.planning.plan import Plan, plan
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
-from rollslip.studies.study import Study
+from rollslip.studies.study import AXES, Study
 
-#: What can be chosen -> what it means, in the order in which it is told.
-AXES: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "slices": "number of equal slices",
-        "quadrature": "points of Gauss and Legendre in their place",
-        "instants": "instants of a roller pitch",
-        "table_tolerance": "error of tables",
-        "integrator": "integrator",
-        "integrator_tolerance": "relative tolerance of a step",
-        "compiled": "NumPy in place of the compiled stages",
-        "traction": "law of the full film, and error up to which it is evaluated",
-        "film": "film thickness",
-        "friction": "friction of the raceways in motion",
-    }
-)
 #: One at a time.
 _SLICES: Final = (5, 11, 21, 41, 101, 201, 401)
 _GAUSS: Final = (5, 11, 21, 41, 101)

@@ -15,10 +15,10 @@ from typing import Any, Final
 import attrs
 
 from rollslip.bearing.resolution import Resolution
-from rollslip.campaigns.sweep.distributions import Uncertainty
 from rollslip.campaigns.sweep.sampling import SAMPLINGS, Design, plain_names
 from rollslip.fields import at_least, non_negative, one_of, parameter, positive
 from rollslip.references import Citation
+from rollslip.scene.distributions import Uncertainty
 from rollslip.scene.values import Scene, resolved
 from rollslip.structure import FrozenTable
 from rollslip.studies.study import settings

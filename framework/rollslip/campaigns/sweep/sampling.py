@@ -24,10 +24,10 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.campaigns.sweep.distributions import Distribution, LogUniform, Uniform
 from rollslip.errors import RollslipError, SceneError
 from rollslip.fields import FieldError
 from rollslip.scene.changes import Quantity, parse_set
+from rollslip.scene.distributions import Distribution, LogUniform, Uniform
 from rollslip.units import as_written, check_typed, evenly, format_quantity, typed_range, unit_given
 
 __all__ = [

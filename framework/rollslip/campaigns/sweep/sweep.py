@@ -22,7 +22,6 @@ import numpy as np
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.campaigns.sweep.definition import Resolutions, Sweep, SweepTable, name_of
-from rollslip.campaigns.sweep.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip.campaigns.sweep.journal import died, journals
 from rollslip.campaigns.sweep.sampling import Axis, Design, far_apart, probabilities, read_axis
 from rollslip.catalogue.discovery import THIS_PROCESS, named_data
@@ -37,6 +36,7 @@ from rollslip.planning.provenance import cited, data_references
 from rollslip.planning.quantities import quantities
 from rollslip.references import Citation
 from rollslip.scene.changes import Quantity, evolve, unknown
+from rollslip.scene.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip.scene.reading import from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved
 from rollslip.structure import FrozenTable, Location, structure

@@ -16,7 +16,7 @@
   that of 2^(k-1). Where an interval may end them they are computed so too, else all in one run.
 - All is a set of sweeps in one folder, so that the same command goes on where it was stopped.
 - Data that scatter are those of the scene's table ``[uncertainty]``; without one what data and fields declare of
-  themselves (`rollslip.campaigns.uncertainty.scatter`).
+  themselves (`rollslip.planning.scatter`).
 - Sobol indices share a variance among independent inputs. With correlated ones their sums mean nothing: refused.
 """
 
@@ -53,11 +53,11 @@ from rollslip.campaigns.uncertainty.samples import (
     of_friction,
     shares_of,
 )
-from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
 from rollslip.planning.progress import progress_in_notebook
 from rollslip.planning.provenance import citations_told, origin, scene_told
+from rollslip.planning.scatter import with_scatter
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene

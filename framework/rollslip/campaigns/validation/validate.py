@@ -24,9 +24,7 @@ from numpy.typing import NDArray
 from rollslip.bearing.assembly import assemble
 from rollslip.campaigns.comparison.choices import KINDS, read_choice, refuse
 from rollslip.campaigns.fit.problem import RigProblem, rig_problem
-from rollslip.campaigns.sweep.distributions import DISTRIBUTIONS, read_uncertainty
 from rollslip.campaigns.sweep.sampling import probabilities
-from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.campaigns.validation.findings import shown
 from rollslip.campaigns.validation.judging import UNTOLD, Group, Judged, Said, Value, held, verdict_on
 from rollslip.campaigns.validation.observables import observe
@@ -40,8 +38,10 @@ from rollslip.measurement import Measurement, load_measurement
 from rollslip.measurement.values import ContactSeries, Series, Statement
 from rollslip.planning.provenance import citations_told, cited, origin, packages_of
 from rollslip.planning.quantities import quantities
+from rollslip.planning.scatter import with_scatter
 from rollslip.results.dataset import about
 from rollslip.scene.changes import evolve
+from rollslip.scene.distributions import DISTRIBUTIONS, read_uncertainty
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.studies.study import settings

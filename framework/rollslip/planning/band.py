@@ -3,7 +3,7 @@
 - Each quantity is put to where 5 and 95 % of its distribution lie below, all others staying. The slip that is then
   steady, and the load that then keeps the acceptable one, are found anew by secants on the balance of torques.
 - Logarithms of what that changes add in squares, up and down apart: exact for independent lognormal scatter of a
-  product of powers, else an estimate. Samples (`rollslip.campaigns.uncertainty.margin`) tell more, and what interacts.
+  product of powers, else an estimate. Samples (`rollslip uncertainty`) tell more, and what interacts.
 - Only ratios are taken of few slices and rollers without inertia; the run gives the values.
 """
 
@@ -16,12 +16,12 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble
-from rollslip.campaigns.sweep.distributions import read_uncertainty
-from rollslip.campaigns.uncertainty.scatter import with_scatter
 from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.motion.torque_balance import TorqueBalance, rollers
 from rollslip.planning.quantities import quantities
+from rollslip.planning.scatter import with_scatter
 from rollslip.scene.changes import evolve
+from rollslip.scene.distributions import read_uncertainty
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
 
