@@ -138,7 +138,7 @@ PLANTED = {
         ("bearing/cage.py", "from rollslip.studies.study import Study"),
         ("lubricant/oil.py", "def late():\n    from rollslip.scene.reading import load_scene"),
         ("structure.py", "if TYPE_CHECKING:\n    from rollslip.scene.values import Scene"),
-        ("results/report.py", 'HOME = "rollslip.campaigns.sweep.findings"'),
+        ("results/report.py", 'HOME = "rollslip_campaigns.sweep.findings"'),
     ],
     "circles": [
         ("bearing/kinematics.py", "from rollslip.bearing.assembly import Assembly"),
@@ -166,8 +166,8 @@ PLANTED = {
         ("campaigns/sweep/point.py", "import sqlite3"),
     ],
     "entangled": [
-        ("campaigns/fit/problem.py", "from rollslip.campaigns.sweep.sampling import Design"),
-        ("campaigns/sweep/point.py", "def late():\n    from rollslip.campaigns.pareto.pareto import front"),
+        ("campaigns/fit/problem.py", "from rollslip_campaigns.sweep.sampling import Design"),
+        ("campaigns/sweep/point.py", "def late():\n    from rollslip_campaigns.pareto.pareto import front"),
     ],
 }
 

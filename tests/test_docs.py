@@ -22,7 +22,6 @@ import pytest
 import rollslip
 from rollslip import evolve, hookspecs, load_scene, run
 from rollslip.bearing.assembly import assemble
-from rollslip.campaigns.validation.validate import validate
 from rollslip.catalogue import discovery
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import get_kind, kinds, offered_kinds
@@ -31,6 +30,7 @@ from rollslip.cli.main import cli, main
 from rollslip.lubricant import OilTable
 from rollslip.scene.schema import schema
 from rollslip.studies.study import Study, study_class
+from rollslip_campaigns.validation.validate import validate
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 DOCS = Path(__file__).parents[1] / "docs"

@@ -86,6 +86,31 @@ def test_the_laws_of_pressure_are_found_where_they_were_with_a_warning():
         _ = pressure.Cameron
 
 
+@pytest.mark.parametrize(
+    ("former", "now"),
+    [
+        ("sweep.run", "rollslip_campaigns.sweep.run"),
+        ("explorer", "rollslip_campaigns.explorer"),
+        ("sweep.distributions", "rollslip.scene.distributions"),
+        ("uncertainty.scatter", "rollslip.planning.scatter"),
+        ("uncertainty.band", "rollslip.planning.band"),
+    ],
+)
+def test_the_former_path_of_a_campaign_warns_and_leads_to_the_same(former, now):
+    for name in [name for name in sys.modules if name.startswith("rollslip.campaigns.")]:
+        del sys.modules[name]
+    home = importlib.import_module(now)
+    with pytest.warns(rollslip.RollslipDeprecationWarning) as caught:
+        assert importlib.import_module(f"rollslip.campaigns.{former}") is home
+    assert str(caught[-1].message) == f"rollslip.campaigns.{former} is deprecated: import {now}"
+    assert home.__spec__.name == home.__name__ == now  # pickles and reloads of it go on
+
+
+def test_what_never_was_a_campaign_is_none_under_the_former_path():
+    with pytest.raises(ModuleNotFoundError, match=r"rollslip\.campaigns\.nothing"):
+        importlib.import_module("rollslip.campaigns.nothing")
+
+
 def test_every_promised_hook_is_a_hook():
     hooks = [name for name in PROMISED["rollslip.hookspecs"].split() if name not in ("hookimpl", "hookspec")]
     assert all(hasattr(getattr(hookspecs, name), "rollslip_spec") for name in hooks)

@@ -8,12 +8,12 @@ import pytest
 
 import sentences
 from rollslip.bearing.cage import Cage
-from rollslip.campaigns.sweep.definition import SweepTable
 from rollslip.catalogue.registry import available, get_class
 from rollslip.cli.main import cli
 from rollslip.lubricant import OilTable
 from rollslip.scene.schema import schema
 from rollslip.studies.study import study_class
+from rollslip_campaigns.sweep.definition import SweepTable
 
 pytestmark = pytest.mark.quick
 

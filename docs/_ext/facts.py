@@ -14,7 +14,6 @@ import click
 
 import architecture
 from rollslip.bearing.cage import Cage
-from rollslip.campaigns.sweep.definition import SweepTable
 from rollslip.catalogue.kinds import get_kind, offered_kinds
 from rollslip.catalogue.kinds import kinds as all_kinds
 from rollslip.catalogue.registry import available, get_class
@@ -27,6 +26,7 @@ from rollslip.scene.plausibility import RELATIONS
 from rollslip.scene.schema import schema, shown_default, shown_range
 from rollslip.studies.study import study_class
 from rollslip.units import format_quantity
+from rollslip_campaigns.sweep.definition import SweepTable
 from rollslip_kernels.slices import COLUMNS, CONDITIONS
 
 ROOT = Path(__file__).parents[2]

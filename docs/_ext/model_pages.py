@@ -2,7 +2,7 @@
 
 Pages are written into ``docs/reference/model/`` before Sphinx reads, and only where they have changed. What a model is
 comes from the registry, its errors from the tables of ``docs/tables/``; the values beside measured ones are computed at
-each build, by `rollslip.campaigns.validation` without samples: about 14 s of the processor for all.
+each build, by `rollslip_campaigns.validation` without samples: about 14 s of the processor for all.
 """
 
 import csv
@@ -10,11 +10,11 @@ import csv
 import facts
 import numpy as np
 
-from rollslip.campaigns.comparison.choices import KINDS as HELD
-from rollslip.campaigns.validation import findings
-from rollslip.campaigns.validation.validate import AS_STATED, plan_validation, run_validation
 from rollslip.catalogue.kinds import offered_kinds
 from rollslip.catalogue.registry import available, get_class, get_model
+from rollslip_campaigns.comparison.choices import KINDS as HELD
+from rollslip_campaigns.validation import findings
+from rollslip_campaigns.validation.validate import AS_STATED, plan_validation, run_validation
 
 FOLDER = facts.ROOT / "docs" / "reference" / "model"
 #: Table of docs/tables -> its column of models, what its numbers are, and the page that says how they were found.

@@ -16,9 +16,9 @@ import numpy as np
 from output import BLACK, BLUE, DOCS, GREEN, ORANGE, PURPLE, figure, save_figure, write_table
 
 from rollslip import evolve, load_scene, run
-from rollslip.campaigns.pareto.candidates import plan_family
-from rollslip.campaigns.pareto.findings import studies, taking_part
-from rollslip.campaigns.pareto.pareto import run_family
+from rollslip_campaigns.pareto.candidates import plan_family
+from rollslip_campaigns.pareto.findings import studies, taking_part
+from rollslip_campaigns.pareto.pareto import run_family
 
 KEPT = DOCS.parent / "build" / "bearings"
 TOLERANCE, ROUNDS = 1e-3, 3

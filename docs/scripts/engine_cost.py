@@ -36,9 +36,9 @@ COARSE = {"accuracy.slices": 5, "study.friction-curve.points": 5}
 
 def nothing(work, points):
     """Compute points that are one number: what is left is the engine."""
-    from rollslip.campaigns.sweep.definition import here
-    from rollslip.campaigns.sweep.journal import Row
-    from rollslip.campaigns.sweep.point import Done
+    from rollslip_campaigns.sweep.definition import here
+    from rollslip_campaigns.sweep.journal import Row
+    from rollslip_campaigns.sweep.point import Done
 
     about = {"dims": (), "shape": (), "text": False, "attrs": {"units": "1", "long_name": "nothing"}}
     layout = json.dumps({"variables": {"critical_friction": about}, "coords": {}})
@@ -59,8 +59,8 @@ def forget_peak():
 def planned(kind, points):
     """Return a sweep of a kind of points, over loads and temperatures."""
     import rollslip
-    from rollslip.campaigns.sweep import run as sweep_run
-    from rollslip.campaigns.sweep.sweep import plan_sweep
+    from rollslip_campaigns.sweep import run as sweep_run
+    from rollslip_campaigns.sweep.sweep import plan_sweep
 
     scene, study = rollslip.load_scene("1032930-70C"), "effective-friction"
     if kind != "effective friction":
@@ -77,7 +77,7 @@ def planned(kind, points):
 
 def point_itself(kind):
     """Return the time of the processor of a point without a sweep [s]."""
-    from rollslip.campaigns.sweep import run as sweep_run
+    from rollslip_campaigns.sweep import run as sweep_run
 
     made = planned(kind, 1000)
     points = [(number, made.design.changes(number)) for number in range(1000)]
@@ -90,8 +90,8 @@ def point_itself(kind):
 def one_sweep(kind, name, points, address):
     """Run a sweep in this process; return what it took."""
     import rollslip
-    from rollslip.campaigns.sweep import run as sweep_run
-    from rollslip.campaigns.sweep.folder import begin, finish
+    from rollslip_campaigns.sweep import run as sweep_run
+    from rollslip_campaigns.sweep.folder import begin, finish
 
     made = planned(kind, points)
     parameters = {"dask": {"scheduler": address}, "serial": {}}.get(name, {"count": WORKERS})

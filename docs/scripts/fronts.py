@@ -18,10 +18,10 @@ import numpy as np
 from output import DOCS, write_table
 
 from rollslip import evolve, load_scene
-from rollslip.campaigns.pareto.candidates import plan_family
-from rollslip.campaigns.pareto.findings import findings, milliseconds, studies, taking_part
-from rollslip.campaigns.pareto.pareto import run_family
 from rollslip.results.figures import save_plots
+from rollslip_campaigns.pareto.candidates import plan_family
+from rollslip_campaigns.pareto.findings import findings, milliseconds, studies, taking_part
+from rollslip_campaigns.pareto.pareto import run_family
 
 KEPT = DOCS.parent / "build" / "fronts"
 #: Table -> scene, study, what is changed in it, rounds, figures.

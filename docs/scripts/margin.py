@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy as np
 from output import DOCS, write_table
 
-from rollslip.campaigns.sweep.figures import models_apart
-from rollslip.campaigns.sweep.folder import sweep
-from rollslip.campaigns.uncertainty.findings import sentences
-from rollslip.campaigns.uncertainty.margin import plan_margin, run_margin
 from rollslip.results.figures import save_plots
+from rollslip_campaigns.sweep.figures import models_apart
+from rollslip_campaigns.sweep.folder import sweep
+from rollslip_campaigns.uncertainty.findings import sentences
+from rollslip_campaigns.uncertainty.margin import plan_margin, run_margin
 
 SCENE = "1032930-70C"
 KEPT = DOCS.parent / "build" / "margin"

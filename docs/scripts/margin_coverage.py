@@ -3,7 +3,7 @@
 - Each function of uniform variables has quantiles in closed form, or as a root of its distribution. Some are smooth,
   one jumps across a plane that is oblique to its variables, one has no mean.
 - Every row is of 1000 seeds: the share of intervals that hold the quantile, for eight scramblings of a Sobol sequence
-  (`rollslip.campaigns.uncertainty.estimators.quantile` with replicates) and, in brackets, for order statistics of as
+  (`rollslip_campaigns.uncertainty.estimators.quantile` with replicates) and, in brackets, for order statistics of as
   many samples of a single scrambling; and the ratio of the median widths. An interval with an end that its samples
   cannot tell has no width.
 - The last row of each doubles the samples until the interval is as narrow as the median one of 1024 samples, with the
@@ -19,9 +19,9 @@ from output import write_table
 from scipy.optimize import brentq
 from scipy.stats import cauchy, norm
 
-from rollslip.campaigns.sweep.sampling import REPLICATES, probabilities
-from rollslip.campaigns.uncertainty.estimators import quantile
-from rollslip.campaigns.uncertainty.margin import ENDING
+from rollslip_campaigns.sweep.sampling import REPLICATES, probabilities
+from rollslip_campaigns.uncertainty.estimators import quantile
+from rollslip_campaigns.uncertainty.margin import ENDING
 
 SEEDS = 1000
 SAMPLES = (256, 512, 1024, 2048, 4096)

@@ -11,7 +11,7 @@ from output import write_table
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
 
 from published_slip import PUBLISHED, slip, steady
-from rollslip.campaigns.validation.validate import AS_STATED, judged_statement
+from rollslip_campaigns.validation.validate import AS_STATED, judged_statement
 
 
 def main():

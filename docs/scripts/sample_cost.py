@@ -1,6 +1,6 @@
 """Write sample_cost.csv of docs/howto/uncertainty.rst: what a sample of the critical slip takes, and where it goes.
 
-Each step is done for the same samples of the paper's bearing at 70 degC, as `rollslip.campaigns.sweep.point` does it,
+Each step is done for the same samples of the paper's bearing at 70 degC, as `rollslip_campaigns.sweep.point` does it,
 what is evaluated together for as many at a time; then all of them at once. Time of the processor, least of three
 rounds; a few seconds.
 """
@@ -12,13 +12,13 @@ from output import write_table
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.critical import slip_grid
-from rollslip.campaigns.sweep.point import _TOGETHER, _Task, compute
-from rollslip.campaigns.uncertainty.margin import plan_margin
 from rollslip.scene.changes import evolve
 from rollslip.studies.effective_friction.study import _held_at
 from rollslip.studies.outputs import named_outputs
 from rollslip.studies.raceways import agree_together, critical_together, evaluated_together
 from rollslip.studies.study import settings, study_class
+from rollslip_campaigns.sweep.point import _TOGETHER, _Task, compute
+from rollslip_campaigns.uncertainty.margin import plan_margin
 
 SCENE, SAMPLES = "1032930-70C", 320
 OUTPUTS = ("critical_cage_slip", "critical_friction")

@@ -47,8 +47,8 @@ _ROUNDS = 2
 def job(name):
     """Return the processor's time [s] of one job, in this process and all that it starts."""
     from rollslip import evolve, load_scene
-    from rollslip.campaigns.sweep.point import compute
-    from rollslip.campaigns.sweep.sweep import plan_sweep
+    from rollslip_campaigns.sweep.point import compute
+    from rollslip_campaigns.sweep.sweep import plan_sweep
 
     begin = os.times()
     if name == "command":

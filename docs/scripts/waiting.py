@@ -34,12 +34,12 @@ def job(name):
     from rollslip import evolve, load_scene
     from rollslip.bearing.assembly import assemble
     from rollslip.bearing.critical import slip_grid
-    from rollslip.campaigns.sweep.point import compute
-    from rollslip.campaigns.sweep.sweep import plan_sweep
-    from rollslip.campaigns.uncertainty.margin import plan_margin
     from rollslip.planning.execution import execute
     from rollslip.planning.plan import plan
     from rollslip.studies.effective_friction.study import EffectiveFriction
+    from rollslip_campaigns.sweep.point import compute
+    from rollslip_campaigns.sweep.sweep import plan_sweep
+    from rollslip_campaigns.uncertainty.margin import plan_margin
 
     def took(function, *given):
         begin = time.process_time()

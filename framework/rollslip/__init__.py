@@ -9,13 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rollslip.bearing.chain import Chain as Chain
-    from rollslip.campaigns.comparison.comparison import compare as compare
-    from rollslip.campaigns.explorer.explorer import explore as explore
-    from rollslip.campaigns.fit.fit import fit as fit
-    from rollslip.campaigns.limit.limit import limit as limit
-    from rollslip.campaigns.pareto.pareto import pareto as pareto
-    from rollslip.campaigns.sweep.folder import sweep as sweep
-    from rollslip.campaigns.uncertainty.margin import uncertainty as uncertainty
     from rollslip.catalogue.registry import available as available
     from rollslip.catalogue.registry import get_model as get_model
     from rollslip.catalogue.session import model as model
@@ -28,6 +21,13 @@ if TYPE_CHECKING:
     from rollslip.results.figures import plot as plot
     from rollslip.scene.changes import evolve as evolve
     from rollslip.scene.reading import load_scene as load_scene
+    from rollslip_campaigns.comparison.comparison import compare as compare
+    from rollslip_campaigns.explorer.explorer import explore as explore
+    from rollslip_campaigns.fit.fit import fit as fit
+    from rollslip_campaigns.limit.limit import limit as limit
+    from rollslip_campaigns.pareto.pareto import pareto as pareto
+    from rollslip_campaigns.sweep.folder import sweep as sweep
+    from rollslip_campaigns.uncertainty.margin import uncertainty as uncertainty
     from rollslip_kernels import get_include as get_include
     from rollslip_kernels.slices import Conditions as Conditions
     from rollslip_kernels.slices import Slices as Slices
@@ -38,24 +38,24 @@ _HOMES = {
     "RollslipDeprecationWarning": "rollslip.errors",
     "Slices": "rollslip_kernels.slices",
     "available": "rollslip.catalogue.registry",
-    "compare": "rollslip.campaigns.comparison.comparison",
+    "compare": "rollslip_campaigns.comparison.comparison",
     "evolve": "rollslip.scene.changes",
-    "explore": "rollslip.campaigns.explorer.explorer",
-    "fit": "rollslip.campaigns.fit.fit",
+    "explore": "rollslip_campaigns.explorer.explorer",
+    "fit": "rollslip_campaigns.fit.fit",
     "get_include": "rollslip_kernels",
     "get_model": "rollslip.catalogue.registry",
-    "limit": "rollslip.campaigns.limit.limit",
+    "limit": "rollslip_campaigns.limit.limit",
     "load_distribution": "rollslip.planning.execution",
     "load_scene": "rollslip.scene.reading",
     "model": "rollslip.catalogue.session",
     "open_result": "rollslip.results.dataset",
-    "pareto": "rollslip.campaigns.pareto.pareto",
+    "pareto": "rollslip_campaigns.pareto.pareto",
     "plan": "rollslip.planning.plan",
     "plot": "rollslip.results.figures",
     "register": "rollslip.catalogue.session",
     "run": "rollslip.planning.execution",
-    "sweep": "rollslip.campaigns.sweep.folder",
-    "uncertainty": "rollslip.campaigns.uncertainty.margin",
+    "sweep": "rollslip_campaigns.sweep.folder",
+    "uncertainty": "rollslip_campaigns.uncertainty.margin",
 }
 __all__ = sorted(_HOMES)
 

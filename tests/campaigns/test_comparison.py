@@ -10,9 +10,6 @@ import pytest
 
 import rollslip
 from rollslip import evolve, get_model, load_scene, open_result, run
-from rollslip.campaigns.comparison.attribution import Bins, keep_criteria
-from rollslip.campaigns.comparison.comparison import compare, plan_comparison
-from rollslip.campaigns.comparison.findings import _in_words, bin_tables, findings, members, records, tables
 from rollslip.catalogue import discovery
 from rollslip.cli import main
 from rollslip.errors import ConvergenceError, DomainError, PluginError, SceneError
@@ -22,6 +19,9 @@ from rollslip.results.curves import curve_names
 from rollslip.results.dataset import save
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
+from rollslip_campaigns.comparison.attribution import Bins, keep_criteria
+from rollslip_campaigns.comparison.comparison import compare, plan_comparison
+from rollslip_campaigns.comparison.findings import _in_words, bin_tables, findings, members, records, tables
 from rollslip_plugins.traction.blend import LinearBlend
 from rollslip_plugins.traction.eyring import Muraki
 

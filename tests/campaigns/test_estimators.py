@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import optimize, stats
 
-from rollslip.campaigns.sweep.sampling import REPLICATES, probabilities
-from rollslip.campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
+from rollslip_campaigns.sweep.sampling import REPLICATES, probabilities
+from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
 
 
 @pytest.mark.parametrize("n", [40, 500, 1777])

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import rollslip
-from rollslip.campaigns.explorer.definition import plan_explorer
-from rollslip.campaigns.explorer.explorer import explore
-from rollslip.campaigns.explorer.grid import Dial, between
 from rollslip.errors import SceneError
+from rollslip_campaigns.explorer.definition import plan_explorer
+from rollslip_campaigns.explorer.explorer import explore
+from rollslip_campaigns.explorer.grid import Dial, between
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
 

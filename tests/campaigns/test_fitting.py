@@ -25,12 +25,6 @@ from scipy.optimize import curve_fit
 import rollslip
 from drawn import words
 from rollslip import Chain, Conditions, Slices, get_model
-from rollslip.campaigns.fit import least_squares
-from rollslip.campaigns.fit.findings import notes, parameter_rows, record
-from rollslip.campaigns.fit.fit import fit_parameters
-from rollslip.campaigns.fit.least_squares import LEVELS, estimate
-from rollslip.campaigns.fit.oil import write_oil
-from rollslip.campaigns.fit.problem import parameters_named, rig_problem, with_values
 from rollslip.catalogue import discovery
 from rollslip.catalogue.registry import get_class, structure_model
 from rollslip.cli import main
@@ -43,6 +37,12 @@ from rollslip.results.dataset import save
 from rollslip.results.figures import save_plots
 from rollslip.scene import LubricantTable, ModelChoice, Models
 from rollslip.structure import Location
+from rollslip_campaigns.fit import least_squares
+from rollslip_campaigns.fit.findings import notes, parameter_rows, record
+from rollslip_campaigns.fit.fit import fit_parameters
+from rollslip_campaigns.fit.least_squares import LEVELS, estimate
+from rollslip_campaigns.fit.oil import write_oil
+from rollslip_campaigns.fit.problem import parameters_named, rig_problem, with_values
 
 ROOT = Path(__file__).parents[2]
 REFERENCES = ROOT / "tests" / "references"

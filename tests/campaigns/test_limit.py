@@ -12,16 +12,16 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import rollslip
-from rollslip.campaigns.limit import findings
-from rollslip.campaigns.limit.limit import RESULT, plan_limit, run_limit
-from rollslip.campaigns.limit.search import Requirement, next_places, passages
-from rollslip.campaigns.sweep.definition import Resolutions, name_of
-from rollslip.campaigns.sweep.folder import taken_up
-from rollslip.campaigns.sweep.journal import FAILED, records
-from rollslip.campaigns.sweep.point import compute
-from rollslip.campaigns.sweep.run import run_sweep
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
+from rollslip_campaigns.limit import findings
+from rollslip_campaigns.limit.limit import RESULT, plan_limit, run_limit
+from rollslip_campaigns.limit.search import Requirement, next_places, passages
+from rollslip_campaigns.sweep.definition import Resolutions, name_of
+from rollslip_campaigns.sweep.folder import taken_up
+from rollslip_campaigns.sweep.journal import FAILED, records
+from rollslip_campaigns.sweep.point import compute
+from rollslip_campaigns.sweep.run import run_sweep
 
 #: The half width of a contact under a force falls with the length of the roller.
 CURVE = {"study": "friction-curve", "within": 0.01}
@@ -137,7 +137,7 @@ def test_a_search_goes_on_where_it_was_stopped_and_gives_the_same(bearing, tmp_p
 
 def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatch):
     made = plan_limit(bearing, LENGTHS, "half_width >= 60 um", **CURVE)
-    from rollslip.campaigns.sweep import point
+    from rollslip_campaigns.sweep import point
 
     true, lost = point.evaluate, made.axis.values[made.first[1]]
 

@@ -22,11 +22,6 @@ import rollslip
 from rollslip import evolve, load_scene, open_result, pareto, run
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import finest
-from rollslip.campaigns.pareto import figures as front_figures
-from rollslip.campaigns.pareto import pareto as fronts
-from rollslip.campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, plan_family
-from rollslip.campaigns.pareto.findings import findings, records, results_of, tables
-from rollslip.campaigns.pareto.pareto import front, run_family
 from rollslip.catalogue import discovery
 from rollslip.cli import main
 from rollslip.errors import OutputError, PluginError, SceneError
@@ -35,6 +30,11 @@ from rollslip.results.dataset import save
 from rollslip.results.report import write_report
 from rollslip.results.style import STYLE
 from rollslip.studies.study import AXES
+from rollslip_campaigns.pareto import figures as front_figures
+from rollslip_campaigns.pareto import pareto as fronts
+from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, plan_family
+from rollslip_campaigns.pareto.findings import findings, records, results_of, tables
+from rollslip_campaigns.pareto.pareto import front, run_family
 
 #: Few slices and slips: quick, and still both rings, a profile and a maximum.
 SCENE = evolve(
@@ -523,7 +523,7 @@ PROGRAM = """
 import os, time
 import attrs
 import rollslip
-from rollslip.campaigns.pareto import pareto as fronts
+from rollslip_campaigns.pareto import pareto as fronts
 from rollslip.cli import main
 
 fronts._TURN = 0.0

@@ -6,11 +6,11 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip.campaigns.validation.predictions import form, read_predictions
-from rollslip.campaigns.validation.ranking import FEWEST, rank, tell
 from rollslip.cli.main import main
 from rollslip.errors import SceneError
 from rollslip.results.account import account_of
+from rollslip_campaigns.validation.predictions import form, read_predictions
+from rollslip_campaigns.validation.ranking import FEWEST, rank, tell
 from synthetic_traction import exact, synthetic
 
 SIX = "muraki,maxwell-eyring,eyring,eyring-thermal,limiting-shear,newtonian-thermal"
@@ -71,7 +71,7 @@ def test_errors_are_those_of_a_fit_that_did_not_see_the_condition(data, found):
     """One condition by hand: the law is fitted to the others by SciPy, and scored on it."""
     from scipy.optimize import minimize_scalar
 
-    from rollslip.campaigns.fit.problem import operating_points, rig_problem
+    from rollslip_campaigns.fit.problem import operating_points, rig_problem
 
     [series] = data.series
     problem = rig_problem(series.data, series.rig, "eyring")

@@ -17,9 +17,6 @@ from scipy.stats import norm, spearmanr
 
 import rollslip
 from rollslip.bearing.assembly import assemble
-from rollslip.campaigns.uncertainty import findings
-from rollslip.campaigns.uncertainty.margin import plan_margin, uncertainty
-from rollslip.campaigns.uncertainty.samples import least_loads, of_friction, shares_of
 from rollslip.datasets import Scatter
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError, parameter
@@ -27,6 +24,9 @@ from rollslip.motion.torque_balance import Runaway, Running, reserve, rollers, r
 from rollslip.planning.quantities import quantities
 from rollslip.planning.scatter import scattering, with_scatter
 from rollslip.scene.distributions import LogNormal
+from rollslip_campaigns.uncertainty import findings
+from rollslip_campaigns.uncertainty.margin import plan_margin, uncertainty
+from rollslip_campaigns.uncertainty.samples import least_loads, of_friction, shares_of
 from rollslip_kernels.slices import Conditions, Slices
 from rollslip_plugins.drag.rolling import Hysteresis, RollingResistance
 from rollslip_plugins.drag.torques import Churning, PetroffLand

@@ -24,18 +24,6 @@ from hypothesis import strategies as st
 import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
-from rollslip.campaigns.sweep import findings, point
-from rollslip.campaigns.sweep import run as sweep_run
-from rollslip.campaigns.sweep.definition import Resolutions, here
-from rollslip.campaigns.sweep.findings import axes, sentences
-from rollslip.campaigns.sweep.findings import record as sweep_record
-from rollslip.campaigns.sweep.folder import begin, finish, merge, status
-from rollslip.campaigns.sweep.journal import STATUSES, Journal, Row, journals, sessions, states
-from rollslip.campaigns.sweep.point import Done, _packed, compute
-from rollslip.campaigns.sweep.result import collect
-from rollslip.campaigns.sweep.run import run_sweep
-from rollslip.campaigns.sweep.sampling import parse_over, parse_overs, plain_names, probabilities
-from rollslip.campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep
 from rollslip.catalogue.discovery import get_class
 from rollslip.cli import main
 from rollslip.cli.main import cli
@@ -45,6 +33,18 @@ from rollslip.models import TractionModel
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.values import resolved, scene_hash
 from rollslip.studies import study as studies
+from rollslip_campaigns.sweep import findings, point
+from rollslip_campaigns.sweep import run as sweep_run
+from rollslip_campaigns.sweep.definition import Resolutions, here
+from rollslip_campaigns.sweep.findings import axes, sentences
+from rollslip_campaigns.sweep.findings import record as sweep_record
+from rollslip_campaigns.sweep.folder import begin, finish, merge, status
+from rollslip_campaigns.sweep.journal import STATUSES, Journal, Row, journals, sessions, states
+from rollslip_campaigns.sweep.point import Done, _packed, compute
+from rollslip_campaigns.sweep.result import collect
+from rollslip_campaigns.sweep.run import run_sweep
+from rollslip_campaigns.sweep.sampling import parse_over, parse_overs, plain_names, probabilities
+from rollslip_campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep
 
 SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5})
 OVER = {"operation.temperature": "60 degC:80 degC:3", "models.traction": ["muraki", "maxwell-eyring"]}
@@ -383,7 +383,7 @@ def test_points_that_are_evaluated_together_are_as_each_alone(monkeypatch):
     assert {"ok", "outside-domain", "crashed"} <= {row["status"] for row in alone}
     assert rows(points) == alone
     good = [(point, row) for point, row in zip(points, alone, strict=True) if row["status"] == "ok"]
-    monkeypatch.delattr("rollslip.campaigns.sweep.point.evaluate")  # by which points are evaluated alone
+    monkeypatch.delattr("rollslip_campaigns.sweep.point.evaluate")  # by which points are evaluated alone
     assert rows([point for point, _ in good]) == [row for _, row in good]
 
 

@@ -31,8 +31,8 @@ from faulty_points import (
     sweep,
     until,
 )
-from rollslip.campaigns.sweep.folder import status
-from rollslip.campaigns.sweep.journal import journals, states
+from rollslip_campaigns.sweep.folder import status
+from rollslip_campaigns.sweep.journal import journals, states
 from rollslip_plugins import engines
 
 SLOW = ["--set", "models.traction.seconds=0.2 s"]

@@ -22,9 +22,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rollslip
-from rollslip.campaigns.sweep import findings as sweep_findings
-from rollslip.campaigns.sweep.folder import begin, finish, merge, status
-from rollslip.campaigns.sweep.journal import (
+from rollslip.engine import Engine
+from rollslip.errors import BusyError, EngineError, OutputError
+from rollslip_campaigns.sweep import findings as sweep_findings
+from rollslip_campaigns.sweep.folder import begin, finish, merge, status
+from rollslip_campaigns.sweep.journal import (
     FAILED,
     STATUSES,
     Journal,
@@ -35,12 +37,10 @@ from rollslip.campaigns.sweep.journal import (
     running,
     states,
 )
-from rollslip.campaigns.sweep.point import compute
-from rollslip.campaigns.sweep.result import collect
-from rollslip.campaigns.sweep.run import run_sweep
-from rollslip.campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep
-from rollslip.engine import Engine
-from rollslip.errors import BusyError, EngineError, OutputError
+from rollslip_campaigns.sweep.point import compute
+from rollslip_campaigns.sweep.result import collect
+from rollslip_campaigns.sweep.run import run_sweep
+from rollslip_campaigns.sweep.sweep import open_sweep, plan_sweep, store_sweep
 
 SCENE = rollslip.evolve(rollslip.load_scene("1032930-70C"), {"accuracy.slices": 5, "study.friction-curve.points": 5})
 OVER = {"operation.radial_load": "500:5000:4", "models.traction.hydrodynamic": ["muraki", "eyring", "maxwell-eyring"]}

@@ -8,13 +8,13 @@ import pytest
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import finest
-from rollslip.campaigns.sweep.point import compute, unpacked
-from rollslip.campaigns.sweep.sampling import probabilities
-from rollslip.campaigns.sweep.sweep import plan_sweep
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
 from rollslip.studies.outputs import evaluate
 from rollslip.studies.study import settings
+from rollslip_campaigns.sweep.point import compute, unpacked
+from rollslip_campaigns.sweep.sampling import probabilities
+from rollslip_campaigns.sweep.sweep import plan_sweep
 
 OVER = {"lubricant.pressure_viscosity_factor": "0.75:1.25"}
 

@@ -16,14 +16,6 @@ from hypothesis import strategies as st
 
 import rollslip
 from drawn import words
-from rollslip.campaigns.sweep.figures import models_apart
-from rollslip.campaigns.sweep.findings import sentences as sweep_sentences
-from rollslip.campaigns.sweep.journal import FAILED, STATUSES
-from rollslip.campaigns.sweep.run import Progress, Settled
-from rollslip.campaigns.uncertainty import estimators
-from rollslip.campaigns.uncertainty import margin as allowable
-from rollslip.campaigns.uncertainty.findings import failed, record, sentences
-from rollslip.campaigns.uncertainty.margin import expected_seconds, plan_margin, run_margin, uncertainty
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip.results.account import account_of
@@ -31,6 +23,14 @@ from rollslip.results.figures import save_plots
 from rollslip.scene import FrozenTable
 from rollslip.scene.reading import load_scene
 from rollslip.studies.effective_friction.study import CLOSURES
+from rollslip_campaigns.sweep.figures import models_apart
+from rollslip_campaigns.sweep.findings import sentences as sweep_sentences
+from rollslip_campaigns.sweep.journal import FAILED, STATUSES
+from rollslip_campaigns.sweep.run import Progress, Settled
+from rollslip_campaigns.uncertainty import estimators
+from rollslip_campaigns.uncertainty import margin as allowable
+from rollslip_campaigns.uncertainty.findings import failed, record, sentences
+from rollslip_campaigns.uncertainty.margin import expected_seconds, plan_margin, run_margin, uncertainty
 
 #: Few slices and slips: what is tested is what is made of the points.
 SCENE = rollslip.evolve(load_scene("1032930-70C"), {"accuracy.slices": 3, "study.effective-friction.points": 9})

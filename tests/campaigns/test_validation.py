@@ -6,10 +6,6 @@ import attrs
 import numpy as np
 import pytest
 
-from rollslip.campaigns.validation.judging import Value, held, verdict_on
-from rollslip.campaigns.validation.observables import observe
-from rollslip.campaigns.validation.predictions import form, read_predictions
-from rollslip.campaigns.validation.validate import plan_validation, run_validation, validate
 from rollslip.catalogue.registry import get_model
 from rollslip.cli.main import main
 from rollslip.errors import PluginError, SceneError
@@ -18,6 +14,10 @@ from rollslip.results.account import account_of
 from rollslip.results.dataset import save
 from rollslip.results.report import write_report
 from rollslip.structure import FrozenTable
+from rollslip_campaigns.validation.judging import Value, held, verdict_on
+from rollslip_campaigns.validation.observables import observe
+from rollslip_campaigns.validation.predictions import form, read_predictions
+from rollslip_campaigns.validation.validate import plan_validation, run_validation, validate
 
 
 def series_of(*rows):

@@ -5,7 +5,6 @@ import pytest
 
 from packages import install, python
 from rollslip import evolve, load_scene, plan
-from rollslip.campaigns.sweep.sweep import plan_sweep
 from rollslip.catalogue import discovery
 from rollslip.catalogue.registry import get_model
 from rollslip.datasets import BearingData, SurfaceData
@@ -15,6 +14,7 @@ from rollslip.references import KLEBANOV
 from rollslip.scene import Bearing, Material, Profile, Surface, resolved, scene_hash
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.schema import schema
+from rollslip_campaigns.sweep.sweep import plan_sweep
 from rollslip_plugins.bibliography import MARTIN_1916
 from rollslip_plugins.data.bearings import bearing_1032930, bearings
 

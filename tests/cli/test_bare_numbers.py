@@ -6,14 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rollslip
-from rollslip.campaigns.explorer.definition import plan_explorer
-from rollslip.campaigns.sweep.sampling import parse_overs
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
 from rollslip.scene.changes import evolve, parse_set
 from rollslip.scene.reading import load_scene, parse_scene
 from rollslip.units import UnitError, format_quantity, no_unit, quantity, typed
+from rollslip_campaigns.explorer.definition import plan_explorer
+from rollslip_campaigns.sweep.sampling import parse_overs
 
 SCENE = "1032930-70C"
 BEARING = """

@@ -11,10 +11,10 @@ import pytest
 
 import rollslip
 from rollslip import load_scene
-from rollslip.campaigns.comparison.comparison import plan_comparison, run_comparison
 from rollslip.cli.app import progress
 from rollslip.planning import progress as watch
 from rollslip.planning.progress import progress_in_notebook, time_left
+from rollslip_campaigns.comparison.comparison import plan_comparison, run_comparison
 
 NAN = math.nan
 

@@ -185,7 +185,7 @@ def test_every_data_set_of_the_box_is_read_and_its_quantities_are_known():
 
 
 def test_a_data_set_that_is_not_there_is_named(tmp_path):
-    from rollslip.campaigns.validation.validate import measurement_named
+    from rollslip_campaigns.validation.validate import measurement_named
 
     with pytest.raises(RollslipError, match="klebanov"):
         measurement_named("klebanov-2021")

@@ -8,11 +8,11 @@ from click.testing import CliRunner
 
 from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
-from rollslip.campaigns.sweep.sweep import plan_sweep
 from rollslip.cli.main import cli
 from rollslip.errors import SceneError
 from rollslip.planning.plan import LONG, duration, foreseen, plan, require_memory
 from rollslip.studies.study import settings
+from rollslip_campaigns.sweep.sweep import plan_sweep
 
 DOCS = Path(__file__).parents[2] / "docs"
 SCENE = "1032930-70C"

@@ -12,8 +12,6 @@ import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.equilibrium import LoadCase, solve_equilibrium
 from rollslip.bearing.load_map import build_load_map
-from rollslip.campaigns.sweep.point import compute
-from rollslip.campaigns.sweep.sweep import plan_sweep
 from rollslip.catalogue.registry import get_model
 from rollslip.errors import DomainError, SceneError
 from rollslip.motion import time_integration
@@ -29,6 +27,8 @@ from rollslip.studies.dynamics.account import DynamicsAccount
 from rollslip.studies.dynamics.study import Dynamics
 from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.surface_damage.over_motion import OVER_MOTION
+from rollslip_campaigns.sweep.point import compute
+from rollslip_campaigns.sweep.sweep import plan_sweep
 
 HISTORY = "study.dynamics.history"
 SHORT = {

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from published_slip import PUBLISHED, slip, steady
-from rollslip.campaigns.validation.validate import AS_STATED, judged_statement
+from rollslip_campaigns.validation.validate import AS_STATED, judged_statement
 
 
 @pytest.mark.parametrize("said", PUBLISHED.statements, ids=[said.says for said in PUBLISHED.statements])

@@ -15,7 +15,7 @@ import numpy as np
 
 import rollslip
 from packages import install
-from rollslip.campaigns.sweep.journal import journals, sessions
+from rollslip_campaigns.sweep.journal import journals, sessions
 
 MODEL = """\
 import os, signal, sys, time

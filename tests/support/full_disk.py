@@ -13,8 +13,8 @@ from contextlib import closing, suppress
 from pathlib import Path
 
 from faulty_points import FACTORS, prepare, result, same, sweep
-from rollslip.campaigns.sweep.folder import status
-from rollslip.campaigns.sweep.journal import journals, sessions, states
+from rollslip_campaigns.sweep.folder import status
+from rollslip_campaigns.sweep.journal import journals, sessions, states
 
 MANY = ["--over", "models.traction.factor=0.01:0.3:200", "--output", "friction,film_thickness"]
 MANY += ["--set", "study.friction-curve.points=40"]

@@ -9,7 +9,7 @@ difference comes from.
 import matplotlib.pyplot as plt
 
 import rollslip
-from rollslip.campaigns.comparison.findings import findings
+from rollslip_campaigns.comparison.findings import findings
 
 found = rollslip.compare(
     "1032930-70C", traction=["muraki", "eyring"], reference="maxwell-eyring", study="friction-curve"

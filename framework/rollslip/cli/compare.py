@@ -53,9 +53,9 @@ def compare(
     models.traction=NAME takes the blend out of the scene. What --reference does not name is the first of the
     comparison, and without it that is what the others are held against.
     """
-    from rollslip.campaigns.comparison.comparison import plan_comparison, run_comparison
     from rollslip.cli import console, planned
     from rollslip.results.dataset import save
+    from rollslip_campaigns.comparison.comparison import plan_comparison, run_comparison
 
     made = plan_comparison(
         scene_of(scene, changes),
@@ -111,10 +111,10 @@ def pareto(
     its place), traction, film, friction. Errors of numerical choices are against the finest of the same models;
     other models differ from the exact one.
     """
-    from rollslip.campaigns.pareto.candidates import plan_family
-    from rollslip.campaigns.pareto.pareto import run_family
     from rollslip.cli import console, planned
     from rollslip.results.dataset import save
+    from rollslip_campaigns.pareto.candidates import plan_family
+    from rollslip_campaigns.pareto.pareto import run_family
 
     made = plan_family(
         scene_of(scene, changes),

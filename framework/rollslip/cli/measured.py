@@ -9,7 +9,7 @@ import click
 from rollslip.cli.app import Results, json_option, print_json, progress, results_options
 
 if TYPE_CHECKING:
-    from rollslip.campaigns.validation.predictions import Predictions
+    from rollslip_campaigns.validation.predictions import Predictions
 
 
 @click.command()
@@ -31,12 +31,12 @@ def fit(
     results: Results,
 ) -> None:
     """Fit parameters of oil and traction model to DATA of a traction rig, and write results, plots and an oil."""
-    from rollslip.campaigns.fit.findings import headline
-    from rollslip.campaigns.fit.fit import fit
-    from rollslip.campaigns.fit.oil import write_oil
     from rollslip.cli import console
     from rollslip.results.account import account_of
     from rollslip.results.dataset import save
+    from rollslip_campaigns.fit.findings import headline
+    from rollslip_campaigns.fit.fit import fit
+    from rollslip_campaigns.fit.oil import write_oil
 
     results.go_to(f"{data.stem}-fit")
     with results.folder() as folder:
@@ -91,10 +91,10 @@ def validate(
     Calculated over measured with the uncertainty of both, statements that hold or do not, chi-square where it means
     something: a table, an atlas of figures, a report.
     """
-    from rollslip.campaigns.validation.validate import plan_validation, run_validation
     from rollslip.cli import console
     from rollslip.results.account import account_of
     from rollslip.results.dataset import save
+    from rollslip_campaigns.validation.validate import plan_validation, run_validation
 
     if form is not None:
         _write_form(data, form)
@@ -146,10 +146,10 @@ def rank(
     Parameters are fitted to friction on all conditions but one, and the law is scored on that one, for every condition
     in turn. What cannot be told with a confidence of 95 % is said to be so.
     """
-    from rollslip.campaigns.validation.ranking import rank
     from rollslip.cli import console
     from rollslip.results.account import account_of
     from rollslip.results.dataset import save
+    from rollslip_campaigns.validation.ranking import rank
 
     results.go_to("ranking" if len(data) != 1 else f"{Path(data[0]).name}-ranking")
     with results.folder() as folder:
@@ -175,9 +175,9 @@ def rank(
 
 def _write_form(data: Sequence[str], path: Path) -> None:
     """Write a file for predictions of one data set."""
-    from rollslip.campaigns.validation.predictions import form
-    from rollslip.campaigns.validation.validate import measurement_named
     from rollslip.files import whole_file
+    from rollslip_campaigns.validation.predictions import form
+    from rollslip_campaigns.validation.validate import measurement_named
 
     if len(data) != 1:
         raise click.UsageError("--form needs one data set")
@@ -188,7 +188,7 @@ def _write_form(data: Sequence[str], path: Path) -> None:
 
 def _predictions(data: Sequence[str], paths: Sequence[Path]) -> "list[Predictions]":
     """Read files of predictions, each of the data set that it names, or of the only one."""
-    from rollslip.campaigns.validation.predictions import data_set_of, read_predictions
-    from rollslip.campaigns.validation.validate import measurement_named
+    from rollslip_campaigns.validation.predictions import data_set_of, read_predictions
+    from rollslip_campaigns.validation.validate import measurement_named
 
     return [read_predictions(path, measurement_named(data_set_of(path, data))) for path in paths]

@@ -13,11 +13,11 @@ from rollslip.planning.plan import duration, duration_range
 from rollslip.scene.values import scene_hash
 
 if TYPE_CHECKING:
-    from rollslip.campaigns.comparison.comparison import Comparison
-    from rollslip.campaigns.pareto.candidates import Family
-    from rollslip.campaigns.sweep.definition import Sweep
-    from rollslip.campaigns.sweep.folder import Status
-    from rollslip.campaigns.sweep.run import Progress
+    from rollslip_campaigns.comparison.comparison import Comparison
+    from rollslip_campaigns.pareto.candidates import Family
+    from rollslip_campaigns.sweep.definition import Sweep
+    from rollslip_campaigns.sweep.folder import Status
+    from rollslip_campaigns.sweep.run import Progress
 
 
 def comparison_headline(comparison: "Comparison") -> str:

@@ -26,8 +26,8 @@ from rollslip.cli.app import (
 )
 
 if TYPE_CHECKING:
-    from rollslip.campaigns.sweep.definition import Sweep
-    from rollslip.campaigns.sweep.run import Progress
+    from rollslip_campaigns.sweep.definition import Sweep
+    from rollslip_campaigns.sweep.run import Progress
 
 
 class _Steps(click.Group):
@@ -81,11 +81,11 @@ def sweep_run(
     results: Results,
 ) -> None:
     """Compute a study of SCENE at many points, and keep everything in a folder."""
-    from rollslip.campaigns.sweep.folder import begin
-    from rollslip.campaigns.sweep.run import asked_engine
-    from rollslip.campaigns.sweep.sampling import parse_overs, parse_shard
-    from rollslip.campaigns.sweep.sweep import plan_sweep
     from rollslip.cli import planned
+    from rollslip_campaigns.sweep.folder import begin
+    from rollslip_campaigns.sweep.run import asked_engine
+    from rollslip_campaigns.sweep.sampling import parse_overs, parse_shard
+    from rollslip_campaigns.sweep.sweep import plan_sweep
 
     made = plan_sweep(
         scene_of(scene, changes),
@@ -115,7 +115,7 @@ def sweep_run(
 @json_option
 def sweep_resume(folder: Path, engine: Mapping[str, object] | None, time_limit: str | None, results: Results) -> None:
     """Compute the points of the sweep in FOLDER that are not done yet."""
-    from rollslip.campaigns.sweep.sweep import open_sweep, with_engine
+    from rollslip_campaigns.sweep.sweep import open_sweep, with_engine
 
     made = with_engine(open_sweep(folder), engine, time_limit)
     _run_sweep(made, folder, (), results)
@@ -137,8 +137,8 @@ def sweep_retry(
     results: Results,
 ) -> None:
     """Compute points of the sweep in FOLDER again that have failed."""
-    from rollslip.campaigns.sweep.journal import FAILED
-    from rollslip.campaigns.sweep.sweep import open_sweep, with_engine
+    from rollslip_campaigns.sweep.journal import FAILED
+    from rollslip_campaigns.sweep.sweep import open_sweep, with_engine
 
     if failed == bool(statuses):
         raise click.UsageError("name the points to compute again: --failed, or --status of one kind")
@@ -154,9 +154,9 @@ def sweep_retry(
 @json_option
 def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
     """Show how the sweep in FOLDER stands, also while it runs: points by status, time left, last errors."""
-    from rollslip.campaigns.sweep.folder import pieces, status
-    from rollslip.campaigns.sweep.sweep import FILE
     from rollslip.cli import planned
+    from rollslip_campaigns.sweep.folder import pieces, status
+    from rollslip_campaigns.sweep.sweep import FILE
 
     parts = [] if (folder / FILE).exists() else [status(piece, errors) for piece in pieces(folder)]
     found = parts or [status(folder, errors)]
@@ -175,7 +175,7 @@ def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
 @json_option
 def sweep_merge(folders: Sequence[Path], results: Results) -> None:
     """Put the pieces of a job array together: those in FOLDERS, or the folders shard-I-of-N in one FOLDER."""
-    from rollslip.campaigns.sweep.folder import merge, pieces
+    from rollslip_campaigns.sweep.folder import merge, pieces
 
     out = results.out
     if len(folders) == 1 and (parts := pieces(folders[0])):
@@ -191,9 +191,9 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Resul
     """Run a sweep in its folder and tell what came of it."""
     import os
 
-    from rollslip.campaigns.sweep.run import described, run_sweep
     from rollslip.cli import planned
     from rollslip.errors import BusyError, EngineError, OutputError
+    from rollslip_campaigns.sweep.run import described, run_sweep
 
     go_on = f"go on with: {shlex.join(['rollslip', 'sweep', 'resume', str(folder)])}"
     try:
@@ -225,8 +225,8 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Resul
 
 def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Results) -> None:
     """Write the dataset of a sweep and say what is in it."""
-    from rollslip.campaigns.sweep.folder import RESULT, finish
     from rollslip.results.account import account_of
+    from rollslip_campaigns.sweep.folder import RESULT, finish
 
     dataset = finish(made, folder)
     account = account_of(dataset)
@@ -285,13 +285,13 @@ def explore(
     Effective friction, loads and the slip of running away follow. They are computed beforehand on a grid; the page
     says how far it is off between the nodes. It needs the extra [explorer].
     """
-    from rollslip.campaigns.explorer.definition import plan_explorer
-    from rollslip.campaigns.explorer.explorer import explore
-    from rollslip.campaigns.explorer.page import library
-    from rollslip.campaigns.sweep.sampling import parse_overs
     from rollslip.cli.planned import sweep_progress
     from rollslip.errors import OutputError
     from rollslip.results.report import is_report
+    from rollslip_campaigns.explorer.definition import plan_explorer
+    from rollslip_campaigns.explorer.explorer import explore
+    from rollslip_campaigns.explorer.page import library
+    from rollslip_campaigns.sweep.sampling import parse_overs
 
     target = out if out is not None else Path(f"{Path(scene).stem}-explorer.html")
     if target.exists() and not overwrite:

@@ -55,13 +55,13 @@ def uncertainty(
     What scatters is in the scene's table [uncertainty]; without one it is what its oil, its bearing and its
     models say of themselves. What the scene states, or --set, does not scatter.
     """
-    from rollslip.campaigns.sweep.run import asked_engine
-    from rollslip.campaigns.uncertainty.findings import failed
-    from rollslip.campaigns.uncertainty.margin import expected_seconds, plan_margin, run_margin
     from rollslip.cli import planned
     from rollslip.errors import EngineError
     from rollslip.planning.plan import duration_range
     from rollslip.results.account import account_of
+    from rollslip_campaigns.sweep.run import asked_engine
+    from rollslip_campaigns.uncertainty.findings import failed
+    from rollslip_campaigns.uncertainty.margin import expected_seconds, plan_margin, run_margin
 
     made = plan_margin(
         scene_of(scene, changes),
@@ -146,12 +146,12 @@ def limit(
 
     The gentlest run-up that keeps a slip, for example, or the drop of load that skids.
     """
-    from rollslip.campaigns.limit.limit import plan_limit, run_limit
-    from rollslip.campaigns.sweep.run import asked_engine
-    from rollslip.campaigns.sweep.sampling import parse_overs
     from rollslip.cli import planned
     from rollslip.errors import EngineError
     from rollslip.results.account import account_of
+    from rollslip_campaigns.limit.limit import plan_limit, run_limit
+    from rollslip_campaigns.sweep.run import asked_engine
+    from rollslip_campaigns.sweep.sampling import parse_overs
 
     over = {
         key: ",".join(map(str, value)) if isinstance(value, list) else value if isinstance(value, str) else str(value)

@@ -1,0 +1,1 @@
+"""Campaigns: many runs that answer one question."""

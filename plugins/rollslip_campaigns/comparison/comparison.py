@@ -1,0 +1,488 @@
+"""Compare models on one scene: combinations of them, what differs from a reference, and what each costs.
+
+- A combination is the scene with other models in it and runs as ``rollslip run`` would run it, on the same slips,
+  loads, instants and slices as all others (a contact model has its own loads): nothing differs but the models.
+- A named model takes the place of the scene's model of its kind. Where that is composed, of a child ``hydrodynamic``
+  (a blend) or ``film`` (a correction of films), and the named one is not, it takes the place of that child: laws of the
+  full film are compared inside the same blend. Results call it "muraki in lambda-blend".
+- Names and parameters are checked before anything runs. What fails after that is listed with its error and stops no
+  other combination.
+"""
+
+import contextlib
+import itertools
+import json
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.raceway import RINGS
+from rollslip.catalogue.discovery import available
+from rollslip.errors import PluginError, RollslipError, SceneError, UnknownNameError, in_words, nearest
+from rollslip.planning.execution import execute
+from rollslip.planning.plan import Plan, plan
+from rollslip.planning.provenance import origin, together
+from rollslip.results.curves import Curves
+from rollslip.results.dataset import CITED, about
+from rollslip.results.words import counted
+from rollslip.results.words import warned as of_consequence
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
+from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved, scene_hash
+from rollslip.studies.study import study_class
+from rollslip_campaigns.comparison.attribution import (
+    Bins,
+    EvaluatedSlices,
+    attribute_differences,
+    keep_criteria,
+    keep_friction,
+    law_to_sort_by,
+    seconds_per_slice,
+)
+from rollslip_campaigns.comparison.choices import CHILD, KINDS, Choice, Model, read_choice, refuse
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@attrs.frozen(eq=False)
+class Combination:
+    """A choice for each kind, and the plan of the scene with them, or the error that keeps it from having one."""
+
+    choices: Mapping[str, Choice]
+    plan: Plan | None
+    error: Exception | None
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Comparison:
+    """What will be compared: the combinations by their labels, and which of them is the reference."""
+
+    scene: Scene
+    study: str
+    combinations: Mapping[str, Combination]
+    reference: str
+    named: bool
+
+    @property
+    def curves(self) -> Curves:
+        """The curves of the study."""
+        curves = study_class(self.study).curves_of
+        assert curves is not None  # else it would not be compared
+        return curves
+
+    @property
+    def plans(self) -> dict[str, Plan]:
+        """The combinations that can run."""
+        return {label: one.plan for label, one in self.combinations.items() if one.plan is not None}
+
+    @property
+    def seconds(self) -> float:
+        """Estimated time [s]: every combination is run, and evaluated again on the slices of one run."""
+        return 2.0 * sum(plan.seconds for plan in self.plans.values())
+
+    @property
+    def exchanged(self) -> str:
+        """Say what models take the place of, where it is not all of the scene's model; empty if it always is."""
+        return "; ".join(
+            f"{kind} models take the place of the {child} model of the scene's {getattr(self.scene.models, kind).name}"
+            for kind, child in CHILD.items()
+            if any(one.choices[kind].full != one.choices[kind].label for one in self.combinations.values())
+        )
+
+
+def compare(
+    scene: Scene | str,
+    *,
+    contact: Sequence[Model] | str = (),
+    film: Sequence[Model] | str = (),
+    traction: Sequence[Model] | str = (),
+    reference: Model | Mapping[str, Model] | None = None,
+    study: str | None = None,
+) -> "xr.Dataset":
+    """Run every combination of models on one scene and compare friction, critical slip and cost.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file.
+    contact, film, traction : sequence of models, or str
+        Each a name, a table with ``model`` and its parameters, or a model; or names with commas between them. By
+        default the scene's own. A bare name that the scene uses keeps the scene's parameters. A model that is not
+        composed takes the place of the child ``hydrodynamic`` of the scene's traction, or ``film`` of its film, if
+        there is one.
+    reference : model, str or mapping, optional
+        What the others are held against: a traction, names of different kinds with commas between them, or a mapping
+        of kind to model; what it does not name is the first of the comparison. By default the first combination, and
+        what is reported then is no error but a difference.
+    study : str, optional
+        One that gives friction curves; by default the first one of the scene.
+
+    Returns
+    -------
+    xarray.Dataset
+        The curves of the study with a dimension ``combination`` (and contact, film, traction along it); relative
+        ``difference`` over the curve with max_error and rms_error, critical_slip_error and peak_error, smallest_film
+        and film_location, seconds_per_slice and cost (times that of the cheapest), status in words; and over the
+        dimension ``bin``, the slices of the reference sorted by film regime, film parameter, and what its law states
+        to be sorted by (of an Eyring fluid strain rate, heating, D): bin_share of the contact force, bin_difference,
+        bin_contribution to mean_difference; explained(grouping).
+
+    Raises
+    ------
+    SceneError, PluginError
+        If the scene, a name or a parameter is wrong, or there is nothing to compare; before anything runs.
+    RollslipError
+        If every combination fails: of the class of the first one's error.
+
+    Examples
+    --------
+    >>> result = compare("1032930-30C", traction=["muraki", "eyring"], reference="maxwell-eyring",
+    ...                  study="friction-curve")
+    >>> [str(label) for label in result.combination.values]
+    ['muraki', 'eyring', 'maxwell-eyring']
+    >>> bool((result.rms_error.sel(combination="eyring") < result.rms_error.sel(combination="muraki")).all())
+    True
+    """
+    return run_comparison(
+        plan_comparison(scene, contact=contact, film=film, traction=traction, reference=reference, study=study)
+    )
+
+
+# Planning -----------------------------------------------------------------------------------------------------------
+
+
+def plan_comparison(
+    scene: Scene | str,
+    *,
+    contact: Sequence[Model] | str = (),
+    film: Sequence[Model] | str = (),
+    traction: Sequence[Model] | str = (),
+    reference: Model | Mapping[str, Model] | None = None,
+    study: str | None = None,
+) -> Comparison:
+    """Check all names and plan every combination; see `compare`.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If the scene, a name or a parameter is wrong, all of them at once, or there is nothing to compare.
+    """
+    scene = scene if isinstance(scene, Scene) else load_scene(scene)
+    study = _study(scene, study)
+    problems, unknown = list[str](), list[PluginError]()
+    choices = {
+        kind: [read_choice(scene, kind, model, problems, unknown) for model in _listed(models)]
+        for kind, models in (("contact", contact), ("film", film), ("traction", traction))
+    }
+    wanted = {} if reference is None else _by_kind(reference, problems, unknown)
+    named = {kind: read_choice(scene, kind, model, problems, unknown) for kind, model in wanted.items()}
+    refuse(problems, unknown)
+    products = [dict(zip(KINDS, each, strict=True)) for each in itertools.product(*choices.values())]
+    products.append({kind: named.get(kind, choices[kind][0]) for kind in KINDS})
+    shown = [kind for kind in KINDS if len({product[kind].label for product in products}) > 1]
+    if not shown:
+        raise SceneError(
+            ["there is nothing to compare: name two models of a kind, as by --film A,B, or one and another --reference"]
+        )
+    labels = [" + ".join(product[kind].label for kind in shown) for product in products]
+    combinations = {
+        label: _combination(scene, study, product)
+        for label, product in dict(zip(labels, products, strict=True)).items()
+    }
+    return Comparison(
+        scene=scene,
+        study=study,
+        combinations=_at_one_resolution(study, combinations),
+        reference=labels[-1],
+        named=reference is not None,
+    )
+
+
+def _study(scene: Scene, study: str | None) -> str:
+    if study is None:
+        study = next((name for name in scene.study if study_class(name, scene).curves_of is not None), DEFAULT_STUDY)
+    if study_class(study, scene).of(scene).curves_of is None:
+        raise SceneError(
+            [f"study {study!r} cannot be compared, only {' and '.join(_with_curves())} can; name one by --study"]
+        )
+    return study
+
+
+def _with_curves() -> list[str]:
+    """Names of the studies that give friction curves; a broken package offers none."""
+    found = list[str]()
+    for name in available("study"):
+        with contextlib.suppress(PluginError):
+            if study_class(name).curves_of is not None:
+                found.append(name)
+    return found
+
+
+def _listed(models: Sequence[Model] | str) -> Sequence[Model | None]:
+    """The models of one kind; None stands for the scene's own."""
+    return [*filter(None, map(str.strip, models.split(",")))] or [None] if isinstance(models, str) else models or [None]
+
+
+def _by_kind(
+    reference: Model | Mapping[str, Model], problems: list[str], unknown: list[PluginError]
+) -> dict[str, Model]:
+    """Return the models of the reference by kind; a name tells its kind, a table or a model is a traction."""
+    if isinstance(reference, Mapping) and "model" not in reference:
+        problems += [
+            f"reference: there is no {kind!r}, only {', '.join(KINDS)}" for kind in set(reference) - set(KINDS)
+        ]
+        return {kind: reference[kind] for kind in KINDS if kind in reference}  # type: ignore[misc]
+    if not isinstance(reference, str):
+        return {"traction": reference}
+    found: dict[str, Model] = {}
+    for name in filter(None, map(str.strip, reference.split(","))):
+        kind = next((kind for kind in reversed(KINDS) if name in available(kind)), None)
+        if kind is None:
+            near = nearest(name, (known for kind in KINDS for known in available(kind)), cutoff=0.4)
+            hint = f"did you mean {' or '.join(map(repr, near))}?" if near else "'rollslip models' lists them"
+            kinds = f"{', '.join(KINDS[:-1])} or {KINDS[-1]}"
+            unknown.append(UnknownNameError(f"reference: no {kinds} is called {name!r}; {hint}"))
+        elif kind in found:
+            problems.append(f"reference: {found[kind]!r} and {name!r} are both a {kind}; name one")
+        else:
+            found[kind] = name
+    return found
+
+
+def _combination(scene: Scene, study: str, choices: Mapping[str, Choice]) -> Combination:
+    changes: dict[str, object] = {f"models.{kind}": choice.table for kind, choice in choices.items()}
+    outputs = study_class(study).outputs.items()
+    larger = [name for name, output in outputs if len(output.dims.split()) > 2]  # than a curve, and compared by nobody
+    try:
+        return Combination(choices, plan(evolve(scene, changes), study, cheaper_laws=False, without=larger), None)
+    except Exception as error:
+        return Combination(choices, None, error)
+
+
+def _at_one_resolution(study: str, combinations: Mapping[str, Combination]) -> dict[str, Combination]:
+    """Return the combinations with the slices and instants of the one that needs most, so that all have the same."""
+    chosen = [one.plan.estimated[study].resolution for one in combinations.values() if one.plan is not None]
+    planned = [one for one in chosen if one.instants is not None]
+    if not planned:
+        return dict(combinations)
+    most = max(planned, key=lambda one: one.slices)
+    instants = max(one.instants or 1 for one in planned)
+
+    def alike(plan: Plan) -> Plan:
+        own = plan.estimated[study].resolution
+        same = attrs.evolve(own, slices=most.slices, quadrature=most.quadrature, instants=instants)
+        return plan.at(study, same)
+
+    return {
+        label: one if one.plan is None else attrs.evolve(one, plan=alike(one.plan))
+        for label, one in combinations.items()
+    }
+
+
+# Running ------------------------------------------------------------------------------------------------------------
+
+
+def run_comparison(
+    comparison: Comparison, progress: Callable[[str, float], None] = lambda text, share: None
+) -> "xr.Dataset":
+    """Run all combinations that can run; see `compare`.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        What is to be run.
+    progress : callable, optional
+        Told before each combination which it is, and the share that is done.
+
+    Raises
+    ------
+    RollslipError
+        If every combination fails: of the class of the first one's error.
+    """
+    begin, plans = time.perf_counter(), comparison.plans
+    errors = {label: one.error for label, one in comparison.combinations.items() if one.error is not None}
+    done: dict[str, xr.Dataset] = {}
+    # a combination is run, and then evaluated at the slices of another
+    for k, (label, made) in enumerate(plans.items()):
+        progress(label, 0.5 * k / len(plans))
+        with _noted(errors, label):
+            done[label] = execute(made, comparison.study)
+    _drop_failed(done, errors)
+    # without the reference the slices of another serve to measure the cost
+    standard = comparison.reference if comparison.reference in done else next(iter(done))
+    work = EvaluatedSlices.of(plans[standard], comparison.study, done[standard])
+    law = law_to_sort_by([plans[label].assembly.traction for label in (standard, *done)])
+    found, first = dict[str, dict[str, list[Any]]](), dict[str, Any]()
+    for k, label in enumerate(done):
+        progress(label, 0.5 + 0.5 * k / len(done))
+        with _noted(errors, label):
+            keep = keep_criteria(law) if label == comparison.reference else keep_friction
+            found[label], first[label] = work.evaluate(plans[label], keep)
+    _drop_failed(done, errors)
+    failed = {label: f"failed: {_text(error)}" for label, error in errors.items()}
+    dataset = _merged(comparison, done, failed)
+    dataset = dataset.assign(_costs(comparison, done, seconds_per_slice(work, plans, first)))
+    dataset = dataset.assign(_errors(comparison, dataset))
+    if comparison.reference in found:
+        by = Bins.of(plans[comparison.reference], found[comparison.reference], law)
+        friction = {label: kept["friction"] for label, kept in found.items()}
+        dataset = attribute_differences(dataset, comparison.curves.over, comparison.reference, work, friction, by)
+        own = law is not None and law is plans[comparison.reference].assembly.traction.full_film
+        dataset = dataset.assign_attrs(sorted_by="" if law is None else law.name, sorted_by_own=int(own))
+    return dataset.assign_attrs(_origin(comparison, done, failed, time.perf_counter() - begin))
+
+
+@contextmanager
+def _noted(errors: dict[str, Exception], label: str) -> Iterator[None]:
+    try:
+        yield
+    except Exception as error:  # somebody's model may raise anything
+        errors[label] = error
+
+
+def _drop_failed(done: "dict[str, xr.Dataset]", errors: Mapping[str, Exception]) -> None:
+    """Drop what has failed; if nothing is left, raise one error for all, of the first one's class."""
+    for label in errors:
+        done.pop(label, None)
+    if done:
+        return
+    first, texts = next(iter(errors.values())), {label: _text(error) for label, error in errors.items()}
+    same = len(set(texts.values())) == 1
+    lines = list(texts.values())[:1] if same else [f"{label}: {text}" for label, text in texts.items()]
+    if isinstance(first, SceneError):
+        raise SceneError(lines)
+    raise (type(first) if isinstance(first, RollslipError) else PluginError)("\n".join(lines)) from first
+
+
+def _text(error: Exception) -> str:
+    return str(error) if isinstance(error, RollslipError) else in_words(error)
+
+
+# The dataset --------------------------------------------------------------------------------------------------------
+
+
+def _merged(comparison: Comparison, done: "Mapping[str, xr.Dataset]", failed: Mapping[str, str]) -> "xr.Dataset":
+    """Return the curves of all combinations in one dataset, nan where one failed."""
+    import xarray as xr
+
+    labels, chosen = list(comparison.combinations), [one.choices for one in comparison.combinations.values()]
+    results = list(done.values())
+    words = {str(name): "" for name, values in results[0].variables.items() if values.dtype.kind in "OU"}
+    dataset = (
+        xr.concat(results, "combination", data_vars="all", coords="minimal", compat="override", join="override",
+                  combine_attrs="override")
+        .assign_coords(combination=list(done))
+        .reindex(combination=labels, fill_value={"regime": -1, **words})
+    )  # fmt: skip
+    if "film_thickness" in dataset:
+        dataset["film_thickness"].attrs["long_name"] = "film thickness, the one of film_location"
+    critical = dataset["critical_status"]
+    texts = [
+        [failed[label]] * row.size if label in failed else row.tolist()
+        for label, row in zip(labels, critical.to_numpy(), strict=True)
+    ]
+    dataset["critical_status"] = (critical.dims, np.array(texts), critical.attrs)
+    status = np.array([failed.get(label, "done") for label in labels])
+    dataset["status"] = ("combination", status, about("1", "what became of the combination"))
+    names = {kind: np.array([choices[kind].full for choices in chosen]) for kind in KINDS}
+    return dataset.assign_coords(
+        {kind: ("combination", values, about("1", f"{kind} model")) for kind, values in names.items()}
+        | {"combination": ("combination", np.array(labels), about("1", "models of a combination that differ"))}
+    )
+
+
+def _costs(comparison: Comparison, done: "Mapping[str, xr.Dataset]", cost: Mapping[str, float]) -> dict[str, Any]:
+    """Return film and cost of every combination."""
+    curve, slip = comparison.curves.over, comparison.curves.slip
+    labels, cheapest = list(comparison.combinations), min(cost, key=cost.__getitem__)
+    films, parameters = np.full((2, len(labels), next(iter(done.values())).sizes[curve]), np.nan)
+    for label, result in done.items():
+        rings = [result.attrs["ring"]] if "ring" in result.attrs else RINGS
+        roughness = [
+            getattr(comparison.plans[label].assemblies[comparison.study], ring).conditions.roughness for ring in rings
+        ]
+        parameters[labels.index(label)] = result["film_parameter"].isel({slip: 0})
+        films[labels.index(label)] = parameters[labels.index(label)] * np.array(roughness)
+    seconds = np.array([cost.get(label, np.nan) for label in labels])
+    evaluations = np.array([done[label].attrs["evaluations"] if label in done else 0 for label in labels])
+    location = [comparison.plans[label].assembly.film.location if label in done else "" for label in labels]
+    each = "combination"
+    return {
+        "smallest_film": ((each, curve), films, about("m", "smallest film thickness without slip")),
+        "smallest_film_parameter": (
+            (each, curve),
+            parameters,
+            about("1", "smallest film parameter Lambda without slip"),
+        ),
+        "film_location": (each, np.array(location), about("1", "which film thickness the film model returns")),
+        "seconds_per_slice": (each, seconds, about("s", "time of the chain per slice")),
+        "cost": (each, seconds / cost[cheapest], about("1", f"time of the chain over that of {cheapest}")),
+        "evaluations": (each, evaluations, about("1", "slices evaluated by the study")),
+    }
+
+
+def _errors(comparison: Comparison, dataset: "xr.Dataset") -> "dict[str, xr.DataArray]":
+    """Return the relative differences of the curves and of their maxima from the reference's."""
+    curves = comparison.curves
+    which = f"{'error against' if comparison.named else 'difference from'} {comparison.reference}"
+
+    def relative(name: str) -> "xr.DataArray":
+        standard = dataset[name].sel(combination=comparison.reference, drop=True)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return (dataset[name] / standard - 1.0).where(standard != 0.0)
+
+    found = relative(curves.variable)
+    errors: dict[str, tuple[Any, str]] = {
+        "difference": (found, "relative {}"),
+        "max_error": (abs(found).max(curves.slip), "largest relative {} over the curve"),
+        "rms_error": (
+            np.sqrt((found**2).mean(curves.slip)),
+            "relative {}, root mean square over the points of the curve",
+        ),
+        "critical_slip_error": (relative(curves.critical), "relative {} of the critical slip"),
+        "peak_error": (relative("critical_friction"), "relative {} of the largest friction"),
+    }
+    return {name: values.assign_attrs(about("1", text.format(which))) for name, (values, text) in errors.items()}
+
+
+def _origin(
+    comparison: Comparison, done: "Mapping[str, xr.Dataset]", failed: Mapping[str, str], wall_time: float
+) -> dict[str, Any]:
+    """Return the attributes of the comparison: those of its runs put together, about the scene as it was given."""
+    runs, scene = {label: result.attrs for label, result in done.items()}, comparison.scene
+    first = next(iter(runs.values()))
+
+    warned: dict[str, list[str]] = {}
+    packages: dict[str, str] = {}
+    for label, result in done.items():
+        packages |= json.loads(result.attrs["packages"])
+        told, more = of_consequence([result])
+        for warning in (*told, *([f"{counted(more)}; rollslip run of the scene tells of each"] if more else [])):
+            warned.setdefault(warning, []).append(label)
+    largest = [key for key in ("instants_error", "slices_error", "force_residual", "moment_residual") if key in first]
+    return {key: max(attributes[key] for attributes in runs.values()) for key in largest} | origin(
+        study="comparison",
+        compared=comparison.study,
+        curves=comparison.curves.attribute,
+        **({"curves_with": first["curves_with"]} if "curves_with" in first else {}),
+        reference=comparison.reference,
+        reference_named=int(comparison.named),
+        exchanged=comparison.exchanged,
+        combinations={
+            label: {kind: choice.table for kind, choice in one.choices.items()}
+            for label, one in comparison.combinations.items()
+        },
+        scene_resolved=resolved(scene),
+        scene_hash=scene_hash(scene),
+        packages=packages,
+        **{key: together(runs.values(), key) for key in ("models", "plan", *CITED)},
+        warnings=[f"{label} {text}" for label, text in failed.items()]
+        + [text if len(who) == len(done) else f"{', '.join(who)}: {text}" for text, who in warned.items()],
+        evaluations=sum(int(attributes["evaluations"]) for attributes in runs.values()),
+        wall_time=wall_time,
+    )

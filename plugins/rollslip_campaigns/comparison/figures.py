@@ -1,0 +1,118 @@
+"""Figures of a comparison: the curves of all combinations, their differences, and difference against cost.
+
+Dashes tell models apart here, beside their colours; elsewhere dashed is only the thermal branch.
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollslip.results.curves import curve_names, curves
+from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ROW, TWO_COLUMNS, axis_label
+from rollslip_campaigns.comparison.findings import captioned, curves_of, members
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+__all__ = ["figures"]
+
+#: Relative difference beyond which small ones would not be seen on a linear axis.
+_SPREAD = 0.1
+#: Difference [%] up to which such an axis is linear.
+_LINEAR = 1.0
+
+
+def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Draw a figure for each curve; give name, caption and figure."""
+    names = curve_names(dataset)
+    for position, name in enumerate(names):
+        caption = f"{captioned(dataset, name)}: combinations of models against {dataset.attrs['reference']}."
+        slug = "" if len(names) == 1 else f"-{name.replace(' ', '-')}"
+        yield f"comparison{slug}", caption, _comparison(dataset, position)
+
+
+def _comparison(dataset: "xr.Dataset", position: int) -> "Figure":
+    """Curves of all combinations with their critical slips, their differences, and difference against cost."""
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    figure = Figure(layout="constrained")
+    layout: list[Any] = [["curves", "costs"], ["differences", "costs"]]
+    panels = figure.subplot_mosaic(layout, width_ratios=(3, 2), height_ratios=(3, 2))
+    of = curves_of(dataset)
+    one = dataset.isel({of.over: position})
+    reference = dataset.attrs["reference"]
+    difference, error, cost = (one[name].to_numpy() for name in ("difference", "rms_error", "cost"))
+    handles: list[Line2D] = []
+    for k, ((label, member), style) in enumerate(zip(members(dataset), _styles(dataset), strict=True)):
+        curve, name = curves(member)[position], f"{k + 1}  {label}"
+        if np.isnan(curve.friction).all():
+            handles.append(Line2D([], [], linestyle="none", label=f"{name}: failed"))
+            continue
+        x, y, begin, _ = curve.branches()
+        handles += panels["curves"].plot(100 * x, y, label=name + ": reference" * (label == reference), **style)
+        if curve.has_critical:
+            panels["curves"].plot(100 * x[begin], y[begin], color=style["color"], zorder=4, **MARKER)
+        panels["differences"].plot(100 * curve.slip, 100 * difference[k], **style)
+        if label == reference:
+            panels["costs"].axvline(cost[k], color="black", linewidth=1.0, zorder=0)
+        elif error[k] > 0.0:
+            place = cost[k], 100 * error[k]
+            panels["costs"].plot(*place, marker="o", markersize=5, color=style["color"])
+            panels["costs"].annotate(
+                f"{k + 1}", place, (5, (0, 6, -6)[k % 3]), textcoords="offset points", va="center_baseline", zorder=5
+            )
+    cage = of.over == "ring"
+    panels["curves"].set_ylabel(axis_label(dataset[of.variable], r"$\mu_\mathrm{e}$" if cage else r"$\mu$", "–"))
+    panels["curves"].set_ylim(min(0.0, np.nanmin(one[of.variable])))
+    panels["curves"].tick_params(labelbottom=False)
+    spread = np.nanmax(abs(difference), initial=0.0) > _SPREAD
+    if spread:
+        panels["differences"].set_yscale("symlog", linthresh=_LINEAR)
+        panels["differences"].yaxis.set_major_formatter("{x:g}")
+    beyond = f",\nlogarithmic beyond ±{_LINEAR:g} %" if spread else ""
+    panels["differences"].set_ylabel(f"Relative difference [%]{beyond}")
+    against = {"symbol": r"$S_\mathrm{c}$"} if cage else {"symbol": "$V/u$", "name": "slide–roll ratio"}
+    panels["differences"].set_xlabel(axis_label(dataset[of.slip], unit="%", **against))
+    for name in ("curves", "differences"):
+        panels[name].set_xlim(0.0, 100 * float(one[of.slip][-1]))
+    shown = np.log10(100 * error[error > 0.0])
+    panels["costs"].loglog()
+    panels["costs"].set_xlim(0.8, 1.3 * max(2.0, np.nanmax(cost)))
+    panels["costs"].set_ylim(10 ** np.floor(shown.min(initial=1.0)), 10 ** np.ceil(shown.max(initial=0.0)))
+    for axis in (panels["costs"].xaxis, panels["costs"].yaxis):
+        decades = np.ptp(np.log10(axis.get_view_interval()))
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 2.5 else (1,)))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(NullFormatter())
+    panels["costs"].set_xlabel("Time for a slice over that of the fastest [–]")
+    panels["costs"].set_ylabel("Relative difference, root mean square [%]")
+    columns = max(1, min(4, int(140 / (6 + max(len(str(handle.get_label())) for handle in handles)))))
+    figure.legend(handles=handles, loc="outside upper left", ncols=columns)
+    figure.set_size_inches(TWO_COLUMNS[0], 100 * MM + ROW * -(-len(handles) // columns))
+    return figure
+
+
+def _styles(dataset: "xr.Dataset") -> list[dict[str, Any]]:
+    """Colour and dashes of each combination: the kind with most models gives colours, the others dashes."""
+    kinds = [dataset[kind].to_numpy().tolist() for kind in ("contact", "film", "traction")]
+    main = max(kinds, key=lambda names: len(set(names)))
+    others = list(zip(*(names for names in kinds if names is not main), strict=True))
+    colours, dashes = list(dict.fromkeys(main)), list(dict.fromkeys(others))
+    styles = []
+    for label, name, rest in zip(dataset["combination"].to_numpy(), main, others, strict=True):
+        colour = colours.index(name)
+        dash = dashes.index(rest) if len(dashes) > 1 else colour
+        styles.append(
+            {"color": "black", "linewidth": 2.2, "zorder": 1}
+            if label == dataset.attrs["reference"]
+            else {
+                "color": MODEL_COLOURS[colour % len(MODEL_COLOURS)],
+                "linestyle": DASHES[dash % len(DASHES)],
+                "linewidth": 1.1,
+            }
+        )
+    return styles

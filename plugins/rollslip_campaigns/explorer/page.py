@@ -1,0 +1,177 @@
+"""The page of an explorer: data, plotting library and program in one HTML file that loads nothing.
+
+- Curves are drawn by plotly.js (MIT licence, its notice stands in the page), which the Python package plotly carries.
+- Numbers are 32-bit floats; what that rounds is far below the error of the grid.
+- What the page is set to stands behind the # of its address, in SI units, so that it can be kept and shared.
+"""
+
+import base64
+import json
+from collections.abc import Mapping
+from html import escape
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+from string import Template
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.errors import PluginError
+from rollslip.files import whole_file
+from rollslip.results.dark import GROUND, INK, on_dark
+from rollslip.results.style import RING_COLOURS, unit_label
+from rollslip.units import converted
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rollslip_campaigns.explorer.grid import Explorer
+
+__all__ = ["GROUPS", "Results", "library", "write_page"]
+
+Array = NDArray[np.float64]
+
+#: Result -> what its error is called.
+GROUPS: Final[Mapping[str, str]] = {
+    "effective_friction": "effective friction, of the largest on the ring",
+    "normal_force": "normal force, of the largest on the ring",
+    "runaway_slip": "slip of running away, in points of slip",
+    "runaway_drag": "drag of running away",
+    "steady_cage_slip": "slip at which the cage runs, in points of slip",
+    "critical_cage_slip": "critical slip, in points of slip",
+}
+
+
+def library() -> str:
+    """Return the plotting library.
+
+    Raises
+    ------
+    PluginError
+        If the package that carries it is not installed.
+    """
+    found = find_spec("plotly")
+    for folder in (found.submodule_search_locations or ()) if found else ():
+        if (place := Path(folder) / "package_data" / "plotly.min.js").is_file():
+            return place.read_text(encoding="utf-8")
+    raise PluginError("an explorer is drawn by plotly, which is not installed: pip install 'rollslip[explorer]'")
+
+
+@attrs.frozen(eq=False)
+class Results:
+    """What the page shows.
+
+    Attributes
+    ----------
+    slip, angle : ndarray
+        Cage slips of the curves, and positions of the rollers [rad].
+    layout : mapping of str to tuple of int
+        Where each result stands in a row of the table.
+    table : ndarray
+        Results at the nodes, shape (combinations of models, nodes of each dial in turn, results).
+    errors : mapping
+        Result -> median and largest error, at how many places it is known, and at how many on one side only.
+    """
+
+    slip: Array
+    angle: Array
+    layout: Mapping[str, tuple[int, int]]
+    table: Array
+    errors: Mapping[str, Mapping[str, Any]]
+
+
+def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dataset") -> None:
+    """Write the page; an older file is replaced.
+
+    Raises
+    ------
+    PluginError
+        If plotly is not installed.
+    OutputError
+        If the file cannot be written; then an older one is left as it is.
+    """
+    dials = [
+        {
+            "key": dial.key,
+            "name": dial.name,
+            "unit": unit_label(dial.shown),
+            "size": float(converted(1.0, dial.unit, dial.shown) - converted(0.0, dial.unit, dial.shown)),
+            "zero": float(converted(0.0, dial.unit, dial.shown)),
+            "low": dial.low,
+            "high": dial.high,
+            "start": dial.start,
+            "logarithmic": dial.logarithmic,
+            "nodes": dial.nodes.tolist(),
+        }
+        for dial in explorer.dials
+    ]
+    data = {
+        "dials": dials,
+        "choices": {key: list(names) for key, names in explorer.choices.items()},
+        "layout": {name: list(ends) for name, ends in results.layout.items()},
+        "slip": results.slip.tolist(),
+        "angle": ((np.degrees(results.angle) + 180.0) % 360.0 - 180.0).tolist(),
+        "width": results.table.shape[-1],
+        "table": base64.b64encode(np.ascontiguousarray(results.table, dtype="<f4").tobytes()).decode(),
+        "colours": {
+            which: {ring: turn(colour) for ring, colour in RING_COLOURS.items()} | {"ink": ink, "paper": paper}
+            for which, turn, ink, paper in (("light", str, "#1b1f24", "#ffffff"), ("dark", on_dark, INK, GROUND))
+        },
+    }
+    title = str(grid.attrs.get("title") or f"Explorer of {explorer.scene.source}")
+    text = Template((files(__package__) / "page.html.in").read_text(encoding="utf-8")).substitute(
+        title=escape(title),
+        ink=INK,
+        ground=GROUND,
+        controls=_controls(explorer),
+        errors=_errors(results.errors, explorer.checks),
+        warnings="".join(f"<li>{escape(text)}</li>" for text in json.loads(grid.attrs.get("warnings", "[]"))),
+        made=escape(
+            f"{explorer.size} points of study {grid.attrs['swept']}; scene {explorer.scene.source}, SHA-256 "
+            f"{grid.attrs.get('scene_hash', '')}; "
+            + ", ".join(f"{name} {version}" for name, version in json.loads(grid.attrs["packages"]).items())
+        ),
+        data=json.dumps(data).replace("</", "<\\/"),
+        plotly=library(),
+    )
+    with whole_file(path) as partial:
+        partial.write_text(text, encoding="utf-8")
+
+
+def _controls(explorer: "Explorer") -> str:
+    parts = []
+    for k, dial in enumerate(explorer.dials):
+        parts.append(
+            f'<label for="dial-{k}">{escape(dial.name)} <output id="shown-{k}" for="dial-{k}"></output></label>'
+            f'<input type="range" id="dial-{k}" data-key="{escape(dial.key)}" min="0" max="1000" step="1"/>'
+        )
+    for k, (key, names) in enumerate(explorer.choices.items()):
+        options = "".join(f"<option>{escape(name)}</option>" for name in names)
+        parts.append(
+            f'<label for="choice-{k}">{escape(key)}</label>'
+            f'<select id="choice-{k}" data-key="{escape(key)}">{options}</select>'
+        )
+    return "\n".join(parts)
+
+
+def _errors(errors: Mapping[str, Mapping[str, Any]], checks: int) -> str:
+    if not errors:
+        return "<p>Its error was not measured.</p>"
+    rows = "".join(
+        f'<tr><th scope="row">{escape(GROUPS[name])}</th><td>{_percent(one["median"])}</td>'
+        f"<td>{_percent(one['largest'])}</td><td>{one['mistaken']} of {one['known'] + one['mistaken']}</td></tr>"
+        for name, one in errors.items()
+    )
+    return (
+        f"<p>Measured at {checks} random places for each combination of models, against runs there.</p>"
+        '<div class="wide"><table><thead><tr><th scope="col">result</th><th scope="col">error, median</th>'
+        '<th scope="col">largest</th><th scope="col">a value on one side only</th></tr></thead>'
+        f"<tbody>{rows}</tbody></table></div>"
+    )
+
+
+def _percent(value: float | None) -> str:
+    return "–" if value is None else f"{100.0 * value:.2g} %"

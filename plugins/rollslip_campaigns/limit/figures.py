@@ -1,0 +1,67 @@
+"""The figure of a search for a limit: the result over what is searched, the limit, and where it is kept.
+
+Style, sizes and files are those of `rollslip.results.style`.
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollslip.results.style import DASHES, MODEL_COLOURS, ONE_COLUMN, ROW, plain_decades, unit_label
+from rollslip.units import converted, shown_unit
+from rollslip_campaigns.limit.findings import headline, kept_spans
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+__all__ = ["limit_figures", "over_searched"]
+
+
+def limit_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Draw the figure; give name, caption and figure, if any point has a result."""
+    if np.isfinite(dataset["result"].to_numpy()).any():
+        yield "limit", f"{headline(dataset)}; shaded is where it is kept.", over_searched(dataset)
+
+
+def over_searched(dataset: "xr.Dataset") -> "Figure":
+    """Draw the result over what is searched."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(ONE_COLUMN[0], ONE_COLUMN[1] + ROW), layout="constrained")
+    axes = figure.subplots()
+    x, of_x = _shown(dataset["searched"], dataset.attrs["searched_given"])
+    y, of_y = _shown(dataset["result"], dataset.attrs["limit_given"])
+    limit = float(converted(float(dataset.attrs["limit"]), dataset["result"].attrs["units"], of_y))
+    keeps, known = dataset["keeps"].to_numpy() > 0.0, np.isfinite(y)
+    for low, high, *_ in kept_spans(dataset):
+        ends = converted(np.array([low, high]), dataset["searched"].attrs["units"], of_x)
+        axes.axvspan(*ends, color=MODEL_COLOURS[2], alpha=0.15, linewidth=0.0)
+    axes.plot(x[known], y[known], color="0.6", linewidth=0.8, zorder=2)
+    handles: list[Any] = []
+    for which, face, label in ((keeps, MODEL_COLOURS[0], "kept"), (~keeps, "white", "not kept")):
+        if (which & known).any():
+            style: dict[str, Any] = {"markerfacecolor": face, "markeredgecolor": MODEL_COLOURS[0], "zorder": 3}
+            handles += axes.plot(x[which & known], y[which & known], "o", markersize=4, label=label, **style)
+    handles.append(axes.axhline(limit, color=MODEL_COLOURS[1], linestyle=DASHES[1], linewidth=1.0, label="limit"))
+    if dataset.attrs["logarithmic"]:
+        axes.set_xscale("log")
+        plain_decades(axes.xaxis)
+    axes.set_xlabel(f"{_name(', '.join(dataset.attrs['searched_key'].split('.')[-2:]))} [{unit_label(of_x)}]")
+    axes.set_ylabel(f"{_name(dataset.attrs['output'])} [{unit_label(of_y)}]")
+    figure.legend(handles=handles, loc="outside upper left", ncols=3)
+    return figure
+
+
+def _shown(values: "xr.DataArray", given: str) -> tuple[Any, str]:
+    """Values in the unit that people read, and that unit."""
+    unit = str(values.attrs["units"])
+    numbers = values.to_numpy()
+    shown = given or shown_unit(float(np.nanmax(np.abs(numbers))), unit) or unit
+    return converted(numbers, unit, shown), shown
+
+
+def _name(key: str) -> str:
+    text = key.replace("_", " ")
+    return f"{text[:1].upper()}{text[1:]}"

@@ -1,0 +1,438 @@
+"""Searches where a result passes a limit while one quantity moves: the gentlest run-up, the drop of load that skids.
+
+- The points are those of one sweep (`rollslip_campaigns.sweep`) over a long row of values, of which few are computed:
+  some spread evenly at first, then those that narrow down each passage (`rollslip_campaigns.limit.search`). So every
+  point is kept in the folder's journal, engines and time limits are those of sweeps, and the same command goes on
+  where it was stopped.
+- The row is even in the logarithm of the quantity where it spans more than a factor of 3 above zero, but for
+  temperatures; else in itself. Two neighbours are at most so far apart as the answer may be off.
+- Only what is computed is known: the limit may be passed twice between two of the first points unseen, and the result
+  says so where it does not go one way all along them.
+- Resolution and, of a motion, friction, level and integrator, where the scene leaves them open, are chosen once: for
+  the scene and for both ends of the range, the finest of the three. All points share them, as their differences count.
+"""
+
+import json
+import math
+import os
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.resolution import Resolution
+from rollslip.errors import RollslipError, SceneError
+from rollslip.planning.plan import duration_range, estimate
+from rollslip.planning.progress import progress_in_notebook
+from rollslip.planning.quantities import quantities
+from rollslip.results.dataset import about, save
+from rollslip.scene.changes import Quantity, evolve, unknown
+from rollslip.scene.reading import load_scene
+from rollslip.scene.values import DEFAULT_STUDY, Scene
+from rollslip.structure import FrozenTable
+from rollslip.studies.answers import Estimated
+from rollslip.studies.study import settings, study_class
+from rollslip.units import UnitError, check_typed, evenly, format_quantity
+from rollslip_campaigns.limit.search import Requirement, next_places, passages, read_requirement, tells_in_words
+from rollslip_campaigns.sweep.definition import Resolutions, Sweep, name_of
+from rollslip_campaigns.sweep.folder import taken_up
+from rollslip_campaigns.sweep.journal import FAILED, records
+from rollslip_campaigns.sweep.point import unpacked
+from rollslip_campaigns.sweep.result import collect
+from rollslip_campaigns.sweep.run import Progress, asked_engine, run_sweep
+from rollslip_campaigns.sweep.sampling import Axis, range_parts, read_axis
+from rollslip_campaigns.sweep.sweep import plan_sweep
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["RESULT", "Limit", "limit", "plan_limit", "run_limit"]
+
+RESULT: Final = "limit.nc"
+#: Values that are computed first where nothing is said.
+_FIRST: Final = 9
+#: Ratio of the ends beyond which a quantity is taken by its logarithm.
+_FACTOR: Final = 3.0
+_MOST: Final = 100_000
+#: Time of a point up to which one alone is computed in this process, which saves the start of others [s].
+_SOON: Final = 2.0
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Limit:
+    """What is searched for.
+
+    Attributes
+    ----------
+    sweep : Sweep
+        All values that may be computed.
+    requirement : Requirement
+        What has to be kept.
+    first : tuple of int
+        Numbers of the values that are computed first.
+    within : float
+        How far neighbours are apart: by how much of the value where `logarithmic`, else of the range.
+    logarithmic : bool
+        Whether values are even in their logarithm.
+    seconds : float
+        Time that a point is estimated to take [s]; NaN where it is not known.
+    """
+
+    sweep: Sweep
+    requirement: Requirement
+    first: tuple[int, ...]
+    within: float
+    logarithmic: bool
+    seconds: float
+
+    @property
+    def axis(self) -> Axis:
+        """The values."""
+        return self.sweep.design.axes[0]
+
+    @property
+    def spacing(self) -> int:
+        """Distance of the first values in the row."""
+        return self.first[1] - self.first[0]
+
+    @property
+    def each(self) -> int:
+        """Points that a passage takes at most beside the first ones."""
+        return 2 * math.ceil(math.log2(self.spacing)) if self.spacing > 1 else 0
+
+    @property
+    def told(self) -> list[str]:
+        """What is searched, and what it costs, in words."""
+        low, high = (self.axis.shown(self.axis.values[k]) for k in (0, -1))
+        how, first = "the value" if self.logarithmic else "the range", len(self.first)
+        lines = [
+            f"{self.requirement.told}: {self.axis.key} from {low} to {high}, to {100 * self.within:.3g} % of {how}",
+            f"{first} values at first, and {self.each} more at most wherever the limit is passed",
+        ]
+        if not math.isnan(self.seconds):
+            once = duration_range(self.seconds * (first + self.each))
+            lines.append(f"each takes {duration_range(self.seconds)} of one core, all {once} where it is passed once")
+        return lines
+
+
+def limit(
+    scene: Scene | str,
+    over: Mapping[str, str],
+    keep: str,
+    *,
+    study: str | None = None,
+    within: float = 0.01,
+    out: str | os.PathLike[str] | None = None,
+    engine: object = None,
+    time_limit: float | str | None = None,
+) -> "xr.Dataset":
+    """Find where a result of a scene passes a limit while one quantity moves.
+
+    Parameters
+    ----------
+    scene, over, keep, study, within, engine, time_limit
+        As in `plan_limit`.
+    out : path, optional
+        Folder in which everything is kept; a call with the same scene and options goes on with what it holds.
+
+    Returns
+    -------
+    xarray.Dataset
+        (point,), in ascending order: ``searched``, the values; ``result``, what came out; ``keeps``, 1 where the limit
+        is kept; ``status`` and ``message`` of each. (edge,): ``edge_kept`` and ``edge_passed``, the values between
+        which the limit is passed, and ``edge_unknown``, 1 where a point between them failed.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If anything is wrong with the scene or what is asked for; before anything runs.
+    EngineError, OutputError
+        If the engine or the folder cannot be used.
+
+    Examples
+    --------
+    >>> found = limit(
+    ...     "1032930-70C", {"bearing.roller_length": "5 mm:40 mm:5"}, "half_width >= 60 um", study="friction-curve"
+    ... )
+    >>> found.sizes["edge"], bool(found.edge_kept[0] < found.edge_passed[0])
+    (1, True)
+    """
+    made = plan_limit(scene, over, keep, study=study, within=within, engine=engine, time_limit=time_limit)
+    place = tempfile.TemporaryDirectory() if out is None else nullcontext(out)
+    with place as folder, progress_in_notebook("limit") as show:
+        return run_limit(made, Path(folder), report=lambda now: show(*now.told))
+
+
+def plan_limit(
+    scene: Scene | str,
+    over: Mapping[str, str],
+    keep: str,
+    *,
+    study: str | None = None,
+    within: float = 0.01,
+    engine: object = None,
+    time_limit: float | str | None = None,
+) -> Limit:
+    """Check a search and lay out its values.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file; its tables ``[sweep]`` and ``[uncertainty]`` play no part.
+    over : mapping
+        The one quantity that moves, by dotted key: "LOW:HIGH" or "LOW:HIGH:COUNT" with units, where COUNT is that of
+        the values that are computed first, 9 if it is not said; with ":log" behind it even in the logarithm.
+    keep : str
+        "OUTPUT<=VALUE" or "OUTPUT>=VALUE": a variable of the study and its limit, with a unit if it has one. Where it
+        has several values, of both rings for example, all have to keep it.
+    study : str, optional
+        Study; by default the first one of the scene.
+    within : float
+        How exactly the limit is told: a share of the value, or of the range where that is not taken by its logarithm.
+    engine : str or table, optional
+        Engine and its parameters.
+    time_limit : float or str, optional
+        Longest time for one point.
+
+    Raises
+    ------
+    SceneError
+        If anything of it is wrong.
+    PluginError
+        If a model that it names is missing or broken.
+    """
+    given = scene if isinstance(scene, Scene) else load_scene(scene)
+    base = attrs.evolve(given, sweep=None, uncertainty=None)
+    name = study or next(iter(base.study), DEFAULT_STUDY)
+    requirement = read_requirement(keep, study_class(name, base))
+    if not 1e-6 <= within <= 0.5:
+        raise SceneError([f"within: a share from 1e-06 to 0.5 is expected, such as 0.01, not {within:g}"])
+    if len(over) != 1:
+        raise SceneError(
+            [f"over: one quantity is searched over, not {len(over)}; sweep several with rollslip sweep run"]
+        )
+    ((key, text),) = over.items()
+    known = quantities(assemble(base), settings(base, name))
+    if key not in known:
+        raise SceneError([f"{key}: {unknown(key, known)}"])
+    quantity = known[key]
+    if quantity.unit is None:
+        raise SceneError(
+            [f"{key}: is no quantity that goes from one value to another; sweep it with rollslip sweep run"]
+        )
+    try:
+        span, count, logarithmic = _range(quantity, text if isinstance(text, str) else str(text))
+    except RollslipError as error:
+        raise SceneError([f"{key}: {getattr(error, 'reason', error)}"]) from error
+    ending = ":log" if logarithmic else ""
+    rough = plan_sweep(
+        base, {key: f"{span}:{count}{ending}"}, study=name, output=[requirement.output], engine=engine,
+        time_limit=time_limit,
+    )  # fmt: skip
+    values = rough.design.axes[0].values
+    width = math.log(float(values[-1]) / float(values[0])) / math.log1p(within) if logarithmic else 1.0 / within  # type: ignore[arg-type]
+    spacing = 2 ** max(0, math.ceil(math.log2(width / (count - 1))))
+    if (size := (count - 1) * spacing + 1) > _MOST:
+        raise SceneError([f"{key}: {size} values are more than {_MOST}; widen --within, or narrow the range"])
+    resolution, seconds = _resolution(base, name, [{}, {key: values[0]}, {key: values[-1]}])
+    axis = read_axis(quantity, f"{span}:{size}{ending}", sampled=False)
+    assert isinstance(axis, Axis)
+    sweep = attrs.evolve(
+        rough,
+        design=attrs.evolve(rough.design, axes=(axis,)),
+        resolutions=Resolutions() if resolution is None else Resolutions(chosen={name_of([]): resolution}),
+        table=attrs.evolve(rough.table, over=FrozenTable({key: f"{span}:{size}{ending}"})),
+        given=given,
+    )
+    return Limit(
+        sweep=sweep,
+        requirement=requirement,
+        first=tuple(range(0, size, spacing)),
+        within=within,
+        logarithmic=logarithmic,
+        seconds=seconds,
+    )
+
+
+def _range(quantity: Quantity, text: str) -> tuple[str, int, bool]:
+    """Return both ends as they are written, the count of the values, and whether they are even in the logarithm."""
+    if ":" not in text:
+        raise SceneError([f"{text!r} is no range; write LOW:HIGH or LOW:HIGH:COUNT, with units"])
+    ends, count, logarithmic = range_parts(quantity.key, text)
+    if count and not (count.isascii() and count.isdecimal() and 3 <= int(count) <= 999):
+        raise SceneError([f"{text!r}: {count!r} is no count of values from 3 to 999"])
+    try:
+        check_typed(text, ends, str(quantity.unit))
+        low, high = evenly(*ends, 2, str(quantity.unit))
+    except UnitError as error:
+        raise SceneError([str(error)]) from error
+    wide = low > 0.0 and high > _FACTOR * low and quantity.unit != "K"
+    return ":".join(ends), int(count or _FIRST), logarithmic or wide
+
+
+def _resolution(scene: Scene, study: str, places: list[dict[str, object]]) -> tuple[Resolution | None, float]:
+    """Return the resolution of all points, None if nothing can be told, and the estimated time of one."""
+    found = list[tuple[Scene, Estimated]]()
+    for changes in places:
+        try:
+            at = evolve(scene, changes) if changes else scene
+            one = estimate(study_class(study).of(at), assemble(at), cheaper_laws=False)
+        except RollslipError:  # the point will say why
+            continue
+        if not one.failed:
+            found.append((at, one))
+    if not found:
+        return None, math.nan
+    every = [one.resolution for _, one in found]
+    shared: dict[str, Any] = {
+        name: next(iter(chosen)) if len(chosen := {getattr(one, name) for one in every}) == 1 else None
+        for name in ("integrator", "friction", "level")
+    }
+    steps = [one.integrator_tolerance for one in every if one.integrator_tolerance is not None]
+    resolution = Resolution(
+        slices=max(one.slices for one in every),
+        quadrature=max(every, key=lambda one: one.slices).quadrature,
+        instants=max(one.instants or 1 for one in every),
+        table_tolerance=min(one.table_tolerance for one in every),
+        integrator_tolerance=min(steps, default=None),
+        **shared,
+    )
+    seconds = list[float]()
+    for at, _ in found:
+        begin = time.process_time()
+        try:
+            cost = sum(study_class(study).of(at).at(resolution).cost(assemble(at, resolution)).values())
+        except RollslipError:
+            continue
+        # maps of a motion, which a plan makes for its run, every point makes for itself, as was done here
+        spent = time.process_time() - begin if study_class(study).in_time else 0.0
+        seconds.append(max(cost, spent))
+    return resolution, max(seconds, default=math.nan)
+
+
+# The search ----------------------------------------------------------------------------------------------------------
+
+
+def run_limit(
+    made: Limit,
+    folder: Path,
+    *,
+    said: Callable[[str], None] = lambda text: None,
+    report: Callable[[Progress], None] = lambda progress: None,
+) -> "xr.Dataset":
+    """Compute what a search needs, or what is left of it, in its folder, and write the result there.
+
+    Points that failed in an earlier run are tried again.
+
+    Raises
+    ------
+    OutputError
+        If the folder holds something else, or cannot be written.
+    EngineError
+        If the engine cannot be used.
+    KeyboardInterrupt
+        If interrupted; what is done is kept.
+    """
+    from rollslip.catalogue.registry import get_model
+
+    taken_up(made.sweep, folder)
+    slacks, failed, longest = _known(made, folder)
+    asked, tell = sorted({*made.first, *failed}), said
+    again: tuple[str, ...] = FAILED
+    alone = None if asked_engine(made.sweep) is not None or made.sweep.local else get_model("engine", "serial")
+    while asked:
+        part = attrs.evolve(made.sweep, only=asked)
+        soon = alone if len(asked) == 1 and longest <= _SOON else None
+        if run_sweep(part, folder, engine=soon, again=again, said=tell, report=report).interrupted:
+            raise KeyboardInterrupt
+        slacks, failed, longest = _known(made, folder)
+        asked, again, tell = next_places(slacks, failed, made.spacing), (), lambda text: None
+        said(f"{len(slacks) + len(failed)} values computed{_so_far(made, slacks) if asked else ''}")
+    dataset = _dataset(made, folder, slacks, failed)
+    save(dataset, folder / RESULT)
+    return dataset
+
+
+def _known(made: Limit, folder: Path) -> tuple[dict[int, float], set[int], float]:
+    """Return how far results are within the limit, which points failed, and the longest time of one, by number."""
+    slacks, failed, longest = dict[int, float](), set[int](), 0.0
+    for row in (record.row for record in records(folder)):
+        longest = max(longest, row.seconds)
+        if row.status == "ok":
+            arrays = unpacked(json.loads(row.layout), row.numbers, row.texts)
+            slacks[row.number] = made.requirement.slack(_result(made, arrays))
+            failed.discard(row.number)
+        elif row.number not in slacks:
+            failed.add(row.number)
+    return slacks, failed, longest
+
+
+def _result(made: Limit, arrays: Mapping[str, Any]) -> float:
+    """Return the worst value of the output at a point."""
+    values = arrays.get(made.requirement.output)
+    if values is None:
+        return math.nan
+    if np.asarray(values).dtype.kind not in "fiu":
+        raise tells_in_words(made.requirement.output)
+    return made.requirement.worst(np.ravel(values).tolist())
+
+
+def _so_far(made: Limit, slacks: Mapping[int, float]) -> str:
+    """Tell between which values the limit is passed as far as is known."""
+    shown = made.axis.shown
+    ends = [(made.axis.values[a], made.axis.values[b]) for a, b in passages(slacks)]
+    return "; the limit is passed between " + ", and between ".join(f"{shown(a)} and {shown(b)}" for a, b in ends)
+
+
+def _dataset(made: Limit, folder: Path, slacks: Mapping[int, float], failed: set[int]) -> "xr.Dataset":
+    import xarray as xr
+
+    places = sorted({*slacks, *failed})
+    whole = collect(attrs.evolve(made.sweep, only=places), folder)
+    at = whole.isel({made.sweep.names[made.axis.key]: places})
+    quantity, asked = made.axis.quantity, made.requirement
+    values, unit = np.array(made.axis.values, dtype=float), str(quantity.unit)
+    named = f"study_{asked.output}" if f"study_{asked.output}" in at else asked.output
+    rows = at[named].to_numpy().reshape(len(places), -1) if named in at else np.full((len(places), 1), np.nan)
+    output = study_class(made.sweep.study).outputs[asked.output]
+    why = f"study_{output.status}" if f"study_{output.status}" in at else output.status
+    edges = [(a, b) if slacks[a] >= 0.0 else (b, a) for a, b in passages(slacks)]
+    lost = [any(min(edge) < place < max(edge) for place in failed) for edge in edges]
+    variables: dict[str, Any] = {
+        "searched": ("point", values[places], about(unit, quantity.doc)),
+        "result": ("point", np.array([asked.worst(row.tolist()) for row in rows]), about(asked.unit, output.meaning)),
+        "keeps": ("point", np.array([slacks.get(k, math.nan) >= 0.0 for k in places], dtype=float),
+                  about("1", "1 where the limit is kept")),
+        "status": ("point", at["status"].to_numpy(), about("1", "how the point ended")),
+        "message": ("point", at["message"].to_numpy(), about("1", "why it is not ok")),
+        "result_status": ("point", at[why].to_numpy() if why in at else np.full(len(places), ""),
+                          about("1", "what the study says of the result")),
+        "seconds": ("point", at["seconds"].to_numpy(), about("s", "time that the point took")),
+        "edge_kept": ("edge", values[[kept for kept, _ in edges]], about(unit, "value at the limit that keeps it")),
+        "edge_passed": ("edge", values[[beyond for _, beyond in edges]], about(unit, "its neighbour, which does not")),
+        "edge_unknown": ("edge", np.array(lost, dtype=float), about("1", "1 where a point between the two failed")),
+    }  # fmt: skip
+    told = {name: value for name, value in whole.attrs.items() if name not in ("axes", "sampling", "seed", "shard")}
+    return xr.Dataset(
+        variables,
+        attrs=told | {
+            "study": "limit",
+            "searched_key": made.axis.key,
+            "searched_given": made.axis.given or "",
+            "logarithmic": int(made.logarithmic),
+            "within": made.within,
+            "first": len(made.first),
+            "output": asked.output,
+            "sense": asked.sense,
+            "limit": asked.limit,
+            "limit_given": asked.given,
+            "requirement": asked.told,
+            "range": json.dumps([format_quantity(float(one), unit, 4, made.axis.given) for one in values[[0, -1]]]),
+        },
+    )  # fmt: skip

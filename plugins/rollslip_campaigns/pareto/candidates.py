@@ -1,0 +1,364 @@
+"""The family of numerical and modelling choices for one scene, whose cost is held against their error.
+
+- A numerical choice computes the scene's own models more or less finely; its error is against the finest of the same
+  models. A modelling choice puts another law or friction in; it differs from the exact model. The two never mix: what a
+  law leaves out, no slices bring back.
+- Of films none is exact. They differ from the scene's own film with the same law, and have no front: against the exact
+  law a wrong film could make good for what another law leaves out.
+- The full product of all choices would not end. The family varies one thing at a time around the plan's choice, and
+  crosses what acts together: slices with instants, integrators with their tolerance.
+- Where a scene states its slices, they are part of what is asked for: the finest has them too, and only fewer are
+  choices.
+- The finest is not exact either. One half as fine tells how far: nothing is known of errors below that.
+"""
+
+import contextlib
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Final
+
+import attrs
+
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.resolution import Resolution, finest
+from rollslip.catalogue.discovery import available, get_class
+from rollslip.catalogue.registry import get_model
+from rollslip.errors import PluginError, SceneError, nearest
+from rollslip.planning.plan import Plan, plan
+from rollslip.scene.changes import evolve
+from rollslip.scene.reading import load_scene
+from rollslip.scene.values import Scene
+from rollslip.studies.study import AXES, Study
+from rollslip_campaigns.comparison.choices import choice_of
+
+#: One at a time.
+_SLICES: Final = (5, 11, 21, 41, 101, 201, 401)
+_GAUSS: Final = (5, 11, 21, 41, 101)
+_INSTANTS: Final = (1, 2, 4, 8, 16, 32, 64)
+_TABLES: Final = (10.0, 3.0, 0.3)  # times the plan's
+_STEPS: Final = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+#: Crossed.
+_CORE: Final = ((5, 11, 21, 41), (1, 2, 4))
+_CORE_STEPS: Final = (1e-3, 1e-5, 1e-7)
+_LAW_ERRORS: Final = (1e-2, 1e-3, 1e-4, 1e-6)
+#: Tables of the finest, over the plan's: loads over the orbit take time with the inverse of their error, and end.
+_FINEST_TABLES: Final = 0.1
+#: By how much coarser the tolerances are of what tells how exact the finest is; slices and instants are halved.
+_COARSER: Final = 4.0
+
+#: Labels that are no deviation from the plan.
+PLANNED, FINEST, HALF, EXACT = "as planned", "finest", "half as fine", "finest, exact model"
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Choice:
+    """One way to compute the results of a study.
+
+    Attributes
+    ----------
+    study : str
+        Its study.
+    label : str
+        Where it departs from the plan: "11 slices, 2 instants".
+    kind : {"numerical", "modelling", "film", "reference"}
+        What it is; a reference is not timed again and again.
+    scene : Scene
+        The scene, with another film in it where that is the choice.
+    resolution : Resolution
+        All else.
+    """
+
+    study: str
+    label: str
+    kind: str
+    scene: Scene
+    resolution: Resolution
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Family:
+    """All choices of a scene, those of a study one after the other and its references first.
+
+    Attributes
+    ----------
+    plan : Plan
+        The scene's own.
+    studies : mapping of str to Study
+        What is run, without what nobody compares.
+    choices : tuple of Choice
+        All of them.
+    rounds : int
+        How often each is timed.
+    notes : tuple of str
+        What limits the family, in words.
+    """
+
+    plan: Plan
+    studies: Mapping[str, Study]
+    choices: tuple[Choice, ...]
+    rounds: int
+    notes: tuple[str, ...]
+
+    def of(self, study: str, *kinds: str) -> list[Choice]:
+        """Return the choices of a study that are of some kinds."""
+        return [one for one in self.choices if one.study == study and one.kind in kinds]
+
+
+def plan_family(
+    scene: Scene | str,
+    *,
+    study: str | None = None,
+    choices: Sequence[str] | str = (),
+    traction: Sequence[str] | str = (),
+    film: Sequence[str] | str = (),
+    rounds: int = 5,
+) -> Family:
+    """Return the family of choices for a scene; see `rollslip_campaigns.pareto.pareto.pareto`.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If the scene or a name is wrong, or nothing is left to choose.
+    """
+    scene = scene if isinstance(scene, Scene) else load_scene(scene)
+    wanted, laws, films = (_names(names) for names in (choices, traction, film))
+    problems = [_unknown(name) for name in wanted if name not in AXES]
+    if rounds < 1:
+        problems.append(f"rounds: must be at least 1, not {rounds}")
+    if problems:
+        raise SceneError(problems)
+    for law in laws:
+        get_class("traction", law)
+    made = plan(scene, study)
+    named = [axis for axis, names in (("traction", laws), ("film", films)) if names]
+    wanted = tuple(dict.fromkeys((*wanted, *named))) if wanted else tuple(AXES)
+    varied = {_film_label(scene, name): _with_film(scene, name) for name in films or _others(scene)}
+    found: list[Choice] = []
+    for name, one in made.studies.items():
+        found += _of_study(made, name, [axis for axis in wanted if axis in one.acts], laws, varied)
+    if not any(one.label not in (PLANNED, FINEST, HALF, EXACT) for one in found):
+        can = [axis for axis in AXES if any(axis in one.acts for one in made.studies.values())]
+        raise SceneError(
+            [
+                f"there is nothing to choose: {', '.join(made.studies)} of this scene can differ in {', '.join(can)}, "
+                f"but not in {', '.join(wanted)} as far as the scene leaves that open"
+            ]
+        )
+    notes = []
+    if scene.accuracy.slices is not None and made.assembly.slices > 1 and {"slices", "quadrature"} & {*wanted}:
+        notes.append(
+            f"the scene states {scene.accuracy.slices} slices, and so has the finest; with "
+            "--set accuracy.slices=auto more of them, and those of Gauss and Legendre, take part"
+        )
+    return Family(
+        plan=made,
+        studies={name: _bare(one) for name, one in made.studies.items()},
+        choices=tuple(found),
+        rounds=rounds,
+        notes=tuple(notes),
+    )
+
+
+def _names(names: Sequence[str] | str) -> tuple[str, ...]:
+    return tuple(filter(None, map(str.strip, names.split(",")))) if isinstance(names, str) else tuple(names)
+
+
+def _unknown(name: str) -> str:
+    near = nearest(name, AXES, cutoff=0.4)
+    hint = f"did you mean {' or '.join(map(repr, near))}?" if near else f"there are: {', '.join(AXES)}"
+    return f"choices: nothing to choose is called {name!r}; {hint}"
+
+
+def _bare(study: Study) -> Study:
+    """Return a study without what is no result here, so that it costs nothing."""
+    return study.without(frozenset(study.outputs.keys() - set(study.judged.values())))
+
+
+# One study ------------------------------------------------------------------------------------------------------------
+
+
+def _of_study(
+    made: Plan, study: str, axes: Sequence[str], laws: Sequence[str], films: Mapping[str, Scene]
+) -> list[Choice]:
+    """References of a study, the plan's choice, and what departs from it, each once."""
+    scene, base = made.scene, made.estimated[study].resolution
+    settings = made.studies[study]
+    best = finest(scene)
+    law = assemble(scene, best).traction.full_film.name
+    if "table_tolerance" in settings.acts:
+        best = attrs.evolve(best, table_tolerance=max(best.table_tolerance, _FINEST_TABLES * base.table_tolerance))
+    if "instants" not in settings.acts:
+        best = attrs.evolve(best, instants=base.instants)
+    if own := settings.chosen(made.assembly):
+        base = attrs.evolve(
+            base,
+            friction=base.friction or own["friction"],
+            integrator_tolerance=base.integrator_tolerance or own["integrator_tolerance"],
+        )
+        best = attrs.evolve(best, friction=own["friction"])
+    exact = _exact(best, law)
+    found = [
+        Choice(study=study, label=label, kind="reference", scene=scene, resolution=resolution)
+        for label, resolution in ((FINEST, best), (HALF, _coarser(scene, best)), (EXACT, exact))
+        if label == FINEST or resolution != best
+    ]
+    found.append(Choice(study=study, label=PLANNED, kind="numerical", scene=scene, resolution=base))
+    seen = {base}
+    for changes in _numerical(made, study, base, axes):
+        resolution = attrs.evolve(base, **changes)
+        if resolution not in seen:
+            seen.add(resolution)
+            label = _label(base, resolution)
+            found.append(Choice(study=study, label=label, kind="numerical", scene=scene, resolution=resolution))
+    for changes in _modelling(made, base, axes, laws, law):
+        resolution = attrs.evolve(base, **changes)
+        if resolution not in seen:
+            seen.add(resolution)
+            same = (resolution.traction, resolution.friction) == (best.traction, best.friction)
+            kind = "numerical" if same else "modelling"
+            label = _label(base, resolution)
+            found.append(Choice(study=study, label=label, kind=kind, scene=scene, resolution=resolution))
+    if "film" in axes:
+        found += [
+            Choice(study=study, label=f"film {name}", kind="film", scene=changed, resolution=base)
+            for name, changed in films.items()
+        ]
+    return found
+
+
+def _exact(best: Resolution, law: str) -> Resolution:
+    """Return the finest of the exact model: the equation solved that a law is a form of, friction of every slice."""
+    traction = get_class("traction", law).solved_by or best.traction
+    return attrs.evolve(best, traction=traction, friction=best.friction and "conventional")
+
+
+def _coarser(scene: Scene, best: Resolution) -> Resolution:
+    """Return one half as fine; slices that a scene states are what it asks for, and so are not in doubt."""
+    step = best.integrator_tolerance
+    return attrs.evolve(
+        best,
+        slices=scene.accuracy.slices or best.slices // 2,
+        instants=best.instants and max(1, best.instants // 2),
+        table_tolerance=_COARSER * best.table_tolerance,
+        integrator_tolerance=step and _COARSER * step,
+    )
+
+
+def _numerical(made: Plan, study: str, base: Resolution, axes: Sequence[str]) -> Iterable[dict[str, Any]]:
+    """What departs from the plan in numbers: the crossed core first, then one thing at a time."""
+    stated = made.scene.accuracy.slices
+    sliced = made.assembly.slices > 1
+    slices = [n for n in _SLICES if stated is None or n < stated] if sliced and "slices" in axes else []
+    if slices and "instants" in axes:
+        for n in _CORE[0]:
+            for m in _CORE[1]:
+                if n in slices:
+                    yield {"slices": n, "quadrature": "equal", "instants": m}
+    yield from ({"slices": n, "quadrature": "equal"} for n in slices)
+    if sliced and stated is None and "quadrature" in axes:
+        yield from ({"slices": n, "quadrature": "gauss"} for n in _GAUSS)
+    if "instants" in axes:
+        yield from ({"instants": m} for m in _INSTANTS)
+    if "table_tolerance" in axes:
+        yield from ({"table_tolerance": min(0.5, factor * base.table_tolerance)} for factor in _TABLES)
+    integrators = _integrators(made, study) if "integrator" in axes else []
+    yield from ({"integrator": name} for name in integrators)
+    if "integrator_tolerance" in axes:
+        yield from ({"integrator_tolerance": tolerance} for tolerance in _STEPS)
+        for name in integrators:
+            yield from ({"integrator": name, "integrator_tolerance": tolerance} for tolerance in _CORE_STEPS)
+    if "compiled" in axes:
+        yield {"compiled": False}
+
+
+def _modelling(
+    made: Plan, base: Resolution, axes: Sequence[str], laws: Sequence[str], law: str
+) -> Iterable[dict[str, Any]]:
+    """Other laws, each as it is and by its cheaper evaluations, and the other friction of dynamics."""
+    if "traction" in axes:
+        for name in laws or _forms(law):
+            traction = "named" if name == law else name
+            # of a law that has no cheaper way they are the same
+            evaluations = dict[Any, float]()
+            for error in (0.0, *_LAW_ERRORS):
+                resolution = attrs.evolve(base, traction=traction, traction_error=error)
+                try:
+                    evaluated = assemble(made.scene, resolution).traction
+                    if evaluations.get(evaluated, math.inf) > 0.0:
+                        evaluations[evaluated] = error  # the least that it keeps
+                except Exception:  # a plugin that breaks is run, too, and its error told
+                    evaluations.setdefault(name, 0.0)
+            yield from ({"traction": traction, "traction_error": error} for error in evaluations.values())
+    if "friction" in axes:
+        yield from ({"friction": name} for name in ("conventional", "effective"))
+
+
+def _forms(law: str) -> list[str]:
+    """Laws that are forms of the same equation as one is; the last solves it."""
+    solves, found = get_class("traction", law).solved_by or law, list[str]()
+    for name in available("traction"):
+        with contextlib.suppress(PluginError):
+            if get_class("traction", name).solved_by == solves:
+                found.append(name)
+    return [*found, solves]
+
+
+def _integrators(made: Plan, study: str) -> list[str | None]:
+    """Implicit integrators that are there, with the packages that they need; None for the scene's own."""
+    own, found = made.studies[study].chosen(made.assembly).get("integrator"), list[str | None]()
+    for name in available("integrator"):
+        if own == name:
+            found.append(None)
+            continue
+        with contextlib.suppress(PluginError):  # one that lacks its package is no choice
+            if not get_class("integrator", name).explicit:
+                get_model("integrator", name).solver()
+                found.append(name)
+    return found
+
+
+# Films ----------------------------------------------------------------------------------------------------------------
+
+
+def _others(scene: Scene) -> list[str]:
+    """Films that say that fronts are to take them, without the scene's."""
+    own, found = _film_label(scene, None), list[str]()
+    for name in available("film"):
+        with contextlib.suppress(PluginError):
+            if name != own and get_class("film", name).on_fronts:
+                found.append(name)
+    return found
+
+
+def _film_label(scene: Scene, name: str | None) -> str:
+    return choice_of(scene, "film", name).label
+
+
+def _with_film(scene: Scene, name: str) -> Scene:
+    return evolve(scene, {"models.film": choice_of(scene, "film", name).table})
+
+
+# Words ----------------------------------------------------------------------------------------------------------------
+
+
+def _label(base: Resolution, resolution: Resolution) -> str:
+    """Say in what a resolution departs from the plan's."""
+    said = []
+    if (resolution.slices, resolution.quadrature) != (base.slices, base.quadrature):
+        said.append(f"{resolution.slices} {'Gauss points' if resolution.quadrature == 'gauss' else 'slices'}")
+    if resolution.instants != base.instants:
+        said.append(f"{resolution.instants} instant{'s' * (resolution.instants != 1)}")
+    if resolution.table_tolerance != base.table_tolerance:
+        said.append(f"tables to {resolution.table_tolerance:.0e}")
+    if resolution.integrator != base.integrator:
+        said.append(str(resolution.integrator))
+    if resolution.integrator_tolerance != base.integrator_tolerance:
+        said.append(f"steps to {resolution.integrator_tolerance:.0e}")
+    if (resolution.traction, resolution.traction_error) != (base.traction, base.traction_error):
+        law = "the law" if resolution.traction == "named" else resolution.traction
+        said.append(f"{law} to {resolution.traction_error:.0e}" if resolution.traction_error else law)
+    if resolution.friction != base.friction:
+        said.append(f"{resolution.friction} friction")
+    if not resolution.compiled and base.compiled:
+        said.append("in NumPy")
+    return ", ".join(said)

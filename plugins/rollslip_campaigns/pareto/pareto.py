@@ -1,0 +1,428 @@
+"""Error against cost: run a family of choices against the finest of it, and find the front that none of them passes.
+
+- Cost is the time that the processor spends in a study, all threads together, without reading, planning and binding:
+  what a choice itself takes, which other work on the machine moves least.
+- Choices take turns, round after round, so that a machine that changes its mood is unkind to all alike. A turn repeats
+  a short study until it can be timed. A choice is called faster only where every one of its rounds is faster.
+- A choice that fails is a status and stops no other. A result that is not there, such as a critical slip outside the
+  range, has no error: its status says in words what is found, beside what the finest finds.
+- What is done is kept, a small file for each choice, so that a run that is interrupted or killed loses one turn.
+"""
+
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.bearing.assembly import assemble
+from rollslip.bearing.raceway import Array
+from rollslip.errors import OutputError, RollslipError, in_words
+from rollslip.files import whole_file
+from rollslip.planning.plan import Plan
+from rollslip.planning.plausibility import implausible
+from rollslip.planning.provenance import run_origin, together
+from rollslip.results.dataset import CITED, about
+from rollslip.scene.values import Scene, scene_hash
+from rollslip_campaigns.pareto.candidates import EXACT, FINEST, HALF, PLANNED, Choice, Family, plan_family
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Processor time [s] that a turn takes at least, so that the clock of every system can tell it.
+_TURN: Final = 0.05
+#: Error below which rounding governs, whatever the finest and one half as fine differ by.
+_ROUNDING: Final = 1e-14
+#: What a caller is told: the share that is done, the seconds that are left (nan if unknown), and in words.
+Progress = Callable[[float, float, str], None]
+
+
+def pareto(
+    scene: Scene | str,
+    *,
+    study: str | None = None,
+    choices: Sequence[str] | str = (),
+    traction: Sequence[str] | str = (),
+    film: Sequence[str] | str = (),
+    rounds: int = 5,
+) -> "xr.Dataset":
+    """Hold error against cost for a family of numerical and modelling choices on one scene.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file.
+    study : str, optional
+        Only this study; by default all of the scene.
+    choices : sequence of str, or str
+        What may differ, of `rollslip_campaigns.pareto.candidates.AXES`, or with commas between; by default all that
+        acts on the results.
+    traction, film : sequence of str, or str
+        Laws and films to choose from, in place of those that the family has by itself.
+    rounds : int
+        How often each choice is timed.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions (choice, result): error of the numerical choices against the finest of the same models; difference
+        from the finest of the exact model, of films from that of the scene's own; error_status and difference_status in
+        words; on_front (error of the numerical choices) and on_model_front (difference of the modelling choices and the
+        plan's). (choice,): kind, seconds (median), seconds_low, seconds_high, evaluations,
+        status, and as coordinates all that was chosen. (choice, round): round_seconds. (result,): floor, the
+        difference of the finest from one half as fine, below which errors are not known.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If the scene or a name is wrong, or nothing is left to choose.
+    RollslipError
+        If a finest fails.
+
+    Examples
+    --------
+    >>> found = pareto("1032930-30C", study="friction-curve", choices="slices", rounds=1)
+    >>> friction = found.sel(result="friction")
+    >>> bool(friction.error.sel(choice="5 slices") > friction.error.sel(choice="41 slices"))
+    True
+    """
+    return run_family(plan_family(scene, study=study, choices=choices, traction=traction, film=film, rounds=rounds))
+
+
+def front(cost: Array, error: Array) -> NDArray[np.bool_]:
+    """Return which choices no other one dominates, (n,): none is as cheap and as exact, and better in one of both.
+
+    Choices without cost or error are not on the front.
+    """
+    known = np.isfinite(cost) & np.isfinite(error)
+    no_worse = (cost[:, None] <= cost) & (error[:, None] <= error) & known[:, None]
+    better = (cost[:, None] < cost) | (error[:, None] < error)
+    return np.asarray(known & ~np.any(no_worse & better, axis=0))
+
+
+# Running --------------------------------------------------------------------------------------------------------------
+
+
+@attrs.define
+class Record:
+    """What is known of a choice so far.
+
+    Attributes
+    ----------
+    status : str
+        "" before its first turn, "done", or why it failed.
+    results : dict
+        Result -> its values, one row for each curve or a single value, and its status.
+    tolerances : dict
+        Result -> key of [accuracy] that it is held against; empty for the general one.
+    seconds : list of float
+        Processor time of each round [s].
+    evaluations : int
+        Slices evaluated.
+    """
+
+    status: str = ""
+    results: dict[str, tuple[list[list[float]], str]] = attrs.Factory(dict)
+    tolerances: dict[str, str] = attrs.Factory(dict)
+    seconds: list[float] = attrs.Factory(list)
+    evaluations: int = 0
+
+
+def run_family(family: Family, kept: Path | None = None, progress: Progress | None = None) -> "xr.Dataset":
+    """Run all choices of a family; see `pareto`.
+
+    Parameters
+    ----------
+    family : Family
+        What is to be run.
+    kept : Path, optional
+        Folder in which every finished turn is kept, and from which a run goes on; to be removed by who has stored the
+        result.
+    progress : callable, optional
+        Told before each turn how far it has come.
+    """
+    begin = time.perf_counter()
+    records = [_read(family, one, _file(kept, k)) if kept else Record() for k, one in enumerate(family.choices)]
+    resumed = any(record.status for record in records)
+    for study in family.studies:  # what is loaded at first use is to be loaded before anything is timed
+        _take(family, family.of(study, "numerical")[0], Record())
+    turns = [(k, 0) for k, one in enumerate(family.choices) if one.kind == "reference"]
+    turns += [(k, n) for n in range(family.rounds) for k, one in enumerate(family.choices) if one.kind != "reference"]
+    last: dict[int, float] = {}
+    for done, (k, n) in enumerate(turns):
+        choice, record = family.choices[k], records[k]
+        if len(record.seconds) > n or record.status not in ("", "done"):
+            continue
+        if progress is not None:
+            progress(done / len(turns), _left(turns[done:], last), f"{choice.study}: {choice.label}")
+        started = time.perf_counter()
+        _take(family, choice, record)
+        if choice.kind != "reference":  # which says nothing of the others
+            last[k] = time.perf_counter() - started
+        if kept is not None:
+            _write(family, choice, record, _file(kept, k))
+    return _dataset(family, records, time.perf_counter() - begin, resumed)
+
+
+def _left(turns: Sequence[tuple[int, int]], last: Mapping[int, float]) -> float:
+    """Seconds that turns will take: each as the last one of the same choice, or as the mean of the others'."""
+    mean = sum(last.values()) / len(last) if last else np.nan
+    return sum(last.get(k, mean) for k, _ in turns)
+
+
+def _take(family: Family, choice: Choice, record: Record) -> None:
+    """Take the turn of a choice: run its study, for the first time keep its results, and time it."""
+    spent, count = 0.0, 0
+    study = family.studies[choice.study]
+    try:
+        while spent < _TURN * (choice.kind != "reference") or not count:
+            assembly = assemble(choice.scene, choice.resolution)
+            started = time.process_time()
+            dataset = study.run(assembly)
+            spent, count = spent + time.process_time() - started, count + 1
+            if dataset.attrs.get("outcome") == "interrupted":
+                raise KeyboardInterrupt
+            if dataset.attrs.get("outcome") == "failed":
+                record.status = f"failed: {dataset.attrs['outcome_message']}"
+                return
+    except Exception as error:  # somebody's model may raise anything
+        if choice.kind == "reference":
+            raise
+        record.status = f"failed: {str(error) if isinstance(error, RollslipError) else in_words(error)}"
+        return
+    record.seconds.append(spent / count)
+    if not record.status:
+        record.status = "done"
+        record.results = {
+            name: ([list(row) for row in one.values], one.status) for name, one in study.compared(dataset).items()
+        }
+        record.tolerances = {name: one.tolerance for name, one in study.compared(dataset).items()}
+        record.evaluations = assembly.inner.chain.evaluated
+        if dataset.attrs.get("friction") == "conventional":  # the motion counts for itself
+            record.evaluations += int(dataset.attrs.get("contacts_evaluated", 0))
+
+
+# What is kept ---------------------------------------------------------------------------------------------------------
+
+
+def _file(folder: Path, number: int) -> Path:
+    return folder / f"{number:04d}.json"
+
+
+def _key(family: Family, choice: Choice) -> dict[str, str]:
+    """Return what a file belongs to: the scene, the settings of the study and the choice."""
+    return {
+        "scene_hash": scene_hash(family.plan.scene),
+        "study": f"{choice.study} {family.studies[choice.study]}",
+        "choice": f"{choice.label} {scene_hash(choice.scene)} {choice.resolution}",
+    }
+
+
+def _write(family: Family, choice: Choice, record: Record, path: Path) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(
+            f"{path.parent}: cannot be written ({error.strerror}); make room there, or name another --out"
+        ) from error
+    with whole_file(path) as partial:
+        partial.write_text(json.dumps(_key(family, choice) | attrs.asdict(record)), encoding="utf-8")
+
+
+def _read(family: Family, choice: Choice, path: Path) -> Record:
+    """Return what is known of a choice from an interrupted run.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be read, or is of another scene or of other choices.
+    """
+    if not path.exists():
+        return Record()
+    try:
+        facts = json.loads(path.read_text(encoding="utf-8"))
+        of = {name: facts.pop(name) for name in _key(family, choice)}
+        record = Record(**facts)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise OutputError(f"{path}: is not a part of a run that can be read ({error}); remove it") from error
+    if of != _key(family, choice):
+        what = "another scene" if of["scene_hash"] != scene_hash(family.plan.scene) else "other choices"
+        raise OutputError(
+            f"{path.parent}: holds a run of {what}; go on with the same ones, or run without --resume, "
+            "or remove the folder"
+        )
+    return record
+
+
+# The dataset ----------------------------------------------------------------------------------------------------------
+
+
+def _dataset(family: Family, records: Sequence[Record], wall_time: float, resumed: bool) -> "xr.Dataset":
+    import xarray as xr
+
+    of = {(one.study, one.label): record for one, record in zip(family.choices, records, strict=True)}
+    several = len(family.studies) > 1
+
+    def named(study: str, text: str) -> str:
+        return f"{study}: {text}" if several else text
+
+    results = [(study, name) for study in family.studies for name in of[study, FINEST].results]
+    shape = len(records), len(results)
+    numbers = {name: np.full(shape, np.nan) for name in ("error", "difference")}
+    words = {name: np.full(shape, "", dtype=object) for name in numbers}
+    floor = np.full(len(results), np.nan)
+    accuracy = family.plan.scene.accuracy
+    keys = [of[study, FINEST].tolerances[name] for study, name in results]
+    tolerance = np.array([accuracy.of(key) if key else accuracy.tolerance for key in keys])
+    for j, (study, name) in enumerate(results):
+        finest, exact = of[study, FINEST], of.get((study, EXACT), of[study, FINEST])
+        floor[j] = max(_compared(of.get((study, HALF), finest), finest, name)[0], _ROUNDING)
+        for k, (one, record) in enumerate(zip(family.choices, records, strict=True)):
+            if one.study != study:
+                continue
+            against = finest if one.kind == "film" else exact
+            numbers["difference"][k, j], words["difference"][k, j] = _compared(record, against, name)
+            if one.kind == "numerical" or one.label in (FINEST, HALF):
+                numbers["error"][k, j], words["error"][k, j] = _compared(record, finest, name)
+    seconds = np.full((len(records), family.rounds), np.nan)
+    for k, record in enumerate(records):
+        seconds[k, : len(record.seconds)] = record.seconds[: family.rounds]
+    known = ~np.isnan(seconds).all(axis=1)
+    median, low, high = (np.full(len(records), np.nan) for _ in range(3))
+    for values, reduce in ((median, np.nanmedian), (low, np.nanmin), (high, np.nanmax)):
+        values[known] = reduce(seconds[known], axis=1)
+    kinds = np.array([one.kind for one in family.choices])
+    fronts = {name: np.zeros(shape, dtype=np.int8) for name in numbers}
+    for j, (study, _) in enumerate(results):
+        mine = np.array([one.study == study for one in family.choices])
+        planned = mine & np.array([one.label == PLANNED for one in family.choices])
+        for name, taking in (("error", mine & (kinds == "numerical")), ("difference", mine & (kinds == "modelling"))):
+            rows = np.flatnonzero(taking | planned)
+            # below the floor none is more exact than another, as far as anybody knows
+            fronts[name][rows, j] = front(median[rows], np.maximum(numbers[name][rows, j], floor[j]))
+    each, both = "choice", ("choice", "result")
+    dataset = xr.Dataset(
+        {
+            "error": (both, numbers["error"], about("1", "relative error against the finest of the same models")),
+            "difference": (
+                both,
+                numbers["difference"],
+                about("1", "relative difference from the finest of the exact model, of films from that of the scene's"),
+            ),
+            **{
+                f"{name}_status": (both, texts.astype(str), about("1", f"what the {name} is, or why there is none"))
+                for name, texts in words.items()
+            },
+            "on_front": (both, fronts["error"], about("1", "whether no numerical choice dominates it")),
+            "on_model_front": (both, fronts["difference"], about("1", "whether no modelling choice dominates it")),
+            "tolerance": ("result", tolerance, about("1", "error that the scene allows")),
+            "floor": ("result", floor, about("1", "difference of the finest from one half as fine")),
+            "kind": (each, kinds, about("1", "numerical, modelling, film or reference")),
+            "seconds": (each, median, about("s", "processor time of the study, median of the rounds")),
+            "seconds_low": (each, low, about("s", "processor time of the study, the fastest round")),
+            "seconds_high": (each, high, about("s", "processor time of the study, the slowest round")),
+            "round_seconds": ((each, "round"), seconds, about("s", "processor time of the study")),
+            "evaluations": (each, np.array([r.evaluations for r in records]), about("1", "slices evaluated")),
+            "status": (each, np.array([r.status for r in records]), about("1", "what became of the choice")),
+        },
+        {
+            each: (each, np.array([named(one.study, one.label) for one in family.choices]), about("1", "choice")),
+            "label": (each, np.array([one.label for one in family.choices]), about("1", "departure from the plan")),
+            "result": ("result", np.array([named(*pair) for pair in results]), about("1", "result")),
+            "result_study": ("result", np.array([study for study, _ in results]), about("1", "study of the result")),
+            "round": ("round", np.arange(1, family.rounds + 1), about("1", "round")),
+            "study": (each, np.array([one.study for one in family.choices]), about("1", "study")),
+            **_coordinates(family),
+        },
+    )  # fmt: skip
+    return dataset.assign_attrs(_origin(family, dataset, records, wall_time, resumed))
+
+
+def _compared(record: Record, reference: Record, name: str) -> tuple[float, str]:
+    """Error of a result, relative to the largest value of its curve and the largest over them, or why it has none."""
+    if record.status != "done":
+        return np.nan, record.status
+    (values, status), (known, told) = record.results[name], reference.results[name]
+    if np.shape(values) != np.shape(known):
+        return np.nan, f"ends after {np.size(values)} of {np.size(known)} instants"
+    a, b = np.array(values), np.array(known)
+    if a.size == 1 and (np.isnan(a).any() or np.isnan(b).any()):
+        if np.isnan(a).all() and np.isnan(b).all():
+            return np.nan, "none, as the finest"
+        return np.nan, (
+            f"{a.item():.3%}, where the finest has none ({told})"
+            if np.isnan(b).any()
+            else f"none ({status}), where the finest has {b.item():.3%}"
+        )
+    scale = np.abs(b).max(axis=1)
+    return float((np.abs(a - b).max(axis=1) / np.where(scale > 0.0, scale, 1.0)).max()), "found"
+
+
+def _coordinates(family: Family) -> dict[str, Any]:
+    """What was chosen, field by field; 0 instants are doubled until the result stands still."""
+    found: dict[str, list[Any]] = {}
+    for one in family.choices:
+        r, settings = one.resolution, family.studies[one.study]
+        own = settings.at(r).chosen(family.plan.assembly)
+        law = family.plan.assembly.traction.full_film.name if r.traction == "named" else r.traction
+        row = {
+            "slices": r.slices if family.plan.assembly.slices > 1 else 1,
+            "quadrature": r.quadrature,
+            "instants": r.instants or 0,
+            "traction": law,
+            "traction_error": r.traction_error,
+            "boundary": int(r.boundary),
+            "table_tolerance": r.table_tolerance,
+            "integrator": own.get("integrator", ""),
+            "integrator_tolerance": own.get("integrator_tolerance", np.nan),
+            "friction": own.get("friction", ""),
+            "level": own.get("level", ""),
+            "compiled": int(r.compiled),
+            "film": one.scene.models.film.name,
+        }
+        for name, value in row.items():
+            found.setdefault(name, []).append(value)
+    units = {"traction_error", "table_tolerance", "integrator_tolerance"}
+    return {
+        name: ("choice", np.array(values), about("1", name.replace("_", " ") + (", relative" * (name in units))))
+        for name, values in found.items()
+    }
+
+
+def _origin(
+    family: Family, dataset: "xr.Dataset", records: Sequence[Record], wall_time: float, resumed: bool
+) -> dict[str, Any]:
+    """Return the attributes: those of the plan, with the models of all choices."""
+    told = zip(dataset["choice"].to_numpy(), dataset["status"].to_numpy(), strict=True)
+    warned = [f"{name}: {text}" for name, text in told if text != "done"]
+    if resumed:
+        warned.append("the run was interrupted and gone on with: not all rounds met the same machine")
+    warned += implausible(family.plan.scene)
+    others = (_plan_of(family.plan, one) for one in family.choices if one.kind in ("modelling", "film"))
+    plans = [family.plan, *filter(None, others)]
+    origins = [
+        run_origin(made, next(iter(family.studies)), warned, sum(r.evaluations for r in records), wall_time)
+        for made in plans
+    ]
+
+    packages = {name: version for one in reversed(origins) for name, version in json.loads(one["packages"]).items()}
+    return origins[0] | {
+        "study": "pareto",
+        "studies": json.dumps(list(family.studies)),
+        "rounds": family.rounds,
+        "notes": json.dumps(family.notes),
+        **{key: json.dumps(together(origins, key)) for key in ("models", *CITED)},
+        "packages": json.dumps(packages),
+    }
+
+
+def _plan_of(made: Plan, choice: Choice) -> Plan | None:
+    """The plan with the models of a choice, None where they cannot be had."""
+    try:
+        return attrs.evolve(made, assembly=assemble(choice.scene, choice.resolution))
+    except Exception:  # its status says so
+        return None

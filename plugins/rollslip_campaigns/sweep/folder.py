@@ -1,0 +1,311 @@
+"""The folder of a sweep: made once, gone on with, looked at, and put together from the pieces of a job array."""
+
+import json
+import os
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from rollslip.errors import BusyError, OutputError
+from rollslip.planning.progress import progress_in_notebook
+from rollslip.results.dataset import save
+from rollslip.scene.values import Scene
+from rollslip_campaigns.sweep.definition import Sweep
+from rollslip_campaigns.sweep.journal import (
+    FAILED,
+    LOCK,
+    STATUSES,
+    check_owner,
+    copied,
+    journals,
+    last_failures,
+    only_writer,
+    running,
+    sessions,
+    states,
+)
+from rollslip_campaigns.sweep.result import collect
+from rollslip_campaigns.sweep.run import asked_engine, run_sweep
+from rollslip_campaigns.sweep.sweep import FILE, open_sweep, plan_sweep, store_sweep
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["RESULT", "Status", "begin", "finish", "merge", "pieces", "status", "sweep", "taken_up"]
+
+RESULT = "sweep.nc"
+
+
+def sweep(
+    scene: Scene | str,
+    over: Mapping[str, object] | None = None,
+    *,
+    out: str | os.PathLike[str] | None = None,
+    samples: int | None = None,
+    sampling: str | None = None,
+    seed: int | None = None,
+    study: str | None = None,
+    output: Sequence[str] = (),
+    time_limit: float | str | None = None,
+    engine: object = None,
+) -> "xr.Dataset":
+    """Compute a study at many points.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file; its tables ``[sweep]`` and ``[uncertainty]`` count.
+    over : mapping, optional
+        What is varied, by dotted key: a list of values, "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log", with units; or, to
+        be sampled, "LOW:HIGH" or "LOW:HIGH:log".
+    out : path, optional
+        Folder in which everything is kept, and from which ``rollslip sweep resume`` goes on; by default nothing is.
+    samples, sampling, seed, study, output, time_limit, engine : optional
+        As in `rollslip_campaigns.sweep.sweep.plan_sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        One dimension for each axis and, with samples, "sample", with their values as coordinates; the outputs of the
+        study; ``status``, ``message`` and ``seconds`` of every point.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If anything is wrong with the scene or the sweep; before anything runs.
+    EngineError, OutputError
+        If the engine or the folder cannot be used.
+
+    Examples
+    --------
+    >>> found = sweep(
+    ...     "1032930-70C",
+    ...     {"operation.temperature": "50 degC:90 degC:3", "models.traction.hydrodynamic": ["muraki", "eyring"]},
+    ...     study="friction-curve", output=["half_width", "friction"],
+    ... )
+    >>> found.friction.sizes["operation.temperature"], set(found.status.values.ravel().tolist())
+    (3, {'ok'})
+    """
+    planned = plan_sweep(
+        scene,
+        over,
+        samples=samples,
+        sampling=sampling,
+        seed=seed,
+        study=study,
+        output=output,
+        time_limit=time_limit,
+        engine=engine,
+    )
+    asked_engine(planned)
+    with tempfile.TemporaryDirectory() if out is None else nullcontext(out) as folder:
+        kept = begin(planned, Path(folder))
+        with progress_in_notebook("sweep") as show:
+            run_sweep(planned, kept, report=lambda now: show(*now.told))
+        return finish(planned, kept)
+
+
+def begin(sweep: Sweep, target: Path) -> Path:
+    """Make the folder of a new sweep, for a piece of it one in that folder, and return it.
+
+    One that has lost what it is, but has journals of the same sweep, is taken up again.
+
+    Raises
+    ------
+    OutputError
+        If there is something already, or it cannot be written.
+    """
+    number, of = sweep.shard
+    folder = target if of == 1 else target / f"shard-{number}-of-{of}"
+    if (folder / FILE).exists():
+        raise OutputError(
+            f"{folder}: holds a sweep; go on with it by: rollslip sweep resume {folder}, or name another --out"
+        )
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise OutputError(f"{folder}: is not a folder; name another --out")
+        if folder.exists() and {path.name for path in folder.iterdir()} - _own(folder):
+            raise OutputError(f"{folder}: exists and holds files; name another --out")
+        check_owner(folder, sweep.hash)
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written ({error.strerror}); name another --out") from error
+    store_sweep(sweep, folder)
+    return folder
+
+
+def taken_up(sweep: Sweep, folder: Path) -> Path:
+    """Return the folder of a sweep, made if it is not there, for who goes on with what it holds.
+
+    Raises
+    ------
+    OutputError
+        If it holds another sweep or cannot be read.
+    """
+    if not (folder / FILE).exists():
+        return begin(sweep, folder)
+    try:
+        stored = json.loads((folder / FILE).read_text(encoding="utf-8"))["hash"]
+    except (OSError, ValueError, KeyError) as error:
+        raise OutputError(f"{folder / FILE}: cannot be read ({error}); name another --out") from error
+    if stored != sweep.hash:
+        raise OutputError(
+            f"{folder}: holds points of another scene, of other options or packages; ask for the same, or name "
+            "another --out"
+        )
+    return folder
+
+
+def _own(folder: Path) -> set[str]:
+    """Names of the files that sweeps make, but for the one that says what the sweep is."""
+    written = {name for path in journals(folder) for name in (path.name, f"{path.name}-journal")}
+    return written | {LOCK, RESULT} if written else set()
+
+
+def finish(sweep: Sweep, folder: Path) -> "xr.Dataset":
+    """Write the dataset of a sweep beside its journals, and return it."""
+    with only_writer(folder, wait=60.0):
+        dataset = collect(sweep, folder)
+        save(dataset, folder / RESULT)
+    return dataset
+
+
+@attrs.frozen(eq=False)
+class Status:
+    """How a sweep stands.
+
+    Attributes
+    ----------
+    folder, study, shard : Path, str, tuple
+        Which it is.
+    total : int
+        Its points.
+    counts : Counter
+        Those that are done, by status.
+    writers : list of dict
+        Every run of it: host, process, engine, points, and how it ended; "" if it was killed or is the one that runs.
+    running : bool
+        Whether a run goes on, the last one.
+    left : float or None
+        Seconds to the end at the pace of the last run, None if it has none.
+    quiet : float or None
+        Seconds since the last point.
+    errors : list of tuple
+        Number, status and message of the points that failed last.
+    """
+
+    folder: Path
+    study: str
+    shard: tuple[int, int]
+    total: int
+    counts: Counter[str]
+    writers: list[dict[str, Any]]
+    running: bool
+    left: float | None
+    quiet: float | None
+    errors: list[tuple[int, str, str]]
+
+    @property
+    def done(self) -> int:
+        """Points that are done."""
+        return sum(self.counts.values())
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        plain = attrs.asdict(self, recurse=False)
+        errors = [{"number": n, "status": status, "message": text} for n, status, text in self.errors]
+        return plain | {"folder": str(self.folder), "counts": dict(self.counts), "done": self.done, "errors": errors}
+
+
+def pieces(folder: Path) -> list[Path]:
+    """Return the folders of the pieces of a sweep, in the order of their numbers."""
+    return sorted(folder.glob("shard-*-of-*"), key=lambda path: (len(path.name), path.name))
+
+
+def status(folder: Path, errors: int = 5) -> Status:
+    """Return how the sweep of a folder stands; it may be running.
+
+    Raises
+    ------
+    OutputError
+        If it is no folder of a sweep, or a journal cannot be read.
+    """
+    stored = _stored(folder)
+    size, shard = int(stored["facts"]["size"]), (int(stored["shard"][0]), int(stored["shard"][1]))
+    numbers, codes = range(shard[0] - 1, size, shard[1]), states(folder, size)
+    counts = Counter(STATUSES[codes[number] - 1] for number in numbers if codes[number])
+    runs, left, quiet = sessions(folder), None, None
+    writers = [
+        {
+            "host": session.about.get("host", ""),
+            "process": session.about.get("process", ""),
+            "engine": session.about.get("engine", ""),
+            "points": session.rows,
+            "ended": session.about.get("ended", ""),
+        }
+        for session in runs
+    ]
+    if runs and (last := max(runs, key=lambda session: session.last)).rows:
+        quiet = max(0.0, time.time() - last.last)
+        pace = (last.last - last.started) / last.rows
+        left = pace * (len(numbers) - sum(counts.values()))
+    failed = last_failures(folder, FAILED, errors, codes)
+    return Status(
+        folder=folder,
+        study=stored["facts"]["study"],
+        shard=shard,
+        total=len(numbers),
+        counts=counts,
+        writers=writers,
+        running=running(folder),
+        left=left,
+        quiet=quiet,
+        errors=failed,
+    )
+
+
+def _stored(folder: Path) -> dict[str, Any]:
+    try:
+        stored: dict[str, Any] = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        open_sweep(folder)  # says what is wrong with it
+        raise
+    return stored
+
+
+def merge(pieces: list[Path], target: Path) -> Sweep:
+    """Put the pieces of a job array together; pieces that are not complete leave points for a resume.
+
+    Raises
+    ------
+    OutputError
+        If they are not of one sweep, one is still being computed, packages have changed since, or the target holds a
+        sweep already.
+    """
+    if not pieces:
+        raise OutputError(f"{target}: holds no pieces of a sweep, such as shard-1-of-8")
+    if (target / FILE).exists():
+        raise OutputError(f"{target}: was merged already; finish it by: rollslip sweep resume {target}")
+    hashes = {piece: _stored(piece)["hash"] for piece in pieces}
+    if odd := [str(piece) for piece, of in hashes.items() if of != hashes[pieces[0]]]:
+        raise OutputError(f"{', '.join(odd)}: not of the same sweep as {pieces[0]}; merge pieces of one sweep")
+    if busy := [str(piece) for piece in pieces if running(piece)]:
+        raise BusyError(f"{', '.join(busy)}: being computed; wait for it, or end it, and merge then")
+    sweep = attrs.evolve(open_sweep(pieces[0], check_file=False), shard=(1, 1))
+    check_owner(target, sweep.hash)  # of a merge that was cut off there may be some
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written ({error.strerror}); name another --out") from error
+    with only_writer(target):
+        for piece in pieces:
+            for path in journals(piece):
+                copied(path, target)
+        store_sweep(sweep, target)
+    return sweep

@@ -1,0 +1,287 @@
+"""The dataset of a sweep: every variable over the dimensions of the sweep, with the status of every point.
+
+- It is read from the journals row by row, and can be made at any time; a point that is not done yet is "pending".
+- What it takes of memory is the dataset: rows and layouts, of which every point may have its own, are read one by one.
+- Values are 64-bit floats, NaN where a point has none; its status and message say why. Nothing is left out.
+- ``status`` is that of the point; a study's own variable of this name is ``study_status``.
+- Whether laws are used for what they were made for is judged at a few points that have a result: the one in the middle
+  and those that lie farthest apart. It costs some milliseconds a point, and what lies between them is not looked at.
+- A coordinate of the study that is the same for all points, such as its cage slips, is one of the dataset. Where it
+  differs between points it becomes a variable of its own over them, and points with fewer values are filled with NaN.
+"""
+
+import json
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rollslip.bearing.assembly import assemble
+from rollslip.errors import in_words
+from rollslip.planning.plausibility import implausible
+from rollslip.planning.provenance import citations_told, origin, scene_told
+from rollslip.results.dataset import TOLD_BY, about
+from rollslip.results.words import counted
+from rollslip.scene.changes import evolve
+from rollslip.studies import validity
+from rollslip.studies.study import settings
+from rollslip.units import unit_given
+from rollslip_campaigns.sweep.definition import OF_POINTS, Sweep
+from rollslip_campaigns.sweep.journal import STATUSES, check_owner, layouts, records
+from rollslip_campaigns.sweep.point import unpacked
+from rollslip_campaigns.sweep.sampling import Axis, Design, far_apart
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["collect"]
+
+#: Points at which laws are judged beside the one in the middle, and those among which they are looked for.
+_CORNERS: Final = 8
+_CANDIDATES: Final = 512
+#: Bounds that are told in full, at most.
+_TOLD: Final = 3
+
+
+def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
+    """Return what a sweep has given so far.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions: one for each axis, and "sample"; behind them those of the study. Variables: the outputs; status,
+        message and seconds of every point. Coordinates: values of the axes and of the samples, named by the last part
+        of their key, with the whole key as attribute ``key``.
+
+    Raises
+    ------
+    OutputError
+        If a journal cannot be read, or holds rows of another sweep.
+    """
+    import xarray as xr
+
+    check_owner(folder, sweep.hash)
+    design, size = sweep.design, sweep.design.size
+    status = np.full(size, "pending", dtype=f"<U{max(map(len, (*STATUSES, 'pending')))}")
+    message, seconds = np.full(size, "", dtype=object), np.full(size, np.nan)
+    for record in records(folder):
+        row = record.row
+        if status[row.number] == "ok":
+            continue
+        status[row.number], message[row.number], seconds[row.number] = row.status, row.message, row.seconds
+    fields = _Fields(map(json.loads, layouts(folder)), size)
+    parsed = lru_cache(maxsize=256)(json.loads)
+    filled = np.zeros(size, dtype=bool)
+    for record in records(folder, "where status = ?", "ok"):
+        if not filled[record.row.number]:
+            filled[record.row.number] = True
+            fields.fill(record.row.number, parsed(record.row.layout), record.row.numbers, record.row.texts)
+    dims, names = sweep.dims, sweep.names
+    called = {name: f"study_{name}" if name in OF_POINTS else name for name in fields.arrays}
+    known = settings(sweep.scene, sweep.study)[sweep.study].outputs
+    told = {name: called.get(one.status) for name, one in known.items()}
+    variables = {
+        called[name]: (of, values, said | ({TOLD_BY: by} if (by := told.get(name)) else {}))
+        for name, (of, values, said) in fields.variables(dims, design.shape).items()
+    }
+    variables |= {
+        "status": (dims, status.reshape(design.shape), about("1", "how the point ended")),
+        "message": (dims, message.reshape(design.shape), about("1", "why it is not ok")),
+        "seconds": (dims, seconds.reshape(design.shape), about("s", "time that the point took")),
+    }
+    coords = {
+        names[axis.key]: (names[axis.key], axis.coordinate, _about(axis.quantity) | _written(axis))
+        for axis in design.axes
+    }
+    if design.has_samples:
+        coords["sample"] = ("sample", np.arange(len(design.samples)), about("1", "sample"))
+        coords |= {names[of.key]: ("sample", design.samples[:, k], _about(of)) for k, of in enumerate(design.sampled)}
+    return xr.Dataset(variables, coords | fields.coords, _attributes(sweep, status))
+
+
+def _written(axis: Axis) -> dict[str, str]:
+    """The unit in which the values of an axis were given, for figures, where all have the same."""
+    unit = axis.quantity.unit
+    given = {axis.given} if axis.given else {unit_given(value, unit) for value in axis.listed} if unit else set()
+    return {"written_in": one} if len(given) == 1 and (one := str(given.pop())) != unit else {}
+
+
+def _about(quantity: Any) -> dict[str, Any]:
+    return about(quantity.unit or "1", quantity.doc) | {"key": quantity.key}
+
+
+def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
+    own = status[np.fromiter(sweep.numbers, dtype=int)]
+    counts = {name: int((own == name).sum()) for name in (*STATUSES, "pending")}
+    lost = [f"{count} {name}" for name, count in counts.items() if count and name != "ok"]
+    warnings = [f"{own.size - counts['ok']} of {own.size} points have no result: {', '.join(lost)}"] if lost else []
+    warnings += [*implausible(sweep.given), *sweep.unusual]
+    left = _left(sweep, _corners(sweep.design, np.flatnonzero(status == "ok")))
+    facts = sweep.facts
+    return origin(
+        study="sweep",
+        swept=sweep.study,
+        **_resting(sweep),
+        sweep_hash=sweep.hash,
+        **scene_told(sweep.scene, sweep.given),
+        axes=facts["axes"],
+        resolutions=facts["resolutions"],
+        distributions={k: repr(d) for k, d in sweep.uncertainty.distributions.items()},
+        correlation=sweep.uncertainty.correlation.tolist(),
+        sampling=sweep.table.sampling if sweep.design.has_samples else "",
+        seed=sweep.table.seed,
+        shard=f"{sweep.shard[0]}/{sweep.shard[1]}",
+        counts=counts,
+        packages=facts["packages"],
+        **citations_told(sweep.citations),
+        left=left,
+        warnings=[*warnings, *left],
+    )
+
+
+def _corners(design: Design, done: "np.ndarray[Any, Any]") -> list[int]:
+    """Numbers of some points that have a result: in the middle of all, and as far apart as can be."""
+    if not done.size:
+        return []
+    some = done[np.unique(np.linspace(0, done.size - 1, _CANDIDATES).astype(int))]
+    places = np.stack(np.unravel_index(some, design.shape), axis=-1)
+    columns = [
+        axis.coordinate[places[:, k]] if axis.coordinate.dtype.kind in "if" else places[:, k]
+        for k, axis in enumerate(design.axes)
+    ]
+    columns += [*design.samples[places[:, -1]].T] if design.has_samples else []
+    rows = np.array(columns, dtype=float).T
+    middle = np.linalg.norm((rows - np.median(rows, axis=0)) / np.maximum(np.ptp(rows, axis=0), 1e-300), axis=1)
+    return [int(some[k]) for k in dict.fromkeys([int(np.argmin(middle)), *far_apart(rows, _CORNERS)])]
+
+
+def _left(sweep: Sweep, numbers: list[int]) -> list[str]:
+    """Say at how many of some points laws are outside what they were made for, each where it matters most."""
+    worst, count, others = dict[tuple[str, str], validity.Told](), Counter[tuple[str, str]](), list[str]()
+    for number in numbers:
+        try:
+            said = _told(sweep, number)
+        except Exception as error:  # somebody's law may raise anything; what was computed stands
+            others.append(
+                f"whether laws were used for what they were made for could not be judged at "
+                f"{sweep.design.shown(number)}: {in_words(error)}"
+            )
+            continue
+        for one in said:
+            key = one.law, one.made_for
+            count[key] += 1
+            known = worst.setdefault(key, one)
+            if (one.warned, one.weight) > (known.warned, known.weight):
+                worst[key] = one
+    ranked = sorted(worst, key=lambda key: (not worst[key].warned, not worst[key].measured, -worst[key].weight))
+    first = [key for key in ranked[:_TOLD] if worst[key].warned]
+    found = [f"at {count[key]} of {len(numbers)} points judged: {worst[key].text}" for key in first]
+    if more := [f"{worst[key].short} at {count[key]} of them" for key in ranked[len(first) :]]:
+        found.append(counted(more))
+    if found:
+        which = f"only {len(numbers)} of {len(sweep.numbers)} points were judged, which lie far apart"
+        whole = "all points were judged" if len(numbers) == len(sweep.numbers) else which
+        found[-1] += f"; {whole}; rollslip run of the scene with the values of a point tells all of it"
+    return [*found, *others[:1]]
+
+
+def _told(sweep: Sweep, number: int) -> list[validity.Told]:
+    """Return what laws are outside of at a point, with its values, where the study expects it to be."""
+    changes = sweep.design.changes(number)
+    scene = evolve(sweep.scene, changes)
+    assembly = assemble(scene, sweep.resolutions.of(changes))
+    study = settings(scene, sweep.study)[sweep.study]
+    bearing = assembly.with_resistance() if study.with_cage else assembly
+    state, contacts = study.expected_slices(bearing)
+    outside, off = validity.judged(contacts, bearing, assembly.traction)
+    where = f"at {sweep.design.shown(number)}, {state}"
+    return validity.told(outside, off, where, tolerance=scene.accuracy.tolerance)
+
+
+def _resting(sweep: Sweep) -> dict[str, str]:
+    """What the curves of all points rest on, as their study says it; nothing where that varies."""
+    if any(key.startswith(f"study.{sweep.study}.") for key in sweep.facts["axes"]):
+        return {}
+    said = settings(sweep.scene, sweep.study)[sweep.study].curves_with
+    return {"curves_with": said} if said else {}
+
+
+class _Fields:
+    """The arrays of the outputs, large enough for every layout."""
+
+    def __init__(self, layouts: Iterable[Mapping[str, Any]], size: int) -> None:
+        self.shapes: dict[str, dict[str, int]] = {}
+        self.said: dict[str, Mapping[str, Any]] = {}
+        self.text: dict[str, bool] = {}
+        self.first: dict[str, Any] = {}  # coordinate of a dimension, None where that layout has none
+        self.differ: set[str] = set()
+        self.longest: dict[str, dict[str, Any]] = {}
+        for layout in layouts:
+            for name, of in layout["variables"].items():
+                self._variable(name, of)
+            for dim in _dims(layout):
+                self._coordinate(dim, layout["coords"].get(dim))
+        self._same_or_own()
+        self.arrays = {
+            name: np.full(
+                (size, *dims.values()), "" if self.text[name] else np.nan, dtype=object if self.text[name] else float
+            )
+            for name, dims in self.shapes.items()
+        }
+
+    def _variable(self, name: str, of: Mapping[str, Any]) -> None:
+        largest = self.shapes.setdefault(name, dict.fromkeys(of["dims"], 0))
+        for dim, length in zip(of["dims"], of["shape"], strict=True):
+            largest[dim] = max(largest.get(dim, 0), length)
+        self.said.setdefault(name, of["attrs"])
+        self.text[name] = self.text.get(name, False) or of["text"]
+
+    def _coordinate(self, dim: str, coordinate: Any) -> None:
+        if self.first.setdefault(dim, coordinate) != coordinate:
+            self.differ.add(dim)
+        if coordinate:
+            self.longest[dim] = max(
+                self.longest.get(dim, coordinate), coordinate, key=lambda known: len(known["values"])
+            )
+
+    def _same_or_own(self) -> None:
+        """Tell coordinates that all points share from those that become variables."""
+        self.coords: dict[str, Any] = {}
+        self.own: dict[str, str] = {}
+        for dim in dict.fromkeys(dim for dims in self.shapes.values() for dim in dims):
+            first = self.first[dim]
+            if first is not None and dim not in self.differ:
+                self.coords[dim] = (dim, np.array(first["values"]), first["attrs"])
+            elif dim in self.longest:
+                longest = self.longest[dim]
+                self.own[dim] = f"{dim}_index"
+                self.shapes[dim] = {dim: len(longest["values"])}
+                self.said[dim], self.text[dim] = longest["attrs"], longest["text"]
+
+    def fill(self, number: int, layout: Mapping[str, Any], numbers: bytes, texts: str) -> None:
+        """Set the values of a point."""
+        values = unpacked(layout, numbers, texts)
+        dims = _dims(layout)
+        for dim in self.own.keys() & dims:
+            values[dim] = np.array(layout["coords"][dim]["values"]) if dim in layout["coords"] else np.arange(0)
+        for name, array in values.items():
+            place: tuple[Any, ...] = (number, *map(slice, array.shape))
+            self.arrays[name][place] = array
+
+    def variables(self, dims: tuple[str, ...], shape: tuple[int, ...]) -> dict[str, Any]:
+        """Return the arrays over the dimensions of the sweep."""
+        return {
+            name: (
+                (*dims, *(self.own.get(dim, dim) for dim in self.shapes[name])),
+                (array.astype(str) if self.text[name] else array).reshape((*shape, *array.shape[1:])),
+                dict(self.said[name]),
+            )
+            for name, array in self.arrays.items()
+        }
+
+
+def _dims(layout: Mapping[str, Any]) -> set[str]:
+    return {dim for of in layout["variables"].values() for dim in of["dims"]}

@@ -1,0 +1,546 @@
+"""Lays out a sweep: checked as a whole before anything runs, and kept in its folder so that it can go on.
+
+- What is swept comes from the scene's tables ``[sweep]`` and ``[uncertainty]``; a call or the command line adds to it.
+- A folder belongs to one sweep; who goes on with it under other facts is told what has changed.
+- Values are checked one by one, and every value of an axis once in the scene, so that a wrong one in the middle of a
+  grid is found before the first point. What goes wrong only for a combination ends that point as "outside-domain".
+- How finely points are computed is chosen once for all of them. A point that nobody planned takes 101 slices and
+  doubles its instants; a plan of its own would cost several points. So the plan's choice is made for the scene and for
+  some points that lie far apart, and the finest of these serves all: it follows from scene and design alone, and is one
+  of the facts. Laws stay as they are named: what is left out under a bound would have to be watched in every point.
+  Only of studies that say so (`Study.shares_resolution`): steady slips cost more at the plan's choice than by doubling.
+"""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.resolution import Resolution
+from rollslip.catalogue.discovery import THIS_PROCESS, named_data
+from rollslip.catalogue.packages import check_required
+from rollslip.catalogue.registry import find
+from rollslip.errors import OutputError, RollslipError, SceneError
+from rollslip.fields import FieldError
+from rollslip.files import whole_file
+from rollslip.planning.plan import estimate, require_memory
+from rollslip.planning.plausibility import implausible_along
+from rollslip.planning.provenance import cited, data_references
+from rollslip.planning.quantities import quantities
+from rollslip.references import Citation
+from rollslip.scene.changes import Quantity, evolve, unknown
+from rollslip.scene.distributions import Distribution, Uncertainty, read_uncertainty
+from rollslip.scene.reading import from_raw, load_scene, parse_scene, shipped_scenes
+from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved
+from rollslip.structure import FrozenTable, Location, structure
+from rollslip.studies.outputs import named_outputs
+from rollslip.studies.study import settings, study_class
+from rollslip.units import as_written, format_quantity
+from rollslip_campaigns.sweep.definition import Resolutions, Sweep, SweepTable, name_of
+from rollslip_campaigns.sweep.journal import died, journals
+from rollslip_campaigns.sweep.sampling import Axis, Design, far_apart, probabilities, read_axis
+
+__all__ = ["FILE", "open_sweep", "plan_sweep", "store_sweep", "with_engine"]
+
+#: Values of an axis that are tried in the scene, each with all others as they are; those of a longer one lie between.
+_TRIED = 1000
+_MOST_POINTS = 10_000_000
+#: What the sweep is, in its folder.
+FILE: Final = "sweep.json"
+#: Points besides the scene itself for which a choice is made; a choice costs about six points.
+_SPREAD: Final = 8
+#: Points of a combination from which on that is worth it.
+_WORTH: Final = 100
+#: Points among which those far apart are looked for.
+_CANDIDATES: Final = 512
+_AGAIN = "the same command as before, with --out {}, makes it again and takes up the journals"
+
+
+def plan_sweep(
+    scene: Scene | str,
+    over: Mapping[str, object] | None = None,
+    *,
+    samples: int | None = None,
+    sampling: str | None = None,
+    seed: int | None = None,
+    study: str | None = None,
+    output: Sequence[str] = (),
+    time_limit: float | str | None = None,
+    engine: object = None,
+    shard: tuple[int, int] = (1, 1),
+) -> Sweep:
+    """Check a sweep and lay out its points.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file; its tables ``[sweep]`` and ``[uncertainty]`` count.
+    over : mapping, optional
+        What is varied, by dotted key: a list of values, "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log", with units; or, to
+        be sampled, "LOW:HIGH" or "LOW:HIGH:log". It adds to the scene's.
+    samples : int, optional
+        Number of samples of ranges without a count and of what the scene calls uncertain.
+    sampling : str, optional
+        One of `rollslip_campaigns.sweep.sampling.SAMPLINGS`; by default "sobol".
+    seed : int, optional
+        Seed of the samples.
+    study : str, optional
+        Study; by default the first one of the scene.
+    output : sequence of str, optional
+        Variables of its result that are kept.
+    time_limit : float or str, optional
+        Longest time for one point.
+    engine : str or table, optional
+        Engine and its parameters.
+    shard : tuple of int
+        Which piece of how many.
+
+    Raises
+    ------
+    SceneError
+        If anything of it is wrong; all faults that can be found at once.
+    PluginError
+        If a model that it names is missing or broken.
+    """
+    given = scene if isinstance(scene, Scene) else load_scene(scene)
+    base, where, problems = _without_tables(given), Location(given.origins), list[str]()
+    check_required(base.plugins.require, where.at("plugins").at("require"))
+    asked = {
+        "samples": samples, "sampling": sampling, "seed": seed, "study": study, "output": list(output) or None,
+        "time_limit": time_limit, "engine": engine,
+    }  # fmt: skip
+    table, place = _table(given, {key: value for key, value in asked.items() if value is not None}, problems)
+    name = table.study or next(iter(base.study), DEFAULT_STUDY)
+    cls = study_class(name, base)
+    names = _noted(problems, lambda: named_outputs(cls, table.output), ())
+    studies, assembly = settings(base, name), assemble(base)
+    require_memory(studies, assembly)
+    known = quantities(assembly, studies)
+    sampled = table.samples is not None
+    wanted = [
+        *_leaves(table.over, "", place.at("over")),
+        *((key.strip(), value, Location({}, tuple(key.strip().split(".")))) for key, value in (over or {}).items()),
+    ]
+    axes, ranges = _axes(wanted, known, sampled, problems)
+    uncertainty = read_uncertainty(given.uncertainty or {}, where.at("uncertainty"), known, problems)
+    uncertainty = _with_ranges(uncertainty, ranges) if sampled else Uncertainty({}, np.empty((0, 0)))
+    varied = [*(axis.key for axis in axes), *uncertainty.distributions]
+    problems += _conflicts(varied)
+    if not problems:
+        problems += _nothing_varied(place, varied, sampled and not uncertainty.distributions)
+    if problems:
+        raise SceneError(list(dict.fromkeys(problems)))
+    drawn = np.empty((1, 0))
+    if uncertainty.distributions:
+        drawn = uncertainty.values(
+            probabilities(table.sampling, table.samples or 1, len(uncertainty.distributions), table.seed)
+        )
+    design = Design(tuple(axes), tuple(known[key] for key in uncertainty.distributions), drawn)
+    if design.size > _MOST_POINTS:
+        raise SceneError([f"sweep: {design.size} points are more than {_MOST_POINTS}; take fewer values or samples"])
+    tried, unusual = _tried(base, name, design)
+    packages, local = _packages(tried, name)
+    return Sweep(
+        scene=base,
+        study=name,
+        outputs=names,
+        design=design,
+        uncertainty=uncertainty,
+        resolutions=_chosen_resolutions(base, name, design),
+        packages=packages,
+        local=local,
+        citations=_citations(tried, name),
+        table=attrs.evolve(table, over=FrozenTable({**dict(_flat(table.over)), **(over or {})})),
+        given=given,
+        unusual=unusual,
+        files=studies[name].digest(assembly),
+        shard=_checked_shard(shard),
+    )
+
+
+def _table(given: Scene, told: Mapping[str, object], problems: list[str]) -> tuple[SweepTable, Location]:
+    """Return the table of a sweep with what was told besides, and where it stands."""
+    said = {**(given.sweep or {}), **told}
+    origins = {
+        path: text
+        for path, text in given.origins.items()
+        if path[:1] != ("sweep",) or path[1:2] not in {(k,) for k in told}
+    }
+    place = Location(origins).at("sweep")
+    table = structure(SweepTable, said, place, problems)
+    if table is None:
+        raise SceneError(problems)
+    if table.samples is None and "sampling" in said:
+        problems.append(place.at("sampling").says("says how samples are drawn, but none are asked for; give samples"))
+    return table, place
+
+
+def _axes(
+    wanted: Sequence[tuple[str, object, Location]], known: dict[str, Quantity], sampled: bool, problems: list[str]
+) -> tuple[list[Axis], dict[str, Distribution]]:
+    """Return what is crossed, and the ranges that are sampled; of a key that comes twice the last."""
+    axes, ranges = list[Axis](), dict[str, Distribution]()
+    for key, raw, at in {item[0]: item for item in wanted}.values():
+        quantity = known.get(key)
+        if quantity is None:
+            problems.append(at.says(unknown(key, known)))
+            continue
+        try:
+            axis = read_axis(quantity, raw, sampled)
+        except RollslipError as error:
+            problems.append(at.says(error.reason if isinstance(error, FieldError) else str(error)))
+            continue
+        if isinstance(axis, Axis):
+            axes.append(axis)
+        else:
+            ranges[key] = axis
+    return axes, ranges
+
+
+def _nothing_varied(place: Location, varied: Sequence[str], unsampled: bool) -> list[str]:
+    """Return what is wrong if samples are asked for of nothing, or nothing varies."""
+    problems = []
+    if unsampled:
+        problems.append(
+            place.at("samples").says(
+                "there is nothing to sample; give a range without a count, such as --over "
+                "operation.radial_load=500N:5000N, or a table [uncertainty]"
+            )
+        )
+    elif not varied:
+        problems.append(
+            place.says(
+                "there is nothing to sweep; give --over KEY=LOW:HIGH:COUNT, a list, or samples of an [uncertainty]"
+            )
+        )
+    return problems
+
+
+def _noted(problems: list[str], make: Any, otherwise: Any) -> Any:
+    try:
+        return make()
+    except SceneError as error:
+        problems += error.problems
+        return otherwise
+
+
+def _without_tables(scene: Scene) -> Scene:
+    """Return the scene without what is about sweeps, which is no part of a point."""
+    raw = {
+        key: value for key, value in dict(scene.raw or resolved(scene)).items() if key not in ("sweep", "uncertainty")
+    }
+    return attrs.evolve(scene, sweep=None, uncertainty=None, raw=FrozenTable(raw))
+
+
+def _leaves(table: Mapping[str, object], prefix: str, where: Location) -> Iterator[tuple[str, object, Location]]:
+    """Dotted keys, whether the table was written with quoted keys or as tables in tables."""
+    for key, value in table.items():
+        path = f"{prefix}.{key}" if prefix else key
+        if isinstance(value, Mapping):
+            yield from _leaves(value, path, where.at(key))
+        else:
+            yield path, value, where.at(key)
+
+
+def _flat(table: Mapping[str, object]) -> Iterator[tuple[str, object]]:
+    yield from ((key, value) for key, value, _ in _leaves(table, "", Location({})))
+
+
+def _with_ranges(uncertainty: Uncertainty, ranges: Mapping[str, Distribution]) -> Uncertainty:
+    """Return uncertain values with ranges in their place or beside them."""
+    keys = [key for key in uncertainty.distributions if key not in ranges]
+    order = [*keys, *ranges]
+    matrix, old = np.eye(len(order)), list(uncertainty.distributions)
+    for i, key in enumerate(keys):
+        for j, other in enumerate(keys):
+            matrix[i, j] = uncertainty.correlation[old.index(key), old.index(other)]
+    return Uncertainty({key: {**uncertainty.distributions, **ranges}[key] for key in order}, matrix)
+
+
+def _conflicts(keys: Sequence[str]) -> list[str]:
+    problems = [f"{key}: is both an axis and uncertain; choose one" for key in {k for k in keys if keys.count(k) > 1}]
+    for outer in set(keys):
+        problems += [
+            f"{inner}: cannot vary while {outer} does, which takes its place; list tables with the parameter instead"
+            for inner in keys
+            if inner.startswith(f"{outer}.")
+        ]
+    return problems
+
+
+def _tried(base: Scene, study: str, design: Design) -> tuple[list[Assembly], tuple[str, ...]]:
+    """Put the scene together with every value of an axis, and with the ends of the samples; refuse what is wrong.
+
+    Returns
+    -------
+    The bearings, and what is unusual of the values.
+    """
+    problems, unusual, assemblies = list[str](), list[str](), [assemble(base)]
+    for axis in design.axes:
+        count, judged = len(axis.values), list[object]()
+        for k in np.unique(np.linspace(0, count - 1, min(count, _TRIED)).astype(int)):
+            value = axis.values[k]
+            try:
+                scene = evolve(base, {axis.key: value})
+                assemblies.append(assemble(scene, like=assemblies[0]))
+                require_memory(settings(scene, study), assemblies[-1])
+                judged.append(axis.written(k))
+            except SceneError as error:
+                problems.append(
+                    f"{axis.key}: value {k + 1} of {count}, {axis.shown(value)}: {'; '.join(error.problems)}"
+                )
+                break
+        unusual += implausible_along(base, axis.quantity, judged, "values" if count <= _TRIED else "values tried")
+    for of, column in zip(design.sampled, design.samples.T, strict=True):
+        ends = [float(column.min()), float(column.max())]
+        for value in ends:
+            try:
+                evolve(base, {of.key: value})
+                of.read(value)
+            except (SceneError, FieldError) as error:
+                number = int(np.flatnonzero(column == value)[0])
+                reason = "; ".join(error.problems) if isinstance(error, SceneError) else error.reason
+                shown = Axis(of, ()).shown(value)
+                problems.append(
+                    f"{of.key}: sample {number}, {shown}: {reason}; cut the distribution off with at_least or at_most"
+                )
+                break
+        else:
+            written = [format_quantity(value, of.unit or "1", 4) for value in ends]
+            unusual += implausible_along(base, of, written, "ends of the samples")
+    if problems:
+        raise SceneError(problems)
+    return assemblies, tuple(unusual)
+
+
+def _packages(assemblies: Sequence[Assembly], study: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Distributions that the points need, and models that only this process has."""
+    offers = {("study", study): find("study", study)}
+    for assembly in assemblies:
+        used = [*assembly.models.items(), *settings(assembly.scene, study)[study].models(assembly)]
+        for kind, model in used:
+            offers |= {(k, name): find(k, name) for k, name in _with_children(kind, model)}
+        offers |= {(offer.kind, offer.name): offer for offer in named_data(assembly.scene.raw or {})}
+    local = sorted(f"{kind} {name}" for (kind, name), offer in offers.items() if offer.package == THIS_PROCESS)
+    packages = {offer.package for offer in offers.values()} - {THIS_PROCESS}
+    return tuple(sorted(packages | {"rollslip", "numpy", "scipy"})), tuple(local)
+
+
+def _citations(assemblies: Sequence[Assembly], study: str) -> tuple[Citation, ...]:
+    models, others = list[Any](), list[Citation]()
+    for assembly in assemblies:
+        models += assembly.models.values()
+        models += (model for _, model in settings(assembly.scene, study)[study].models(assembly))
+        others += [*settings(assembly.scene, study)[study].references, *data_references(assembly)]
+    return tuple(cited(models, others))
+
+
+def _with_children(kind: str, model: Any) -> Iterator[tuple[str, str]]:
+    if (name := getattr(model, "name", None)) is not None:
+        yield kind, name
+    for attribute in getattr(model, "__attrs_attrs__", ()):
+        if child := attribute.metadata.get("kind"):
+            yield from _with_children(child, getattr(model, attribute.name))
+
+
+def _checked_shard(shard: tuple[int, int]) -> tuple[int, int]:
+    if not 1 <= shard[0] <= shard[1]:
+        raise SceneError([f"shard {shard[0]}/{shard[1]}: write I/N with I from 1 to N, such as 3/8"])
+    return shard
+
+
+# Resolutions ----------------------------------------------------------------------------------------------------------
+
+
+def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
+    """Choose the resolutions of a sweep.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene that the points change.
+    study : str
+        Their study.
+    design : Design
+        The points.
+    """
+    deciding = [k for k, axis in enumerate(design.axes) if _decides(axis)]
+    combinations = np.stack(np.unravel_index(np.arange(design.size), design.shape), axis=-1)[:, deciding]
+    if not study_class(study).shares_resolution:
+        return Resolutions()
+    resolutions = dict[str, Resolution]()
+    for places in np.unique(combinations, axis=0):
+        numbers = np.flatnonzero((combinations == places).all(axis=1))
+        if numbers.size < _WORTH:
+            continue
+        values = {
+            design.axes[k].key: design.axes[k].values[int(place)] for k, place in zip(deciding, places, strict=True)
+        }
+        points = [values, *(design.changes(int(number)) for number in _far_apart(design, numbers))]
+        chosen = [one for one in (_resolution_at(scene, study, changes) for changes in points) if one is not None]
+        if chosen:
+            resolutions[name_of(list(values.values()))] = _finest(chosen)
+    return Resolutions(deciding=tuple(design.axes[k].key for k in deciding), chosen=resolutions)
+
+
+def _decides(axis: Axis) -> bool:
+    number = axis.quantity.unit is not None or axis.quantity.whole
+    return not number or axis.key.startswith(("accuracy.", "study."))
+
+
+def _resolution_at(scene: Scene, study: str, changes: Mapping[str, object]) -> Resolution | None:
+    """Return the plan's choice at a point, None if it has none: the point will say why."""
+    try:
+        at = evolve(scene, changes) if changes else scene
+        estimated = estimate(study_class(study).of(at), assemble(at))
+    except RollslipError:
+        return None
+    return None if estimated.failed else estimated.resolution
+
+
+def _finest(chosen: Sequence[Resolution]) -> Resolution:
+    """Return the finest of some resolutions, part by part, with the laws as they are named."""
+    most = max(chosen, key=lambda resolution: resolution.slices)
+    return Resolution(
+        slices=most.slices,
+        quadrature=most.quadrature,
+        instants=max(resolution.instants or 1 for resolution in chosen),
+        table_tolerance=min(resolution.table_tolerance for resolution in chosen),
+    )
+
+
+def _far_apart(design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> list[int]:
+    """Numbers of some points that lie far apart in the numbers that they vary."""
+    some = numbers[np.unique(np.linspace(0, numbers.size - 1, _CANDIDATES).astype(int))]
+    rows = [[v for v in design.changes(int(number)).values() if isinstance(v, int | float)] for number in some]
+    return [int(some[k]) for k in far_apart(np.array(rows, dtype=float), _SPREAD)]
+
+
+# Folders -------------------------------------------------------------------------------------------------------------
+
+
+def store_sweep(sweep: Sweep, folder: Path) -> None:
+    """Write down what a sweep is.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    table = attrs.asdict(sweep.table, recurse=False)
+    stored = {
+        "format": 1,
+        "hash": sweep.hash,
+        "facts": sweep.facts,
+        "shard": sweep.shard,
+        "source": sweep.given.source,
+        "text": sweep.given.text,
+        "scene": sweep.given.raw or resolved(sweep.given),
+        "table": {key: value for key, value in table.items() if value not in (None, ())},
+    }
+    with whole_file(folder / FILE) as partial:
+        partial.write_text(json.dumps(stored, default=dict, indent=1), encoding="utf-8")
+
+
+def open_sweep(folder: Path, *, check_file: bool = True) -> Sweep:
+    """Return the sweep that a folder belongs to.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the sweep.
+    check_file : bool
+        Whether to refuse to go on if the scene's file has changed since, as if a package has.
+
+    Raises
+    ------
+    OutputError
+        If it is no folder of a sweep, or what it depends on has changed; the message says what.
+    """
+    path = folder / FILE
+    if not path.is_file():
+        inner = f"; its pieces do: rollslip sweep merge {folder}" if any(folder.glob(f"shard-*/{FILE}")) else ""
+        inner = f"; {_AGAIN.format(folder)}" if journals(folder) else inner
+        raise OutputError(f"{folder}: holds no sweep, there is no {FILE}{inner}")
+    try:
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        table, facts = dict(stored["table"]), stored["facts"]
+        scene = from_raw(stored["scene"], stored["source"], stored["text"])
+        scene = attrs.evolve(
+            scene, sweep=None, raw=FrozenTable({k: v for k, v in stored["scene"].items() if k != "sweep"})
+        )
+        source, text, shard = stored["source"], stored["text"], tuple(stored["shard"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise OutputError(f"{path}: cannot be read ({error}); remove it; {_AGAIN.format(folder)}") from error
+    if check_file:
+        _refuse_changes(folder, _changed_file(source, text))
+    over = table.pop("over", {})
+    if "samples" not in table:
+        table.pop("sampling", None)
+    if died(folder):
+        table.pop("engine", None)  # chosen anew, since that one did not survive
+    sweep = plan_sweep(scene, over, shard=(shard[0], shard[1]), **table)
+    _refuse_changes(folder, _differences(facts, sweep.facts))
+    return attrs.evolve(sweep, given=attrs.evolve(sweep.given, source=source, text=text))
+
+
+def with_engine(sweep: Sweep, engine: object, time_limit: float | str | None) -> Sweep:
+    """Return a sweep with another engine or time limit, where they are given; they are no part of what it is.
+
+    Raises
+    ------
+    SceneError
+        If the time limit cannot be read.
+    """
+    told = {"engine": engine, "time_limit": time_limit}
+    problems: list[str] = []
+    table = structure(SweepTable, {k: v for k, v in told.items() if v is not None}, Location({}, ("sweep",)), problems)
+    if table is None:
+        raise SceneError(problems)
+    changes = {name: getattr(table, name) for name, value in told.items() if value is not None}
+    return attrs.evolve(sweep, table=attrs.evolve(sweep.table, **changes))
+
+
+def _changed_file(source: str, text: str) -> list[str]:
+    """What has changed in the file of a scene since its text was stored; nothing if it is gone."""
+    if not text or not (Path(source).is_file() or source in shipped_scenes()):
+        return []
+    try:
+        now = load_scene(source)
+    except RollslipError as error:
+        return [f"{source} can no longer be read: {error}"]
+    return _differences(resolved(parse_scene(text, source)), resolved(now))
+
+
+def _differences(old: Any, new: Any, prefix: str = "") -> list[str]:
+    """What has changed, line by line, by dotted key."""
+    if isinstance(old, Mapping) and isinstance(new, Mapping):
+        keys = dict.fromkeys((*old, *new))
+        return [
+            line
+            for key in keys
+            for line in _differences(old.get(key), new.get(key), f"{prefix}.{key}" if prefix else str(key))
+        ]
+    if json.dumps(old, default=list) == json.dumps(new, default=list):
+        return []
+    return [f"{prefix}: {_was(old)} -> {_was(new)}"]
+
+
+def _was(value: object) -> str:
+    if value is None:
+        return "nothing"
+    return as_written(value) if not isinstance(value, list | tuple) else ", ".join(map(str, value))[:80]
+
+
+def _refuse_changes(folder: Path, lines: list[str]) -> None:
+    if lines:
+        more = f"\n  and {len(lines) - 10} more" if len(lines) > 10 else ""
+        shown = "\n  ".join(lines[:10])
+        raise OutputError(
+            f"{folder}: belongs to another sweep, since then has changed:\n  {shown}{more}\n"
+            "undo that, or start anew with another --out"
+        )

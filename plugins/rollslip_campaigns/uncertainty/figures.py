@@ -1,0 +1,204 @@
+"""Figures of scattering data: reserve of drag, steady slip and its margin, what decides them, and convergence.
+
+Style, sizes and files are those of `rollslip.results.style`. The margin is drawn as shares of samples, not as
+densities: every sample is in the picture, no width of bins decides what is seen, and where both curves overlap there is
+no margin.
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rollslip.results.style import DASHES, MM, MODEL_COLOURS, ONE_COLUMN, ROW, plain_decades
+from rollslip_campaigns.uncertainty.findings import RESERVE, RUNAWAY, STEADY, margin, reserve, topics
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["uncertainty_figures"]
+
+
+def uncertainty_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
+    """Draw the figures; give name, caption and figure."""
+    if RESERVE in dataset["quantity"].to_numpy():
+        yield "uncertainty-reserve", f"Reserve of drag: {reserve(dataset)}.", _reserve(dataset)
+    said = margin(dataset) if "margin" in dataset else topics(dataset)["allowable slip"][0]
+    yield "uncertainty", f"Margin of cage slip: {said}.", _margin(dataset)
+    if np.isfinite(dataset["rank_correlation"].to_numpy()).any():
+        caption = "Rank correlations of each uncertain quantity with what is acted on, the strongest first."
+        yield "uncertainty-ranks", caption, _ranks(dataset)
+    if dataset.sizes.get("indexed"):
+        caption = "Sobol indices: shares of the variance that each uncertain quantity makes, with 95 % intervals."
+        yield "uncertainty-indices", caption, _indices(dataset)
+    if np.isfinite(dataset["batch_allowable"].to_numpy()).sum() > 1:
+        caption = "Allowable slip by the number of samples, with its 95 % interval."
+        yield "uncertainty-convergence", caption, _convergence(dataset)
+
+
+def _new() -> "tuple[Figure, Axes]":
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
+    return figure, figure.subplots()
+
+
+def _reserve(dataset: "xr.Dataset") -> "Figure":
+    """Share of the samples with less than a reserve; the quantile that is told, and where a cage skids."""
+    figure, axes = _new()
+    one, p = dataset.sel(quantity=RESERVE), float(dataset.attrs["probability"])
+    n, unknown = int(one["samples"]), int(one["unknown"])
+    known = np.sort(one["value"].to_numpy()[:n])[: n - unknown]  # NaN is sorted last
+    shown = known[np.isfinite(known) & (known > 0.0)]
+    if shown.size:
+        below = np.arange(1, known.size + 1)[np.isfinite(known) & (known > 0.0)] / n
+        label = f"reserve of drag: share of {n} samples below"
+        axes.plot(shown, 100 * below, color=MODEL_COLOURS[0], drawstyle="steps-post", label=label)
+        if unknown:
+            axes.fill_between(
+                shown, 100 * below, 100 * (below + unknown / n), step="post", color=MODEL_COLOURS[0], alpha=0.25,
+                linewidth=0,
+            )  # fmt: skip
+        axes.set_xscale("log")
+        plain_decades(axes.xaxis)
+    least = float(one["quantile_value"].sel(probability=round(1.0 - p, 12)))
+    if np.isfinite(least):
+        axes.axvline(least, color="black", linewidth=0.9, label=f"at least, with probability {p:g}: {least:.3g}")
+    axes.axvline(1.0, color=MODEL_COLOURS[1], linestyle=DASHES[1], label="below 1 the cage skids")
+    axes.set_ylim(0.0, 103.0)
+    axes.set_xlabel("Largest drag over the drags of the scene [–]")
+    axes.set_ylabel("Share of samples [%]")
+    handles, _ = axes.get_legend_handles_labels()
+    figure.legend(handles=handles, loc="outside upper left", ncols=1)
+    figure.set_size_inches(ONE_COLUMN[0], ONE_COLUMN[1] + ROW * len(handles))
+    return figure
+
+
+def _ranks(dataset: "xr.Dataset") -> "Figure":
+    """Rank correlations as bars, a panel for each of what is acted on, in the order of the first."""
+    from matplotlib.figure import Figure
+
+    ranks = dataset["rank_correlation"].transpose("acted", "input").to_numpy()
+    order = np.argsort(np.nan_to_num(np.abs(ranks)).max(axis=0))
+    keys = [_short(key) for key in dataset["input"].to_numpy()[order]]
+    figure = Figure(figsize=(2 * ONE_COLUMN[0], (24 + 6 * len(keys)) * MM), layout="constrained")
+    panels = figure.subplots(1, len(ranks), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, name, row in zip(panels, dataset["acted"].to_numpy(), ranks, strict=True):
+        axes.barh(np.arange(len(keys)), np.nan_to_num(row[order]), 0.6, color=MODEL_COLOURS[0])
+        axes.set_title(str(name))
+        axes.set_yticks(np.arange(len(keys)), keys)
+        axes.tick_params(axis="y", length=0)
+        axes.axvline(0.0, color="black", linewidth=0.6)
+        axes.spines["left"].set_visible(False)
+        axes.set_xlim(-1.0, 1.0)
+        axes.set_xlabel("Rank correlation [–]")
+    return figure
+
+
+def _short(key: object) -> str:
+    """Key of an uncertain quantity, as an axis has room for it."""
+    parts = str(key).split(".")
+    return " ".join(parts[-2:] if parts[-1] == "factor" else parts[-1:]).replace("_", " ")
+
+
+def _margin(dataset: "xr.Dataset") -> "Figure":
+    figure, axes = _new()
+    shown: dict[str, tuple[str, str, Any]] = {RUNAWAY: ("below", MODEL_COLOURS[0], DASHES[0])}
+    if "margin" in dataset:
+        shown = {STEADY: ("above", MODEL_COLOURS[1], DASHES[1])} | shown
+    ends = list[float]()
+    for name, (side, colour, dashes) in shown.items():
+        one = dataset.sel(quantity=name)
+        n = int(one["samples"])
+        values = one["value"].to_numpy()[:n]
+        known, unknown = np.sort(values[np.isfinite(values)]), int(one["unknown"])
+        if not known.size:
+            where = "beyond the range, or failed"
+            if n in (unknown, int(one["beyond"])):
+                where = "failed" if unknown else "beyond the range or without end"
+            axes.plot([], [], color=colour, label=f"{name}: all {n} samples {where}")
+            continue
+        known = np.append(known[0], known)  # from no sample on
+        ends += [float(known[0]), float(known[-1])]
+        below = np.arange(known.size) / n
+        least, most = (below, below + unknown / n) if side == "below" else (1 - below - unknown / n, 1 - below)
+        label = f"{name}: share of {n} samples {side}"
+        shares: dict[str, Any] = {"drawstyle": "steps-post", "color": colour, "linestyle": dashes, "label": label}
+        axes.plot(100 * known, 100 * (least if side == "below" else most), **shares)
+        if unknown:
+            axes.fill_between(100 * known, 100 * least, 100 * most, step="post", color=colour, alpha=0.25, linewidth=0)
+    allowed, low, high = (float(dataset[f"allowable{end}"]) for end in ("_slip", "_low", "_high"))
+    if np.isfinite(allowed):
+        p = float(dataset.attrs["probability"])
+        told = np.isfinite([low, high]).all()
+        label = f"allowable at {p:g}: {100 * allowed:.3g} %"
+        label += f" ({100 * low:.3g} to {100 * high:.3g})" if told else ""
+        axes.axvline(100 * allowed, color="black", linewidth=0.9, label=label)
+        if told:
+            axes.axvspan(100 * low, 100 * high, color="0.8", linewidth=0, zorder=0)
+    if (acceptable := dataset.attrs.get("acceptable_slip", "")) != "":
+        label = f"acceptable: {100 * float(acceptable):.3g} %"
+        axes.axvline(100 * float(acceptable), color="0.4", linewidth=0.9, linestyle=DASHES[2], label=label)
+    if ends and min(ends) > 0.0:
+        axes.set_xscale("log")
+        axes.set_xlim(100 * min(ends) / 1.5, min(100.0, 150 * max(ends)))
+        plain_decades(axes.xaxis)
+    if not ends:  # an axis from 0 to 1 % would say that there is nothing there alone
+        axes.set_xlim(0.0, 100.0)
+    axes.set_ylim(0.0, 103.0)
+    axes.set_xlabel("Cage slip [%]")
+    axes.set_ylabel("Share of samples [%]")
+    handles, _ = axes.get_legend_handles_labels()
+    figure.legend(handles=handles, loc="outside upper left", ncols=1)
+    figure.set_size_inches(ONE_COLUMN[0], ONE_COLUMN[1] + ROW * len(handles))
+    return figure
+
+
+def _indices(dataset: "xr.Dataset") -> "Figure":
+    from matplotlib.figure import Figure
+
+    names = dataset["indexed"].to_numpy()
+    order = np.argsort(dataset["total_order"].sel(indexed=names[0]).to_numpy())
+    keys = [_short(key) for key in dataset["input"].to_numpy()[order]]
+    figure = Figure(figsize=(2 * ONE_COLUMN[0], (24 + 9 * len(keys)) * MM), layout="constrained")
+    panels = figure.subplots(1, len(names), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, name in zip(panels, names, strict=True):
+        one = dataset.sel(indexed=name)
+        for shift, which, colour in ((0.19, "first_order", "0.65"), (-0.19, "total_order", MODEL_COLOURS[0])):
+            value, low, high = (one[f"{which}{end}"].to_numpy()[order] for end in ("", "_low", "_high"))
+            bars: dict[str, Any] = {"xerr": [np.maximum(value - low, 0.0), np.maximum(high - value, 0.0)]}
+            axes.barh(
+                np.arange(len(keys)) + shift, value, 0.36, color=colour, label=which.replace("_", " "),
+                error_kw={"elinewidth": 0.7}, **bars,
+            )  # fmt: skip
+        axes.set_title(str(name))
+        axes.set_yticks(np.arange(len(keys)), keys)
+        axes.tick_params(axis="y", length=0)
+        axes.axvline(0.0, color="black", linewidth=0.6)
+        axes.spines["left"].set_visible(False)
+        axes.set_xlabel("Share of the variance [–]")
+    figure.legend(handles=panels[0].get_legend_handles_labels()[0], loc="outside lower left", ncols=2)
+    return figure
+
+
+def _convergence(dataset: "xr.Dataset") -> "Figure":
+    figure, axes = _new()
+    known = dataset.isel(batch=np.isfinite(dataset["batch_allowable"].to_numpy()))
+    count, value, low, high = (known[f"batch_{name}"].to_numpy() for name in ("samples", "allowable", "low", "high"))
+    told = np.isfinite(low) & np.isfinite(high)
+    axes.set_xscale("log", base=2)
+    axes.errorbar(
+        count[told], 100 * value[told], yerr=100 * np.array([(value - low)[told], (high - value)[told]]),
+        color=MODEL_COLOURS[0], marker="o", markersize=3.5, capsize=2, elinewidth=0.8,
+    )  # fmt: skip
+    if (~told).any():
+        axes.plot(
+            count[~told], 100 * value[~told], color=MODEL_COLOURS[0], marker="o", markersize=3.5, mfc="white", ls=""
+        )
+    axes.set_xticks(count, [str(one) for one in count])
+    axes.minorticks_off()
+    axes.set_xlabel("Samples")
+    axes.set_ylabel(f"Allowable slip at {float(dataset.attrs['probability']):g} [%]")
+    return figure

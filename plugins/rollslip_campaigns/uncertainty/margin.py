@@ -1,0 +1,520 @@
+"""How scattering data move what people act on: reserve of drag, steady slip, least load; and the allowable slip.
+
+- The *reserve* is the largest drag that the rollers carry over the drags of the scene (`rollslip.motion.way_up`). With
+  probability p it is at least its quantile 1 - p. Where nothing runs away it is a lower bound; below 1 the cage skids.
+- The *steady slip* is the smallest at which rollers and drags are in balance, the *least load* the radial load at which
+  it is the acceptable one of the scene. Reserve, slips and running away come of one motion of each sample.
+- A cage runs away at the slip where the balance of torques has its fold. The slip that is *allowable* at a probability
+  p is its quantile 1 - p. The *margin* is the probability that the steady slip is below that of running away, sample by
+  sample. This slip tells no good oil from a bad one: what makes it small is mostly what makes the drag there large.
+- The critical slips of the curves, by the closure of the scene, are told beside it: that of a bearing is the smaller of
+  those of its rings. With epicyclic rollers they are mostly larger than the slip at which the cage runs away.
+- A slip beyond the range of the study is larger than all in it, and counts so. A point that failed is unknown, and
+  counts as the worst and as the best that it could have been (`rollslip_campaigns.uncertainty.estimators`).
+- Samples are those of eight Sobol sequences in turn, with scramblings of their own, whose differences tell how exact
+  the quantiles are. They are looked at in batches, each as many as all before: a sequence of 2^k points begins with
+  that of 2^(k-1). Where an interval may end them they are computed so too, else all in one run.
+- All is a set of sweeps in one folder, so that the same command goes on where it was stopped.
+- Data that scatter are those of the scene's table ``[uncertainty]``; without one what data and fields declare of
+  themselves (`rollslip.planning.scatter`).
+- Sobol indices share a variance among independent inputs. With correlated ones their sums mean nothing: refused.
+"""
+
+import json
+import math
+import os
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.critical import MOST_CAGE_SLIP, look_further
+from rollslip.bearing.raceway import Array
+from rollslip.errors import SceneError
+from rollslip.planning.plausibility import implausible
+from rollslip.planning.progress import progress_in_notebook
+from rollslip.planning.provenance import citations_told, origin, scene_told
+from rollslip.planning.scatter import with_scatter
+from rollslip.results.dataset import about
+from rollslip.scene.reading import load_scene
+from rollslip.scene.values import Scene
+from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
+from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip_campaigns.sweep.definition import Sweep
+from rollslip_campaigns.sweep.folder import taken_up
+from rollslip_campaigns.sweep.point import compute
+from rollslip_campaigns.sweep.result import collect
+from rollslip_campaigns.sweep.run import Progress, run_sweep
+from rollslip_campaigns.sweep.sampling import REPLICATES
+from rollslip_campaigns.sweep.sweep import plan_sweep
+from rollslip_campaigns.uncertainty.estimators import Estimate, fewest, indices, quantile, share
+from rollslip_campaigns.uncertainty.samples import (
+    DRAG,
+    LOAD,
+    LOWEST,
+    RESERVE,
+    RUNAWAY,
+    STEADY,
+    least_loads,
+    of_friction,
+    shares_of,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["RESULT", "Margin", "expected_seconds", "plan_margin", "run_margin", "uncertainty"]
+
+RESULT: Final = "uncertainty.nc"
+CONFIDENCE: Final = 0.95
+#: Of quantiles where samples end at a width: that favours intervals which are narrow by chance, and costs up to 4 %.
+ENDING: Final = 0.975
+#: Samples of the first batch, and the most where batches end by themselves.
+_FIRST, _MOST = 256, 16384
+_SAMPLES, _LOADS = 1024, 64
+#: Fewest samples whose ranks are told.
+_RANKED: Final = 8
+#: Probabilities of the quantiles that are told beside that of the allowable slip.
+_TOLD: Final = (0.05, 0.25, 0.5, 0.75, 0.95)
+_OUTPUTS: Final = (
+    "drag_reserve", "steady_cage_slip", "runaway_slip", "runaway_drag", "critical_cage_slip", "critical_friction"
+)  # fmt: skip
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Margin:
+    """What is asked for, as sweeps over the same uncertain data.
+
+    Attributes
+    ----------
+    critical : Sweep
+        Effective friction on all samples.
+    load : Sweep or None
+        Least radial loads on the first of them; None without an acceptable slip.
+    varied : Sweep or None
+        Effective friction on Saltelli's design, for Sobol indices; None if they are not asked for.
+    probability : float
+        With which the slip is to be below that of running away.
+    until : float or None
+        Half width of the interval of the allowable slip at which batches end.
+    scatter : tuple of str
+        What oil and bearing say of their scatter, if that is what the samples are of.
+    """
+
+    critical: Sweep
+    load: Sweep | None
+    varied: Sweep | None
+    probability: float
+    until: float | None
+    scatter: tuple[str, ...]
+
+    @property
+    def sweeps(self) -> dict[str, Sweep]:
+        """Sweeps that are asked for, by the name of their folder."""
+        named = {"critical": self.critical, "load": self.load, "indices": self.varied}
+        return {name: one for name, one in named.items() if one is not None}
+
+    @property
+    def confidence(self) -> float:
+        """Confidence with which intervals of quantiles are made, so that they hold with 95 %."""
+        return CONFIDENCE if self.until is None else ENDING
+
+    def quantile(self, values: Array, probability: float) -> Estimate:
+        """Return a quantile of samples."""
+        return quantile(values, probability, replicates=REPLICATES, confidence=self.confidence)
+
+
+def uncertainty(
+    scene: Scene | str,
+    *,
+    out: str | os.PathLike[str] | None = None,
+    samples: int | None = None,
+    until: float | None = None,
+    probability: float = 0.99,
+    loads: int | None = None,
+    indices: int = 0,
+    seed: int = 0,
+    engine: object = None,
+    time_limit: float | str | None = None,
+) -> "xr.Dataset":
+    """Compute the distributions of reserve, steady slip and least load, the allowable slip and the margin.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a shipped one, or a file. Its table ``[uncertainty]`` says what scatters; without one its
+        data and models do.
+    out : path, optional
+        Folder in which everything is kept; a call with the same scene and options goes on with what it holds.
+    samples, until, probability, loads, indices, seed, engine, time_limit : optional
+        As in `plan_margin`.
+
+    Returns
+    -------
+    xarray.Dataset
+        (quantity, sample): value; (quantity, probability): quantile_value, quantile_low, quantile_high; (quantity,):
+        samples, known, beyond, unknown; scalars allowable_slip, margin, skidding, with their ends, and bounded; (input,
+        acted): rank_correlation; (batch,): batch_samples, batch_allowable and its ends; (indexed, input): first_order,
+        total_order with their ends.
+
+    Raises
+    ------
+    SceneError, PluginError
+        If anything is wrong with the scene or what is asked for; before anything runs.
+    EngineError, OutputError
+        If the engine or the folder cannot be used.
+
+    Examples
+    --------
+    >>> found = uncertainty("1032930-70C", samples=64, probability=0.9)
+    >>> bool(0.0 < found.allowable_low < found.allowable_slip < found.allowable_high < 0.95)
+    True
+    """
+    made = plan_margin(
+        scene,
+        samples=samples,
+        until=until,
+        probability=probability,
+        loads=loads,
+        indices=indices,
+        seed=seed,
+        engine=engine,
+        time_limit=time_limit,
+    )
+    place = tempfile.TemporaryDirectory() if out is None else nullcontext(out)
+    with place as folder, progress_in_notebook("uncertainty") as show:
+        return run_margin(made, Path(folder), report=lambda now: show(*now.told))
+
+
+def plan_margin(
+    scene: Scene | str,
+    *,
+    samples: int | None = None,
+    until: float | None = None,
+    probability: float = 0.99,
+    loads: int | None = None,
+    indices: int = 0,
+    seed: int = 0,
+    engine: object = None,
+    time_limit: float | str | None = None,
+) -> Margin:
+    """Check what is asked for and lay out its samples.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        The scene.
+    samples : int, optional
+        Samples of reserve and slips, the most of them with ``until``; by default 1024 and 16384.
+    until : float, optional
+        Half width of the 95 % interval of the allowable slip, as a slip, at which no more batches are computed.
+    probability : float
+        With which the slip is to be below that of running away.
+    loads : int, optional
+        Samples of the least radial load, each several times as dear; by default 64 if the scene says which slip is
+        acceptable, 0 for none.
+    indices : int
+        Rows of the design for Sobol indices of reserve, slips and peak friction, a power of two, each inputs + 2
+        points; 0 for none.
+    seed : int
+        Seed of the samples.
+    engine : str or table, optional
+        Engine and its parameters.
+    time_limit : float or str, optional
+        Longest time for one point.
+
+    Raises
+    ------
+    SceneError
+        If anything of it is wrong.
+    """
+    scene = scene if isinstance(scene, Scene) else load_scene(scene)
+    samples = samples if samples is not None else _SAMPLES if until is None else _MOST
+    acceptable = SteadySlip.of(scene).acceptable_slip
+    loads = loads if loads is not None else min(_LOADS, samples) if acceptable is not None else 0
+    problems = []
+    if not 0.5 <= probability < 1.0:
+        problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
+    if until is not None and not until > 0.0:
+        problems.append(f"until: a half width above 0 is expected, such as 0.01, not {until:g}")
+    if samples < 2:
+        problems.append(f"samples: a distribution needs 2 at least, not {samples}")
+    if not 0 <= loads <= samples:
+        problems.append(f"loads: the samples of the least load are the first of all {samples}, not {loads}")
+    if loads and acceptable is None:
+        problems.append(f"loads: study.{SteadySlip.name}.acceptable_slip says of which slip; give one, such as 0.05")
+    if indices and (indices < 4 or indices & (indices - 1)):
+        problems.append(f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}")
+    if not EffectiveFriction.of(scene).runaway_range:
+        problems.append(f"study.{EffectiveFriction.name}.runaway_range: a range is needed, such as 0.95, not 0")
+    if problems:
+        raise SceneError(problems)
+    scene, scatter = with_scatter(scene)
+    shared: dict[str, Any] = {"seed": seed, "engine": engine, "time_limit": time_limit}
+    friction = {"study": EffectiveFriction.name, "output": _OUTPUTS, **shared}
+    balance = {"study": SteadySlip.name, "output": ["least_load"], **shared}
+    critical = plan_sweep(scene, samples=samples, sampling="replicated-sobol", **friction)
+    if critical.design.axes:
+        keys = ", ".join(axis.key for axis in critical.design.axes)
+        raise SceneError([f"sweep.over: {keys} is swept, but margins are of one bearing; take rollslip sweep run"])
+    if indices and np.any(critical.uncertainty.correlation != np.eye(len(critical.uncertainty.distributions))):
+        raise SceneError(
+            [
+                "uncertainty.correlation: Sobol indices need independent inputs, and these are correlated; leave out "
+                "the indices, or the correlations"
+            ]
+        )
+    return Margin(
+        critical=critical,
+        load=plan_sweep(scene, samples=loads, sampling="replicated-sobol", **balance) if loads else None,
+        varied=plan_sweep(scene, samples=indices, sampling="saltelli", **friction) if indices else None,
+        probability=probability,
+        until=until,
+        scatter=scatter,
+    )
+
+
+def expected_seconds(made: Margin) -> dict[str, float]:
+    """Return the time [s] of one core that each sweep needs, if all its points are like the scene without scatter.
+
+    With ``until`` those of running away are the most that there may be.
+    """
+
+    def of_one(sweep: Sweep) -> float:
+        # the first time imports, and makes what samples share
+        work = sweep.work
+        return min(compute(work, ((0, {}),)).rows[0].seconds for _ in range(2))
+
+    return {name: len(sweep.numbers) * of_one(sweep) for name, sweep in made.sweeps.items()}
+
+
+def run_margin(
+    made: Margin,
+    folder: Path,
+    *,
+    said: Callable[[str], None] = lambda text: None,
+    report: Callable[[Progress], None] = lambda progress: None,
+) -> "xr.Dataset":
+    """Compute what a margin needs, or what is left of it, in its folder, and write the result there.
+
+    Raises
+    ------
+    OutputError
+        If the folder holds something else, or cannot be written.
+    EngineError
+        If the engine cannot be used.
+    KeyboardInterrupt
+        If interrupted; what is done is kept.
+    """
+    from rollslip.results.dataset import save
+
+    folder.mkdir(parents=True, exist_ok=True)
+    sweeps = made.sweeps
+    places = {name: taken_up(one, folder / name) for name, one in sweeps.items()}
+
+    def computed(name: str, count: int | None = None) -> "xr.Dataset":
+        sweep = attrs.evolve(sweeps[name], only=None if count is None else range(count))
+        if run_sweep(sweep, places[name], said=lambda text: said(f"{name}: {text}"), report=report).interrupted:
+            raise KeyboardInterrupt
+        return collect(sweep, places[name]).isel(sample=slice(count))
+
+    batches, total = list[tuple[int, Estimate]](), len(made.critical.design.samples)
+    count = min(_FIRST, total)
+    # where no interval ends them all are computed in one run, for which workers start once
+    whole = computed("critical", total) if made.until is None else None
+    while True:
+        critical = computed("critical", count) if whole is None else whole.isel(sample=slice(count))
+        allowed = made.quantile(of_friction(critical)[RUNAWAY], 1.0 - made.probability)
+        batches.append((count, allowed))
+        said(f"{count} samples: {_so_far(allowed)}")
+        # more samples make no end known that lies beyond the range
+        if count == total or (made.until is not None and (allowed.low == math.inf or allowed.half_width <= made.until)):
+            break
+        count = min(2 * count, total)
+    points = {"critical": critical}
+    if made.load is not None:
+        points["load"] = computed("load", min(len(made.load.design.samples), count))
+    if made.varied is not None:
+        points["indices"] = computed("indices")
+    dataset = _dataset(made, batches, points)
+    save(dataset, folder / RESULT)
+    return dataset
+
+
+def _so_far(allowed: Estimate) -> str:
+    """Tell an allowable slip of some samples in short, on whichever side of its range its ends are."""
+    if math.isnan(allowed.value):
+        return "none has a result"
+    value, low, high = (f"{100.0 * end:.4g} %" for end in attrs.astuple(allowed))
+    if allowed.value == math.inf:
+        value = "beyond the range"
+    if allowed.low == -math.inf:
+        return f"allowable slip {value}, too few for the low end of its interval"
+    if allowed.high == math.inf:
+        low = "beyond the range" if allowed.low == math.inf else low
+        return f"allowable slip {value}, 95 %: from {low} on"
+    return f"allowable slip {value}, 95 %: {low} to {high}"
+
+
+# What the samples say ------------------------------------------------------------------------------------------------
+
+
+def _dataset(made: Margin, batches: list[tuple[int, Estimate]], points: Mapping[str, "xr.Dataset"]) -> "xr.Dataset":
+    import xarray as xr
+
+    critical, n = points["critical"], batches[-1][0]
+    values, variables = of_friction(critical), dict[str, Any]()
+    if STEADY in values:
+        slip, away, shares = values[STEADY], values[RUNAWAY], shares_of(critical)
+        known = ~np.isnan(slip) & ~np.isnan(away)
+        margin = share(int((slip < away)[known].sum()), int((~known).sum()), n, CONFIDENCE)
+        skids = share(int(shares["skids"].sum()), int(shares["unknown"].sum()), n, CONFIDENCE)
+        variables |= _estimate("margin", margin, "probability that the steady slip is below that of running away")
+        variables |= _estimate("skidding", skids, "probability that the cage has no balance of torques")
+        said = "samples of which the reserve is a lower bound"
+        variables["bounded"] = (), int(shares["bound"].sum()), about("1", said)
+    if "load" in points:  # third of what is told
+        loads = {LOAD: least_loads(points["load"])}
+        values = {key: values.pop(key) for key in (RESERVE, STEADY) if key in values} | loads | values
+    allowed = batches[-1][1]
+    variables |= _estimate("allowable", allowed, "allowable slip")
+    variables["allowable_slip"] = variables.pop("allowable")
+    table = np.full((len(values), n), np.nan)
+    for row, one in zip(table, values.values(), strict=True):
+        row[: one.size] = one
+    probabilities = tuple(sorted({*_TOLD, round(1.0 - made.probability, 12), made.probability}))
+    quantiles = np.array([[attrs.astuple(made.quantile(one, p)) for p in probabilities] for one in values.values()])
+    over = ("quantity", "probability")
+    variables |= {
+        "value": (
+            ("quantity", "sample"),
+            table,
+            about("1", f"value of a sample, number k of scrambling k mod {REPLICATES}"),
+        ),
+        "quantile_value": (over, quantiles[..., 0], about("1", "quantile of the known samples")),
+        "quantile_low": (over, quantiles[..., 1], about("1", "low end of its 95 % interval")),
+        "quantile_high": (over, quantiles[..., 2], about("1", "high end of its 95 % interval")),
+        "samples": ("quantity", np.array([one.size for one in values.values()]), about("1", "samples")),
+        "known": ("quantity", np.array([int(np.isfinite(one).sum()) for one in values.values()]), about("1", "known")),
+        "beyond": ("quantity", np.array([int(np.isinf(one).sum()) for one in values.values()]), about("1", "beyond")),
+        "unknown": ("quantity", np.array([int(np.isnan(one).sum()) for one in values.values()]), about("1", "unknown")),
+        "batch_samples": ("batch", np.array([count for count, _ in batches]), about("1", "samples")),
+        "batch_allowable": ("batch", np.array([one.value for _, one in batches]), about("1", "allowable slip")),
+        "batch_low": ("batch", np.array([one.low for _, one in batches]), about("1", "low end of its interval")),
+        "batch_high": ("batch", np.array([one.high for _, one in batches]), about("1", "high end of its interval")),
+    }
+    inputs = [of.key for of in made.critical.design.sampled]
+    variables["input_value"] = (
+        ("input", "sample"), made.critical.design.samples[:n].T, about("SI", "value of an uncertain quantity")
+    )  # fmt: skip
+    acted = [name for name in (RESERVE, STEADY, LOAD, RUNAWAY) if name in values]
+    ranks = np.array([[_ranked(column, values[name]) for name in acted] for column in made.critical.design.samples.T])
+    variables["rank_correlation"] = (
+        ("input", "acted"), ranks, about("1", "rank correlation of an uncertain quantity with what is acted on")
+    )  # fmt: skip
+    strong = _ranked(values[RUNAWAY], values[DRAG])
+    variables["strength_correlation"] = (), strong, about("1", "rank correlation of slip and drag of running away")
+    coords: dict[str, Any] = {
+        "acted": ("acted", np.array(acted), about("1", "what is acted on")),
+        "quantity": ("quantity", np.array(list(values)), about("1", "what it is")),
+        "probability": ("probability", np.array(probabilities), about("1", "share of the distribution below")),
+        "input": ("input", np.array(inputs), about("1", "what is uncertain")),
+    }
+    if made.varied is not None:
+        found, names = _indices(made, points)
+        variables |= found
+        coords["indexed"] = ("indexed", np.array(names), about("1", "what the indices are of"))
+    failed = {name: _failures(one) for name, one in points.items()}
+    return xr.Dataset(variables, coords, _attributes(made, failed, json.loads(critical.attrs.get("left", "[]"))))
+
+
+def _estimate(name: str, of: Estimate, doc: str) -> dict[str, Any]:
+    ends = {"": of.value, "_low": of.low, "_high": of.high}
+    said = {"": doc, "_low": f"{doc}, low end of its 95 % interval", "_high": f"{doc}, high end of its 95 % interval"}
+    return {f"{name}{end}": ((), value, about("1", said[end])) for end, value in ends.items()}
+
+
+def _ranked(one: Array, other: Array) -> float:
+    """Rank correlation of two samples after Spearman, what is beyond a range ranked there; NaN where there is none."""
+    from scipy.stats import spearmanr
+
+    size = min(one.size, other.size)
+    known = ~np.isnan(one[:size]) & ~np.isnan(other[:size])
+    a, b = one[:size][known], other[:size][known]
+    if a.size < _RANKED or np.unique(a).size < 2 or np.unique(b).size < 2:
+        return math.nan
+    return float(spearmanr(a, b).statistic)
+
+
+def _indices(made: Margin, points: Mapping[str, "xr.Dataset"]) -> tuple[dict[str, Any], list[str]]:
+    """Sobol indices of what varies, and its names; what lies beyond the range of its study counts as at its end."""
+    d, rows, names = len(made.critical.design.sampled), list[Any](), list[str]()
+    study, seed = EffectiveFriction.of(made.critical.scene), made.critical.table.seed
+    for name, values in of_friction(points["indices"]).items():
+        if name == DRAG or name.startswith(f"{LOWEST},"):
+            continue
+        last = study.slip_range if name == LOWEST else study.runaway_range
+        table = np.where(np.isinf(values), last, values).reshape(-1, d + 2)
+        found = indices(table[:, 0], table[:, 1], table[:, 2:].T, seed, CONFIDENCE)
+        if found is not None:
+            names.append(name)
+            rows.append((found.first, found.total, found.used, len(table), int(np.isinf(values).sum())))
+    variables: dict[str, Any] = {
+        f"indexed_{what}": ("indexed", np.array([row[k] for row in rows]), about("1", said))
+        for k, what, said in (
+            (2, "rows", "rows of the design that are used"),
+            (3, "asked", "rows of the design"),
+            (4, "beyond", "samples beyond the range"),
+        )
+    }
+    for k, order in enumerate(("first_order", "total_order")):
+        stacked = np.array([row[k] for row in rows]).reshape(len(rows), 3, d)
+        for i, end in enumerate(("", "_low", "_high")):
+            said = about("1", f"Sobol index, {order.replace('_', ' ')}")
+            variables[f"{order}{end}"] = ("indexed", "input"), stacked[:, i], said
+    return variables, names
+
+
+def _failures(points: "xr.Dataset") -> dict[str, int]:
+    names, counts = np.unique(points["status"].to_numpy(), return_counts=True)
+    return {str(name): int(count) for name, count in zip(names, counts, strict=True)}
+
+
+def _attributes(made: Margin, failed: Mapping[str, Mapping[str, int]], left: Sequence[str]) -> dict[str, Any]:
+    sweep, study = made.critical, EffectiveFriction.of(made.critical.scene)
+    warnings = [
+        f"{name}: {count} of {sum(counts.values())} points are {status}; they count as the worst and as the best"
+        for name, counts in failed.items()
+        for status, count in counts.items()
+        if status != "ok"
+    ]
+    if made.scatter:
+        warnings.append(
+            f"the scene has no table [uncertainty]; the scatter is the one that its data and models come with: "
+            f"{'; '.join(made.scatter)}"
+        )
+    warnings += [*implausible(sweep.given), *sweep.unusual, *left]
+    return origin(
+        study="uncertainty",
+        **scene_told(sweep.scene, sweep.given),
+        probability=made.probability,
+        slip_range=study.runaway_range,
+        look_further=look_further(f"{study.table}.runaway_range", study.runaway_range, MOST_CAGE_SLIP),
+        curves_with=CLOSURES[study.closure],
+        confidence=CONFIDENCE,
+        fewest_samples=fewest(made.probability, REPLICATES, made.confidence),
+        acceptable_slip=SteadySlip.of(sweep.scene).acceptable_slip or "",
+        until=made.until if made.until is not None else "",
+        seed=sweep.table.seed,
+        distributions={k: repr(d) for k, d in sweep.uncertainty.distributions.items()},
+        correlation=sweep.uncertainty.correlation.tolist(),
+        resolutions=sweep.resolutions.facts,
+        points=failed,
+        packages=sweep.facts["packages"],
+        **citations_told(sweep.citations),
+        warnings=warnings,
+    )

@@ -1,0 +1,172 @@
+"""Predictions of other programs for the rows of a data set: a plain CSV, so that closed programs can take part too.
+
+- ``rollslip validate NAME --form FILE.csv`` writes the rows with an empty column; what comes back has numbers there.
+- A file is of one data set. Its comments may say ``# program: NAME``, and ``# parameters: N`` that were fitted for it.
+"""
+
+import csv
+import io
+import math
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from rollslip.errors import SceneError
+from rollslip.files import content_of, decoded, readable
+from rollslip.measurement import Measurement
+from rollslip.measurement.values import Series
+from rollslip.units import as_written
+from rollslip_campaigns.validation.judging import Value
+
+__all__ = ["Predictions", "data_set_of", "form", "read_predictions"]
+
+_HEAD: Final = ("data_set", "series", "line", "conditions", "unit", "predicted", "uncertainty")
+
+
+@attrs.frozen(kw_only=True)
+class Predictions:
+    """What a program gives for rows of a data set.
+
+    Attributes
+    ----------
+    of : str
+        The data set.
+    program : str
+        Who predicts.
+    parameters : int
+        How many parameters were fitted to the data for it; 0 if nothing was.
+    source : str
+        File.
+    values : mapping
+        (series, line in its file) -> value and standard uncertainty in SI units.
+    """
+
+    of: str
+    program: str
+    parameters: int
+    source: str
+    values: dict[tuple[str, int], tuple[float, float]] = attrs.field(repr=False)
+
+    def values_of(self, series: Series) -> tuple[list[Value], NDArray[np.float64]] | None:
+        """Return what is predicted of a series, as values and samples of their errors; None if nothing is."""
+        found = [self.values.get((series.name, row.line)) for row in series.rows]
+        if not series.rows or all(one is None for one in found):
+            return None
+        from scipy.special import ndtri
+
+        errors = ndtri((np.arange(256) + 0.5) / 256)
+        values, columns = list[Value](), []
+        for one in found:
+            value, sigma = (math.nan, 0.0) if one is None else one
+            values.append(Value(value, "" if one is not None else "not predicted", math.nan))
+            columns.append(value + sigma * errors)
+        generator = np.random.default_rng(0)  # errors of different rows are independent
+        columns = [generator.permutation(column) for column in columns]
+        sampled = np.array(columns).T
+        return values, sampled if any(one is not None and one[1] for one in found) else sampled[:0]
+
+
+def form(measurement: Measurement) -> str:
+    """Return the rows of a data set as CSV with empty columns for predictions, all in SI units."""
+    text = io.StringIO()
+    text.write(f"# Predictions for data set {measurement.name}: fill the column predicted, in the unit of the row;\n")
+    text.write("# uncertainty is its standard uncertainty, and may stay empty.\n# program: NAME\n# parameters: 0\n")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(_HEAD)
+    for series in measurement.series:
+        for row in series.rows:
+            writer.writerow([measurement.name, series.name, row.line, row.label, series.unit, "", ""])
+    return text.getvalue()
+
+
+def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> Predictions:
+    """Read predictions for a data set.
+
+    Raises
+    ------
+    SceneError
+        With every fault of the file, each with its line.
+    """
+    source, text = _read(path)
+    comments = dict(re.findall(r"^#\s*(program|parameters):\s*(.+?)\s*$", text, re.MULTILINE))
+    lines = [(k, line) for k, line in enumerate(text.split("\n"), 1) if line.strip() and not line.startswith("#")]
+    problems, values = list[str](), dict[tuple[str, int], tuple[float, float]]()
+    if not lines:
+        raise SceneError([f"{source}: no header; 'rollslip validate NAME --form FILE.csv' writes a file to fill"])
+    head = [cell.strip() for cell in next(csv.reader([lines[0][1]]))]
+    if missing := [name for name in ("series", "line", "predicted") if name not in head]:
+        raise SceneError([f"{source}:{lines[0][0]}: missing columns: {', '.join(missing)}"])
+    rows = {(series.name, row.line): series for series in measurement.series for row in series.rows}
+    for number, line in lines[1:]:
+        cells = dict(zip(head, (cell.strip() for cell in next(csv.reader([line]))), strict=False))
+        place, key = f"{source}:{number}", (cells.get("series", ""), _whole(cells.get("line", "")))
+        if cells.get("data_set", measurement.name) != measurement.name:
+            problems.append(f"{place}: data_set: {as_written(cells['data_set'])} is not {measurement.name!r}")
+        elif key not in rows:
+            problems.append(f"{place}: series {as_written(key[0])} has no row of line {cells.get('line')}")
+        elif key in values:
+            problems.append(f"{place}: series {as_written(key[0])}, line {key[1]} once more")
+        elif cells.get("unit", rows[key].unit) != rows[key].unit:
+            problems.append(f"{place}: unit: {as_written(cells['unit'])}; predictions are in {rows[key].unit!r}")
+        else:
+            value, sigma = _number(cells.get("predicted", "")), _number(cells.get("uncertainty") or "0")
+            if value is None or sigma is None or sigma < 0.0:
+                what = "predicted" if value is None else "uncertainty"
+                wanted = "a number" if value is None else "a number from 0 on, or nothing,"
+                problems.append(f"{place}: {what}: {wanted} is expected, not {as_written(cells.get(what, ''))}")
+            else:
+                values[key] = value, sigma
+    count = _whole(comments.get("parameters", "0"))
+    if count < 0:
+        problems.append(f"{source}: parameters: a whole number is expected, not {as_written(comments['parameters'])}")
+    if not values and not problems:
+        problems.append(f"{source}: no rows are predicted")
+    if problems:
+        raise SceneError(problems)
+    program = comments.get("program", Path(path).stem)
+    return Predictions(of=measurement.name, program=program, parameters=count, source=source, values=values)
+
+
+def data_set_of(path: str | os.PathLike[str], asked: Sequence[str]) -> str:
+    """Return the data set that a file of predictions is of: the one that it names, or the only one asked for.
+
+    Raises
+    ------
+    SceneError
+        If it names none and not one is asked for, or it cannot be read.
+    """
+    if len(asked) == 1:
+        return asked[0]
+    source, text = _read(path)
+    rows = csv.DictReader(line for line in text.split("\n") if line.strip() and not line.startswith("#"))
+    named = next((row["data_set"] for row in rows if row.get("data_set")), "")
+    if not named:
+        raise SceneError([f"{source}: has no column data_set; name the data set that it is of in the command"])
+    return named
+
+
+def _read(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """Name and content of a file."""
+    source = readable(os.fspath(path))
+    try:
+        return source, decoded(content_of(Path(path)), source)
+    except OSError as error:
+        raise SceneError([f"{source}: cannot be read: {error.strerror or error}"]) from None
+
+
+def _whole(text: str) -> int:
+    return int(text) if re.fullmatch(r"\d{1,9}", text, re.ASCII) else -1
+
+
+def _number(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
