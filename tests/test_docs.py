@@ -26,7 +26,7 @@ from rollslip.catalogue import discovery
 from rollslip.catalogue.discovery import get_class
 from rollslip.catalogue.kinds import get_kind, kinds, offered_kinds
 from rollslip.catalogue.registry import available
-from rollslip.cli.main import cli, main
+from rollslip.cli.main import main
 from rollslip.lubricant import OilTable
 from rollslip.scene.schema import schema
 from rollslip.studies.study import Study, study_class
@@ -156,11 +156,11 @@ def test_every_kind_and_its_models_are_in_the_docs(kind):
     assert all(f".. rubric:: {name}\n" in catalogue for name in available(kind))
 
 
-@pytest.mark.parametrize("command", sorted(cli.commands))
+@pytest.mark.parametrize("command", sorted(FACTS.every_command()))
 def test_every_command_and_its_options_are_in_the_docs(command):
     text = made("commands")
     assert f".. rubric:: rollslip {command}\n" in text
-    for parameter in cli.commands[command].params:
+    for parameter in FACTS.every_command()[command].params:
         assert all(option in text for option in parameter.opts if option.startswith("--"))
 
 
@@ -284,7 +284,7 @@ def test_twelve_look_ups_take_three_steps_each():
         assert question.endswith("?")
         assert all(re.search(r"``|:doc:|^\"", step) for step in steps if step.strip())
     for command in re.findall(r"``rollslip (\w+)", PAGES["develop/lookups.rst"]):
-        assert command in cli.commands
+        assert command in FACTS.every_command()
 
 
 def test_where_to_add_what_has_every_kind():

@@ -4,6 +4,7 @@ import functools
 import re
 
 import attrs
+import click
 import pytest
 
 import sentences
@@ -73,9 +74,16 @@ def known_keys():
     return keys | stages | {row.key for row in schema()} | {"uncertainty.lubricant", "uncertainty.correlation"}
 
 
+def below_of(command):
+    """Commands of a group by name, those of campaigns among them."""
+    context = click.Context(command)
+    names = command.list_commands(context) if isinstance(command, click.Group) else ()
+    return {name: command.get_command(context, name) for name in names}
+
+
 def known_options(command=cli):
     own = {option for parameter in command.params for option in parameter.opts}
-    return own.union(*(known_options(below) for below in getattr(command, "commands", {}).values()))
+    return own.union(*(known_options(below) for below in below_of(command).values()))
 
 
 def bare(text):
@@ -106,9 +114,10 @@ def test_every_key_and_option_that_a_sentence_names_exists():
 def test_every_command_that_a_sentence_names_exists():
     words = re.compile(r"(?:by: |'|`|take )rollslip ([a-z]+)(?: ([a-z]+))?")
     named = {pair for one in every() for pair in words.findall(one.text)}
-    assert {command for command, _ in named} - cli.commands.keys() == set()
-    groups = {pair for pair in named if hasattr(cli.commands[pair[0]], "commands")}
-    assert {pair for pair in groups if pair[1] not in cli.commands[pair[0]].commands} == set()
+    commands = below_of(cli)
+    assert {command for command, _ in named} - commands.keys() == set()
+    groups = {pair for pair in named if below_of(commands[pair[0]])}
+    assert {pair for pair in groups if pair[1] not in below_of(commands[pair[0]])} == set()
     assert ("sweep", "merge") in groups
 
 

@@ -202,10 +202,16 @@ def measured_quantities():
     return table(("quantity", "unit", "meaning", "of a"), rows)
 
 
+def every_command():
+    """All commands by name, those of campaigns among them."""
+    context = click.Context(cli)
+    return {name: cli.get_command(context, name) for name in cli.list_commands(context)}
+
+
 def commands():
     """The commands with their options."""
-    lines, every = [], dict(cli.commands)
-    for name, group in cli.commands.items():
+    lines, every = [], every_command()
+    for name, group in dict(every).items():
         every |= {f"{name} {inner}": command for inner, command in getattr(group, "commands", {}).items()}
     for name, command in sorted(every.items()):
         context = click.Context(command, info_name=f"rollslip {name}")
@@ -260,11 +266,12 @@ def changelog():
     return lines
 
 
-#: The three roots, each of which may import those before it.
+#: The roots, each of which may import those before it.
 ROOTS = {
     "kernels/rollslip_kernels": "compiled loops and laws",
     "framework/rollslip": "interfaces, bearing, studies, commands",
     "plugins/rollslip_plugins": "the models in the box",
+    "plugins/rollslip_campaigns": "questions to many points",
 }
 
 
@@ -296,21 +303,22 @@ def imports_picture():
     step, top, order = 20, 102, architecture.ORDER
     height = top + step * len(order) + 8
     drawn = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" class="architecture" viewBox="0 0 360 {height}" role="img" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="architecture" viewBox="0 0 480 {height}" role="img" '
         'aria-labelledby="architecture-says">',
         f'<title id="architecture-says">{escape(_picture_in_words(count))}</title>',
     ]
     for k, (root, about) in enumerate(ROOTS.items()):
         left = 4 + 122 * k
         drawn.append(f'<rect x="{left}" y="4" width="108" height="52" rx="6" class="box"/>')
-        drawn.append(f'<text x="{left + 54}" y="24" class="head">{root.partition("/")[0]}</text>')
+        name = root.removesuffix("/rollslip").rpartition("_")[2]
+        drawn.append(f'<text x="{left + 54}" y="24" class="head">{name}</text>')
         drawn += [
             f'<text x="{left + 54}" y="{38 + 11 * row}" class="small">{escape(text)}</text>'
             for row, text in enumerate(_halves(about))
         ]
         if k:
             drawn.append(f'<path d="M{left - 2} 30h-10m4 -4l-4 4l4 4" class="line"/>')
-    drawn.append(f'<text x="4" y="{top - 16}" class="left strong">folders of the framework</text>')
+    drawn.append(f'<text x="4" y="{top - 16}" class="left strong">folders of the framework, and campaigns</text>')
     for row, name in enumerate(order):
         y = top + step * row
         for column, other in enumerate(order[: row + 1]):
@@ -330,7 +338,8 @@ def _picture_in_words(count):
     for name in architecture.ORDER:
         used = [other for other in architecture.ORDER if other != name and count[name, other]]
         told.append(f"{name} imports {', '.join(used) or 'no other folder'}")
-    return f"plugins import framework and kernels, framework imports kernels. In the framework: {'; '.join(told)}."
+    roots = "campaigns and plugins import framework and kernels, framework imports kernels"
+    return f"{roots}. In the framework, and of campaigns: {'; '.join(told)}."
 
 
 def _halves(text):

@@ -38,26 +38,21 @@ _HOMES = {
     "RollslipDeprecationWarning": "rollslip.errors",
     "Slices": "rollslip_kernels.slices",
     "available": "rollslip.catalogue.registry",
-    "compare": "rollslip_campaigns.comparison.comparison",
     "evolve": "rollslip.scene.changes",
-    "explore": "rollslip_campaigns.explorer.explorer",
-    "fit": "rollslip_campaigns.fit.fit",
     "get_include": "rollslip_kernels",
     "get_model": "rollslip.catalogue.registry",
-    "limit": "rollslip_campaigns.limit.limit",
     "load_distribution": "rollslip.planning.execution",
     "load_scene": "rollslip.scene.reading",
     "model": "rollslip.catalogue.session",
     "open_result": "rollslip.results.dataset",
-    "pareto": "rollslip_campaigns.pareto.pareto",
     "plan": "rollslip.planning.plan",
     "plot": "rollslip.results.figures",
     "register": "rollslip.catalogue.session",
     "run": "rollslip.planning.execution",
-    "sweep": "rollslip_campaigns.sweep.folder",
-    "uncertainty": "rollslip_campaigns.uncertainty.margin",
 }
-__all__ = sorted(_HOMES)
+#: Functions of campaigns that are promised; they are found as those of strangers are.
+_CAMPAIGNS = ("compare", "explore", "fit", "limit", "pareto", "sweep", "uncertainty")
+__all__ = sorted((*_HOMES, *_CAMPAIGNS))
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())  # who uses the library decides what becomes of its log
 
@@ -65,11 +60,21 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())  # who uses the li
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         return importlib.import_module("importlib.metadata").version("rollslip")
-    if name not in _HOMES:
+    value = getattr(importlib.import_module(_HOMES[name]), name) if name in _HOMES else _of_campaign(name)
+    if value is None:
         raise AttributeError(f"module 'rollslip' has no attribute {name!r}")
-    value = getattr(importlib.import_module(_HOMES[name]), name)
     globals()[name] = value
     return value
+
+
+def _of_campaign(name: str) -> Any:
+    """Return the function of a campaign; None where there is no such campaign, or it has none."""
+    if name.startswith("_"):  # Python asks for many of these
+        return None
+    known = importlib.import_module("rollslip.catalogue.campaign")
+    called = name.replace("_", "-")
+    place = known.campaign(called).function if called in known.campaigns() else ""
+    return importlib.import_module("pkgutil").resolve_name(place) if place else None
 
 
 def __dir__() -> list[str]:

@@ -73,6 +73,11 @@ def studies() -> Iterable[type[Any]]:  # type: ignore[empty-body]
 
 
 @hookspec
+def campaigns() -> Iterable[Any]:  # type: ignore[empty-body]
+    """Campaigns this plugin offers: values of `rollslip.catalogue.campaign.Campaign`."""
+
+
+@hookspec
 def accounts() -> Iterable[Any]:  # type: ignore[empty-body]
     """Accounts this plugin offers, one for each study that it offers: values of `rollslip.results.account.Account`."""
 

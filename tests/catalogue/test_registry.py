@@ -177,7 +177,7 @@ def test_every_entry_point_leads_to_a_thing_of_its_kind_and_name(kind, name):
         (
             "zzz",
             "x",
-            "no kind of model is called 'zzz'; there are: account, bearing, contact, damage, drag, engine, film,",
+            "no kind of model is called 'zzz'; there are: account, bearing, campaign, contact, damage, drag, engine,",
         ),
     ],
 )

@@ -10,12 +10,15 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 #: Folders from left to right: each imports only what stands left of it. The shelf is the modules beside the folders.
+#: Campaigns are a root of their own, right of all.
 ORDER = (
     "shelf", "lubricant", "catalogue", "scene", "measurement", "bearing", "results", "motion", "studies", "planning",
-    "campaigns", "testing", "cli",
+    "testing", "cli", "campaigns",
 )  # fmt: skip
-#: The face of the package names everything, and the alias of a former path its new home.
-FACES = {"rollslip", "rollslip.pressure_viscosity"}
+#: Roots whose modules stand in these folders.
+PLACES = ("framework/rollslip", "plugins/rollslip_campaigns")
+#: The face of the package names everything, for types, and the alias of a former path its new home.
+FACES = {"rollslip", "rollslip.campaigns", "rollslip.pressure_viscosity"}
 MOST_MODULES, MOST_LINES = 12, 600
 #: A campaign may build upon another only here.
 #: A validation holds what the others compute against what was measured: points and samples, scatter, models that take
@@ -26,18 +29,18 @@ CAMPAIGNS = {
     ("validation", "fit"), ("validation", "sweep"), ("validation", "uncertainty"),
 }  # fmt: skip
 #: Package -> the folder, or the module, that alone may import it.
-ONLY = {"matplotlib": ("results", "figures"), "click": ("cli",), "sqlite3": ("journal",)}
+ONLY = {"matplotlib": ("results", "figures"), "click": ("cli", "command"), "sqlite3": ("journal",)}
 #: Where names of models and studies may stand as defaults of scene or study.
 DEFAULTS = ("rollslip.lubricant.pressure", "rollslip.planning.new_scene", "rollslip.scene.values", "rollslip.studies")
 
 
 def modules(root: Path = ROOT) -> dict[str, Path]:
-    """Return the modules of the framework: dotted name -> file."""
-    base = root / "framework"
+    """Return the modules of framework and campaigns: dotted name -> file."""
     found = {}
-    for path in sorted((base / "rollslip").rglob("*.py")):
-        parts = path.relative_to(base).with_suffix("").parts
-        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    for place in PLACES:
+        for path in sorted((root / place).rglob("*.py")):
+            parts = path.relative_to((root / place).parent).with_suffix("").parts
+            found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
     return found
 
 
@@ -88,10 +91,10 @@ def imports(path: Path, known: Mapping[str, Path]) -> set[str]:
         # a name that is a module itself, or a name within one
         found |= ({f"{module}.{name}" for name in names} & known.keys()) or {module}
     for _, text in _texts(path):
-        for name in re.findall(r"(?<![\w.`])rollslip(?:\.[a-z_]+)+", text):
+        for name in re.findall(r"(?<![\w.`])rollslip(?:_campaigns)?(?:\.[a-z_]+)+", text):
             while name not in known and "." in name:
                 name = name.rpartition(".")[0]
-            if name != "rollslip":
+            if "." in name:
                 found.add(name)
     return found
 
@@ -99,6 +102,8 @@ def imports(path: Path, known: Mapping[str, Path]) -> set[str]:
 def folder(module: str) -> str:
     """Return the folder of a module, as `ORDER` calls it."""
     parts = module.split(".")
+    if parts[0] == "rollslip_campaigns":
+        return "campaigns"
     return parts[1] if len(parts) > 1 and parts[1] in ORDER else "shelf"
 
 
@@ -110,7 +115,7 @@ def wrong_way(root: Path = ROOT) -> list[str]:
         for module, path in known.items()
         if module not in FACES
         for other in sorted(imports(path, known) & known.keys())
-        if other != "rollslip" and ORDER.index(folder(module)) < ORDER.index(folder(other))
+        if other not in FACES and ORDER.index(folder(module)) < ORDER.index(folder(other))
     ]
 
 
@@ -142,7 +147,7 @@ def too_large(root: Path = ROOT) -> list[str]:
     """Folders with too many modules, modules with too many lines, and folders whose face is more than a sentence."""
     found, count = list[str](), dict[Path, int]()
     known = modules(root)
-    plugins = sorted((root / "plugins").rglob("*.py"))
+    plugins = sorted((root / "plugins" / "rollslip_plugins").rglob("*.py"))
     for path in (*known.values(), *plugins):
         lines = len(path.read_text(encoding="utf-8").splitlines())
         if lines > MOST_LINES:
@@ -156,7 +161,7 @@ def too_large(root: Path = ROOT) -> list[str]:
         if number > MOST_MODULES + 2 * (of == shelf)
     ]
     for module, path in known.items():
-        if path.name != "__init__.py" or module in FACES:
+        if path.name != "__init__.py" or module in FACES or folder(module) == "campaigns":  # which say what they offer
             continue
         tree = _tree(path.read_text(encoding="utf-8"))
         first, rest = (ast.get_docstring(tree) or "").strip(), tree.body[1:]
@@ -200,7 +205,7 @@ def named_studies(root: Path = ROOT) -> list[str]:
 
 
 def named_models(root: Path = ROOT) -> list[str]:
-    """Names of models of the box in the framework, but for defaults of scene and study."""
+    """Names of models of the box in framework and campaigns, but for defaults of scene and study."""
     points = offered(root)
     kinds = ("contact", "film", "traction", "pressure-viscosity", "drag", "integrator", "lubricant", "bearing")
     names = {name for kind in kinds for name in points[kind] if name not in ("constant", "bdf", "regime", "iso16281")}
@@ -236,7 +241,7 @@ def entangled(root: Path = ROOT) -> list[str]:
 
     def campaign(module: str) -> str:
         parts = module.split(".")
-        return parts[2] if parts[1:2] == ["campaigns"] and len(parts) > 2 else ""
+        return parts[1] if parts[0] == "rollslip_campaigns" and len(parts) > 1 else ""
 
     return [
         f"{module} imports {other}"

@@ -60,6 +60,7 @@ MASKED = (
     (r"id=\"[^\"]*\"|#[a-z][0-9a-f]{9,10}|[\"#]m[0-9a-f]{10}", "ID"),
     (r"\b(process|pid) \d+", "PROCESS"),
     (r"\b[0-9a-f]{64}\b", "HASH"),
+    (r"DATE \([\w-]+\)(<br/>\s*DATE \([\w-]+\))*", "DATE"),  # one, or one for each study
     (r" {2,}", "  "),
 )
 #: Texts that hold times as numbers or figures: only their words are compared, in any order.

@@ -1,4 +1,4 @@
-"""Deprecated: the campaigns under their former path; they are `rollslip_campaigns`."""
+"""Deprecated: the campaigns under their former path; they are a root of their own."""
 
 import importlib
 import importlib.util

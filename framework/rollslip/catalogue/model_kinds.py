@@ -1,7 +1,8 @@
-"""The kinds of models and data, whose base classes stand left of this folder."""
+"""The kinds of models and data, whose base classes stand left of this folder, and of campaigns."""
 
 from typing import Final
 
+from rollslip.catalogue.campaign import Campaign
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.datasets import BearingData, FitData, SurfaceData
 from rollslip.engine import Engine
@@ -148,3 +149,4 @@ SURFACE: Final = Kind(
     ),
 )
 FIT: Final = Kind(name="fit", hook="fits", base=FitData, data=True)
+CAMPAIGN: Final = Kind(name="campaign", hook="campaigns", base=Campaign, data=True)

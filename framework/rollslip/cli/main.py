@@ -16,13 +16,10 @@ from typing import Any, Final, NoReturn
 
 import click
 
+from rollslip.catalogue.campaign import campaign, campaigns
 from rollslip.cli.app import BAD_PLUGIN, BAD_SCENE, INTERRUPTED, NOT_CONVERGED, OK
 from rollslip.cli.catalogue import cite, doctor, export, info, models, plugins, schema
-from rollslip.cli.compare import compare, pareto
-from rollslip.cli.measured import fit, rank, validate
 from rollslip.cli.run import new, plan, report, run
-from rollslip.cli.sweep import explore, sweep
-from rollslip.cli.uncertainty import limit, uncertainty
 from rollslip.errors import ConvergenceError, PluginError, RollslipError, UnknownNameError
 
 __all__ = ["cli", "main"]
@@ -36,7 +33,44 @@ class _Log(logging.Handler):
         click.echo(self.format(record), err=True)
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+class _Commands(click.Group):
+    """Our commands, and those of campaigns, each imported when it is asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return all names."""
+        return sorted({*self.commands, *campaigns()})
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return a command by name; ours before that of a campaign."""
+        if cmd_name in self.commands or cmd_name not in campaigns():
+            return super().get_command(ctx, cmd_name)
+        command: click.Command = campaign(cmd_name).load_command()
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Return the command that is asked for, or name those that may have been meant."""
+        known = args[0] in self.commands or args[0] in campaigns()
+        return super().resolve_command(ctx, args) if known else self._listed().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List all commands."""
+        self._listed().format_commands(ctx, formatter)
+
+    def _listed(self) -> click.Group:
+        """All commands, those of campaigns by what they say of themselves."""
+        listed = dict(self.commands)
+        for name in campaigns():
+            try:
+                summary = campaign(name).summary
+            except PluginError as error:
+                summary = str(error)
+            listed.setdefault(name, click.Command(name, help=summary))
+        return click.Group(commands=listed)
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="rollslip")
 @click.option(
     "--log",
@@ -57,10 +91,7 @@ def cli(context: click.Context, level: str | None) -> None:
     logger.setLevel(level.upper())
 
 
-for _command in (
-    cite, compare, doctor, explore, export, fit, info, limit, models, new, pareto, plan, plugins, rank, report, run,
-    schema, sweep, uncertainty, validate,
-):  # fmt: skip
+for _command in (cite, doctor, export, info, models, new, plan, plugins, report, run, schema):
     cli.add_command(_command)
 
 

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from hypothesis import assume
 
+from rollslip.catalogue.campaign import Campaign
 from rollslip.engine import Engine
 from rollslip.errors import DomainError, PluginError
 from rollslip.lubricant.oil import Lubricant
@@ -87,7 +88,7 @@ def rests_on_evaluation(check: Check) -> bool:
 def kinds_of(model: object) -> Iterator[type | str]:
     """Yield the kinds whose rules hold for a model, the general ones first."""
     yield "value"
-    beside = (Engine, Lubricant, Measurement, Study, ThermalModel, DamageModel, TorqueFormula)
+    beside = (Campaign, Engine, Lubricant, Measurement, Study, ThermalModel, DamageModel, TorqueFormula)
     yield from (kind for kind in (*MODELS, *beside, *STAGES) if isinstance(model, kind))
     if isinstance(model, SliceModel) and {"load", "stiffness"} <= set(model.writes):
         yield "deflection"

@@ -3,6 +3,7 @@
 import json
 import math
 import pickle
+import pkgutil
 import re
 import subprocess
 import sys
@@ -10,7 +11,9 @@ from functools import cache
 from typing import Any, Final
 
 import attrs
+import click
 
+from rollslip.catalogue.campaign import Campaign
 from rollslip.catalogue.kinds import kind_of
 from rollslip.catalogue.registry import catalogue, get_class
 from rollslip.engine import Engine
@@ -158,6 +161,20 @@ def _import_of(module: str, path: tuple[str, ...]) -> tuple[float, str]:
         if printed or best < IMPORT_LIMIT:
             break
     return best, printed
+
+
+@rule(Campaign)
+def check_a_campaign_has_its_command_and_its_function(campaign: Campaign) -> None:
+    """``rollslip --help`` and ``rollslip.NAME`` promise them before anything of them is imported."""
+    command = campaign.load_command()
+    refuse_unless(isinstance(command, click.Command), f"{campaign.command} is a {type(command).__name__}, no command")
+    help = " ".join((command.help or "").split())
+    refuse_unless(
+        bool(campaign.summary) and help.startswith(campaign.summary),
+        f"its command's help begins with {help[:80]!r}, not with its summary {campaign.summary!r}",
+    )
+    if campaign.function:
+        refuse_unless(callable(pkgutil.resolve_name(campaign.function)), f"{campaign.function} cannot be called")
 
 
 # What is said --------------------------------------------------------------------------------------------------------

@@ -1,8 +1,9 @@
-"""Commands that hold models and numerical choices against each other: compare, pareto."""
+"""The command `rollslip pareto`, and what it prints before it runs."""
 
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -21,66 +22,8 @@ from rollslip.cli.app import (
     study_option,
 )
 
-
-@click.command()
-@scene_argument
-@click.option("--traction", metavar="A,B", multiple=True, help="Traction models to compare.")
-@click.option("--film", metavar="A,B", multiple=True, help="Film models to compare.")
-@click.option("--contact", metavar="A,B", multiple=True, help="Contact models to compare.")
-@click.option(
-    "--reference",
-    metavar="NAME",
-    help="Traction that the others are held against; NAME,NAME for its film and contact too.",
-)
-@click.option("--study", metavar="STUDY", help="Study with friction curves; by default the first of the scene.")
-@set_option
-@results_options()
-@json_option
-def compare(
-    scene: str,
-    traction: Sequence[str],
-    film: Sequence[str],
-    contact: Sequence[str],
-    reference: str | None,
-    study: str | None,
-    changes: Sequence[str],
-    results: Results,
-) -> None:
-    """Run every combination of models on SCENE; compare friction, critical slip and cost.
-
-    A model that is not composed of others takes the place of the hydrodynamic model where the scene's traction is a
-    blend, such as lambda-blend, and of the film where the scene's film is a correction, such as inlet-correction; --set
-    models.traction=NAME takes the blend out of the scene. What --reference does not name is the first of the
-    comparison, and without it that is what the others are held against.
-    """
-    from rollslip.cli import console, planned
-    from rollslip.results.dataset import save
-    from rollslip_campaigns.comparison.comparison import plan_comparison, run_comparison
-
-    made = plan_comparison(
-        scene_of(scene, changes),
-        contact=",".join(contact),
-        film=",".join(film),
-        traction=",".join(traction),
-        reference=reference,
-        study=study,
-    )
-    if not results.as_json:
-        click.echo(planned.comparison_headline(made))
-        planned.print_comparison_plan(made)
-    results.go_to(f"{Path(scene).stem}-comparison")
-    with results.folder() as folder:
-        with progress("compare", made.seconds) as show:
-            dataset = run_comparison(made, show)
-        save(dataset, folder / "compare.nc")
-        results.show({"compare": dataset}, folder)
-    if results.as_json:
-        print_json(console.result_as_dict(dataset) | results.as_dict())
-    else:
-        console.print_found(dataset)
-        results.tell(dataset)
-    if any(dataset["status"] != "done"):
-        sys.exit(SOME_FAILED)
+if TYPE_CHECKING:
+    from rollslip_campaigns.pareto.candidates import Family
 
 
 @click.command()
@@ -111,7 +54,7 @@ def pareto(
     its place), traction, film, friction. Errors of numerical choices are against the finest of the same models;
     other models differ from the exact one.
     """
-    from rollslip.cli import console, planned
+    from rollslip.cli import console
     from rollslip.results.dataset import save
     from rollslip_campaigns.pareto.candidates import plan_family
     from rollslip_campaigns.pareto.pareto import run_family
@@ -126,7 +69,7 @@ def pareto(
     )
     if not results.as_json:
         click.echo(console.headline(made.plan))
-        planned.print_family(made)
+        print_family(made)
     results.go_to(f"{Path(scene).stem}-pareto")
     kept = results.kept()
     given = {"choices": choices, "traction": traction, "film": film, "set": changes}
@@ -146,3 +89,18 @@ def pareto(
         results.tell(dataset)
     if any(dataset["status"] != "done"):
         sys.exit(SOME_FAILED)
+
+
+def print_family(family: "Family") -> None:
+    """Print what will be run: the number of choices of each study by kind, rounds and references."""
+    for study in family.studies:
+        of = {kind: len(family.of(study, kind)) for kind in ("numerical", "modelling", "film", "reference")}
+        finest = family.of(study, "reference")[0].resolution
+        instants = f" and {finest.instants} instants" if (finest.instants or 1) > 1 else ""
+        click.echo(
+            f"{study}: {of['numerical']} numerical and {of['modelling']} modelling choices and {of['film']} films, "
+            f"{family.rounds} round{'s' * (family.rounds != 1)} each, against {of['reference']} references, the finest "
+            f"with {finest.slices} slices{instants}"
+        )
+    for note in family.notes:
+        click.echo(note)

@@ -1,4 +1,4 @@
-"""Commands about sweeps: run, resume and retry them, put their pieces together, and a page of sliders made of one."""
+"""The commands `rollslip sweep`: run, resume and retry, put pieces together; what they print before and meanwhile."""
 
 import json
 import shlex
@@ -27,6 +27,7 @@ from rollslip.cli.app import (
 
 if TYPE_CHECKING:
     from rollslip_campaigns.sweep.definition import Sweep
+    from rollslip_campaigns.sweep.folder import Status
     from rollslip_campaigns.sweep.run import Progress
 
 
@@ -81,7 +82,6 @@ def sweep_run(
     results: Results,
 ) -> None:
     """Compute a study of SCENE at many points, and keep everything in a folder."""
-    from rollslip.cli import planned
     from rollslip_campaigns.sweep.folder import begin
     from rollslip_campaigns.sweep.run import asked_engine
     from rollslip_campaigns.sweep.sampling import parse_overs, parse_shard
@@ -102,8 +102,8 @@ def sweep_run(
     asked_engine(made)  # refused before a folder is made
     warn(made.unusual)
     if not results.as_json:
-        click.echo(planned.sweep_headline(made))
-        click.echo("\n".join(f"  {line}" for line in planned.sweep_planned(made)))
+        click.echo(sweep_headline(made))
+        click.echo("\n".join(f"  {line}" for line in sweep_planned(made)))
     results.go_to(f"{Path(scene).stem}-sweep")
     _run_sweep(made, begin(made, results.target), (), results)
 
@@ -154,7 +154,6 @@ def sweep_retry(
 @json_option
 def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
     """Show how the sweep in FOLDER stands, also while it runs: points by status, time left, last errors."""
-    from rollslip.cli import planned
     from rollslip_campaigns.sweep.folder import pieces, status
     from rollslip_campaigns.sweep.sweep import FILE
 
@@ -164,9 +163,9 @@ def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
         print_json({"folder": str(folder), "pieces": [one.as_dict() for one in parts]} if parts else found[0].as_dict())
         return
     if parts:
-        click.echo(planned.sweep_pieces(folder, parts))
+        click.echo(sweep_pieces(folder, parts))
     for one in found:
-        click.echo("\n".join(planned.sweep_status(one)))
+        click.echo("\n".join(sweep_standing(one)))
 
 
 @sweep.command("merge")
@@ -191,7 +190,6 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Resul
     """Run a sweep in its folder and tell what came of it."""
     import os
 
-    from rollslip.cli import planned
     from rollslip.errors import BusyError, EngineError, OutputError
     from rollslip_campaigns.sweep.run import described, run_sweep
 
@@ -214,7 +212,7 @@ def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Resul
     except (EngineError, OutputError) as error:
         raise type(error)(f"{error}\nwhat was done is kept; {go_on}") from error
     if settled.interrupted:
-        click.echo(f"interrupted: {planned.sweep_progress(settled.progress)}; {go_on}", err=True)
+        click.echo(f"interrupted: {sweep_progress(settled.progress)}; {go_on}", err=True)
         sys.exit(INTERRUPTED)
     try:
         _tell_sweep(made, folder, described(settled), results)
@@ -252,69 +250,91 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Re
         sys.exit(SOME_FAILED)
 
 
-@click.command()
-@click.argument("scene")
-@click.option(
-    "--over",
-    "overs",
-    metavar="KEY=VALUES",
-    multiple=True,
-    help="What moves: LOW:HIGH or LOW:HIGH:NODES with units, or models A,B; by default load, speed, temperature, "
-    "clearance and the law of traction.",
-)
-@click.option("--checks", metavar="N", type=click.IntRange(0), default=24, show_default=True, help="Random places at "
-              "which it is held against runs, for each combination of models.")  # fmt: skip
-@set_option
-@engine_options
-@click.option("--out", metavar="FILE", type=click.Path(path_type=Path), help="File.  [default: SCENE-explorer.html]")
-@click.option("--overwrite", is_flag=True, help="Replace the file, if it is a page of rollslip.")
-@json_option
-def explore(
-    scene: str,
-    overs: Sequence[str],
-    checks: int,
-    changes: Sequence[str],
-    engine: Mapping[str, object] | None,
-    time_limit: str | None,
-    out: Path | None,
-    overwrite: bool,
-    as_json: bool,
-) -> None:
-    """Write a page in which load, speed, temperature, clearance and models of SCENE move by sliders.
+# What is said ---------------------------------------------------------------------------------------------------------
 
-    Effective friction, loads and the slip of running away follow. They are computed beforehand on a grid; the page
-    says how far it is off between the nodes. It needs the extra [explorer].
-    """
-    from rollslip.cli.planned import sweep_progress
-    from rollslip.errors import OutputError
-    from rollslip.results.report import is_report
-    from rollslip_campaigns.explorer.definition import plan_explorer
-    from rollslip_campaigns.explorer.explorer import explore
-    from rollslip_campaigns.explorer.page import library
-    from rollslip_campaigns.sweep.sampling import parse_overs
 
-    target = out if out is not None else Path(f"{Path(scene).stem}-explorer.html")
-    if target.exists() and not overwrite:
-        raise OutputError(f"{target}: exists; name another --out, or --overwrite it")
-    if target.exists() and not is_report(target):
-        raise OutputError(f"{target}: is no page of rollslip, so it is not replaced; name another --out")
-    library()  # refused before anything is computed
-    planned = plan_explorer(scene_of(scene, changes), parse_overs(overs), checks=checks)
-    if not as_json:
-        for dial in planned.dials:
-            click.echo(f"  {dial.told}")
-        for key, names in planned.choices.items():
-            click.echo(f"  {key}: {', '.join(names)}")
-        click.echo(f"  {planned.size} points, {checks} random ones for each combination of models among them")
-    with progress("explore") as show:
+def sweep_headline(sweep: "Sweep") -> str:
+    """Return the first line of a run: version, scene and hash, study and packages."""
+    import importlib.metadata
 
-        def told(now: "Progress") -> None:
-            show(sweep_progress(now))
+    from rollslip.scene.values import scene_hash
 
-        found = explore(planned, out=target, engine=engine, time_limit=time_limit, report=told)
-    if as_json:
-        print_json({"scene": scene, "file": str(target), **found})
-        return
-    for line in found["told"]:
-        click.echo(f"  {line}")
-    click.echo(f"written to {shlex.quote(str(target))}")
+    packages = ", ".join(f"{name} {version}" for name, version in sweep.facts["packages"].items())
+    version = importlib.metadata.version("rollslip")
+    scene = f"{sweep.given.source} {scene_hash(sweep.scene)[:12]}"
+    return f"rollslip {version} | {scene} | sweep of {sweep.study} | {packages}"
+
+
+def sweep_planned(sweep: "Sweep") -> list[str]:
+    """Say what is swept, before anything runs."""
+    from rollslip.scene.distributions import shown
+
+    lines = []
+    for axis in sweep.design.axes:
+        count, ends = len(axis.values), [axis.shown(value) for value in axis.values]
+        values = ", ".join(ends) if count <= 5 else f"{ends[0]}, {ends[1]} ... {ends[-1]}"
+        lines.append(f"{axis.key}: {count} value{'s' * (count != 1)}, {values}")
+        if axis.key == "models.traction" and "hydrodynamic" in dict(sweep.scene.models.traction.parameters):
+            whole = sweep.scene.models.traction.name
+            lines.append(
+                f"  in place of the whole {whole}; to change the law in it, sweep models.traction.hydrodynamic"
+            )
+    for of in sweep.design.sampled:
+        lines.append(f"{of.key}: {shown(sweep.uncertainty.distributions[of.key], of.unit or '1')}")
+    if sweep.design.has_samples:
+        n = len(sweep.design.samples)
+        balance = (
+            "; a Sobol sequence is balanced at powers of two"
+            if sweep.table.sampling.endswith("sobol") and n & (n - 1)
+            else ""
+        )
+        lines.append(f"{n} samples, {sweep.table.sampling}, seed {sweep.table.seed}{balance}")
+    elif sweep.given.uncertainty:
+        lines.append("the table [uncertainty] of the scene is not used: no samples are asked for; --samples N does")
+    for name, resolution in sweep.resolutions.chosen.items():
+        laws = f"{', '.join(map(str, json.loads(name)))}: " if json.loads(name) else ""
+        lines.append(
+            f"{laws}computed at {resolution.slices} slices ({resolution.quadrature}) and {resolution.instants} "
+            "instants of a pitch, what scene and points far apart need for the error of "
+            f"{sweep.scene.accuracy.tolerance:g} it states"
+        )
+    own = len(sweep.numbers)
+    piece = f" of {sweep.design.size}, piece {sweep.shard[0]} of {sweep.shard[1]}" if sweep.shard[1] > 1 else ""
+    lines.append(f"{own} points{piece}; of each {', '.join(sweep.outputs)}")
+    return lines
+
+
+def sweep_progress(of: "Progress") -> str:
+    """Return how far a sweep is, in one line."""
+    from rollslip.planning.plan import duration
+
+    left = f", {duration(of.left)} left" if of.left is not None else ""
+    return f"{of.told[0]}{left}"
+
+
+def sweep_pieces(folder: Path, pieces: "Sequence[Status]") -> str:
+    """Return how the pieces of a sweep that are not put together yet stand."""
+    done, total, all_ = sum(piece.done for piece in pieces), sum(piece.total for piece in pieces), pieces[0].shard[1]
+    return (
+        f"{len(pieces)} of {all_} pieces in {folder}: {done} of {total} of their points done, "
+        f"{sum(piece.running for piece in pieces)} running; put together by: rollslip sweep merge {folder}"
+    )
+
+
+def sweep_standing(of: "Status") -> list[str]:
+    """Return how a sweep stands, line by line."""
+    from rollslip.planning.plan import duration
+
+    piece = f", piece {of.shard[0]} of {of.shard[1]}" if of.shard[1] > 1 else ""
+    lines = [f"sweep of {of.study}{piece} in {of.folder}: {of.done} of {of.total} points done"]
+    lines += [f"  {name}: {count}" for name, count in of.counts.items()]
+    if of.done < of.total:
+        lines.append(f"  not yet: {of.total - of.done}")
+        if of.left is not None and of.quiet is not None:
+            lines.append(f"  at the last pace {duration(of.left)} left; the last point came {duration(of.quiet)} ago")
+    for writer in of.writers:
+        ended = writer["ended"] or ("runs" if of.running and writer is of.writers[-1] else "was killed")
+        who = f"{writer['host']} process {writer['process']}, {writer['engine']}"
+        lines.append(f"  {who}: {writer['points']} points, {ended}")
+    lines += [f"  point {number} {status}: {message}" for number, status, message in of.errors]
+    return lines
