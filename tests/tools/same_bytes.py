@@ -33,6 +33,13 @@ CASES = {
     "cite": f"cite {SCENE} --bibtex",
     "run": f"run {SCENE} --json --report --out {{out}}",
     "run-text": "run gearbox -v --out {out}",
+    "branches": 'run turbine --study steady-slip --set study.steady-slip.inner_speed=["5000rpm","8000rpm"] --out {out}',
+    "heat": "run 1032930-50C --study thermal-balance --set models.thermal.model=network "
+    "--set models.thermal.oil_flow=15g/s --set study.thermal-balance.duration=1h --json --out {out}",
+    "damage": "run turbine --study surface-damage --json --out {out}",
+    "dynamics": f"run {SCENE} --study dynamics --set study.dynamics.duration=2ms --out {{out}}",
+    "history": f"run {SCENE} --study dynamics --set study.dynamics.duration=20ms "
+    '--set study.dynamics.history.inner_speed={shape="run-up",from="3000rpm",within="20ms"} --out {out}',
     "sweep": f"sweep run {SCENE} --study friction-curve --over {LOADS} --report --json --out {{out}}",
     "sweep-text": f"sweep run {SCENE} --study friction-curve --over operation.radial_load=2kN:6kN "
     "--samples 4 --out {out}",
