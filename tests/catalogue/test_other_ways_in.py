@@ -287,8 +287,8 @@ def test_named_data_are_offered_as_they_are():
 @pytest.mark.parametrize(
     ("thing", "sentence"),
     [
-        (42, "42 cannot be registered: a class derived from, or a value of, one of Account, BearingData, ContactModel, "
-             "DamageModel, "
+        (42, "42 cannot be registered: a class derived from, or a value of, one of Account, BearingData, Campaign, "
+             "ContactModel, DamageModel, "
              "Drag, Engine, FilmModel, FitData, SceneFormat, IntegratorModel, Lubricant, Measurement, PressureModel, "
              "PressureViscosity, Study, "
              "SurfaceData, "

@@ -1080,10 +1080,21 @@ DATA_SETS = {
 BROKEN += DATA_SETS.values()
 SOUND.append(data_set())
 
+# Campaigns -----------------------------------------------------------------------------------------------------------
+
+CAMPAIGNS = {
+    "a summary that is not how its help begins": (
+        "check_a_campaign_has_its_command_and_its_function",
+        attrs.evolve(get_model("campaign", "limit"), name="sound-campaign", summary="Search a limit."),
+    ),
+}
+BROKEN += CAMPAIGNS.values()
+SOUND.append(attrs.evolve(get_model("campaign", "limit"), name="sound-campaign"))
+
 
 def fault_of(model):
     """Return what is wrong with a model, as its docstring says it."""
-    for fault, (_, broken) in (OILS | DATA_SETS).items():
+    for fault, (_, broken) in (OILS | DATA_SETS | CAMPAIGNS).items():
         if broken is model:
             return fault
     return (type(model).__doc__ or "").strip().splitlines()[0].rstrip(".")

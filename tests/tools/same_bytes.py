@@ -67,6 +67,8 @@ MASKED = (
     (r"id=\"[^\"]*\"|#[a-z][0-9a-f]{9,10}|[\"#]m[0-9a-f]{10}", "ID"),
     (r"\b(process|pid) \d+", "PROCESS"),
     (r"\b[0-9a-f]{64}\b", "HASH"),
+    (r"[\d.]+ times (slower than|as fast as) real time", "PACE"),
+    (r"\d+ still to do", "LEFT"),
     (r"DATE \([\w-]+\)(<br/>\s*DATE \([\w-]+\))*", "DATE"),  # one, or one for each study
     (r" {2,}", "  "),
 )
