@@ -109,7 +109,7 @@ def test_a_name_that_two_packages_offer_is_neither_ones(tmp_path):
     [
         ("It is a test.", "", ""),
         ("Tell the mean", "Say the mean", "its command's help begins with 'Say the mean"),
-        ("@click.command()\n@scene_argument\n@click.argument(\"loads\", nargs=-1)\n", "", "is a function, no command"),
+        ("@click.command()\n@scene_argument\n@click.argument(\"loads\", nargs=-1)\n", "", "is a function, no"),
         ("def mean(", "mean = 1\ndef other(", "mean_loads:mean cannot be called"),
     ],
 )  # fmt: skip

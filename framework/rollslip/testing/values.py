@@ -11,7 +11,6 @@ from functools import cache
 from typing import Any, Final
 
 import attrs
-import click
 
 from rollslip.catalogue.campaign import Campaign
 from rollslip.catalogue.kinds import kind_of
@@ -167,7 +166,8 @@ def _import_of(module: str, path: tuple[str, ...]) -> tuple[float, str]:
 def check_a_campaign_has_its_command_and_its_function(campaign: Campaign) -> None:
     """``rollslip --help`` and ``rollslip.NAME`` promise them before anything of them is imported."""
     command = campaign.load_command()
-    refuse_unless(isinstance(command, click.Command), f"{campaign.command} is a {type(command).__name__}, no command")
+    is_one = callable(getattr(command, "main", None)) and hasattr(command, "help")  # click is the command line's
+    refuse_unless(is_one, f"{campaign.command} is a {type(command).__name__}, no command of click")
     help = " ".join((command.help or "").split())
     refuse_unless(
         bool(campaign.summary) and help.startswith(campaign.summary),
