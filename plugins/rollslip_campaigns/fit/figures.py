@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.curve_figures import new_figure
+from rollslip.results.sheet import Sheet
 from rollslip.results.style import (
     MARKER,
     MM,
@@ -23,7 +23,6 @@ from rollslip.units import converted, format_quantity, shown_unit
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
 __all__ = ["figures"]
@@ -52,10 +51,8 @@ def _held(dataset: "xr.Dataset") -> tuple[str, list[str]]:
 
 
 def _fit(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.lines import Line2D
-
-    figure, axes = new_figure()
-    handles: list[Artist] = []
+    sheet = Sheet()
+    axes = sheet.axes
     slip, friction = dataset["slide_roll_ratio"].to_numpy(), dataset["friction"].to_numpy()
     known = dataset.attrs["uncertainties"] == "given"
     for point, colour, label in _points(dataset):
@@ -67,37 +64,32 @@ def _fit(dataset: "xr.Dataset") -> "Figure":
         one = dataset.isel(point=point)
         (line,) = axes.plot(100 * one["curve_slip"], one["curve_friction"], color=colour, linewidth=1.0, label=label)
         if label:
-            handles.append(line)
-    many = "" if handles or dataset.sizes["point"] == 1 else f"{dataset.sizes['point']} operating points"
+            sheet.handles.append(line)
+    many = "" if sheet.handles or dataset.sizes["point"] == 1 else f"{dataset.sizes['point']} operating points"
     words = ", ".join(filter(None, ("measured", many, _held(dataset)[0])))
-    handles.append(Line2D([], [], color="0.3", linestyle="none", label=words, **_OPEN))
+    sheet.key(words, color="0.3", linestyle="none", **_OPEN)
     axes.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
-    axes.set_xlabel(axis_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio"))
-    axes.set_ylabel(axis_label(dataset["friction"], r"$\mu$", "–"))
-    figure.legend(handles=handles, loc="outside upper left")
-    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
-    return figure
+    return sheet.done(_over(dataset), axis_label(dataset["friction"], r"$\mu$", "–"))
 
 
 def _residuals(dataset: "xr.Dataset") -> "Figure":
-    figure, axes = new_figure()
+    sheet = Sheet()
+    axes = sheet.axes
     slip = dataset["slide_roll_ratio"].to_numpy()
     residual = (dataset["residual"] / dataset["uncertainty"]).to_numpy()
     axes.axhspan(-2.0, 2.0, color="0.93", linewidth=0.0, zorder=0)
     axes.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
-    handles = []
     for point, colour, label in _points(dataset):
         rows = dataset["operating_point"].to_numpy() == point
         (line,) = axes.plot(100 * slip[rows], residual[rows], color=colour, linestyle="none", label=label, **_OPEN)
         if label:
-            handles.append(line)
+            sheet.handles.append(line)
     axes.set_ylim(*(np.array([-1.1, 1.1]) * max(3.0, np.abs(residual).max())))
-    axes.set_xlabel(axis_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio"))
-    axes.set_ylabel("Residual / standard deviation [–]")
-    if handles:
-        figure.legend(handles=handles, loc="outside upper left")
-    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
-    return figure
+    return sheet.done(_over(dataset), "Residual / standard deviation [–]")
+
+
+def _over(dataset: "xr.Dataset") -> str:
+    return axis_label(dataset["slide_roll_ratio"], "$V/u$", "%", name="slide–roll ratio")
 
 
 def _points(dataset: "xr.Dataset") -> Iterator[tuple[int, Any, str]]:
@@ -108,15 +100,12 @@ def _points(dataset: "xr.Dataset") -> Iterator[tuple[int, Any, str]]:
 
 
 def _profiles(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
-
     names = dataset["fitted_parameter"].values
     columns = min(names.size, 3)
     rows = -(-names.size // columns)
     size = ONE_COLUMN if columns == 1 else TWO_COLUMNS
-    figure = Figure(figsize=(size[0], 58 * MM * rows + 2 * ROW), layout="constrained")
-    panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
+    sheet = Sheet(size, rows, columns, squeeze=False, sharey=True)
+    panels = sheet.axes.ravel()
     limits, linear = dataset["rise_limit"].to_numpy(), False
     for axes, name in zip(panels, names, strict=False):
         one = dataset.sel(parameter=name)
@@ -141,9 +130,9 @@ def _profiles(dataset: "xr.Dataset") -> "Figure":
     for axes in panels[names.size :]:
         axes.set_visible(False)
     panels[0].set_ylabel(r"Rise of $\chi^2$ over the variance [–]")
-    handles = [Line2D([], [], color=RING_COLOURS["inner"], label="profile likelihood, the others fitted anew")]
+    sheet.key("profile likelihood, the others fitted anew", color=RING_COLOURS["inner"])
     if linear:
-        words = "covariance: the law taken for linear"
-        handles.append(Line2D([], [], color=RING_COLOURS["outer"], linewidth=1.0, label=words))
-    figure.legend(handles=handles, loc="outside upper left", ncols=columns)
+        sheet.key("covariance: the law taken for linear", color=RING_COLOURS["outer"], linewidth=1.0)
+    figure = sheet.done(columns=columns)
+    figure.set_figheight(58 * MM * rows + 2 * ROW)
     return figure

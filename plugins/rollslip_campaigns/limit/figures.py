@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.style import DASHES, MODEL_COLOURS, ONE_COLUMN, ROW, plain_decades, unit_label
+from rollslip.results.sheet import Sheet
+from rollslip.results.style import DASHES, MODEL_COLOURS, plain_decades, unit_label
 from rollslip.units import converted, shown_unit
 from rollslip_campaigns.limit.findings import headline, kept_spans
 
@@ -27,10 +28,8 @@ def limit_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 def over_searched(dataset: "xr.Dataset") -> "Figure":
     """Draw the result over what is searched."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(ONE_COLUMN[0], ONE_COLUMN[1] + ROW), layout="constrained")
-    axes = figure.subplots()
+    sheet = Sheet()
+    axes = sheet.axes
     x, of_x = _shown(dataset["searched"], dataset.attrs["searched_given"])
     y, of_y = _shown(dataset["result"], dataset.attrs["limit_given"])
     limit = float(converted(float(dataset.attrs["limit"]), dataset["result"].attrs["units"], of_y))
@@ -39,19 +38,19 @@ def over_searched(dataset: "xr.Dataset") -> "Figure":
         ends = converted(np.array([low, high]), dataset["searched"].attrs["units"], of_x)
         axes.axvspan(*ends, color=MODEL_COLOURS[2], alpha=0.15, linewidth=0.0)
     axes.plot(x[known], y[known], color="0.6", linewidth=0.8, zorder=2)
-    handles: list[Any] = []
     for which, face, label in ((keeps, MODEL_COLOURS[0], "kept"), (~keeps, "white", "not kept")):
         if (which & known).any():
             style: dict[str, Any] = {"markerfacecolor": face, "markeredgecolor": MODEL_COLOURS[0], "zorder": 3}
-            handles += axes.plot(x[which & known], y[which & known], "o", markersize=4, label=label, **style)
-    handles.append(axes.axhline(limit, color=MODEL_COLOURS[1], linestyle=DASHES[1], linewidth=1.0, label="limit"))
+            sheet.line(x[which & known], y[which & known], label, marker="o", linestyle="none", markersize=4, **style)
+    line: dict[str, Any] = {"color": MODEL_COLOURS[1], "linestyle": DASHES[1], "linewidth": 1.0}
+    sheet.handles.append(axes.axhline(limit, label="limit", **line))
     if dataset.attrs["logarithmic"]:
         axes.set_xscale("log")
         plain_decades(axes.xaxis)
-    axes.set_xlabel(f"{_name(', '.join(dataset.attrs['searched_key'].split('.')[-2:]))} [{unit_label(of_x)}]")
-    axes.set_ylabel(f"{_name(dataset.attrs['output'])} [{unit_label(of_y)}]")
-    figure.legend(handles=handles, loc="outside upper left", ncols=3)
-    return figure
+    over = _name(", ".join(dataset.attrs["searched_key"].split(".")[-2:]))
+    return sheet.done(
+        f"{over} [{unit_label(of_x)}]", f"{_name(dataset.attrs['output'])} [{unit_label(of_y)}]", columns=3
+    )
 
 
 def _shown(values: "xr.DataArray", given: str) -> tuple[Any, str]:

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.results.sheet import Sheet
 from rollslip.results.style import (
     DASHES,
     MM,
     MODEL_COLOURS,
     ONE_COLUMN,
     RING_COLOURS,
-    ROW,
     against_zero,
     plain_decades,
     seamless,
@@ -146,10 +146,8 @@ def _models(values: "xr.DataArray", key: str) -> "Figure":
 
 def _line(values: "xr.DataArray", key: str, choices: Sequence[str]) -> "Figure":
     """Curves over one quantity: for each choice, else for each ring; steady slips, which may be several, as points."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
-    axes = figure.subplots()
+    sheet = Sheet()
+    axes = sheet.axes
     (x, across), (read, unit) = _axis(values[key]), _shown(values)
     over = choices[0] if choices else next(iter(named_dims(values, [key])), None)
     named = [(str(one), values.sel({over: one})) for one in values[over].to_numpy()] if over else [("", values)]
@@ -173,12 +171,8 @@ def _line(values: "xr.DataArray", key: str, choices: Sequence[str]) -> "Figure":
     if _by_factors(x):
         axes.set_xscale("log")
         plain_decades(axes.xaxis)
-    axes.set_xlabel(across)
-    axes.set_ylabel(_named(values, unit))
-    if handles := axes.get_legend_handles_labels()[0]:
-        figure.legend(handles=handles, loc="outside upper left")
-    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
-    return figure
+    sheet.handles += axes.get_legend_handles_labels()[0]
+    return sheet.done(across, _named(values, unit))
 
 
 def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str]) -> "Figure":

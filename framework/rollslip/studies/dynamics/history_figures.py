@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ONE_COLUMN, ROW, TWO_COLUMNS
+from rollslip.results.sheet import Sheet
+from rollslip.results.style import DASHES, MARKER, MM, MODEL_COLOURS, ONE_COLUMN, TWO_COLUMNS
 from rollslip.studies.dynamics.history_findings import nearest
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
 #: What varies -> label, and how its SI value is shown.
@@ -33,30 +33,26 @@ _MARKS: Final = 12
 
 def slip_along(dataset: "xr.Dataset") -> "Figure":
     """Draw slip over time with critical slip and slip of running away, above what the operation does."""
-    from matplotlib.figure import Figure
-
     given = json.loads(dataset.attrs["history"])
-    figure = Figure(figsize=(TWO_COLUMNS[0], (52 + 26 * len(given)) * MM), layout="constrained")
-    axes, *below = figure.subplots(1 + len(given), 1, sharex=True, height_ratios=(2.2, *[1.0] * len(given)))
+    size = TWO_COLUMNS[0], (52 + 26 * len(given)) * MM
+    sheet = Sheet(size, 1 + len(given), 1, squeeze=False, sharex=True, height_ratios=(2.2, *[1.0] * len(given)))
+    axes, *below = sheet.axes[:, 0]
     t = dataset["time"].to_numpy()
     slip, away, critical = (
         100.0 * dataset[name].to_numpy() for name in ("cage_slip", "runaway_slip_along", "critical_slip_along")
     )
-    handles: list[Artist] = []
     top = _ROOM * float(np.nanmax(slip)) if np.isfinite(slip).any() else 100.0
     limit = 100.0 * nearest(dataset)[2]  # where the cage comes nearest to it
     if math.isfinite(limit):
         top = max(top, min(_ROOM * limit, _FAR * top))
-    handles += axes.plot(t, slip, color=MODEL_COLOURS[0], label="cage slip")
+    sheet.line(t, slip, "cage slip", axes, color=MODEL_COLOURS[0])
     # what lies above the panel is in no legend
     if (away < top).any():
         tint: dict[str, Any] = {"color": MODEL_COLOURS[1], "alpha": 0.25, "linewidth": 0.0}
-        handles.append(axes.fill_between(t, away, max(top, 105.0), label="runs away", **tint))
-        handles += axes.plot(t, away, color=MODEL_COLOURS[1], linestyle=DASHES[1], label="slip of running away")
+        sheet.handles.append(axes.fill_between(t, away, max(top, 105.0), label="runs away", **tint))
+        sheet.line(t, away, "slip of running away", axes, color=MODEL_COLOURS[1], linestyle=DASHES[1])
     if (critical < top).any():
-        handles += axes.plot(
-            t, critical, color="0.35", linestyle="dotted", label="critical slip of the inner ring's curve"
-        )
+        sheet.line(t, critical, "critical slip of the inner ring's curve", axes, color="0.35", linestyle="dotted")
     low = float(np.nanmin(slip)) if np.isfinite(slip).any() else 0.0
     axes.set_ylim(min(0.0, 1.1 * low), top)
     axes.set_ylabel("Cage slip [%]")
@@ -67,17 +63,13 @@ def slip_along(dataset: "xr.Dataset") -> "Figure":
         one.margins(y=0.12)
     (below[-1] if below else axes).set_xlabel("Time [s]")
     axes.set_xlim(t[0], t[-1] if t.size > 1 else t[0] + 1.0)
-    figure.legend(handles=handles, loc="outside upper left", ncols=2)
-    figure.set_figheight(figure.get_figheight() + ROW * -(-len(handles) // 2))
-    return figure
+    return sheet.done(columns=2)
 
 
 def phase(dataset: "xr.Dataset") -> "Figure":
     """Draw the way of slip through the plane of slip and slip of running away."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(ONE_COLUMN[0], ONE_COLUMN[0]), layout="constrained")
-    axes = figure.subplots()
+    sheet = Sheet((ONE_COLUMN[0], ONE_COLUMN[0]))
+    figure, axes = sheet.figure, sheet.axes
     t = dataset["time"].to_numpy()
     slip, away = (100.0 * dataset[name].to_numpy() for name in ("cage_slip", "runaway_slip_along"))
     known = np.isfinite(slip) & np.isfinite(away)

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.results.sheet import Sheet
 from rollslip.results.style import (
     DASHES,
     MARKER,
     MODEL_COLOURS,
-    ONE_COLUMN,
     RING_COLOURS,
     ROW,
     TWO_COLUMNS,
@@ -27,7 +27,6 @@ from rollslip.units import converted, shown_unit
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
 __all__ = ["steady_figures"]
@@ -60,74 +59,59 @@ def steady_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]"
 
 
 def _torques(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.figure import Figure
     from scipy.interpolate import PchipInterpolator
 
-    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
-    axes = figure.subplots()
+    sheet = Sheet()
+    axes = sheet.axes
     slip, driving = dataset["cage_slip"].to_numpy(), dataset["driving_torque"].to_numpy()
     fine = np.linspace(0.0, slip[-1], 400)
     drag = dataset["drag_torque"].to_numpy()
     curve = PchipInterpolator(slip, driving)(fine)
-    handles: list[Artist] = [*axes.plot(100 * fine, curve, color=MODEL_COLOURS[0], label="the rollers drive")]
-    resists: dict[str, Any] = {"color": MODEL_COLOURS[1], "linewidth": 1.0, "linestyle": DASHES[3]}
-    handles += axes.plot(100 * slip, drag, label="the drags resist", **resists)
+    sheet.line(100 * fine, curve, "the rollers drive", color=MODEL_COLOURS[0])
+    sheet.line(100 * slip, drag, "the drags resist", color=MODEL_COLOURS[1], linewidth=1.0, linestyle=DASHES[3])
     largest = float(dataset["largest_drag"])
     if not np.isnan(largest):
         place = 100 * float(dataset["largest_drag_slip"]), largest
-        words = f"largest drag, {largest:.3g} N m"
-        handles += axes.plot(*place, linestyle="none", color="black", marker="^", markersize=4, label=words)
+        sheet.mark(*place, f"largest drag, {largest:.3g} N m", marker="^", markersize=4)
     for stable, style, words in ((1, MARKER, "steady slip"), (0, _OPEN, "steady slip that is not held")):
         if has_steady(dataset) and (chosen := dataset["stable"].to_numpy() == stable).any():
             at = 100 * dataset["steady_slip"].to_numpy()[chosen]
             of = ", ".join(f"{value:.3g} %" for value in at)
             torque = dataset["torque"].to_numpy()[chosen]
-            handles += axes.plot(at, torque, linestyle="none", color="black", label=f"{words}, {of}", zorder=4, **style)
+            sheet.mark(at, torque, f"{words}, {of}", zorder=4, **style)
     axes.set_xlim(0.0, 100 * slip[-1])
     axes.set_ylim(min(0.0, float(driving.min())), 1.08 * max(driving.max(), min(drag.max(), 2.0 * driving.max())))
-    axes.set_xlabel(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"))
-    axes.set_ylabel("Torque on the cage [N m]")
-    return _with_legend(figure, handles)
+    return sheet.done(axis_label(dataset["cage_slip"], r"$S_\mathrm{c}$", "%"), "Torque on the cage [N m]")
 
 
 def _losses(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
-    axes = figure.subplots()
+    sheet = Sheet(TWO_COLUMNS)
+    axes = sheet.axes
     power, sources = dataset["loss"].to_numpy(), [str(source) for source in dataset["source"].to_numpy()]
     place, begin = np.arange(power.shape[1]), np.zeros(power.shape[1])
     tints = light_to_dark()(np.linspace(1.0, 0.0, len(sources)))
-    handles: list[Artist] = []
     for source, tint, lost in zip(sources, tints, power, strict=True):
         bars = axes.barh(
             place, lost, left=begin, height=0.6, color=tint, edgecolor="white", linewidth=0.4,
             label=f"{source}, {', '.join(f'{value:.3g}' for value in lost)} W",
         )  # fmt: skip
-        handles.append(bars[0])
+        sheet.handles.append(bars[0])
         bars[0].set_label(bars.get_label())
         begin = begin + lost
     slips, held = dataset["steady_slip"].to_numpy(), dataset["stable"].to_numpy()
-    words = [f"{100 * slip:.3g} %, {'held' if kept else 'not held'}" for slip, kept in zip(slips, held, strict=True)]
-    axes.set_yticks(place, words)
+    states = [f"{100 * slip:.3g} %, {'held' if kept else 'not held'}" for slip, kept in zip(slips, held, strict=True)]
+    axes.set_yticks(place, states)
     axes.invert_yaxis()
-    axes.set_ylabel(axis_label(dataset["steady_slip"], r"$S_\mathrm{c}$", "%"))
-    axes.set_xlabel(axis_label(dataset["loss"], "$P$", "W"))
-    figure.legend(handles=handles, loc="outside upper left", ncols=2)
-    figure.set_figheight(0.5 * TWO_COLUMNS[1] + ROW * (2 * power.shape[1] + -(-len(handles) // 2)))
-    return figure
+    words = axis_label(dataset["loss"], "$P$", "W"), axis_label(dataset["steady_slip"], r"$S_\mathrm{c}$", "%")
+    return sheet.done(*words, columns=2, height=0.5 * TWO_COLUMNS[1] + 2 * ROW * power.shape[1])
 
 
 def _orbit(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
-
-    figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
-    forces, slips = figure.subplots(1, 2)
+    sheet = Sheet(TWO_COLUMNS, 1, 2)
+    forces, slips = sheet.axes
     angle = np.degrees(dataset["angle"].to_numpy())
     centred = np.argsort((angle + 180.0) % 360.0)
     shown = (angle[centred] + 180.0) % 360.0 - 180.0
-    handles: list[Artist] = []
     for k in range(dataset.sizes["steady"]):
         one = dataset.isel(steady=k)
         style: dict[str, Any] = {"linestyle": "solid" if int(one["stable"]) else "dashed"}
@@ -137,8 +121,9 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         roller, cage = 100 * one["roller_slip"].to_numpy()[centred], 100 * float(one["steady_slip"])
         slips.plot(shown, roller, color="black", **style)
         words = f"cage slip {cage:.3g} %, {str(one['stability'].item()).partition(':')[0]}"
-        handles.append(Line2D([], [], color="black", label=words, **style))
-    handles += [Line2D([], [], color=colour, label=f"{ring} ring") for ring, colour in RING_COLOURS.items()]
+        sheet.key(words, color="black", **style)
+    for ring, colour in RING_COLOURS.items():
+        sheet.key(f"{ring} ring", color=colour)
     for axes in (forces, slips):
         axes.set_xlabel("Position from the line of load [°]")
         axes.set_xlim(-180.0, 180.0)
@@ -146,17 +131,12 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
     forces.set_ylim(bottom=0.0)
     forces.set_ylabel(axis_label(dataset["normal_force"], "$Q$", "N"))
     slips.set_ylabel(axis_label(dataset["roller_slip"], r"$S_\mathrm{r}$", "%"))
-    figure.legend(handles=handles, loc="outside upper left", ncols=2)
-    figure.set_figheight(TWO_COLUMNS[1] + ROW * (-(-len(handles) // 2) - 1))
-    return figure
+    return sheet.done(columns=2, height=TWO_COLUMNS[1] - ROW)
 
 
 def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
-    from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
-
-    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
-    axes = figure.subplots()
+    sheet = Sheet()
+    axes = sheet.axes
     value, unit, symbol = _for_people(dataset, name)
     slip, branch = 100 * dataset[f"{name}_slip"].to_numpy(), dataset[f"{name}_branch"].to_numpy()
     stable, fold = dataset[f"{name}_stable"].to_numpy() == 1, dataset[f"{name}_fold"].to_numpy() == 1
@@ -164,20 +144,16 @@ def _branches(dataset: "xr.Dataset", name: str) -> "Figure":
         for kind, style in ((stable | fold, "solid"), (~stable, "dashed")):  # a fold belongs to both
             axes.plot(value, np.where(kind & (branch == number), slip, np.nan), color=MODEL_COLOURS[0], linestyle=style)
     kinds: Any = (("steady slip", "solid", stable), ("steady slip that is not held", "dashed", ~stable))
-    handles: list[Artist] = [
-        Line2D([], [], color=MODEL_COLOURS[0], linestyle=style, label=words)
-        for words, style, of_kind in kinds
-        if of_kind.any()
-    ]
+    for words, style, of_kind in kinds:
+        if of_kind.any():
+            sheet.key(words, color=MODEL_COLOURS[0], linestyle=style)
     if fold.any():
         words = ", ".join(f"{at:.4g} {unit}" for at in value[fold])
-        handles += axes.plot(
-            value[fold], slip[fold], linestyle="none", color="black", label=f"fold, {words}", zorder=4, **MARKER
-        )
+        sheet.mark(value[fold], slip[fold], f"fold, {words}", zorder=4, **MARKER)
     axes.set_ylim(bottom=0.0)
-    axes.set_xlabel(axis_label(dataset[name], symbol, unit))
-    axes.set_ylabel(axis_label(dataset[f"{name}_slip"], r"$S_\mathrm{c}$", "%"))
-    return _with_legend(figure, handles)
+    return sheet.done(
+        axis_label(dataset[name], symbol, unit), axis_label(dataset[f"{name}_slip"], r"$S_\mathrm{c}$", "%")
+    )
 
 
 def _for_people(dataset: "xr.Dataset", name: str) -> tuple[Array, str, str]:
@@ -185,9 +161,3 @@ def _for_people(dataset: "xr.Dataset", name: str) -> tuple[Array, str, str]:
     values, unit = dataset[name].to_numpy(), str(dataset[name].attrs["units"])
     shown = shown_unit(float(np.nanmax(np.abs(values))), unit)
     return converted(values, unit, shown), unit_label(shown), _SYMBOLS[name]
-
-
-def _with_legend(figure: "Figure", handles: "list[Artist]") -> "Figure":
-    figure.legend(handles=handles, loc="outside upper left")
-    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
-    return figure

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.style import DASHES, MARKER, MODEL_COLOURS, ONE_COLUMN, ROW
+from rollslip.results.sheet import Sheet
+from rollslip.results.style import DASHES, MARKER, MODEL_COLOURS
 from rollslip.studies.thermal_balance.findings import solved
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
 __all__ = ["course", "thermal_figures"]
@@ -35,58 +35,33 @@ def thermal_figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]
 
 
 def _excess(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
-    axes = figure.subplots()
+    sheet = Sheet()
+    axes = sheet.axes
     node = str(dataset["node"].to_numpy()[0])
     at, heat = dataset["leading_temperature"].to_numpy() - _ZERO, dataset["excess_heat"].to_numpy()
-    handles: list[Artist] = [*axes.plot(at, heat, color=MODEL_COLOURS[0], label="losses less what is carried away")]
+    sheet.line(at, heat, "losses less what is carried away", color=MODEL_COLOURS[0])
     axes.axhline(0.0, color="black", linewidth=0.6)
     for stable, style, words in ((1, MARKER, "balance that lasts"), (0, _OPEN, "balance that does not last")):
         chosen = (dataset["stable"].to_numpy() == stable) & np.isfinite(dataset["steady_slip"].to_numpy())
         if chosen.any():
             place = dataset["temperature"].to_numpy()[0][chosen] - _ZERO
             of = ", ".join(f"{value:.3g} °C" for value in place)
-            handles += axes.plot(
-                place, 0.0 * place, linestyle="none", color="black", label=f"{words}, {of}", zorder=4, **style
-            )
+            sheet.mark(place, 0.0 * place, f"{words}, {of}", zorder=4, **style)
     limit = float(dataset["limit_temperature"]) - _ZERO
     if np.isfinite(limit):
-        words = f"limit, {limit:.3g} °C"
-        handles += axes.plot(
-            limit,
-            -float(dataset["heat_margin"]),
-            linestyle="none",
-            color="black",
-            marker="v",
-            markersize=4,
-            label=words,
-        )
-    axes.set_xlabel(f"Temperature of the {node} [°C]")
-    axes.set_ylabel("Excess heat [W]")
-    figure.legend(handles=handles, loc="outside upper left")
-    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
-    return figure
+        sheet.mark(limit, -float(dataset["heat_margin"]), f"limit, {limit:.3g} °C", marker="v", markersize=4)
+    return sheet.done(f"Temperature of the {node} [°C]", "Excess heat [W]")
 
 
 def course(dataset: "xr.Dataset") -> "Figure":
     """Draw the temperatures of the nodes over time."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
-    axes = figure.subplots()
+    sheet = Sheet()
     time = dataset["time"].to_numpy()
     unit, second = ("min", 60.0) if time[-1] > _SECONDS else ("s", 1.0)
     time = time / second
-    handles: list[Artist] = []
     for k, node in enumerate(dataset["node"].to_numpy()):
         values = dataset["course_temperature"].to_numpy()[:, k] - _ZERO
         style: dict[str, Any] = {"color": MODEL_COLOURS[k % len(MODEL_COLOURS)], "linestyle": DASHES[k % len(DASHES)]}
-        handles += axes.plot(time, values, label=f"{node}, {values[-1]:.3g} °C at the end", **style)
-    axes.set_xlabel(f"Time [{unit}]")
-    axes.set_ylabel("Temperature [°C]")
-    axes.set_xlim(0.0, time[-1] or 1.0)
-    figure.legend(handles=handles, loc="outside upper left", ncols=1)
-    figure.set_figheight(ONE_COLUMN[1] + ROW * len(handles))
-    return figure
+        sheet.line(time, values, f"{node}, {values[-1]:.3g} °C at the end", **style)
+    sheet.axes.set_xlim(0.0, time[-1] or 1.0)
+    return sheet.done(f"Time [{unit}]", "Temperature [°C]")

@@ -1,0 +1,47 @@
+"""The frame of a figure: panels, above them a legend for which it grows by a row each, labels of the axes."""
+
+from typing import TYPE_CHECKING, Any
+
+from rollslip.results.style import ONE_COLUMN, ROW
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.figure import Figure
+
+__all__ = ["Sheet"]
+
+
+class Sheet:
+    """A figure that is being drawn: ``axes`` as Matplotlib's ``subplots`` gives them, ``handles`` of its legend."""
+
+    def __init__(self, size: tuple[float, float] = ONE_COLUMN, *panels: int, **options: Any) -> None:
+        from matplotlib.figure import Figure
+
+        self.figure = Figure(figsize=size, layout="constrained")
+        self.axes: Any = self.figure.subplots(*panels, **options)
+        self.handles: list[Artist] = []
+
+    def line(self, x: Any, y: Any, label: str, axes: Any = None, **style: Any) -> None:
+        """Draw a line, or points, that the legend shows."""
+        self.handles += (axes or self.axes).plot(x, y, label=label, **style)
+
+    def mark(self, x: Any, y: Any, label: str, **style: Any) -> None:
+        """Draw black points that the legend shows."""
+        self.line(x, y, label, linestyle="none", color="black", **style)
+
+    def key(self, label: str, **style: Any) -> None:
+        """Put into the legend what is drawn otherwise."""
+        from matplotlib.lines import Line2D
+
+        self.handles.append(Line2D([], [], label=label, **style))
+
+    def done(self, x: str = "", y: str = "", *, columns: int = 1, height: float | None = None) -> "Figure":
+        """Label the axes of a single panel, put the legend above and make room for it; ``height`` is that without."""
+        if x:
+            self.axes.set_xlabel(x)
+            self.axes.set_ylabel(y)
+        if self.handles:
+            self.figure.legend(handles=self.handles, loc="outside upper left", ncols=columns)
+        without = self.figure.get_figheight() if height is None else height
+        self.figure.set_figheight(without + ROW * -(-len(self.handles) // columns))
+        return self.figure

@@ -1,0 +1,32 @@
+"""A sheet grows by the rows of its legend and by nothing else, so that panels do not shrink."""
+
+import pytest
+
+from rollslip.results.sheet import Sheet
+from rollslip.results.style import ONE_COLUMN, ROW, TWO_COLUMNS
+
+pytestmark = pytest.mark.quick
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(1, 3), (2, 2), (3, 1)])
+def test_a_sheet_grows_by_a_row_for_each_of_its_legend(columns, rows):
+    sheet = Sheet()
+    sheet.line([0, 1], [0, 1], "a line", color="red")
+    sheet.mark([0.5], [0.5], "a point", marker="o")
+    sheet.key("drawn otherwise", color="blue")
+    figure = sheet.done("slip", "friction", columns=columns)
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["a line", "a point", "drawn otherwise"]
+    assert figure.get_figheight() == pytest.approx(ONE_COLUMN[1] + rows * ROW)
+    assert (sheet.axes.get_xlabel(), sheet.axes.get_ylabel()) == ("slip", "friction")
+    assert [line.get_color() for line in sheet.axes.lines] == ["red", "black"]
+
+
+def test_a_sheet_without_a_legend_keeps_its_size_and_one_of_panels_has_no_labels():
+    sheet = Sheet(TWO_COLUMNS, 1, 2)
+    figure = sheet.done()
+    assert not figure.legends
+    assert tuple(figure.get_size_inches()) == pytest.approx(TWO_COLUMNS)
+    assert sheet.axes.shape == (2,)
+    sheet.key("one", color="0.3")
+    assert sheet.done(height=1.0).get_figheight() == pytest.approx(1.0 + ROW)
