@@ -250,3 +250,19 @@ def test_a_cage_runs_away_at_the_drag_at_which_it_does_in_time(row):
     away = one.way().runs_away
     assert isinstance(one, TorqueBalance)
     assert away.drag == pytest.approx(float(row["drag in time [N m]"]), rel=3e-3 + away.error)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "number"), [("free", 5), ("free", 10), ("catalogue", 1), ("catalogue", 7)])
+@pytest.mark.parametrize("part", [0.99, 1.001])
+def test_a_drag_a_thousandth_above_runs_away_in_time_and_a_hundredth_below_does_not(kind, number, part, monkeypatch):
+    """Of cage and rollers of tests/references/way_up.py, that carry a little less in the beginning."""
+    monkeypatch.syspath_prepend(REFERENCES)
+    reference = __import__("way_up")
+    one = scenes.balance(getattr(scenes, kind)(number, even=True))
+    away = one.way().runs_away
+    steady = one.way().steady(lambda _: -0.98 * away.drag)[0]
+    motion = reference.InTime(one, away, steady)
+    part += away.error if part > 1.0 else 0.0
+    most = motion.run(away.drag, (steady.slip, 1.1 * away.high), steady.motion.roller_slip, 40, ramp=(part, part))
+    assert math.isnan(most) == (part < 1.0)

@@ -100,8 +100,8 @@ class InTime:
         spin = k.roller_radius * (Fi - Ri - Fo - Ro)
         return spin, spin + k.inner_radius * (Fi + Ri) + k.outer_radius * (Fo - Ro)
 
-    def run(self, drag, slip, roller_slip, orbits):
-        """Largest mean torque of an orbit, while the drag is raised from RAMP[0] to RAMP[1] times ``drag``.
+    def run(self, drag, slip, roller_slip, orbits, ramp=RAMP):
+        """Largest mean torque of an orbit, while the drag is raised from ramp[0] to ramp[1] times ``drag``.
 
         ``slip`` holds the slip to start from and the one that is beyond the maximum; ``roller_slip`` is over the orbit.
         NaN if the slip does not come there.
@@ -115,7 +115,7 @@ class InTime:
         x = orbit(pitch)
         before, rate_before, torques, most = x.copy(), 0.0, np.zeros(STEPS), 0.0
         for step in range(orbits * STEPS):
-            now = drag * (RAMP[0] + (RAMP[1] - RAMP[0]) * step / (orbits * STEPS))
+            now = drag * (ramp[0] + (ramp[1] - ramp[0]) * step / (orbits * STEPS))
             h = 2.0 * np.pi / STEPS / w_c
             angle += w_c * h
             c = self.J * k.epicyclic_roller_speed / h
