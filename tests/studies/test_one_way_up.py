@@ -83,7 +83,7 @@ def _asked_alike(bearing):
     return whole
 
 
-@pytest.mark.parametrize("name", ["a fold with rolling resistance", "no fold with rolling resistance", "no fold"])
+@pytest.mark.parametrize("name", ["no fold with rolling resistance", "no fold"])
 def test_the_least_load_of_its_own_slip_is_the_load_of_a_bearing(name):
     bearing = few(HARD[name])
     (steady, *_), load = SteadySlip().steady(bearing)[1], bearing.scene.operation.radial_load
