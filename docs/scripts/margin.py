@@ -62,7 +62,8 @@ if __name__ == "__main__":
     for name in quantities:
         one = found.sel(quantity=name)
         size = 100.0 if "slip" in name else 1.0
-        values = [f"{size * one.quantile_value.sel(probability=p).item():.3g}" for p in (0.01, 0.05, 0.5, 0.95)]
+        quantiles = [size * one.quantile_value.sel(probability=p).item() for p in (0.01, 0.05, 0.5, 0.95)]
+        values = [f"{value:.3g}" if np.isfinite(value) else "beyond" for value in quantiles]
         rows.append(
             (f"{name} [{'%' if size > 1 else '–'}]", int(one.samples), int(one.beyond), int(one.unknown), *values)
         )
