@@ -2,8 +2,8 @@
 Which drag matters, and which way does it act?
 ==============================================
 
-Drags are the worst known input of all. Here the three larger ones of scene ``turbine`` go from a third to three times their
-size. Oil that the cage ploughs through brakes it. Its land is on the inner ring, which is faster, and drives it.
+Drags are the worst known input of all. Here the three larger ones of scene ``turbine`` go from a third to three times
+their size. Oil that the cage ploughs through brakes it. Its land is on the inner ring, which is faster, and drives it.
 """
 
 import matplotlib.pyplot as plt
