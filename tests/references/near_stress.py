@@ -1,4 +1,4 @@
-"""Make the coefficients of stages/near_stress.h; prints each set with its error.  Needs mpmath and SciPy; a minute.
+"""Make the coefficients of stages/near_stress.h and layer_stress.h; prints each set with its error.  Needs mpmath and SciPy; a minute.
 
 - Polynomials interpolate at Chebyshev's nodes in 40 digits, within a factor of two of the best ones.
 - With eps = sinh(S) the steady stress S has r = exp(-S), T = tanh(S/2), A = r T, B = T/r; up to B = 1, where
@@ -84,6 +84,14 @@ FITS = {
     "Li2(x)/x": (lambda x: dilogarithm(x) / x, mp.mpf(0), SQUARE, 4),
     "-Li2(-z)/z": (lambda z: -dilogarithm(-z) / z, mp.mpf(0), mp.mpf(1), 7),
     "(1 - log(1 + z)/z)/z": (lambda z: (1 - mp.log1p(z) / z) / z, mp.mpf(0), mp.mpf(1), 6),
+    "layer, below B = 1": (steady_low, mp.mpf(0), SQUARE, 11),
+    "layer, beyond B = 1": (steady_high, mp.mpf(0), SQUARE, 11),
+    "layer, 2 artanh(r)/r of r^2": (artanh, mp.mpf(0), SQUARE, 11),
+    "layer, below B = 1, single": (steady_low, mp.mpf(0), SQUARE, 3),
+    "layer, beyond B = 1, single": (steady_high, mp.mpf(0), SQUARE, 3),
+    "layer, 2 artanh(r)/r of r^2, single": (artanh, mp.mpf(0), SQUARE, 3),
+    "layer, log(1 + f)/f, single": (lambda f: mp.log1p(f) / f, ROOT - 1, 2 * ROOT - 1, 6),
+    "layer, (exp(f) - 1)/f, single": (lambda f: mp.expm1(f) / f, -HALF, HALF, 4),
     "ramp, mean": (linear, mp.mpf(0), RAMP, 4),
     "ramp, -dln(mean)/dx": (lambda x: -mp.diff(linear, x) / linear(x), mp.mpf(0), RAMP, 2),
 }
@@ -126,9 +134,10 @@ def ramp_terms(steady, p):
 
 def main():
     for name, (function, low, high, degree) in FITS.items():
-        rounded = [mp.mpf(mp.nstr(c, 12)) for c in fit(function, low, high, degree)]
+        full = degree > 10  # of double precision
+        rounded = [mp.mpf(float(c) if full else mp.nstr(c, 12)) for c in fit(function, low, high, degree)]
         print(f"{name}: {mp.nstr(worst(function, rounded, low, high), 2)}")
-        print("   ", ", ".join(mp.nstr(c, 12) for c in rounded))
+        print("   ", ", ".join(float(c).hex() if full else mp.nstr(c, 12) for c in rounded))
 
     x = np.concatenate([np.linspace(1e-3, 5, 300), np.linspace(5, 60, 300)])
     exact = lambertw(np.expm1(x)).real / x

@@ -23,8 +23,10 @@
 #ifndef RS_FMA
 #if defined(__FMA__) || defined(__aarch64__)
 #define RS_FMA(a, b, c) fma(a, b, c)
+#define RS_FMAF(a, b, c) fmaf(a, b, c)
 #else
 #define RS_FMA(a, b, c) ((a) * (b) + (c))
+#define RS_FMAF(a, b, c) ((a) * (b) + (c))
 #endif
 #endif
 

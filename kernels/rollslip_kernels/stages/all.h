@@ -6,6 +6,7 @@
 #include "stages/viscosity.h"
 #include "stages/resistance.h"
 #include "stages/near_stress.h"
+#include "stages/layer_stress.h"
 #include "stages/stress.h"
 #include "stages/traction.h"
 #include "stages/heated_film.h"
@@ -47,7 +48,7 @@ STRESS(muraki_stress, {
     PATH(muraki_parts)(whole, s, d, w, ramp, stress, under);
     EACH(i, whole) stress[i] /= under[i];
 })
-STRESS(maxwell_stress, PATH(maxwell_stress)(whole, s, d, w, accuracy, stress))
+STRESS(maxwell_stress, PATH(maxwell_stress)(whole, s, d, w, stress))
 STRESS(eyring_stress, (void)d; PATH(eyring_stress)(whole, s, w, stress))
 #undef STRESS
 

@@ -116,7 +116,9 @@ static int in_blocks(const rs_slices *s, const void *params, rs_evaluate body, u
 #pragma GCC target("avx,avx2,bmi,bmi2,f16c,fma,lzcnt,movbe")
 #endif
 #undef RS_FMA
+#undef RS_FMAF
 #define RS_FMA(a, b, c) __builtin_fma(a, b, c)
+#define RS_FMAF(a, b, c) __builtin_fmaf(a, b, c)
 #define SET v3
 #include "stages/all.h"
 #undef SET

@@ -7,9 +7,10 @@
  * - Heated laws solve S = F(Phi sigma S), F falling, in ln S: the residual is increasing and convex there, so steps
  *   from either side end in a monotone approach and no bracket is needed; and S has full relative accuracy even where
  *   exp(-Phi sigma S) has not.  A slice stops when it has converged itself, so that its neighbours change no bit of it.
- * - The exact law starts from near_stress.h, good to 1e-6; one Halley step with the true curvature then leaves
- *   rounding.  Beyond the range of the short series it starts from the inelastic stress and takes a few.
- * - The exact law needs dilogarithms at A, A q, -B, -B q.  Each is a short series in u = -log(1 - x), and the same four
+ * - Nearly all films have a thin entry layer, for which layer_stress.h is exact; the rest takes the general law.
+ * - That starts from near_stress.h, good to 1e-6; one Halley step with the true curvature then leaves rounding.
+ *   Beyond the range of the short series it starts from the inelastic stress and takes a few.
+ * - The general law needs dilogarithms at A, A q, -B, -B q.  Each is a short series in u = -log(1 - x), and the same four
  *   logarithms make up dF/dy and its slope, so that the derivatives cost no further transcendental call.
  * - The closed form in dilogarithms cancels when the film is nearly elastic (P small).  There the integrand is smooth
  *   and small, and six Gauss points with rational functions reach full accuracy: rare and dear, so these slices are
@@ -107,12 +108,10 @@ static void PATH(eyring_root)(size_t n, given s, given w, double tolerance, fill
     }
 }
 
-/* S = asinh(sigma exp(-Phi sigma S)), the law without elasticity */
-static void PATH(eyring_stress)(size_t n, given s, given w, filled stress) {
-    double least[BLOCK];
-    EACH(i, n) least[i] = s[i] < LINEAR ? LINEAR : s[i];
-    PATH(eyring_root)(n, least, w, 1e-5, stress);   /* third order: a last step of 1e-5 leaves 1e-16 */
-    EACH(i, n) stress[i] = s[i] < LINEAR ? s[i] : stress[i];
+/* S = asinh(s exp(-w S)) of films outside the range of layer_stress.h: tiny or huge s, much heat */
+static void PATH(eyring_general)(size_t n, given s, given deborah, given w, filled stress) {
+    (void)deborah;
+    PATH(eyring_root)(n, s, w, 1e-5, stress);   /* third order: a last step of 1e-5 leaves 1e-16 */
 }
 
 /* Li2(x) for u = -log(1 - x), |u| <= log 2: the sum of B_n u^(n+1)/(n+1)!, B_n Bernoulli's numbers */
@@ -256,14 +255,11 @@ static void PATH(maxwell_root)(size_t n, given s, given deborah, given w, filled
     }
 }
 
-/* S to `accuracy`, at best to some 1e-14 */
-static void PATH(maxwell_stress)(
-    size_t n, given sigma, given deborah, given w, double accuracy, filled stress
-) {
-    double s[BLOCK], far[BLOCK];
+/* S of films whose layer is no small part of the contact, or outside the range of layer_stress.h */
+static void PATH(maxwell_general)(size_t n, given s, given deborah, given w, filled stress) {
+    double far[BLOCK];
     uint64_t beyond = 0;
     n = WHOLE(n);
-    EACH(i, n) s[i] = sigma[i] < LINEAR ? LINEAR : sigma[i];   /* scaled: products would be denormal */
     PATH(maxwell_near)(n, s, deborah, w, stress);
     EACH(i, n) {
         double least = s[i] < NEAR_LINEAR ? NEAR_LINEAR : s[i];
@@ -290,6 +286,49 @@ static void PATH(maxwell_stress)(
         PATH(maxwell_root)(whole, far, far_deborah, far_w, found);
         for (size_t i = 0; i < m; i++) stress[index[i]] = found[i];
     }
-    if (accuracy < NEAR_ERROR) PATH(maxwell_root)(n, s, deborah, w, stress);
-    EACH(i, n) stress[i] *= sigma[i] < LINEAR ? sigma[i] * (1.0 / LINEAR) : 1.0;
+    PATH(maxwell_root)(n, s, deborah, w, stress);
+}
+
+typedef void (*PATH(general_law))(size_t n, given s, given deborah, given w, filled stress);
+
+/* S, mostly by the equation of the thin layer; films outside its range, and NaN, are gathered for the general law. */
+RS_INLINE void PATH(layered)(
+    size_t n, given sigma, given deborah, given w, filled stress, PATH(general_law) general, const int elastic
+) {
+    double s[BLOCK], outside[BLOCK], beyond[BLOCK], d[BLOCK], heat[BLOCK], found[BLOCK];
+    size_t index[BLOCK], m = 0;
+    n = WHOLE(n);
+    EACH(i, n) {
+        double most = elastic ? deborah[i] <= NEAR_DEBORAH ? 1.0 : 0.0 : 1.0;
+        s[i] = sigma[i] < NEAR_LINEAR ? NEAR_LINEAR : sigma[i];
+        most = w[i] <= NEAR_HEATING * s[i] ? most : 0.0;
+        outside[i] = s[i] <= NEAR_SIGMA && most > 0.0 ? 0.0 : 1.0;
+    }
+    PATH(layer_root)(n, s, deborah, w, stress, beyond, elastic);
+    EACH(i, n) stress[i] *= sigma[i] < NEAR_LINEAR ? sigma[i] * (1.0 / NEAR_LINEAR) : 1.0;
+    for (size_t i = 0; i < n; i++) {
+        index[m] = i;
+        m += outside[i] + beyond[i] > 0.0;
+    }
+    if (m == 0) return;
+    size_t whole = (m + LANES - 1) / LANES * LANES;
+    for (size_t i = 0; i < whole; i++) {
+        size_t from = index[i < m ? i : m - 1];
+        s[i] = sigma[from] < LINEAR ? LINEAR : sigma[from];   /* scaled: products would be denormal */
+        d[i] = deborah[from], heat[i] = w[from];
+    }
+    general(whole, s, d, heat, found);
+    for (size_t i = 0; i < m; i++) {
+        size_t to = index[i];
+        stress[to] = found[i] * (sigma[to] < LINEAR ? sigma[to] * (1.0 / LINEAR) : 1.0);
+    }
+}
+
+static void PATH(maxwell_stress)(size_t n, given sigma, given deborah, given w, filled stress) {
+    PATH(layered)(n, sigma, deborah, w, stress, PATH(maxwell_general), 1);
+}
+
+/* S = asinh(sigma exp(-Phi sigma S)), the law without elasticity, whose layer has no length: no D is read */
+static void PATH(eyring_stress)(size_t n, given sigma, given w, filled stress) {
+    PATH(layered)(n, sigma, w, w, stress, PATH(eyring_general), 0);
 }

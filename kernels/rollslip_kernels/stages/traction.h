@@ -60,7 +60,7 @@ STAGE(maxwell_eyring, HYDRODYNAMIC, COL_friction) {
     double sigma[BLOCK], w[BLOCK], deborah[BLOCK], stress[BLOCK];
     size_t n = WHOLE(s->n);
     PATH(groups)(s, q->flash, q->rise, sigma, w, deborah, stress);
-    PATH(maxwell_stress)(n, sigma, deborah, w, q->accuracy, stress);
+    PATH(maxwell_stress)(n, sigma, deborah, w, stress);
     EACH(i, n) friction[i] = copysign((tau0 + slope * pressure[i]) / pressure[i] * stress[i], sliding[i]);
     return 0;
 }
