@@ -79,7 +79,7 @@ RS_INLINE void PATH(layer_step)(
     }
 }
 
-/* S for NEAR_LINEAR <= s <= NEAR_SIGMA, w <= NEAR_HEATING s and D <= max(1, s)/20; beyond[i] > 0 where it is none */
+/* S for NEAR_LINEAR <= s <= NEAR_SIGMA, w <= NEAR_HEATING s, D <= max(1, s)/20; beyond[i] > 0 if the start was far */
 RS_INLINE void PATH(layer_root)(
     size_t n, given s, given deborah, given w, filled stress, filled beyond, const int elastic
 ) {
@@ -148,7 +148,7 @@ RS_INLINE void PATH(layer_root)(
     EACH(i, n) {
         double R = r[i], R2 = 1.0 + R * R, sinh2 = g[i] * (1.0 + R), z = (double)zf[i], per = inv[i] * s[i];
         double coth = R2 * R2 * per, per_sinh = 2.0 * R * (R2 * per), zc = z * coth, zs = z * per_sinh, wz = w[i] * z;
-        double S = z, dS = 1.0, ddS = 0.0, least = s[i] > 1.0 ? s[i] : 1.0, f, d, dd, step, moved;
+        double S = z, dS = 1.0, ddS = 0.0, f, d, dd, step, moved;
         if (elastic) {
             double t = g[i] * g[i] * (R2 * per), th = sinh2 * sinh2 * per, A = R * t, A2 = A * A;
             double half = 0.5 * deborah[i] * (sinh2 * R2 * inv[i]);   /* D/(2 s) */
@@ -167,7 +167,7 @@ RS_INLINE void PATH(layer_root)(
         step = 2.0 * f * d / (2.0 * d * d - f * dd);
         moved = -z * (step * (1.0 - 0.5 * step));
         stress[i] = S + moved * (dS + 0.5 * moved * ddS);
-        beyond[i] = fabs(step) < LAYER_STEP && (!elastic || 0.5 * LEAST_LAYERS * deborah[i] <= least) ? 0.0 : 1.0;
+        beyond[i] = fabs(step) < LAYER_STEP ? 0.0 : 1.0;
     }
 }
 

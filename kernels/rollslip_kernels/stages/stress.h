@@ -296,21 +296,28 @@ RS_INLINE void PATH(layered)(
     size_t n, given sigma, given deborah, given w, filled stress, PATH(general_law) general, const int elastic
 ) {
     double s[BLOCK], outside[BLOCK], beyond[BLOCK], d[BLOCK], heat[BLOCK], found[BLOCK];
+    uint64_t all = ~UINT64_C(0), any = 0;
     size_t index[BLOCK], m = 0;
     n = WHOLE(n);
     EACH(i, n) {
-        double most = elastic ? deborah[i] <= NEAR_DEBORAH ? 1.0 : 0.0 : 1.0;
-        s[i] = sigma[i] < NEAR_LINEAR ? NEAR_LINEAR : sigma[i];
-        most = w[i] <= NEAR_HEATING * s[i] ? most : 0.0;
-        outside[i] = s[i] <= NEAR_SIGMA && most > 0.0 ? 0.0 : 1.0;
+        double x = sigma[i] < NEAR_LINEAR ? NEAR_LINEAR : sigma[i];
+        double layer = elastic ? 0.5 * LEAST_LAYERS * deborah[i] : 0.0;
+        double most = layer <= (x > 1.0 ? x : 1.0) && layer <= 0.5 * LEAST_LAYERS * NEAR_DEBORAH ? NEAR_HEATING : -1.0;
+        s[i] = x;
+        outside[i] = x <= NEAR_SIGMA && w[i] <= most * x ? 0.0 : 1.0;
     }
-    PATH(layer_root)(n, s, deborah, w, stress, beyond, elastic);
-    EACH(i, n) stress[i] *= sigma[i] < NEAR_LINEAR ? sigma[i] * (1.0 / NEAR_LINEAR) : 1.0;
+    for (size_t i = 0; i < n; i++) all &= rs_bits(outside[i]);
+    if (all == 0) {
+        PATH(layer_root)(n, s, deborah, w, stress, beyond, elastic);
+        EACH(i, n) stress[i] *= sigma[i] < NEAR_LINEAR ? sigma[i] * (1.0 / NEAR_LINEAR) : 1.0;
+        EACH(i, n) outside[i] += beyond[i];
+    }
+    for (size_t i = 0; i < n; i++) any |= rs_bits(outside[i]);
+    if (any == 0) return;
     for (size_t i = 0; i < n; i++) {
         index[m] = i;
-        m += outside[i] + beyond[i] > 0.0;
+        m += outside[i] > 0.0;
     }
-    if (m == 0) return;
     size_t whole = (m + LANES - 1) / LANES * LANES;
     for (size_t i = 0; i < whole; i++) {
         size_t from = index[i < m ? i : m - 1];
