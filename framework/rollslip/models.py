@@ -506,10 +506,6 @@ class TractionModel(SliceModel):
         """Return the model with another law of the full film; that law itself if it has no boundary friction."""
         return law
 
-    def evaluated_to(self, error: float) -> "TractionModel":
-        """Return the same law, evaluated as cheaply as a relative error allows; itself if there is no cheaper way."""
-        return self
-
 
 class Drag(Card, abc.ABC):
     """What resists the cage or the rollers beside the traction of the raceways: one of the three sorts below."""

@@ -18,7 +18,6 @@ from timing import interleaved, medians
 LAWS_OF_STRESS = {
     "muraki": get_model("traction", "muraki"),
     "eyring": get_model("traction", "eyring"),
-    "maxwell-eyring, accuracy 1e-6": get_model("traction", "maxwell-eyring", accuracy=1e-6),
     "maxwell-eyring": get_model("traction", "maxwell-eyring"),
 }
 FILM = get_model("film", "moes")

@@ -183,8 +183,8 @@ def test_choices_are_of_what_acts_on_a_result():
     family = plan_family(scene)
     assert list(family.studies) == list(scene.study)
     for study, axes in {
-        "friction-curve": {"slices", "traction", "traction_error", "film", "compiled"},
-        "effective-friction": {"slices", "instants", "traction", "traction_error", "film", "compiled"},
+        "friction-curve": {"slices", "traction", "film", "compiled"},
+        "effective-friction": {"slices", "instants", "traction", "film", "compiled"},
     }.items():
         planned = family.of(study, "numerical")[0]
         varied = set()
@@ -342,7 +342,7 @@ def test_a_result_is_stored_without_loss_and_says_where_it_comes_from(contact, t
     assert all({"units", "long_name"} <= set(variable.attrs) for variable in contact.variables.values())
     names = {model["name"] for model in json.loads(contact.attrs["models"])}
     assert {"lambda-blend", "moes", "pan-hamrock"} <= names
-    fields = {"slices", "quadrature", "instants", "traction", "traction_error", "boundary", "table_tolerance",
+    fields = {"slices", "quadrature", "instants", "traction", "boundary", "table_tolerance",
               "integrator", "integrator_tolerance", "friction", "level", "compiled"}  # fmt: skip
     assert fields <= set(contact.coords)
     assert contact.traction.sel(choice="eyring") == "eyring"
@@ -627,28 +627,6 @@ def test_names_of_models_are_choices_beside_those_that_are_narrowed_to():
     family = plan_family(SCENE, study="friction-curve", choices="slices", traction="carreau")
     assert [one.label for one in family.choices if one.kind == "modelling"] == ["carreau"]
     assert not family.of("friction-curve", "film")
-
-
-def test_a_law_that_has_cheaper_evaluations_is_taken_by_them_too(monkeypatch):
-    @attrs.frozen
-    class Cheap(Rising):
-        """A law that knows a cheaper way."""
-
-        name = "cheap"
-        error: float = 0.0
-
-        def evaluated_to(self, error):
-            return attrs.evolve(self, error=error)
-
-    rollslip.register(Cheap)
-    family = plan_family(SCENE, study="friction-curve", choices="traction", traction="cheap")
-    found = {one.label: one.kind for one in family.of("friction-curve", "numerical", "modelling")}
-    assert found == {PLANNED: "numerical", "cheap": "modelling"} | {
-        f"cheap to {error}": "modelling" for error in ("1e-02", "1e-03", "1e-04", "1e-06")
-    }
-    own = evolve(SCENE, {"models.traction": "cheap"})
-    family = plan_family(own, study="friction-curve", choices="traction")
-    assert {one.label for one in family.of("friction-curve", "numerical")} >= {PLANNED, "the law to 1e-06"}
 
 
 def test_errors_have_their_classes():

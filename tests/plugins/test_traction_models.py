@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from rollslip import Chain, Conditions, Slices
+from rollslip import Chain, Conditions, RollslipDeprecationWarning, Slices, get_model
 from rollslip.errors import DomainError
 from rollslip.fields import FieldError
 from rollslip_plugins.contact import Palmgren
@@ -576,23 +576,11 @@ def test_heated_friction_has_one_maximum_long(model, film):
     assert turns(film.friction(model, film.speed(np.logspace(-9, 9, 2000)))) == [1, -1]
 
 
-@given(film=films())
-def test_short_series_keep_their_accuracy(film):
-    speed = both_signs(film)
-    short, full = (film.friction(MaxwellEyring(accuracy=accuracy), speed) for accuracy in (1e-6, 1e-13))
-    np.testing.assert_allclose(short, full, rtol=1e-6, atol=DENORMAL)
-
-
-@pytest.mark.parametrize(("accuracy", "tolerance"), [(1e-13, 1e-12), (1e-9, 1e-9), (1e-6, 1e-6), (0.1, 1e-6)])
-def test_forms_may_differ_by_the_accuracy_asked_for(accuracy, tolerance):
-    law = MaxwellEyring(accuracy=accuracy)
-    assert law.tolerance == tolerance
-    assert LambdaBlend(hydrodynamic=law).tolerance == tolerance
-
-
-def test_an_accuracy_that_rounding_forbids_is_refused():
-    with pytest.raises(FieldError, match="accuracy: must be"):
-        MaxwellEyring(accuracy=1e-15)
+def test_the_accuracy_of_the_exact_law_is_still_read_with_a_warning():
+    with pytest.warns(RollslipDeprecationWarning, match="accuracy of maxwell-eyring is deprecated"):
+        law = get_model("traction", "maxwell-eyring", accuracy=1e-6)
+    groups = np.logspace(-3, 3, 7), 0.1, 0.1
+    assert np.array_equal(law.dimensionless_stress(*groups), MaxwellEyring().dimensionless_stress(*groups))
 
 
 # Declarations --------------------------------------------------------------------------------------------------------

@@ -149,7 +149,6 @@ def finer(study, one, own, times):
         quadrature="gauss",
         instants=min(max(times * (own.instants or 1), 24) + 1, 2047),
         traction="named",
-        traction_error=0.0,
         boundary=True,
     )
     every = 4 if study.closure == "free-roller" else 1

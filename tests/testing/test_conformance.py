@@ -68,12 +68,12 @@ class TestTraction(Conformance):
     models = (
         *box("traction"),
         Muraki(flash=1.0),
-        MaxwellEyring(accuracy=1e-6),
+        MaxwellEyring(flash=1.0),
         Kragelsky(limit=0.05, rise=10.0, decay=400.0),
         Constant(coefficient=0.2, transition=0.05),
         LambdaBlend(boundary=Constant(), hydrodynamic=MaxwellEyring(), boundary_limit=0.0, exponent=1.0),
         LambdaBlend(hydrodynamic=LambdaBlend(hydrodynamic=Eyring(), boundary_limit=0.5, exponent=2.5)),
-        LambdaBlend(hydrodynamic=MaxwellEyring(accuracy=1e-3)),
+        LambdaBlend(hydrodynamic=MaxwellEyring(flash=1.0)),
     )
 
 

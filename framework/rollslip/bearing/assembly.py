@@ -167,7 +167,7 @@ class Assembly:
 
     def at(self, resolution: Resolution) -> "Assembly":
         """Return the same bearing at another resolution; where its laws are to be others, it is put together anew."""
-        laws = ("traction", "traction_error", "boundary", "inlet_heating", "light_contacts", "compiled")
+        laws = ("traction", "boundary", "inlet_heating", "light_contacts", "compiled")
         if any(getattr(self.resolution, name) != getattr(resolution, name) for name in laws):
             return assemble(self.scene, resolution)
         made = partial(_slicing, self.scene, resolution)
@@ -462,7 +462,7 @@ def simplified(traction: TractionModel, resolution: Resolution) -> TractionModel
         cls, named = get_class("traction", resolution.traction), traction.full_film
         shared = {a.name for a in attrs.fields(cls)} & {a.name for a in getattr(named, "__attrs_attrs__", ())}
         traction = traction.with_full_film(cls(**{name: getattr(named, name) for name in shared}))
-    return traction.evaluated_to(resolution.traction_error) if resolution.traction_error > 0.0 else traction
+    return traction
 
 
 def _slicing(scene: Scene, resolution: Resolution) -> tuple[Array, Array, Array]:

@@ -55,8 +55,6 @@ class Resolution:
         Instants of a roller pitch; None to double them until the results stand still.
     traction : str
         "named" for the scene's hydrodynamic law, or the name of a law that serves in its place.
-    traction_error : float
-        Relative error up to which a law may be evaluated more cheaply (`TractionModel.evaluated_to`); 0 for none.
     boundary : bool
         Whether boundary friction takes part; False for the law of the full film alone.
     inlet_heating : bool
@@ -84,7 +82,6 @@ class Resolution:
         default=None, doc="instants of a roller pitch", validator=attrs.validators.optional(at_least(1))
     )
     traction: str = parameter(default="named", doc="hydrodynamic law")
-    traction_error: float = parameter(default=0.0, unit="1", doc="relative error of a law", validator=in_range(0, 1))
     boundary: bool = parameter(default=True, doc="whether boundary friction takes part")
     inlet_heating: bool = parameter(default=True, doc="whether the heat of its inlet thins the film")
     light_contacts: bool = parameter(default=True, doc="whether the film has a pressure of its own")

@@ -294,7 +294,7 @@ def _whole(number: float, least: int, most: int | None) -> int:
 
 
 def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) -> Estimated:
-    """Leave out what is not needed, or moves too little, and evaluate laws as cheaply as their share allows."""
+    """Leave out what is not needed, or moves too little, and take a closed form where its share allows it."""
     accuracy, law, left_out = few.scene.accuracy, few.traction.full_film, list[LeftOut]()
     resolution, errors = chosen.resolution, dict(chosen.errors)
     extremes, limit = Extremes(law), few.traction.full_film_from
@@ -304,7 +304,6 @@ def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) ->
         resolution = attrs.evolve(resolution, boundary=False)
         left_out.append(BoundaryFriction(limit))
     reference = cache(lambda: probe.measure(few, (_OF_LAWS,), _SMALL)[0])
-    allowed = {name: _LAW * accuracy.of(name) for name in ("friction", "critical_slip")}
 
     def serves(cheaper: Resolution, share: float = _LAW, moved: Difference = difference) -> Errors | None:
         """Errors that less leaves, None where they are too large."""
@@ -324,15 +323,11 @@ def _laws(chosen: Estimated, probe: Probe, few: Assembly, cheaper_laws: bool) ->
         ):
             resolution, errors[name] = attrs.evolve(resolution, **out), found
             left_out.append(bound)
-    share = min(allowed.values())
     closed = attrs.evolve(few.resolution, traction=law.closed_form or "named")
-    cheaper = attrs.evolve(few.resolution, traction_error=share)
     if cheaper_laws and extremes.groups and (found := serves(closed)) is not None:
         resolution, errors["law"] = attrs.evolve(resolution, traction=closed.traction), found
         most = {name: _MARGIN * value for name, value in extremes.groups.items()}
         left_out.append(ExactLaw(law, most))
-    elif cheaper_laws and law.evaluated_to(share) != law and (found := serves(cheaper)) is not None:
-        resolution, errors["law"] = attrs.evolve(resolution, traction_error=share), found
     return attrs.evolve(chosen, resolution=resolution, errors=errors, left_out=tuple(left_out), laws_tried=True)
 
 

@@ -105,7 +105,7 @@ def friction(assembly: Assembly, estimated: Estimated) -> list[Part]:
         found.append(
             Part(
                 part="law of the full film",
-                choice=law if resolution.traction != "named" else f"{law} to {resolution.traction_error:.1e}",
+                choice=law,
                 resolution="every loaded slice",
                 reason="serves in place of the one that the scene names, from which it differs by less than its share",
                 errors=errors["law"],

@@ -26,10 +26,9 @@ static void PATH(each_pow)(size_t n, const double *x, const double *y, double *z
 /* A stress law of any number of values, odd in sigma */
 #define STRESS(name, ...) \
     static void PATH(name##_of)( \
-        size_t n, const double *sigma, const double *deborah, const double *heating, double accuracy, double *out \
+        size_t n, const double *sigma, const double *deborah, const double *heating, double *out \
     ) { \
         double s[BLOCK], d[BLOCK], w[BLOCK], stress[BLOCK]; \
-        (void)accuracy; \
         for (size_t start = 0; start < n; start += BLOCK) { \
             size_t part = n - start < BLOCK ? n - start : BLOCK, whole = WHOLE(part + LANES - 1); \
             for (size_t i = 0; i < whole; i++) { \

@@ -63,10 +63,6 @@ cdef extern from "stages/table.h" nogil:
         double flash
         rise_params rise
 
-    ctypedef struct maxwell_params:
-        double flash, accuracy
-        rise_params rise
-
     ctypedef struct blend_params:
         rs_model boundary, hydrodynamic
         int boundary_raises, hydrodynamic_raises
@@ -78,7 +74,7 @@ cdef extern from "stages/table.h" nogil:
         double low, high
 
     ctypedef void (*rs_stress_law)(
-        size_t, const double *, const double *, const double *, double, double *
+        size_t, const double *, const double *, const double *, double *
     ) noexcept nogil
 
     ctypedef struct rs_blocks:

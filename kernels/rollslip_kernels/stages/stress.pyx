@@ -7,7 +7,7 @@ import numpy as np
 from rollslip_blocks cimport rs_active_blocks, rs_stress_law
 
 
-cdef object _map(rs_stress_law law, object strain_rate, object deborah, object heating, double accuracy=0.0):
+cdef object _map(rs_stress_law law, object strain_rate, object deborah, object heating):
     arrays = np.broadcast_arrays(*[np.asarray(group, dtype=np.float64) for group in (strain_rate, deborah, heating)])
     result = np.empty(arrays[0].shape)
     cdef const double[::1] sigma, d, phi
@@ -15,7 +15,7 @@ cdef object _map(rs_stress_law law, object strain_rate, object deborah, object h
     cdef double[::1] out = result.reshape(-1)
     if out.shape[0]:
         with nogil:
-            law(out.shape[0], &sigma[0], &d[0], &phi[0], accuracy, &out[0])
+            law(out.shape[0], &sigma[0], &d[0], &phi[0], &out[0])
     return result
 
 
@@ -24,12 +24,9 @@ def muraki(strain_rate, deborah, heating):
     return _map(rs_active_blocks().muraki_stress, strain_rate, deborah, heating)
 
 
-def maxwell_eyring(strain_rate, deborah, heating, double accuracy=0.0):
-    """Exact Maxwell-Eyring mean stress.
-
-    From a relative error of 1e-6 allowed on, ``accuracy``, it takes short series and less than half of the time.
-    """
-    return _map(rs_active_blocks().maxwell_stress, strain_rate, deborah, heating, accuracy)
+def maxwell_eyring(strain_rate, deborah, heating):
+    """Exact Maxwell-Eyring mean stress."""
+    return _map(rs_active_blocks().maxwell_stress, strain_rate, deborah, heating)
 
 
 def eyring(strain_rate, deborah, heating):

@@ -27,7 +27,6 @@ typedef struct { double flash, limit; } limiting_params;
 typedef struct { double coefficient, transition; } constant_params;
 typedef struct { double stress, modulus; } rise_params;   /* dtau0/dp and dGamma/dp [1] */
 typedef struct { double flash; rise_params rise; } eyring_params;
-typedef struct { double flash, accuracy; rise_params rise; } maxwell_params;
 enum { TERMS = 26, NO_SUCH_STATUS = -2 };   /* of Greenwood and Tripp's integral; more than its number of slices */
 typedef struct {
     rs_model boundary, hydrodynamic;
@@ -46,8 +45,8 @@ typedef struct {
 #define FUNCTIONS(X) X(exp) X(exp2) X(log) X(log2) X(log1p) X(expm1) X(asinh) X(exp2_falling) X(log2_plus_one) \
     X(exp_normal) X(expm1_falling)
 
-/* Of n values of sigma, D and Phi, to an accuracy where there is a choice */
-typedef void (*rs_stress_law)(size_t, const double *, const double *, const double *, double, double *);
+/* Of n values of sigma, D and Phi */
+typedef void (*rs_stress_law)(size_t, const double *, const double *, const double *, double *);
 
 /* Values that a column of rs_slices, by its offset, must keep */
 typedef struct { size_t offset; double low, high; } rs_range;

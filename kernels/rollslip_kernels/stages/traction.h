@@ -54,7 +54,7 @@ STAGE(muraki, HYDRODYNAMIC, COL_friction) {
 }
 
 STAGE(maxwell_eyring, HYDRODYNAMIC, COL_friction) {
-    const maxwell_params *q = (const maxwell_params *)params;
+    const eyring_params *q = (const eyring_params *)params;
     const double *sliding = s->sliding_speed, *pressure = s->pressure;
     double *friction = s->friction, tau0 = s->eyring_stress, slope = q->rise.stress;
     double sigma[BLOCK], w[BLOCK], deborah[BLOCK], stress[BLOCK];

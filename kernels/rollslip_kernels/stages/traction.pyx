@@ -5,7 +5,6 @@ from rollslip_blocks cimport (
     eyring_params,
     gupta_params,
     kragelsky_params,
-    maxwell_params,
     rise_params,
     rs_active_blocks,
 )
@@ -21,9 +20,9 @@ def muraki(double flash, double stress_slope=0.0, double modulus_slope=0.0):
     return rs_new_model(rs_active_blocks().muraki, &q, sizeof(q), None)
 
 
-def maxwell_eyring(double flash, double accuracy, double stress_slope=0.0, double modulus_slope=0.0):
-    """Return the stage of the exact Maxwell-Eyring stress, to a relative error of ``accuracy``."""
-    cdef maxwell_params q = maxwell_params(flash, accuracy, rise_params(stress_slope, modulus_slope))
+def maxwell_eyring(double flash, double stress_slope=0.0, double modulus_slope=0.0):
+    """Return the stage of the exact Maxwell-Eyring stress."""
+    cdef eyring_params q = eyring_params(flash, rise_params(stress_slope, modulus_slope))
     return rs_new_model(rs_active_blocks().maxwell_eyring, &q, sizeof(q), None)
 
 

@@ -13,7 +13,6 @@
 """
 
 import contextlib
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
@@ -40,7 +39,6 @@ _STEPS: Final = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 #: Crossed.
 _CORE: Final = ((5, 11, 21, 41), (1, 2, 4))
 _CORE_STEPS: Final = (1e-3, 1e-5, 1e-7)
-_LAW_ERRORS: Final = (1e-2, 1e-3, 1e-4, 1e-6)
 #: Tables of the finest, over the plan's: loads over the orbit take time with the inverse of their error, and end.
 _FINEST_TABLES: Final = 0.1
 #: By how much coarser the tolerances are of what tells how exact the finest is; slices and instants are halved.
@@ -274,21 +272,10 @@ def _numerical(made: Plan, study: str, base: Resolution, axes: Sequence[str]) ->
 def _modelling(
     made: Plan, base: Resolution, axes: Sequence[str], laws: Sequence[str], law: str
 ) -> Iterable[dict[str, Any]]:
-    """Other laws, each as it is and by its cheaper evaluations, and the other friction of dynamics."""
+    """Other laws, and the other friction of dynamics."""
     if "traction" in axes:
         for name in laws or _forms(law):
-            traction = "named" if name == law else name
-            # of a law that has no cheaper way they are the same
-            evaluations = dict[Any, float]()
-            for error in (0.0, *_LAW_ERRORS):
-                resolution = attrs.evolve(base, traction=traction, traction_error=error)
-                try:
-                    evaluated = assemble(made.scene, resolution).traction
-                    if evaluations.get(evaluated, math.inf) > 0.0:
-                        evaluations[evaluated] = error  # the least that it keeps
-                except Exception:  # a plugin that breaks is run, too, and its error told
-                    evaluations.setdefault(name, 0.0)
-            yield from ({"traction": traction, "traction_error": error} for error in evaluations.values())
+            yield {"traction": "named" if name == law else name}
     if "friction" in axes:
         yield from ({"friction": name} for name in ("conventional", "effective"))
 
@@ -354,9 +341,8 @@ def _label(base: Resolution, resolution: Resolution) -> str:
         said.append(str(resolution.integrator))
     if resolution.integrator_tolerance != base.integrator_tolerance:
         said.append(f"steps to {resolution.integrator_tolerance:.0e}")
-    if (resolution.traction, resolution.traction_error) != (base.traction, base.traction_error):
-        law = "the law" if resolution.traction == "named" else resolution.traction
-        said.append(f"{law} to {resolution.traction_error:.0e}" if resolution.traction_error else law)
+    if resolution.traction != base.traction:
+        said.append("the law" if resolution.traction == "named" else resolution.traction)
     if resolution.friction != base.friction:
         said.append(f"{resolution.friction} friction")
     if not resolution.compiled and base.compiled:

@@ -374,7 +374,6 @@ def _coordinates(family: Family) -> dict[str, Any]:
             "quadrature": r.quadrature,
             "instants": r.instants or 0,
             "traction": law,
-            "traction_error": r.traction_error,
             "boundary": int(r.boundary),
             "table_tolerance": r.table_tolerance,
             "integrator": own.get("integrator", ""),
@@ -386,7 +385,7 @@ def _coordinates(family: Family) -> dict[str, Any]:
         }
         for name, value in row.items():
             found.setdefault(name, []).append(value)
-    units = {"traction_error", "table_tolerance", "integrator_tolerance"}
+    units = {"table_tolerance", "integrator_tolerance"}
     return {
         name: ("choice", np.array(values), about("1", name.replace("_", " ") + (", relative" * (name in units))))
         for name, values in found.items()

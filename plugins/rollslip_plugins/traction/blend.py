@@ -79,11 +79,6 @@ class _Blend(TractionModel, abc.ABC):
         """Return the same blend with another law of the full film."""
         return attrs.evolve(self, hydrodynamic=law)
 
-    def evaluated_to(self, error: float) -> TractionModel:
-        """Return the same blend of laws evaluated as cheaply as a relative error allows."""
-        both = self.boundary.evaluated_to(error), self.hydrodynamic.evaluated_to(error)
-        return attrs.evolve(self, boundary=both[0], hydrodynamic=both[1])
-
     @abc.abstractmethod
     def shares(self, slices: Slices) -> tuple[Array, Array]:
         """Return the shares of boundary and of film friction in each slice, from 0 to 1, which add to 1."""

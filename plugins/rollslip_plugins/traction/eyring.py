@@ -2,6 +2,7 @@
 
 import abc
 import math
+import warnings
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
@@ -10,6 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rollslip.errors import RollslipDeprecationWarning
 from rollslip.fields import parameter
 from rollslip.hookspecs import hookimpl
 from rollslip.lubricant.pressure import slope_of_oil
@@ -33,8 +35,6 @@ Array = NDArray[np.float64]
 EXACT = "traction 'maxwell-eyring', the exact law"
 _RISE_OF_STRESS = "dtau0/dp of the oil"
 _RISE_OF_MODULUS = "dGamma/dp of the oil"
-#: Relative error of the exact law by short series.
-_SHORT_SERIES = 1e-6
 
 
 def _risen(value: float, slope: float, slices: Slices) -> Array:
@@ -218,9 +218,8 @@ class Muraki(_EyringFluid):
 class MaxwellEyring(_EyringFluid):
     """Exact solution of the Maxwell-Eyring equation with mean-stress heating, which the closed forms approximate.
 
-    D dS/dX + exp(Phi sigma Sbar) sinh S = sigma, X in [0, 2], S(0) = 0, Sbar the mean of S; solved in closed form
-    with dilogarithms and Halley's method to 1e-13, or where the relative error allowed (``accuracy``) is 1e-6 or more
-    by short series, in less than half of the time.
+    D dS/dX + exp(Phi sigma Sbar) sinh S = sigma, X in [0, 2], S(0) = 0, Sbar the mean of S; solved to 1e-13
+    by Halley's method on its closed form in dilogarithms, which is of first order in D where the entry layer is thin.
 
     Symbols:
 
@@ -260,24 +259,14 @@ class MaxwellEyring(_EyringFluid):
     references: ClassVar[tuple[Reference, ...]] = (JOHNSON_TEVAARWERK_1977, KLEBANOV)
     closed_form: ClassVar[str | None] = "muraki"
     flash: float = flash_factor()
-    accuracy: float = parameter(
-        default=1e-13,
-        unit="1",
-        doc="relative error of the friction that is allowed; from 1e-6 on short series serve",
-        usual=(1e-13, 0.01),
-        possible=(1e-13, 0.1),
-    )
+    accuracy: float | None = parameter(default=None, unit="1", doc="deprecated, without effect: the law is exact")
     eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
     shear_modulus_slope: float = slope_of_oil(_RISE_OF_MODULUS)
 
-    @property
-    def tolerance(self) -> float:  # type: ignore[override]
-        """Relative difference allowed between the compiled form and the NumPy form, which is always exact."""
-        return min(max(self.accuracy, _EyringFluid.tolerance), _SHORT_SERIES)
-
-    def evaluated_to(self, error: float) -> "MaxwellEyring":
-        """Return the same law by short series, where the relative error allows them."""
-        return attrs.evolve(self, accuracy=max(self.accuracy, _SHORT_SERIES)) if error >= _SHORT_SERIES else self
+    def __attrs_post_init__(self) -> None:
+        if self.accuracy is not None:
+            said = "the parameter accuracy of maxwell-eyring is deprecated and has no effect: leave it out"
+            warnings.warn(said, RollslipDeprecationWarning, stacklevel=3)
 
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
         """Return S of the exact solution."""
@@ -285,7 +274,7 @@ class MaxwellEyring(_EyringFluid):
 
     def kernel(self) -> object:
         """Return the compiled form."""
-        return compiled.maxwell_eyring(self.flash, self.accuracy, self.eyring_stress_slope, self.shear_modulus_slope)
+        return compiled.maxwell_eyring(self.flash, self.eyring_stress_slope, self.shear_modulus_slope)
 
 
 def _left_by_elasticity(deborah: float) -> float:

@@ -36,7 +36,6 @@ def compiled(kind):
 def stages():
     """Return all compiled stages one by one, and by kind: contacts, films, tractions."""
     contacts, films, tractions = (compiled(kind) for kind in ("contact", "film", "traction"))
-    tractions.append(get_model("traction", "maxwell-eyring", accuracy=1e-6))
     single = [*contacts, *(contact.deflection() for contact in contacts), *films, *LAWS, *tractions]
     return single, contacts, films, tractions
 
