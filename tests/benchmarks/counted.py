@@ -49,8 +49,7 @@ STAGES = {
     "barus": viscosity.barus(),
     "kragelsky": kragelsky,
     "eyring": traction.eyring(0.97),
-    "maxwell_eyring": traction.maxwell_eyring(0.97, 1e-13),
-    "maxwell_eyring_short": traction.maxwell_eyring(0.97, 1e-6),
+    "maxwell_eyring": traction.maxwell_eyring(0.97),
     "muraki": muraki,
     "blend": blend.power(kragelsky, muraki, 0.01, 1.5, 6.0),
 }
