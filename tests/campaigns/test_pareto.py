@@ -450,7 +450,7 @@ def test_the_command_writes_data_figures_and_a_report(capsys, tmp_path):
     )
     assert code == 0, err
     lines = out.splitlines()
-    assert "3 numerical and 3 modelling choices and 0 films, 2 rounds each, against 3 references" in lines[1]
+    assert "3 numerical and 2 modelling choices and 0 films, 2 rounds each, against 3 references" in lines[1]
     assert lines[1].endswith("the finest with 15 slices")
     assert "the scene states 15 slices" in lines[2]
     assert any(line.startswith(" 5 slices") for line in lines)

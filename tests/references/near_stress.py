@@ -1,4 +1,4 @@
-"""Make the coefficients of stages/near_stress.h and layer_stress.h; prints each set with its error.  Needs mpmath and SciPy; a minute.
+"""Make the coefficients of stages/near_stress.h and layer_stress.h; prints each set with its error, in a minute.
 
 - Polynomials interpolate at Chebyshev's nodes in 40 digits, within a factor of two of the best ones.
 - With eps = sinh(S) the steady stress S has r = exp(-S), T = tanh(S/2), A = r T, B = T/r; up to B = 1, where

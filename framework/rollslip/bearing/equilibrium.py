@@ -127,7 +127,7 @@ class LoadCase:
     radial_clearance: float
     radial_load: float
     misalignment: float = 0.0
-    centrifugal_force: Floats = attrs.field(default=0.0, converter=_array)
+    centrifugal_force: float | Floats = 0.0
     position: Floats = attrs.field(
         default=attrs.Factory(lambda case: _midpoints(case.roller_length, case.drop.size), takes_self=True),
         converter=_array,
@@ -147,12 +147,11 @@ class LoadCase:
         if not 0.0 < self.roller_length < np.inf:
             raise ValueError(f"roller_length is {self.roller_length} m: it must be positive")
         for name in ("radial_load", "centrifugal_force"):
-            if not np.all((getattr(self, name) >= 0.0) & (getattr(self, name) < np.inf)):
+            value = np.asarray(getattr(self, name))
+            if not np.all((value >= 0.0) & (value < np.inf)):
                 raise ValueError(f"{name} is {getattr(self, name)} N: it must be zero or positive")
-        if self.centrifugal_force.shape not in ((), self.psi.shape[:1]):
-            raise ValueError(
-                f"centrifugal_force must be one or of shape (instants,), not {self.centrifugal_force.shape}"
-            )
+        if (shape := np.shape(self.centrifugal_force)) not in ((), self.psi.shape[:1]):
+            raise ValueError(f"centrifugal_force must be one or of shape (instants,), not {shape}")
         for name in ("radial_clearance", "misalignment"):
             if not np.isfinite(getattr(self, name)):
                 raise ValueError(f"{name} is {getattr(self, name)}: it must be finite")

@@ -244,7 +244,8 @@ class MaxwellEyring(_EyringFluid):
     - K_f: conductivity of the oil [W/(m K)]
     - K, rho, c: conductivity, density and heat capacity of the steel; sqrt(K rho c) is its effusivity [J/(m2 K s^0.5)]
 
-    Range: any sigma, D and Phi; heating by the mean stress instead of the local one costs 0 to 4.5 %.
+    Range: any sigma, D and Phi; heating by the mean stress instead of the local one costs 0 to 4.5 %. ``accuracy`` is
+    deprecated: it has no effect.
 
     Examples
     --------
@@ -259,7 +260,9 @@ class MaxwellEyring(_EyringFluid):
     references: ClassVar[tuple[Reference, ...]] = (JOHNSON_TEVAARWERK_1977, KLEBANOV)
     closed_form: ClassVar[str | None] = "muraki"
     flash: float = flash_factor()
-    accuracy: float | None = parameter(default=None, unit="1", doc="deprecated, without effect: the law is exact")
+    accuracy: float | None = parameter(
+        default=None, unit="1", doc="deprecated, without effect: the law is exact", usual=(0, 1e-2), possible=(0, 1)
+    )
     eyring_stress_slope: float = slope_of_oil(_RISE_OF_STRESS)
     shear_modulus_slope: float = slope_of_oil(_RISE_OF_MODULUS)
 
