@@ -30,11 +30,16 @@ ANY_LOAD: Final = ("no load is needed", "any load serves")
 NO_LOAD: Final = ("no load serves", "the cage does not hold a slip")
 #: Relative accuracy of the load.
 _FOUND: Final = 1e-4
+#: Step of a logarithm by which a rough excess is differentiated, longest step of secants from there, and how many.
+_STEP, _NEAR, _SECANTS = 0.01, 0.3, 6
 #: By how much the least steady slip at that load may be another, relative.
 _SAME: Final = 1e-2
 
 
-def least_load(balance: Callable[[float], TorqueBalance], load: float, slip: float) -> tuple[float, str]:
+Balances = Callable[[float], TorqueBalance]
+
+
+def least_load(balance: Balances, load: float, slip: float, rough: Balances | None = None) -> tuple[float, str]:
     """Return the radial load [N] at which the steady slip is a given one, and "found", or NaN and why there is none.
 
     Parameters
@@ -45,25 +50,21 @@ def least_load(balance: Callable[[float], TorqueBalance], load: float, slip: flo
         Where the search begins [N].
     slip : float
         The cage slip, above 0.
+    rough : callable, optional
+        The same by fewer positions and slices, from whose load the search goes on.
     """
-    from scipy.optimize import brentq
 
     def excess(log: float) -> float:
         return balance(math.exp(log)).excess(slip)
 
     if balance(load).rolls_freely:
         return math.nan, f"{ANY_LOAD[0]}: {SWITCHED_OFF}"
-    begin = low = high = math.log(load)
     try:
-        over = excess(begin)
-        while (over > 0.0) == (excess(low if over > 0.0 else high) > 0.0):
-            if high - low > math.log(_FARTHEST):
-                ends = " and ".join(format_quantity(math.exp(end), "N", 3) for end in (low, high))
-                way = "less" if over > 0.0 else "more"
-                serves = ANY_LOAD[1] if over > 0.0 else NO_LOAD[0]
-                return math.nan, f"{serves}: between {ends} the steady slip stays {way} than {slip:g}"
-            low, high = (low - math.log(_WIDER), begin) if over > 0.0 else (begin, high + math.log(_WIDER))
-        found = math.exp(brentq(excess, low, high, xtol=_FOUND))
+        found = math.nan if rough is None else _near(excess, lambda log: rough(math.exp(log)).excess(slip), load)
+        if math.isnan(found):
+            found, status = _searched(excess, load, slip)
+            if status:
+                return math.nan, status
         there = balance(found)
         least = next((one.slip for one in there.way(max(RANGE, slip)).steady(there.drag)), math.inf)
     except (DomainError, ConvergenceError) as error:
@@ -72,6 +73,41 @@ def least_load(balance: Callable[[float], TorqueBalance], load: float, slip: flo
         shown = format_quantity(found, "N", 4)
         return math.nan, f"{NO_LOAD[1]} of {slip:g}: at {shown} it has run away before"
     return found, "found"
+
+
+def _searched(excess: Callable[[float], float], load: float, slip: float) -> tuple[float, str]:
+    """The load at which an excess over its logarithm passes zero, or NaN and why there is none."""
+    from scipy.optimize import brentq
+
+    begin = low = high = math.log(load)
+    over = excess(begin)
+    while (over > 0.0) == (excess(low if over > 0.0 else high) > 0.0):
+        if high - low > math.log(_FARTHEST):
+            ends = " and ".join(format_quantity(math.exp(end), "N", 3) for end in (low, high))
+            way = "less" if over > 0.0 else "more"
+            serves = ANY_LOAD[1] if over > 0.0 else NO_LOAD[0]
+            return math.nan, f"{serves}: between {ends} the steady slip stays {way} than {slip:g}"
+        low, high = (low - math.log(_WIDER), begin) if over > 0.0 else (begin, high + math.log(_WIDER))
+    return math.exp(brentq(excess, low, high, xtol=_FOUND)), ""
+
+
+def _near(excess: Callable[[float], float], rough: Callable[[float], float], load: float) -> float:
+    """The load at which an excess passes zero near that of a rough one, by secants; NaN if they do not lead there."""
+    at = math.log(_searched(rough, load, math.nan)[0])
+    if math.isnan(at):
+        return math.nan
+    slope = (rough(at + _STEP) - rough(at - _STEP)) / (2.0 * _STEP)
+    value = excess(at)
+    for _ in range(_SECANTS):
+        step = -value / slope if slope > 0.0 else math.inf
+        if not abs(step) <= _NEAR:
+            return math.nan
+        at += step
+        if abs(step) <= _FOUND:
+            return math.exp(at)
+        before, value = value, excess(at)
+        slope = (value - before) / step
+    return math.nan
 
 
 def static_rating(bearing: Bearing) -> float:

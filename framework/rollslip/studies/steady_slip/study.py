@@ -65,6 +65,8 @@ if TYPE_CHECKING:
 _MOST_INSTANTS: Final = 256
 #: And beyond which these go on for no maximum.
 _MOST_OF_A_JUMP: Final = 16
+#: Slices of a bearing from which the search for the least load goes on.
+_ROUGH: Final = 12
 #: Slips at which accuracy is judged, relative to the largest.
 _JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
 #: Error of tables, with which it is tried whether effective friction is enough.
@@ -492,9 +494,10 @@ class SteadySlip(Study):
 
     def _least_load(self, assembly: Assembly, instants: int, slip: float) -> dict[str, Any]:
         """Return the least radial load of a slip, and what makers ask for."""
-        load, status = least_load(
-            self._balances(assembly, instants, "radial_load"), assembly.scene.operation.radial_load, slip
-        )
+        few = attrs.evolve(assembly.resolution, slices=min(_ROUGH, assembly.slices), quadrature="equal")
+        rough = self._balances(assembly.at(few), min(instants, fewest_instants(assembly)), "radial_load")
+        load = assembly.scene.operation.radial_load
+        load, status = least_load(self._balances(assembly, instants, "radial_load"), load, slip, rough)
         operation = assembly.scene.operation
         speed = abs(operation.inner_speed - operation.outer_speed)
         asked = [rule.asked(assembly.scene.bearing, speed) for rule in RULES.values()]
