@@ -8,7 +8,8 @@
   slip jumps to the next slip of the way that carries the drag. The cage runs away at the first maximum beyond which the
   slip at least doubles, or nothing in the range carries the drag.
 - Where rollers change from ring to ring, positions of the orbit tell a maximum to the first order only. So each is
-  looked at once more with four times as many positions and with all slices; what that moves is told as its error.
+  looked at once more with four times as many positions; all that this moves is told as its error, since what more of
+  them would move falls irregularly.
 - Nothing depends on what was asked before: all slips of a way are chosen by the bearing and its range alone.
 """
 
@@ -35,8 +36,8 @@ _CLOSE, _FOUND, _SAFETY, _ROUNDS, _MOST = 1e-3, 1e-6, 2.0, 14, 9
 _FALL: Final = 2.0 * _CLOSE
 #: Fall that positions may make, which is looked at by more of them.
 _SHALLOW: Final = 0.02
-#: How many times the positions a maximum is looked at, loads of a roller there, and what of a change of it is left.
-_FINER, _FEW, _LEFT = 4, 8, 1.0 / 3.0
+#: How many times the positions a maximum is looked at, and loads of a roller there.
+_FINER, _FEW = 4, 8
 #: Least and largest half width of that look, in places; slips between which a corner is looked for, and how often.
 _NARROW, _WIDE, _BETWEEN, _LOOKS = 2e-3, 0.1, 9, 2
 #: How often a look goes on, twice as far, where the torque still rises at its end.
@@ -290,7 +291,7 @@ class _Search:
             error = math.inf
         else:
             at, torque, more = finer
-            error = max(error, more) + _LEFT * abs(torque / drag - 1.0)
+            error = max(error, more) + abs(torque / drag - 1.0)
             low, high, place, drag = low + at - place, high + at - place, at, torque
         if dip.torque > (1.0 - _SHALLOW) * drag:  # positions alone may have bent it down
             bottom = self._at_finer(dip)
@@ -345,7 +346,7 @@ class _Search:
         """What slips, positions and loads of a roller leave of the torque of a motion, relative."""
         finer = self._at_finer(motion)
         off = abs(finer.torque / motion.torque - 1.0) if motion.torque else 0.0
-        return max(motion.error, finer.error) + (1.0 + _LEFT) * off if finer.sure else math.inf
+        return max(motion.error, finer.error) + 2.0 * off if finer.sure else math.inf
 
     def _corner(self, way: list[Motion], k: int) -> tuple[float, float, float] | None:
         """Place and height of the end of a motion by four times the positions; None if they do not tell it."""
