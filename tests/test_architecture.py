@@ -18,14 +18,16 @@ FOLDERS = {
     "rollslip_kernels": ROOT / "kernels" / "rollslip_kernels",
     "rollslip": ROOT / "framework" / "rollslip",
     "rollslip_plugins": ROOT / "plugins" / "rollslip_plugins",
+    "rollslip_studies": ROOT / "plugins" / "rollslip_studies",
     "rollslip_campaigns": ROOT / "plugins" / "rollslip_campaigns",
 }
-#: Who may import whom: kernels <- framework <- plugins <- campaigns.
+#: Who may import whom: kernels <- framework <- plugins <- studies <- campaigns.
 ALLOWED = {
     "rollslip_kernels": {"rollslip_kernels"},
     "rollslip": {"rollslip_kernels", "rollslip"},
     "rollslip_plugins": {"rollslip_kernels", "rollslip", "rollslip_plugins"},
-    "rollslip_campaigns": {"rollslip_kernels", "rollslip", "rollslip_plugins", "rollslip_campaigns"},
+    "rollslip_studies": {"rollslip_kernels", "rollslip", "rollslip_plugins", "rollslip_studies"},
+    "rollslip_campaigns": set(FOLDERS),
 }
 SOURCES = [
     (package, path)
@@ -135,13 +137,16 @@ def test_vector_mathematics_calls_no_mathematical_library():
     assert {name for name in called if not name.startswith("rs_")} <= known | {"always_inline"}
 
 
-#: Rule -> a file below the framework, or of a campaign, and a line that breaks the rule there.
+#: Rule -> a file below the framework, or of a study or campaign, and a line that breaks the rule there.
 PLANTED = {
     "wrong_way": [
         ("bearing/cage.py", "from rollslip.studies.study import Study"),
         ("lubricant/oil.py", "def late():\n    from rollslip.scene.reading import load_scene"),
         ("structure.py", "if TYPE_CHECKING:\n    from rollslip.scene.values import Scene"),
         ("cli/run.py", "def late():\n    from rollslip_campaigns.sweep.run import run_sweep"),
+        ("planning/plan.py", "from rollslip_studies.steady_slip.study import SteadySlip"),
+        ("studies/study.py", 'HOME = "rollslip_studies.dynamics.study"'),
+        ("plugins/rollslip_studies/dynamics/study.py", "from rollslip_campaigns.sweep.sampling import Design"),
         ("results/report.py", 'HOME = "rollslip_campaigns.sweep.findings"'),
     ],
     "circles": [
@@ -159,19 +164,21 @@ PLANTED = {
         ("planning/execution.py", "def ask(study):\n    return isinstance(study, Dynamics)"),
     ],
     "named_models": [
-        ("campaigns/pareto/candidates.py", 'LAWS = ("muraki", "moes")'),
+        ("plugins/rollslip_campaigns/pareto/candidates.py", 'LAWS = ("muraki", "moes")'),
         ("planning/plan.py", 'X = "rodas5p"'),
     ],
     "misplaced": [
-        ("studies/dynamics/findings.py", "from rollslip.studies.study import Study"),
-        ("campaigns/fit/findings.py", "import scipy"),
+        ("plugins/rollslip_studies/dynamics/findings.py", "from rollslip.studies.study import Study"),
+        ("plugins/rollslip_campaigns/fit/findings.py", "import scipy"),
         ("studies/parts.py", "import matplotlib"),
         ("planning/plan.py", "import click"),
-        ("campaigns/sweep/point.py", "import sqlite3"),
+        ("plugins/rollslip_campaigns/sweep/point.py", "import sqlite3"),
     ],
     "entangled": [
-        ("campaigns/fit/problem.py", "from rollslip_campaigns.sweep.sampling import Design"),
-        ("campaigns/sweep/point.py", "def late():\n    from rollslip_campaigns.pareto.pareto import front"),
+        ("plugins/rollslip_campaigns/fit/problem.py", "from rollslip_campaigns.sweep.sampling import Design"),
+        ("plugins/rollslip_campaigns/sweep/point.py", "def late():\n    from rollslip_campaigns.pareto import pareto"),
+        ("plugins/rollslip_campaigns/limit/limit.py", "from rollslip_studies.dynamics.choice import choose_motion"),
+        ("plugins/rollslip_studies/dynamics/cost.py", "from rollslip_studies.steady_slip.losses import losses"),
     ],
 }
 
@@ -196,7 +203,7 @@ def tree(tmp_path_factory):
     ("rule", "place", "line"), [(rule, *fault) for rule, faults in PLANTED.items() for fault in faults]
 )
 def test_a_planted_fault_is_caught(rule, place, line, tree):
-    path = tree / (f"plugins/rollslip_{place}" if place.startswith("campaigns/") else f"framework/rollslip/{place}")
+    path = tree / (place if place.startswith("plugins/") else f"framework/rollslip/{place}")
     before = path.read_text(encoding="utf-8") if path.exists() else None
     try:
         path.write_text(f"{before or ''}\n{line}\n", encoding="utf-8")

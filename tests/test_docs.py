@@ -258,8 +258,14 @@ def test_every_folder_stands_on_the_page_of_the_architecture():
             assert name == "." or f"* - ``{name}/``\n     - {FACTS.purpose(path.parent)}" in text
     picture = made("imports-picture")
     assert all(f">{name}</text>" in picture for name in FACTS.architecture.ORDER)
-    assert ">campaigns imports studies: " in picture
+    assert ">rollslip_campaigns imports rollslip_studies: " in picture
     assert len(picture) < 30_000
+
+
+def test_what_others_import_of_a_study_is_listed_on_the_page_of_the_architecture():
+    [listed] = re.findall(r"- \*What others need of a study\*.*?\n- ", PAGES["develop/architecture.rst"], re.DOTALL)
+    named = {path.replace("/", ".") for path in re.findall(r"``plugins/([\w/]+)\.py``", listed)}
+    assert named == FACTS.architecture.SHARED
 
 
 def test_a_quick_run_looks_at_every_folder_and_at_nothing_slow():

@@ -1,6 +1,8 @@
 """What strangers import stays where it is: modules with their names, entry points, hooks and headers."""
 
 import importlib
+import re
+import subprocess
 import sys
 from importlib.metadata import distribution
 from pathlib import Path
@@ -62,9 +64,7 @@ def test_names_of_the_package_are_loaded_when_they_are_used():
 
 def test_the_former_path_of_the_laws_of_pressure_warns_once_and_leads_to_the_same():
     sys.modules.pop(FORMER, None)
-    with pytest.warns(
-        rollslip.RollslipDeprecationWarning, match=r"import from rollslip\.lubricant\.pressure"
-    ) as caught:
+    with pytest.warns(rollslip.RollslipDeprecationWarning, match=r"import rollslip\.lubricant\.pressure") as caught:
         former = importlib.import_module(FORMER)
     assert len(caught) == 1
     now = importlib.import_module("rollslip.lubricant.pressure")
@@ -89,26 +89,41 @@ def test_the_laws_of_pressure_are_found_where_they_were_with_a_warning():
 @pytest.mark.parametrize(
     ("former", "now"),
     [
-        ("sweep.run", "rollslip_campaigns.sweep.run"),
-        ("explorer", "rollslip_campaigns.explorer"),
-        ("sweep.distributions", "rollslip.scene.distributions"),
-        ("uncertainty.scatter", "rollslip.planning.scatter"),
-        ("uncertainty.band", "rollslip.planning.band"),
+        ("campaigns.sweep.run", "rollslip_campaigns.sweep.run"),
+        ("campaigns.explorer", "rollslip_campaigns.explorer"),
+        ("campaigns", "rollslip_campaigns"),
+        ("campaigns.sweep.distributions", "rollslip.scene.distributions"),
+        ("campaigns.uncertainty.scatter", "rollslip.planning.scatter"),
+        ("campaigns.uncertainty.band", "rollslip.planning.band"),
+        ("studies.dynamics", "rollslip_studies.dynamics"),
+        ("studies.effective_friction.study", "rollslip_studies.effective_friction.study"),
+        ("studies.friction_curve.study", "rollslip_studies.friction_curve.study"),
+        ("studies.steady_slip.study", "rollslip_studies.steady_slip.study"),
+        ("studies.surface_damage.over_motion", "rollslip_studies.surface_damage.over_motion"),
+        ("studies.thermal_balance.balance", "rollslip_studies.thermal_balance.balance"),
     ],
 )
-def test_the_former_path_of_a_campaign_warns_and_leads_to_the_same(former, now):
-    for name in [name for name in sys.modules if name.startswith("rollslip.campaigns.")]:
+def test_the_former_path_of_a_study_or_campaign_warns_and_leads_to_the_same(former, now):
+    former = f"rollslip.{former}"
+    for name in [name for name in sys.modules if name.startswith(former.partition(".run")[0])]:
         del sys.modules[name]
     home = importlib.import_module(now)
     with pytest.warns(rollslip.RollslipDeprecationWarning) as caught:
-        assert importlib.import_module(f"rollslip.campaigns.{former}") is home
-    assert str(caught[-1].message) == f"rollslip.campaigns.{former} is deprecated: import {now}"
+        assert importlib.import_module(former) is home
+    assert str(caught[-1].message) == f"{former} is deprecated: import {now}"
     assert home.__spec__.name == home.__name__ == now  # pickles and reloads of it go on
 
 
-def test_what_never_was_a_campaign_is_none_under_the_former_path():
-    with pytest.raises(ModuleNotFoundError, match=r"rollslip\.campaigns\.nothing"):
-        importlib.import_module("rollslip.campaigns.nothing")
+@pytest.mark.parametrize("folder", ["campaigns", "studies", "studies.dynamics"])
+def test_what_never_was_there_is_not_under_the_former_path(folder):
+    with pytest.raises(ModuleNotFoundError, match=rf"{re.escape(folder)}\.nothing"):
+        importlib.import_module(f"rollslip.{folder}.nothing")
+
+
+@pytest.mark.parametrize("stays", ["steady_slip.torque", "surface_damage.model", "thermal_balance.model", "study"])
+def test_what_models_are_made_of_stays_without_a_warning(stays):
+    code = f"import rollslip.studies.{stays} as stays; assert stays.__name__ == 'rollslip.studies.{stays}'"
+    subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
 
 
 def test_every_promised_hook_is_a_hook():

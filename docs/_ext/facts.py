@@ -269,8 +269,9 @@ def changelog():
 #: The roots, each of which may import those before it.
 ROOTS = {
     "kernels/rollslip_kernels": "compiled loops and laws",
-    "framework/rollslip": "interfaces, bearing, studies, commands",
+    "framework/rollslip": "interfaces, bearing, commands",
     "plugins/rollslip_plugins": "the models in the box",
+    "plugins/rollslip_studies": "questions to one bearing",
     "plugins/rollslip_campaigns": "questions to many points",
 }
 
@@ -301,6 +302,8 @@ def imports_picture():
             used = architecture.imports(path, known) & known.keys()
             count.update((architecture.folder(module), architecture.folder(other)) for other in used)
     step, top, order = 20, 102, architecture.ORDER
+    pitch = 486 / len(ROOTS)
+    wide = pitch - 14
     height = top + step * len(order) + 8
     drawn = [
         f'<svg xmlns="http://www.w3.org/2000/svg" class="architecture" viewBox="0 0 480 {height}" role="img" '
@@ -308,17 +311,17 @@ def imports_picture():
         f'<title id="architecture-says">{escape(_picture_in_words(count))}</title>',
     ]
     for k, (root, about) in enumerate(ROOTS.items()):
-        left = 4 + 122 * k
-        drawn.append(f'<rect x="{left}" y="4" width="108" height="52" rx="6" class="box"/>')
+        left = 4 + pitch * k
+        drawn.append(f'<rect x="{left:.1f}" y="4" width="{wide:.1f}" height="52" rx="6" class="box"/>')
         name = root.removesuffix("/rollslip").rpartition("_")[2]
-        drawn.append(f'<text x="{left + 54}" y="24" class="head">{name}</text>')
+        drawn.append(f'<text x="{left + wide / 2:.1f}" y="24" class="head">{name}</text>')
         drawn += [
-            f'<text x="{left + 54}" y="{38 + 11 * row}" class="small">{escape(text)}</text>'
+            f'<text x="{left + wide / 2:.1f}" y="{38 + 11 * row}" class="small">{escape(text)}</text>'
             for row, text in enumerate(_halves(about))
         ]
         if k:
-            drawn.append(f'<path d="M{left - 2} 30h-10m4 -4l-4 4l4 4" class="line"/>')
-    drawn.append(f'<text x="4" y="{top - 16}" class="left strong">folders of the framework, and campaigns</text>')
+            drawn.append(f'<path d="M{left - 2:.1f} 30h-10m4 -4l-4 4l4 4" class="line"/>')
+    drawn.append(f'<text x="4" y="{top - 16}" class="left strong">folders of the framework, studies, campaigns</text>')
     for row, name in enumerate(order):
         y = top + step * row
         for column, other in enumerate(order[: row + 1]):
@@ -338,8 +341,8 @@ def _picture_in_words(count):
     for name in architecture.ORDER:
         used = [other for other in architecture.ORDER if other != name and count[name, other]]
         told.append(f"{name} imports {', '.join(used) or 'no other folder'}")
-    roots = "campaigns and plugins import framework and kernels, framework imports kernels"
-    return f"{roots}. In the framework, and of campaigns: {'; '.join(told)}."
+    roots = "campaigns, studies and plugins import framework and kernels, framework imports kernels"
+    return f"{roots}. In the framework, of studies and of campaigns: {'; '.join(told)}."
 
 
 def _halves(text):

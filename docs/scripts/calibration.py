@@ -24,7 +24,7 @@ from scipy.optimize import brentq, minimize
 
 from rollslip import evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
-from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.effective_friction.study import EffectiveFriction
 
 TARGET = 0.11
 NOMINAL, OIL, ALPHA = "uncalibrated", "oil within scatter", "alpha alone"

@@ -17,11 +17,11 @@ from scipy.optimize import brentq
 from rollslip import evolve, plan
 from rollslip.planning.new_scene import new_scene
 from rollslip.scene.reading import parse_scene
-from rollslip.studies.steady_slip.minimum_load import static_rating
-from rollslip.studies.steady_slip.study import SteadySlip
-from rollslip.studies.thermal_balance.balance import Heated
 from rollslip_plugins.data.cylindrical import CATALOGUE
 from rollslip_plugins.thermal import Given
+from rollslip_studies.steady_slip.minimum_load import static_rating
+from rollslip_studies.steady_slip.study import SteadySlip
+from rollslip_studies.thermal_balance.balance import Heated
 
 #: Series -> factors f_0r and f_1r of ISO 15312 for an oil bath (B).
 FACTORS = {"10": (2, 2e-4), "2": (2, 3e-4), "22": (3, 4e-4), "3": (2, 3.5e-4), "23": (4, 4e-4), "4": (2, 4e-4)}

@@ -14,7 +14,7 @@ import numpy as np
 from output import BLACK, BLUE, ORANGE, figure, percent, save_figure, write_table
 
 from rollslip import evolve, load_scene, run
-from rollslip.studies.dynamics.findings import difference, energy_closure, momentum_closure, unslipped_cage_speed
+from rollslip_studies.dynamics.findings import difference, energy_closure, momentum_closure, unslipped_cage_speed
 
 SCENE = load_scene("1032930-50C")
 #: Constant friction that lets the cage slip about as much as the film does: the largest effective friction, and the

@@ -21,7 +21,7 @@ from scipy.optimize import differential_evolution, minimize
 from rollslip import evolve, load_scene, register, run
 from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError
-from rollslip.studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.effective_friction.study import EffectiveFriction
 
 PACKAGE = DOCS / "example-plugins" / "rollslip-klebanov" / "src"
 sys.path.insert(0, str(PACKAGE))

@@ -16,12 +16,12 @@ from scipy.optimize import brentq
 from rollslip import evolve, plan
 from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
-from rollslip.studies.steady_slip.minimum_load import static_rating
-from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.steady_slip.torque import Duty
-from rollslip.studies.thermal_balance.balance import Heated
 from rollslip_plugins.thermal import Given
 from rollslip_plugins.torque import Palmgren, Skf
+from rollslip_studies.steady_slip.minimum_load import static_rating
+from rollslip_studies.steady_slip.study import SteadySlip
+from rollslip_studies.thermal_balance.balance import Heated
 
 BEARINGS = ("NU1010", "NU210", "NU2210", "NU310", "NU2310", "NU1020", "NU220", "NU320")
 FLUX, AREA, LESS = 1.6e4, 0.05, -0.34

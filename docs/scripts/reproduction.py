@@ -18,8 +18,8 @@ from output import BLUE, GREEN, ORANGE, coefficient, figure, percent, save_figur
 
 from rollslip import Chain, evolve, load_scene, run
 from rollslip.bearing.assembly import assemble
-from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip_plugins.traction.eyring import Muraki
+from rollslip_studies.effective_friction.study import EffectiveFriction
 
 CLOSURES = ("epicyclic", "free-roller", "outer-rolling")
 PROFILES = ("iso16281", "none")

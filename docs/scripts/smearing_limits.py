@@ -9,7 +9,7 @@ import numpy as np
 from output import write_table
 
 from rollslip import evolve, load_scene, run
-from rollslip.studies.steady_slip.minimum_load import RULES
+from rollslip_studies.steady_slip.minimum_load import RULES
 
 SCENES = ("1032930-30C", "1032930-50C", "1032930-70C")
 SLIPS = (None, 0.1, 0.3, 0.6)

@@ -13,7 +13,7 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.motion.planar import PlanarSettings
-from rollslip.studies.dynamics.study import Dynamics
+from rollslip_studies.dynamics.study import Dynamics
 
 HEAVY, FILM = {"operation.radial_load": "20 kN"}, {"cage.pocket_contact": "film"}
 #: Level, friction, what is changed, and that in words.

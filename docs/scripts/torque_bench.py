@@ -31,11 +31,11 @@ from rollslip.motion.torque_balance import TorqueBalance
 from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
 from rollslip.structure import Location, structure
-from rollslip.studies.steady_slip.minimum_load import static_rating
-from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.studies.steady_slip.torque import Duty
 from rollslip_plugins.data.cylindrical import CATALOGUE
 from rollslip_plugins.torque import Palmgren, Skf
+from rollslip_studies.steady_slip.minimum_load import static_rating
+from rollslip_studies.steady_slip.study import SteadySlip
 
 #: n d_m [mm/min] that are judged, and that are only reported.
 SPEEDS, SLOW = (3.5e5, 4.6e5, 6e5), (5e4, 1e5, 2e5)

@@ -36,10 +36,10 @@ def job(name):
     from rollslip.bearing.critical import slip_grid
     from rollslip.planning.execution import execute
     from rollslip.planning.plan import plan
-    from rollslip.studies.effective_friction.study import EffectiveFriction
     from rollslip_campaigns.sweep.point import compute
     from rollslip_campaigns.sweep.sweep import plan_sweep
     from rollslip_campaigns.uncertainty.margin import plan_margin
+    from rollslip_studies.effective_friction.study import EffectiveFriction
 
     def took(function, *given):
         begin = time.process_time()

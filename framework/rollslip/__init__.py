@@ -7,6 +7,8 @@ import importlib
 import logging
 from typing import TYPE_CHECKING, Any
 
+from rollslip.former import find_former_paths
+
 if TYPE_CHECKING:
     from rollslip.bearing.chain import Chain as Chain
     from rollslip.catalogue.registry import available as available
@@ -53,6 +55,8 @@ _HOMES = {
 #: Functions of campaigns that are promised; they are found as those of strangers are.
 _CAMPAIGNS = ("compare", "explore", "fit", "limit", "pareto", "sweep", "uncertainty")
 __all__ = sorted((*_HOMES, *_CAMPAIGNS))
+
+find_former_paths()
 
 logging.getLogger(__name__).addHandler(logging.NullHandler())  # who uses the library decides what becomes of its log
 

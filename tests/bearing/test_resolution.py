@@ -11,10 +11,10 @@ from rollslip.bearing.load_map import build_load_map
 from rollslip.bearing.resolution import Resolution, as_stated, finest
 from rollslip.errors import SceneError
 from rollslip.fields import FieldError
-from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import FrictionCurve
-from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip_studies.dynamics.study import Dynamics
+from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.friction_curve.study import FrictionCurve
+from rollslip_studies.steady_slip.study import SteadySlip
 
 pytestmark = pytest.mark.quick
 

@@ -22,7 +22,6 @@ from rollslip.results.account import account_of
 from rollslip.results.figures import save_plots
 from rollslip.scene import FrozenTable
 from rollslip.scene.reading import load_scene
-from rollslip.studies.effective_friction.study import CLOSURES
 from rollslip_campaigns.sweep.figures import models_apart
 from rollslip_campaigns.sweep.findings import sentences as sweep_sentences
 from rollslip_campaigns.sweep.journal import FAILED, STATUSES
@@ -31,6 +30,7 @@ from rollslip_campaigns.uncertainty import estimators
 from rollslip_campaigns.uncertainty import margin as allowable
 from rollslip_campaigns.uncertainty.findings import failed, record, sentences
 from rollslip_campaigns.uncertainty.margin import expected_seconds, plan_margin, run_margin, uncertainty
+from rollslip_studies.effective_friction.study import CLOSURES
 
 #: Few slices and slips: what is tested is what is made of the points.
 SCENE = rollslip.evolve(load_scene("1032930-70C"), {"accuracy.slices": 3, "study.effective-friction.points": 9})

@@ -129,7 +129,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Place:
 
 
 def test_nothing_of_this_checkout_is_imported_there(place: Place) -> None:
-    modules = "rollslip, rollslip_kernels.chain, rollslip_plugins, rollslip_campaigns"
+    modules = "rollslip, rollslip_kernels.chain, rollslip_plugins, rollslip_studies, rollslip_campaigns"
     code = f"import {modules}; print(*(module.__file__ for module in ({modules})))"
     for path in place.run("python", "-c", code).split():
         assert Path(path).is_relative_to(place.folder / "venv")

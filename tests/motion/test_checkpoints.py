@@ -198,7 +198,7 @@ class Slow(DragModel):
 
 Slow.calls, Slow.running = 0, False
 rollslip.register(Slow)
-from rollslip.studies.dynamics import study as dynamics
+from rollslip_studies.dynamics import study as dynamics
 from rollslip.motion import time_integration
 whole, more = time_integration.integrate, {}
 if "EVERY" in os.environ:
@@ -407,7 +407,7 @@ def test_a_run_that_was_complete_but_not_written_is_written(scene, tmp_path, uni
 
 KILLED_AT_THE_END = """
 import signal
-from rollslip.studies.dynamics import study as dynamics
+from rollslip_studies.dynamics import study as dynamics
 whole_run = dynamics.integrate
 def killed(problem, *given, keep=None, **options):
     if keep is None:  # a trial of the plan

@@ -19,9 +19,9 @@ from rollslip.errors import DomainError
 from rollslip.models import NO_LIMITS, TractionModel
 from rollslip.motion import torque_balance as module
 from rollslip.motion.torque_balance import Runaway, near_running_away, rollers, runaway, running
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip_kernels.slices import Slices
+from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.steady_slip.study import SteadySlip
 
 REFERENCE = Path(__file__).parents[1] / "references" / "runaway.csv"
 

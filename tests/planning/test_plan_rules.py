@@ -17,8 +17,8 @@ from rollslip.planning.execution import execute
 from rollslip.planning.plan import changed, plan
 from rollslip.planning.verification import verify
 from rollslip.studies.bounds import BoundaryFriction, ExactLaw, Extremes, InletHeating, LightContacts
-from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.estimates import Bound, difference
+from rollslip_studies.effective_friction.study import EffectiveFriction
 
 BASE = evolve(
     load_scene("1032930-70C"),

@@ -14,9 +14,9 @@ from rollslip.errors import DomainError, SceneError
 from rollslip.fields import FieldError
 from rollslip.planning.new_scene import ASSUMED, new_scene
 from rollslip.scene.reading import parse_scene
-from rollslip.studies.steady_slip.findings import topics
 from rollslip.studies.steady_slip.torque import Duty
 from rollslip_plugins.torque import ConstantCoefficient, Palmgren, Skf, dimension_series
+from rollslip_studies.steady_slip.findings import topics
 from strategies import decades
 
 DUTY = Duty(

@@ -24,7 +24,7 @@ FRAMEWORK = ROOT / "framework" / "rollslip"
 #: Folders whose results are told: all studies, all campaigns but that which makes a page and no result.
 TELLING = sorted(
     path.parent
-    for kind in (FRAMEWORK / "studies", ROOT / "plugins" / "rollslip_campaigns")
+    for kind in (ROOT / "plugins" / "rollslip_studies", ROOT / "plugins" / "rollslip_campaigns")
     for path in kind.glob("*/__init__.py")
     if path.parent.name != "explorer"
 )
@@ -65,8 +65,7 @@ def strangers(**attributes):
 
 @pytest.mark.quick
 def test_every_study_and_campaign_of_the_box_has_an_account():
-    starts = {"studies": "rollslip.studies", "rollslip_campaigns": "rollslip_campaigns"}
-    modules = {f"{starts[folder.parent.name]}.{folder.name}.account" for folder in TELLING}
+    modules = {f"{folder.parent.name}.{folder.name}.account" for folder in TELLING}
     offers = available("account")
     assert {offer.module for offer in offers.values()} == modules
     for name, offer in offers.items():
@@ -106,7 +105,7 @@ def texts(path):
 
 @pytest.mark.quick
 def test_who_shows_results_knows_no_study():
-    studies = {folder.name.replace("_", "-") for folder in TELLING if folder.parent.name == "studies"}
+    studies = {folder.name.replace("_", "-") for folder in TELLING if folder.parent.name == "rollslip_studies"}
     assert len(studies) == 6
     shown = [*(FRAMEWORK / "results").glob("*.py"), *(FRAMEWORK / "cli").glob("*.py")]
     assert not {path.name: found for path in shown if (found := studies & texts(path))}

@@ -21,8 +21,8 @@ from rollslip.results.figures import plot, save_plots
 from rollslip.results.style import FORMATS, STYLE, set_plainly
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import FrictionCurve
+from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.friction_curve.study import FrictionCurve
 
 COLD = evolve(load_scene("1032930-30C"), {"bearing.profile": "none"})
 FALLING = "friction falls beyond it"
@@ -93,7 +93,7 @@ def test_figures_leave_no_state_and_no_pyplot(tmp_path):
     code = (
         "import sys; from rollslip.results import figures as plots; assert 'matplotlib' not in sys.modules\n"
         "import matplotlib; from pathlib import Path; from rollslip.bearing.assembly import assemble\n"
-        "from rollslip.studies.friction_curve.study import FrictionCurve\n"
+        "from rollslip_studies.friction_curve.study import FrictionCurve\n"
         "from rollslip.scene.reading import load_scene\n"
         "before = matplotlib.rcParams.copy()\n"
         "plots.save_plots(FrictionCurve(points=5).run(assemble(load_scene('1032930-70C'))), Path('figures'))\n"

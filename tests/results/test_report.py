@@ -20,8 +20,8 @@ from rollslip.results.report import write_report
 from rollslip.results.words import REST, counted, verdict
 from rollslip.scene import resolved
 from rollslip.scene.reading import load_scene
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import FrictionCurve
+from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.friction_curve.study import FrictionCurve
 
 SCENE = load_scene("1032930-30C")
 HOSTILE = "<script>alert('1')</script> & \"quoted\" <b>bold</b> $title"

@@ -15,10 +15,10 @@ from rollslip.motion.planar import PlanarSettings
 from rollslip.planning.execution import execute
 from rollslip.planning.plan import plan
 from rollslip.results.dataset import open_result, save
-from rollslip.studies.dynamics.ending import steady_slip_of
-from rollslip.studies.dynamics.findings import energy_closure, momentum_closure
-from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip_studies.dynamics.ending import steady_slip_of
+from rollslip_studies.dynamics.findings import energy_closure, momentum_closure
+from rollslip_studies.dynamics.study import Dynamics
+from rollslip_studies.steady_slip.study import SteadySlip
 
 SHIPPED = load_scene("1032930-50C")
 FAST = {"bearing.rollers": 12, "accuracy.slices": 5, "accuracy.tolerance": 1e-2}

@@ -17,10 +17,10 @@ from rollslip.catalogue.registry import get_model
 from rollslip.errors import ConvergenceError
 from rollslip.motion.planar import PlanarSettings
 from rollslip.planning.plan import plan
-from rollslip.studies.dynamics import choice as estimates
-from rollslip.studies.dynamics import cost as costs
-from rollslip.studies.dynamics.choice import adds_up, choose_motion
-from rollslip.studies.dynamics.study import Dynamics
+from rollslip_studies.dynamics import choice as estimates
+from rollslip_studies.dynamics import cost as costs
+from rollslip_studies.dynamics.choice import adds_up, choose_motion
+from rollslip_studies.dynamics.study import Dynamics
 
 SHIPPED = load_scene("1032930-50C")
 NAMED = {"friction": "effective", "level": "cage-set", "integrator": "rodas5p"}

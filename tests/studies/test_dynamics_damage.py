@@ -8,9 +8,9 @@ from rollslip.bearing.assembly import assemble
 from rollslip.bearing.raceway import RINGS
 from rollslip.results.account import account_of
 from rollslip.results.words import verdict
-from rollslip.studies.dynamics.figures import motion_figures
-from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.surface_damage import over_motion
+from rollslip_studies.dynamics.figures import motion_figures
+from rollslip_studies.dynamics.study import Dynamics
+from rollslip_studies.surface_damage import over_motion
 
 EVERY = ["power-density", "pass-energy", "film-parameter", "flash-temperature", "contact-temperature"]
 SCENE = rollslip.evolve(

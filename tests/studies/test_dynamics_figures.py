@@ -16,8 +16,8 @@ from rollslip.cli import console
 from rollslip.results.account import account_of
 from rollslip.results.figures import save_plots
 from rollslip.results.report import write_report
-from rollslip.studies.dynamics.figures import _Cells, _other_events, motion_figures, plot_together
-from rollslip.studies.dynamics.findings import (
+from rollslip_studies.dynamics.figures import _Cells, _other_events, motion_figures, plot_together
+from rollslip_studies.dynamics.findings import (
     compared,
     difference,
     energy_closure,
@@ -131,7 +131,7 @@ def test_axes_say_what_they_show_in_which_unit(drawn):
 
 def test_thick_films_do_not_take_the_scale_of_the_map(planar):
     """A film without load grows beyond all bounds: all above three times the thinnest looks alike."""
-    from rollslip.studies.dynamics.figures import motion_figures
+    from rollslip_studies.dynamics.figures import motion_figures
 
     thick = planar.copy(deep=True)
     film = thick["film_parameter"].to_numpy()

@@ -14,8 +14,8 @@ from rollslip.errors import ConvergenceError, SceneError
 from rollslip.models import NO_LIMITS, DragModel, TractionModel
 from rollslip.motion.history.settings import HistorySettings, LoadCourse
 from rollslip.motion.planar import PlanarSettings
-from rollslip.studies.dynamics.findings import energy_closure, momentum_closure
-from rollslip.studies.dynamics.study import Dynamics
+from rollslip_studies.dynamics.findings import energy_closure, momentum_closure
+from rollslip_studies.dynamics.study import Dynamics
 
 SHIPPED = load_scene("1032930-50C")
 FAST = {"bearing.rollers": 12, "accuracy.slices": 5, "accuracy.tolerance": 1e-2}

@@ -18,9 +18,9 @@ from rollslip.motion.history.path import ThermalPath
 from rollslip.results.account import account_of
 from rollslip.results.style import save_figures
 from rollslip.studies.answers import Keep
-from rollslip.studies.dynamics import heating
-from rollslip.studies.dynamics.figures import motion_figures
-from rollslip.studies.dynamics.study import Dynamics
+from rollslip_studies.dynamics import heating
+from rollslip_studies.dynamics.figures import motion_figures
+from rollslip_studies.dynamics.study import Dynamics
 
 LINKS = ("oil_inner_ring", "oil_rollers", "oil_outer_ring")
 CUT = dict.fromkeys(

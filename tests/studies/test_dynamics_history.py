@@ -22,13 +22,13 @@ from rollslip.motion.raceway_friction import FrictionSettings
 from rollslip.motion.time_integration import InitialValueProblem, integrate
 from rollslip.structure import Location, structure
 from rollslip.studies.answers import Keep
-from rollslip.studies.dynamics import along, history_findings
-from rollslip.studies.dynamics.account import DynamicsAccount
-from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.surface_damage.over_motion import OVER_MOTION
 from rollslip_campaigns.sweep.point import compute
 from rollslip_campaigns.sweep.sweep import plan_sweep
+from rollslip_studies.dynamics import along, history_findings
+from rollslip_studies.dynamics.account import DynamicsAccount
+from rollslip_studies.dynamics.study import Dynamics
+from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 
 HISTORY = "study.dynamics.history"
 SHORT = {

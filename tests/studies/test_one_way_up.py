@@ -13,10 +13,10 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.spins import Motions
 from rollslip.motion.torque_balance import AT_LEAST, FOUND, RANGE, rollers
-from rollslip.studies.dynamics.along import away_of
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.steady_slip.study import SteadySlip
-from rollslip.studies.thermal_balance.study import ThermalBalance
+from rollslip_studies.dynamics.along import away_of
+from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.steady_slip.study import SteadySlip
+from rollslip_studies.thermal_balance.study import ThermalBalance
 
 #: With two folds; a jump that is none of running away; a fold beside motions from above; none, and much slip of rollers
 #: at rest; none without resistance to rolling; a fold and a drag beyond it.

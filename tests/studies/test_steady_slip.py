@@ -29,15 +29,15 @@ from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.scene.changes import evolve
 from rollslip.scene.reading import load_scene
-from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.steady_slip import findings
-from rollslip.studies.steady_slip.figures import steady_figures
-from rollslip.studies.steady_slip.findings import record, topics
-from rollslip.studies.steady_slip.minimum_load import RULES, static_rating
-from rollslip.studies.steady_slip.statuses import no_fold
-from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.units import format_quantity, quantity
+from rollslip_studies.dynamics.study import Dynamics
+from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.steady_slip import findings
+from rollslip_studies.steady_slip.figures import steady_figures
+from rollslip_studies.steady_slip.findings import record, topics
+from rollslip_studies.steady_slip.minimum_load import RULES, static_rating
+from rollslip_studies.steady_slip.statuses import no_fold
+from rollslip_studies.steady_slip.study import SteadySlip
 
 SHIPPED = load_scene("1032930-50C")
 STRAIGHT = evolve(SHIPPED, {"bearing.profile": "none"})

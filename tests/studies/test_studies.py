@@ -15,7 +15,7 @@ from rollslip.results.curves import Curves
 from rollslip.scene.values import Accuracy
 from rollslip.studies.estimates import by_doubling
 from rollslip.studies.study import AXES, settings, study_class
-from rollslip.studies.surface_damage.over_motion import OVER_MOTION
+from rollslip_studies.surface_damage.over_motion import OVER_MOTION
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.05, "accuracy.slices": 5})
 SHORT = {

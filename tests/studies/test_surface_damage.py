@@ -14,10 +14,10 @@ from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.results.words import LOWER_BOUNDS, verdict
 from rollslip.scene.interchange import read_foreign, write_foreign
-from rollslip.studies.steady_slip.study import SteadySlip
-from rollslip.studies.surface_damage.figures import damage_figures
 from rollslip.studies.surface_damage.model import Contacts
 from rollslip_plugins.damage.sliding import PassEnergy
+from rollslip_studies.steady_slip.study import SteadySlip
+from rollslip_studies.surface_damage.figures import damage_figures
 
 SCENE = evolve(load_scene("1032930-70C"), {"accuracy.tolerance": 0.02, "accuracy.slices": 6})
 EVERY = ["power-density", "pass-energy", "film-parameter", "flash-temperature", "contact-temperature"]

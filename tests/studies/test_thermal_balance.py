@@ -17,10 +17,10 @@ from rollslip.results.dataset import open_result, save
 from rollslip.results.style import save_figures
 from rollslip.scene.reading import from_raw
 from rollslip.studies.study import settings
-from rollslip.studies.thermal_balance.balance import Curve, Heated, State
-from rollslip.studies.thermal_balance.figures import thermal_figures
 from rollslip.studies.thermal_balance.model import ThermalModel
-from rollslip.studies.thermal_balance.study import _jumps
+from rollslip_studies.thermal_balance.balance import Curve, Heated, State
+from rollslip_studies.thermal_balance.figures import thermal_figures
+from rollslip_studies.thermal_balance.study import _jumps
 
 SCENE = evolve(
     load_scene("1032930-70C"),

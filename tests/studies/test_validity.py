@@ -24,13 +24,13 @@ from rollslip.errors import DomainError
 from rollslip.models import ISOTHERMAL, FilmModel, SliceModel, Tabled, TractionModel, Validity
 from rollslip.planning.execution import warnings
 from rollslip.results.words import warned as together
-from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.validity import Difference, Filled, difference, filled, laws_of, outside, sentences, told
 from rollslip_kernels.stages.stress import maxwell_eyring, muraki
 from rollslip_plugins.film.line_contact import solve_line_contact
 from rollslip_plugins.pressure_viscosity import Barus, Roelands
 from rollslip_plugins.traction.eyring import Eyring, MaxwellEyring, Muraki
 from rollslip_plugins.traction.heating import MEAN_PRESSURE
+from rollslip_studies.effective_friction.study import EffectiveFriction
 
 TABLES = Path(__file__).parents[2] / "docs" / "tables"
 PAPER = load_scene("1032930-70C")

@@ -10,15 +10,15 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 #: Folders from left to right: each imports only what stands left of it. The shelf is the modules beside the folders.
-#: Campaigns are a root of their own, right of all.
+#: Studies of the box and campaigns are roots of their own, right of all.
 ORDER = (
     "shelf", "lubricant", "catalogue", "scene", "measurement", "bearing", "results", "motion", "studies", "planning",
-    "testing", "cli", "campaigns",
+    "testing", "cli", "rollslip_studies", "rollslip_campaigns",
 )  # fmt: skip
 #: Roots whose modules stand in these folders.
-PLACES = ("framework/rollslip", "plugins/rollslip_campaigns")
-#: The face of the package names everything, for types, and the alias of a former path its new home.
-FACES = {"rollslip", "rollslip.campaigns", "rollslip.pressure_viscosity"}
+PLACES = ("framework/rollslip", "plugins/rollslip_studies", "plugins/rollslip_campaigns")
+#: The face of the package names everything, for types, and the finder of former paths the new homes.
+FACES = {"rollslip", "rollslip.former"}
 MOST_MODULES, MOST_LINES = 12, 600
 #: A campaign may build upon another only here.
 #: A validation holds what the others compute against what was measured: points and samples, scatter, models that take
@@ -28,14 +28,25 @@ CAMPAIGNS = {
     ("validation", "comparison"),
     ("validation", "fit"), ("validation", "sweep"), ("validation", "uncertainty"),
 }  # fmt: skip
+#: Modules of studies that other studies and campaigns may import.
+SHARED = {
+    "rollslip_studies.effective_friction.study", "rollslip_studies.friction_curve.study",
+    "rollslip_studies.steady_slip.study", "rollslip_studies.steady_slip.shared",
+    "rollslip_studies.steady_slip.minimum_load", "rollslip_studies.surface_damage.over_motion",
+    "rollslip_studies.surface_damage.findings", "rollslip_studies.surface_damage.figures",
+    "rollslip_studies.thermal_balance.figures",
+}  # fmt: skip
 #: Package -> the folder, or the module, that alone may import it.
 ONLY = {"matplotlib": ("results", "figures"), "click": ("cli", "command"), "sqlite3": ("journal",)}
 #: Where names of models and studies may stand as defaults of scene or study.
-DEFAULTS = ("rollslip.lubricant.pressure", "rollslip.planning.new_scene", "rollslip.scene.values", "rollslip.studies")
+DEFAULTS = (
+    "rollslip.lubricant.pressure", "rollslip.planning.new_scene", "rollslip.scene.values", "rollslip.studies",
+    "rollslip_studies",
+)  # fmt: skip
 
 
 def modules(root: Path = ROOT) -> dict[str, Path]:
-    """Return the modules of framework and campaigns: dotted name -> file."""
+    """Return the modules of framework, studies and campaigns: dotted name -> file."""
     found = {}
     for place in PLACES:
         for path in sorted((root / place).rglob("*.py")):
@@ -91,7 +102,7 @@ def imports(path: Path, known: Mapping[str, Path]) -> set[str]:
         # a name that is a module itself, or a name within one
         found |= ({f"{module}.{name}" for name in names} & known.keys()) or {module}
     for _, text in _texts(path):
-        for name in re.findall(r"(?<![\w.`])rollslip(?:_campaigns)?(?:\.[a-z_]+)+", text):
+        for name in re.findall(r"(?<![\w.`])rollslip(?:_studies|_campaigns)?(?:\.[a-z_]+)+", text):
             while name not in known and "." in name:
                 name = name.rpartition(".")[0]
             if "." in name:
@@ -102,8 +113,8 @@ def imports(path: Path, known: Mapping[str, Path]) -> set[str]:
 def folder(module: str) -> str:
     """Return the folder of a module, as `ORDER` calls it."""
     parts = module.split(".")
-    if parts[0] == "rollslip_campaigns":
-        return "campaigns"
+    if parts[0] in ORDER:
+        return parts[0]
     return parts[1] if len(parts) > 1 and parts[1] in ORDER else "shelf"
 
 
@@ -161,8 +172,8 @@ def too_large(root: Path = ROOT) -> list[str]:
         if number > MOST_MODULES + 2 * (of == shelf)
     ]
     for module, path in known.items():
-        if path.name != "__init__.py" or module in FACES or folder(module) == "campaigns":  # which say what they offer
-            continue
+        if path.name != "__init__.py" or module in FACES or folder(module) == "rollslip_campaigns":
+            continue  # campaigns say there what they offer
         tree = _tree(path.read_text(encoding="utf-8"))
         first, rest = (ast.get_docstring(tree) or "").strip(), tree.body[1:]
         handed = all(isinstance(node, ast.ImportFrom | ast.Assign | ast.Try) for node in rest)
@@ -179,9 +190,12 @@ def offered(root: Path = ROOT) -> dict[str, dict[str, str]]:
 
 
 def named_studies(root: Path = ROOT) -> list[str]:
-    """Names of studies outside their own folders, and questions of what class a study is."""
+    """Names of studies outside their own folders, of which one may be of models, and questions of what class one is."""
     known, studies, found = modules(root), offered(root)["study"], list[str]()
-    own = {name: module.rpartition(".")[0] for name, module in studies.items()}
+    own = {
+        name: {home := module.rpartition(".")[0], home.replace("rollslip_studies", "rollslip.studies")}
+        for name, module in studies.items()
+    }
     classes = {
         node.name
         for module in studies.values()
@@ -190,12 +204,12 @@ def named_studies(root: Path = ROOT) -> list[str]:
     }
     for module, path in known.items():
         for line, text in _texts(path):
-            for name, home in own.items():
-                if re.search(rf"(?<![\w-]){name}(?![\w-])", text) and not module.startswith(home):
+            for name, homes in own.items():
+                if re.search(rf"(?<![\w-]){name}(?![\w-])", text) and module.rpartition(".")[0] not in homes:
                     if module == "rollslip.scene.values" and text == name:
                         continue
                     found.append(f"{module}:{line} names the study {name!r}")
-        if folder(module) == "studies":
+        if folder(module) in ("studies", "rollslip_studies"):
             continue
         for node in ast.walk(_tree(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "isinstance":
@@ -205,7 +219,7 @@ def named_studies(root: Path = ROOT) -> list[str]:
 
 
 def named_models(root: Path = ROOT) -> list[str]:
-    """Names of models of the box in framework and campaigns, but for defaults of scene and study."""
+    """Names of models of the box in framework, studies and campaigns, but for defaults of scene and study."""
     points = offered(root)
     kinds = ("contact", "film", "traction", "pressure-viscosity", "drag", "integrator", "lubricant", "bearing")
     names = {name for kind in kinds for name in points[kind] if name not in ("constant", "bdf", "regime", "iso16281")}
@@ -222,7 +236,7 @@ def misplaced(root: Path = ROOT) -> list[str]:
     known, found = modules(root), list[str]()
     for module, path in known.items():
         used = imports(path, known)
-        if module.endswith(".findings") and folder(module) in ("studies", "campaigns"):
+        if module.endswith(".findings") and folder(module) in ("rollslip_studies", "rollslip_campaigns"):
             # the names of curves stand with the results that have them
             ours = {name for name in used & known.keys() if folder(name) not in ("shelf", "results")}
             other = {name.split(".")[0] for name in used} & {"scipy", "matplotlib", "xarray", "rich", "click"}
@@ -236,16 +250,16 @@ def misplaced(root: Path = ROOT) -> list[str]:
 
 
 def entangled(root: Path = ROOT) -> list[str]:
-    """Campaigns that import another one."""
-    known = modules(root)
-
-    def campaign(module: str) -> str:
-        parts = module.split(".")
-        return parts[1] if parts[0] == "rollslip_campaigns" and len(parts) > 1 else ""
-
-    return [
-        f"{module} imports {other}"
-        for module, path in known.items()
-        for other in sorted(imports(path, known) & known.keys())
-        if (one := campaign(module)) and (two := campaign(other)) and one != two and (one, two) not in CAMPAIGNS
-    ]
+    """Campaigns that import another one, and imports of what a study keeps to itself."""
+    known, found = modules(root), list[str]()
+    for module, path in known.items():
+        one = module.split(".")[:2]
+        for other in sorted(imports(path, known) & known.keys()):
+            two = other.split(".")[:2]
+            if len(two) < 2 or two == one:
+                continue
+            if one[0] == two[0] == "rollslip_campaigns" and (one[-1], two[1]) not in CAMPAIGNS:
+                found.append(f"{module} imports {other}")
+            if two[0] == "rollslip_studies" and other not in SHARED:
+                found.append(f"{module} imports {other}, which is no shared module of a study")
+    return found

@@ -11,8 +11,8 @@ import numpy as np
 from rollslip.errors import ConvergenceError
 from rollslip.fields import parameter
 from rollslip.studies.answers import Output
-from rollslip.studies.friction_curve.study import FrictionCurve
 from rollslip.studies.study import Study
+from rollslip_studies.friction_curve.study import FrictionCurve
 
 
 @attrs.frozen(kw_only=True)

@@ -2,7 +2,7 @@
 
 from rollslip import evolve, get_model
 from rollslip.bearing.assembly import assemble
-from rollslip.studies.steady_slip.study import SteadySlip
+from rollslip_studies.steady_slip.study import SteadySlip
 
 PUBLISHED = get_model("measurement", "published-slip")
 

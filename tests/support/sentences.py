@@ -16,7 +16,10 @@ import attrs
 
 ROOT = Path(__file__).parents[2]
 LIST = ROOT / "docs" / "tables" / "sentences.csv"
-SOURCES = ("framework/rollslip", "kernels/rollslip_kernels", "plugins/rollslip_plugins", "plugins/rollslip_campaigns")
+SOURCES = (
+    "framework/rollslip", "kernels/rollslip_kernels", "plugins/rollslip_plugins", "plugins/rollslip_studies",
+    "plugins/rollslip_campaigns",
+)  # fmt: skip
 #: Templates of packages are files that their reader edits.
 _SKIPPED = "templates"
 #: Calls whose texts nobody reads: patterns and code.

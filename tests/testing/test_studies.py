@@ -1,11 +1,11 @@
 """The studies of the box keep the rules for studies; `test_conformance_catches` holds that each catches a fault."""
 
 from broken_studies import HeaviestForce
-from rollslip.studies.dynamics.study import Dynamics
-from rollslip.studies.effective_friction.study import EffectiveFriction
-from rollslip.studies.friction_curve.study import FrictionCurve
-from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip.testing import Conformance, conformance
+from rollslip_studies.dynamics.study import Dynamics
+from rollslip_studies.effective_friction.study import EffectiveFriction
+from rollslip_studies.friction_curve.study import FrictionCurve
+from rollslip_studies.steady_slip.study import SteadySlip
 
 
 class TestStudies(Conformance):

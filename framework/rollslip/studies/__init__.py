@@ -1,1 +1,1 @@
-"""Studies: what is asked of one scene, one folder for each."""
+"""Studies: what a study is, what all of them ask for, and the models that only one of them uses."""

@@ -12,10 +12,10 @@ from rollslip.planning.quantities import quantities
 from rollslip.scene.changes import Quantity, unknown
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
-from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip.studies.study import settings
 from rollslip.units import UnitError, check_typed, evenly, shown_unit
 from rollslip_campaigns.explorer.grid import Dial, Explorer
+from rollslip_studies.effective_friction.study import EffectiveFriction
 
 __all__ = ["plan_explorer"]
 

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from rollslip.errors import ConvergenceError
 from rollslip.scene.values import Scene
-from rollslip.studies.effective_friction.study import EffectiveFriction
 from rollslip_campaigns.explorer.definition import plan_explorer
 from rollslip_campaigns.explorer.grid import Explorer, between
 from rollslip_campaigns.explorer.page import GROUPS, Results, library, write_page
 from rollslip_campaigns.sweep.folder import begin, finish
 from rollslip_campaigns.sweep.run import run_sweep
 from rollslip_campaigns.sweep.sweep import plan_sweep
+from rollslip_studies.effective_friction.study import EffectiveFriction
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -42,8 +42,6 @@ from rollslip.planning.scatter import with_scatter
 from rollslip.results.dataset import about
 from rollslip.scene.reading import load_scene
 from rollslip.scene.values import Scene
-from rollslip.studies.effective_friction.study import CLOSURES, EffectiveFriction
-from rollslip.studies.steady_slip.study import SteadySlip
 from rollslip_campaigns.sweep.definition import Sweep
 from rollslip_campaigns.sweep.folder import taken_up
 from rollslip_campaigns.sweep.point import compute
@@ -63,6 +61,8 @@ from rollslip_campaigns.uncertainty.samples import (
     of_friction,
     shares_of,
 )
+from rollslip_studies.effective_friction.study import CLOSURES, EffectiveFriction
+from rollslip_studies.steady_slip.study import SteadySlip
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,7 +11,7 @@ import numpy as np
 
 from rollslip.bearing.raceway import RINGS, Array
 from rollslip.motion.torque_balance import AT_LEAST, DRIVEN, FOUND, NOWHERE, SKIDS
-from rollslip.studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD
+from rollslip_studies.steady_slip.minimum_load import ANY_LOAD, NO_LOAD
 
 if TYPE_CHECKING:
     import xarray as xr

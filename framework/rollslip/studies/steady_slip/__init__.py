@@ -1,1 +1,1 @@
-"""Study steady-slip: the cage slips at which a bearing runs on."""
+"""Formulas of the friction torque, which the study of steady slips asks."""

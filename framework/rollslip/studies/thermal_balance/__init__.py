@@ -1,1 +1,1 @@
-"""Study thermal-balance: at which bulk temperatures losses and cooling of a bearing are in balance."""
+"""Models of how heat leaves a bearing."""

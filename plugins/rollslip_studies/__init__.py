@@ -1,0 +1,1 @@
+"""Studies of the box: one question to one bearing each, one folder for each."""

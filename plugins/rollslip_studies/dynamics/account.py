@@ -1,0 +1,85 @@
+"""The account of a motion in time."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rollslip.hookspecs import hookimpl
+from rollslip.results.account import Account, Contact, Figures, Table
+from rollslip_studies.dynamics import findings, history_findings
+from rollslip_studies.surface_damage import findings as damage
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class DynamicsAccount(Account):
+    """How a motion is told: with its energy ledger and its events."""
+
+    numbers: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "level": ("level of the motion", ""),
+        "friction": ("friction of the motion", ""),
+        "integrator": ("integrator", ""),
+        "steps": ("steps", ""),
+        "rejected": ("steps rejected", ""),
+        "rate_evaluations": ("evaluations of the rates", ""),
+        "jacobians": ("Jacobians", ""),
+        "contacts_evaluated": ("contacts evaluated in the motion", ""),
+        "real_time_factor": ("time of the motion over that of its integration", "1"),
+    }
+    most_important: ClassVar[int] = 4
+
+    def headline(self, dataset: "xr.Dataset") -> str:
+        """Return where the cage runs away; along a history, how near it came to that."""
+        if history_findings.along(dataset):
+            return history_findings.running_away(dataset)[0]
+        return findings.headline(dataset)
+
+    def operation(self, dataset: "xr.Dataset") -> str:
+        """Return the slip at the end; along a history the largest."""
+        if history_findings.along(dataset):
+            return history_findings.largest_in_words(dataset)
+        return findings.operation(dataset)
+
+    def known_better(self, dataset: "xr.Dataset") -> list[str]:
+        """Return where the cage runs away, if operation does not change."""
+        return [] if history_findings.along(dataset) else [findings.headline(dataset)]
+
+    def topics(self, dataset: "xr.Dataset") -> dict[str, list[str]]:
+        """Say what was found, by what it is about."""
+        return history_findings.told(dataset, findings.topics(dataset)) | damage.over_motion(dataset)
+
+    def harm(self, dataset: "xr.Dataset") -> str:
+        """Return which measures of damage are beyond their limits on the way."""
+        return damage.harm(dataset)
+
+    def record(self, dataset: "xr.Dataset") -> dict[str, Any]:
+        """Return the single values."""
+        return {
+            **findings.record(dataset),
+            **history_findings.record(dataset),
+            **history_findings.heat_record(dataset),
+            **damage.record(dataset),
+        }
+
+    def tables(self, dataset: "xr.Dataset") -> list[Table]:
+        """Return the energy ledger and the events."""
+        return [
+            Table("Energy ledger", *findings.ledger_table(dataset)),
+            Table("Events", *findings.events_table(dataset)),
+        ]
+
+    def figures(self, dataset: "xr.Dataset") -> Figures:
+        """Draw speeds, orbit, ledger and tracks."""
+        from rollslip_studies.dynamics.figures import motion_figures
+
+        yield from motion_figures(dataset)
+
+    def contacts(self, dataset: "xr.Dataset") -> list[Contact]:
+        """Return the contacts with both rings."""
+        return [Contact(f"{ring} ring", "", film) for ring, film in findings.smallest_film(dataset).items()]
+
+
+@hookimpl
+def accounts() -> list[Account]:
+    """Return how these results are told."""
+    return [DynamicsAccount("dynamics")]

@@ -1,0 +1,119 @@
+"""What study dynamics gives: its variables and single values, with dimensions, units and meanings."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from rollslip.studies.answers import Output
+from rollslip.studies.raceways import REGIMES
+from rollslip_studies.surface_damage.over_motion import OVER_MOTION
+
+_CONTACT, _ROLLER = "ring time roller", "time roller"
+
+
+def _nodes(ring: str) -> dict[str, Output]:
+    at = f"nodes of the effective friction of the {ring} raceway"
+    return {
+        f"{ring}_sliding": Output(f"{ring}_node", "m/s", f"sliding speed, {at}"),
+        f"{ring}_friction": Output(f"{ring}_node", "1", f"friction coefficient, {at}"),
+    }
+
+
+OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "cage_speed": Output("time", "rad/s", "speed of the cage"),
+        "cage_slip": Output("time", "1", "cage slip"),
+        "roller_speed": Output(_ROLLER, "rad/s", "spin of a roller relative to its orbit"),
+        "roller_slip": Output(_ROLLER, "1", "roller slip"),
+        "orbit_angle": Output(
+            _ROLLER, "rad", "position from the line of load, or its direction 0, in the sense of the orbit"
+        ),
+        "normal_force": Output(_CONTACT, "N", "normal force"),
+        "traction_force": Output(_CONTACT, "N", "traction, along the orbit"),
+        "sliding_speed": Output(_CONTACT, "m/s", "sliding speed"),
+        "film_parameter": Output(_CONTACT, "1", "smallest film parameter Lambda of a roller"),
+        "energy": Output("time", "J", "kinetic energy, and elastic energy of the pockets"),
+        "work_done": Output("work time", "J", "work done since the start"),
+        "energy_residual": Output("time", "J", "energy that the ledger does not explain"),
+        "angular_momentum": Output("time", "N m s", "angular momentum about the axis"),
+        "momentum_residual": Output("time", "N m s", "angular momentum that the ledger does not explain"),
+        "inner_speed": Output("time", "rad/s", "speed of the inner ring, where a history gives it"),
+        "outer_speed": Output("time", "rad/s", "speed of the outer ring, where a history gives it"),
+        "radial_load": Output("time", "N", "radial load, where a history gives it"),
+        "load_direction": Output(
+            "time", "rad", "direction of the radial load in the sense of positive speeds, where a history gives it"
+        ),
+        "temperature": Output("time", "K", "temperature, where a history gives it"),
+        "inner_ring_temperature": Output("time", "K", "temperature of the inner ring, where a history gives it"),
+        "roller_temperature": Output("time", "K", "temperature of the rollers, where a history gives it"),
+        "outer_ring_temperature": Output("time", "K", "temperature of the outer ring, where a history gives it"),
+        "course_temperature": Output("time node", "K", "bulk temperature that the losses lead to"),
+        "radial_clearance": Output("time", "m", "radial clearance, where temperatures change it"),
+        "epicyclic_cage_speed": Output("time", "rad/s", "speed of the cage without slip, along a history"),
+        "runaway_slip_along": Output("time", "1", "cage slip of running away at the operation of the moment"),
+        "runaway_drag_along": Output("time", "N m", "largest drag torque that the rollers carry at that operation"),
+        "critical_slip_along": Output("time", "1", "critical cage slip of the inner ring's curve at that operation"),
+        "roller_sliding_distance": Output(
+            "ring roller", "m", "distance that a roller slides on a ring along a history, over the stored instants"
+        ),
+        "roller_frictional_work": Output(
+            "ring roller", "J", "work of a roller's sliding on a ring along a history, over the stored instants"
+        ),
+        "event_time": Output("event", "s", "time of the event"),
+        "event_what": Output("event", "1", "what happened"),
+        "event_rising": Output("event", "1", "1 where the watched value rose through its limit, 0 where it fell"),
+        "pocket_force": Output(_ROLLER, "N", "force of a roller on its pocket"),
+        "pocket_displacement": Output(_ROLLER, "m", "place of a roller from its pocket's middle"),
+        **_nodes("inner"),
+        **_nodes("outer"),
+        "ring_displacement": Output("direction time", "m", "displacement of the inner ring"),
+        "cage_displacement": Output("direction time", "m", "displacement of the cage"),
+        "land_eccentricity": Output(
+            "time", "1", "eccentricity of the cage on the land that guides it, in clearances"
+        ),
+        **{
+            name: Output("", unit, f"{meaning}, of a run along a history", status="history_status", attribute=True)
+            for name, unit, meaning in (
+                ("largest_cage_slip", "1", "largest cage slip"),
+                ("largest_cage_slip_time", "s", "time of the largest cage slip"),
+                ("least_cage_slip", "1", "least cage slip, negative where the cage runs ahead"),
+                ("least_cage_slip_time", "s", "time of the least cage slip"),
+                ("least_margin_to_runaway", "1", "least slip that is left to that of running away at the moment"),
+                ("least_margin_time", "s", "time of that"),
+                ("time_beyond_runaway", "s", "time beyond the slip of running away"),
+                ("sliding_distance_inner", "m", "distance that a roller slides on the inner ring, mean of all"),
+                ("sliding_distance_outer", "m", "distance that a roller slides on the outer ring, mean of all"),
+                ("frictional_work_inner", "J", "work of sliding at the inner ring"),
+                ("frictional_work_outer", "J", "work of sliding at the outer ring"),
+            )
+        },
+        **{
+            name: Output("", unit, f"{meaning} by losses", status="thermal_status", attribute=True)
+            for name, unit, meaning in (
+                ("hottest_temperature", "K", "highest temperature of a part"),
+                ("heat_made", "J", "heat that losses made"),
+                ("heat_stored", "J", "heat that warmed the parts"),
+                ("heat_carried_away", "J", "heat that left the bearing"),
+            )
+        },
+        "thermal_status": Output("", "1", "what the temperatures rest on", attribute=True),
+        "history_status": Output("", "1", "what the slips of running away along a history rest on", attribute=True),
+        "steady_cage_slip": Output("", "1", "steady cage slip", status="steady_status", default=True, attribute=True),
+        "steady_status": Output("", "1", "steady status", attribute=True),
+        "runaway_slip": Output(
+            "", "1", "cage slip at which the cage runs away", status="runaway_status", default=True, attribute=True
+        ),
+        "runaway_drag": Output(
+            "", "N m", "largest drag torque that the rollers carry, there", status="runaway_status", attribute=True
+        ),
+        "runaway_status": Output("", "1", "what was found of running away", attribute=True),
+        "critical_cage_slip": Output(
+            "", "1", "critical cage slip of the inner ring's curve", status="critical_status", default=True,
+            attribute=True,
+        ),
+        "critical_status": Output("", "1", "critical status", attribute=True),
+        "outcome": Output("", "1", "outcome", attribute=True),
+        **OVER_MOTION,
+        **REGIMES,
+    }
+)  # fmt: skip

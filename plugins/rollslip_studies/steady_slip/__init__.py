@@ -1,0 +1,1 @@
+"""Study steady-slip: the cage slips at which a bearing runs on."""

@@ -1,0 +1,79 @@
+"""The slip-drag curve: torques on the way up, where the cage runs away, and where the slip jumps to."""
+
+import math
+from typing import Any, Final
+
+import numpy as np
+
+from rollslip.bearing.raceway import RINGS, Array
+from rollslip.motion.continuation import left_out
+from rollslip.motion.spins import place_of, slip_of
+from rollslip.motion.torque_balance import TorqueBalance, nowhere
+from rollslip.motion.way_up import WayUp
+from rollslip.results.dataset import about
+from rollslip_studies.steady_slip.outputs import OUTPUTS
+
+#: How many times as exact a cubic is between neighbours as with a point left out.
+_EXACTER: Final = 4.0
+
+
+def slip_drag(
+    balance: TorqueBalance, way: WayUp, slips: list[float], range_: float, points: int, table: str
+) -> tuple[dict[str, Any], dict[str, Any], float]:
+    """Return variables of the curve and its maxima, coordinates, and what the points of the curve leave.
+
+    Parameters
+    ----------
+    balance, way : TorqueBalance, WayUp
+        Those of the bearing.
+    slips : list of float
+        Its steady slips.
+    range_ : float
+        Slip up to which the curve goes, further where the answer lies beyond.
+    points : int
+        Its slips, at least.
+    table : str
+        That of the study in a scene.
+    """
+    away, first = way.runs_away, next(iter(way.jumps), None)
+    inside = max(slips or [math.inf]) <= range_ or (away is not None and away.slip <= range_)
+    slip, torque = _curve(way, min(range_, way.end) if inside else way.end, points)
+    most_slip, most = way.largest
+    values = {
+        "driving_torque": torque,
+        "drag_torque": np.array([-balance.drag(float(one)) for one in slip]),
+        "largest_drag": math.nan if away is None else away.drag,
+        "largest_drag_slip": math.nan if away is None else away.slip,
+        "largest_drag_error": math.nan if away is None else away.error,
+        "largest_drag_low": math.nan if away is None else away.low,
+        "largest_drag_high": math.nan if away is None else away.high,
+        "largest_drag_status": "found" if away else nowhere(way, f"{table}.max_cage_slip"),
+        "jump_slip": math.nan if away is None else away.to,
+        "most_torque": most,
+        "most_torque_slip": most_slip,
+        "most_torque_error": way.largest_error,
+        "first_maximum_torque": math.nan if first is None else first.drag,
+        "first_maximum_slip": math.nan if first is None else first.slip,
+    }
+    away_status = str(values["largest_drag_status"])
+    carries = f"a larger drag is carried by no slip up to {way.end:.4g}"
+    values["jump_slip_status"] = away_status if away is None or away.to > 0.0 else carries
+    coords = {
+        "cage_slip": ("cage_slip", slip, about("1", "cage slip")),
+        "ring": ("ring", np.array(RINGS), about("1", "ring")),
+    }
+    error = float(left_out(slip, torque).max() / (np.abs(torque).max() or 1.0)) / _EXACTER
+    return {name: OUTPUTS[name].variable(value) for name, value in values.items()}, coords, error
+
+
+def _curve(way: WayUp, end: float, points: int) -> tuple[Array, Array]:
+    """Slips of the way up to some slip and torques there [N m], more where there are fewer than are asked for."""
+    slip, torque = way.curve
+    own = slip[slip <= end]
+    begin = place_of(own[1]) if own.size > 1 else place_of(0.5 * end)
+    more = [slip_of(place) for place in np.linspace(begin, place_of(end), points)] if own.size < points else [end]
+    if new := [one for one in more if one not in own]:
+        slip, torque = np.append(slip, new), np.append(torque, [motion.torque for motion in way.at(new)])
+    order = np.argsort(slip)
+    inside = order[slip[order] <= end]
+    return slip[inside], torque[inside]

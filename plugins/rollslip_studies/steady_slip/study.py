@@ -1,0 +1,601 @@
+"""Study steady-slip: at which cage slips a bearing runs on, found without integrating in time.
+
+- The rollers drive the cage, drags resist it; where both are in balance the slip is steady
+  (`rollslip.motion.torque_balance`). Traction has a maximum, so there are two such slips or none: at the smaller one
+  more slip brings more torque and the cage holds it, at the larger one it runs away.
+- Steady slips, the slip-drag curve and its maxima all come from one way up (`rollslip.motion.way_up`): the motions of
+  the rollers while the drag is raised slowly from none. It goes on until the cage all but stands, whatever the range
+  of the curve, so that it is known where the cage runs, and where it runs away.
+- The positions of the orbit are doubled until the torque stands still; what the last doubling still moved is reported,
+  as is what the inertia of the rollers does.
+- Against radial load, speed and temperature the slips are followed through the fold, where stable and unstable ones
+  meet: the smallest load that still carries the drag.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly, assemble
+from rollslip.bearing.raceway import RINGS, Array
+from rollslip.bearing.regimes import LIGHT, film_by_regime, groups, moes_groups
+from rollslip.bearing.resolution import Resolution, refined
+from rollslip.errors import ConvergenceError, DomainError
+from rollslip.fields import FieldError, at_least, in_range, one_of, parameter
+from rollslip.hookspecs import hookimpl
+from rollslip.motion.continuation import Branch, follow
+from rollslip.motion.effective_table import table_records
+from rollslip.motion.torque_balance import (
+    RANGE,
+    Near,
+    Orbit,
+    TorqueBalance,
+    effective_curves,
+    fewest_instants,
+    look_along,
+    near_running_away,
+    reserve,
+    runaway,
+    running,
+)  # fmt: skip
+from rollslip.motion.way_up import Steady, WayUp
+from rollslip.results.dataset import about
+from rollslip.scene.changes import evolve
+from rollslip.scene.values import Scene
+from rollslip.studies import estimates
+from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measurable, Output, Part, Some
+from rollslip.studies.raceways import regime_variables, unloaded
+from rollslip.studies.study import CONTACT_CHOICES, Study
+from rollslip.studies.timing import timed
+from rollslip_studies.steady_slip.losses import losses
+from rollslip_studies.steady_slip.minimum_load import RULES, least_load
+from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
+from rollslip_studies.steady_slip.shared import evaluated_slices
+from rollslip_studies.steady_slip.slip_drag import slip_drag
+from rollslip_studies.steady_slip.statuses import no_fold, stability_of, status_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Instants of a pitch at which doublings give up.
+_MOST_INSTANTS: Final = 256
+#: And beyond which these go on for no maximum.
+_MOST_OF_A_JUMP: Final = 16
+#: Slices of a bearing from which the search for the least load goes on.
+_ROUGH: Final = 12
+#: Slips at which accuracy is judged, relative to the largest.
+_JUDGED: Final = (0.02, 0.15, 0.5, 1.0)
+#: Error of tables, with which it is tried whether effective friction is enough.
+_TRIED: Final = 1e-3
+#: Shares of the tolerances that slices and instants may use, and that tables may take.
+_SHARE, _TABLES = 0.5, 0.2
+#: Ways up that a run finds while it doubles instants, slips of one, and motions of the rollers of a followed branch.
+_WAYS, _SLIPS, _BRANCH = 2, 25, 350
+#: Tables of effective friction that a run makes, for the slices and instants that it tries and is judged with.
+_CURVES: Final = 40
+#: What an acceptable slip gives.
+_LEAST_LOAD: Final = frozenset({"least_load", "least_load_status", "makers_least_load", "makers_status"})
+
+
+def _range(name: str) -> Any:
+    unit, what = VARIED[name]
+    return parameter(
+        default=(), unit=unit, doc=f"least and largest {what} against which the slips are followed; empty for not"
+    )
+
+
+@attrs.frozen(kw_only=True)
+class SteadySlip(Study):
+    """The cage slips at which a bearing runs on, found without integrating in time."""
+
+    name: ClassVar[str] = "steady-slip"
+    outputs: ClassVar[Mapping[str, Output]] = OUTPUTS
+    judged: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"critical_slip": "largest_drag_slip", "friction": "largest_drag"}
+    )
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants", "table_tolerance"}
+    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {"orbits": "a steady motion of the rollers for every slip that is asked for"}
+    )
+    with_cage: ClassVar[bool] = True
+    libraries: ClassVar[tuple[str, ...]] = ("scipy.optimize", "scipy.interpolate")
+    measured: ClassVar[Mapping[str, Measurable]] = MEASURED
+
+    max_cage_slip: float = parameter(
+        default=0.9,
+        unit="1",
+        doc="largest cage slip of the slip-drag curve; it goes further where the answer lies beyond",
+        validator=in_range(0.0, 1.0, open=True),
+    )
+    points: int = parameter(
+        default=25, doc="slips of the slip-drag curve, at least; the way up has its own", validator=at_least(6)
+    )
+    friction: str = parameter(
+        default="conventional",
+        doc="friction of every slice, or the effective friction of the raceways",
+        validator=one_of("conventional", "effective"),
+    )
+    inertia: bool = parameter(default=True, doc="whether the spin of a roller has inertia along the orbit")
+    acceptable_slip: float | None = parameter(
+        default=None,
+        unit="1",
+        doc="cage slip of which the least radial load is sought, beside the loads that makers ask for; none for not",
+        validator=attrs.validators.optional(in_range(0.0, 1.0, open=True)),
+    )
+    radial_load: tuple[float, ...] = _range("radial_load")
+    inner_speed: tuple[float, ...] = _range("inner_speed")
+    temperature: tuple[float, ...] = _range("temperature")
+
+    def __attrs_post_init__(self) -> None:
+        for name in VARIED:
+            limits = getattr(self, name)
+            if limits and not (len(limits) == 2 and limits[0] < limits[1]):
+                raise FieldError(name, f"must be two values that ascend, or empty, not {list(limits)}")
+
+    def numbers(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return how many numbers the slip-drag curve holds at least."""
+        return {"points": 4.0 * self.points}
+
+    def evaluations(self, assembly: Assembly) -> int:
+        """Return about how many slices the study will evaluate."""
+        loads = assembly.load_distribution(1)
+        loaded = np.count_nonzero(loads.inner_load) + np.count_nonzero(loads.outer_load)
+        per_orbit = 10 * 2 * fewest_instants(assembly)
+        followed = sum(bool(getattr(self, name)) for name in VARIED)
+        return int(loaded) * per_orbit * (3 * self.points + 60 + 350 * followed)
+
+    @property
+    def slip_range(self) -> float:
+        """Slip up to which the curves go."""
+        return self.max_cage_slip
+
+    @property
+    def averaged(self) -> bool:
+        """Whether the curves are means over the instants of a pitch."""
+        return True
+
+    @property
+    def nested(self) -> bool:
+        """Whether fewer instants are among more; each number is computed for itself."""
+        return False
+
+    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
+        """Choose slices, instants, tables and laws by the slip-drag curve, and friction where effective is named.
+
+        Near the slip of running away effective friction is off by a known share of the drag; where that is more than
+        the tolerance of friction, conventional friction takes its place.
+        """
+        away = self._near_running_away(assembly)
+        study = self if away is None else attrs.evolve(self, friction="conventional")
+        found = estimates.by_curves(study, assembly, share=_SHARE, tables=_TABLES, cheaper_laws=cheaper_laws)
+        if away is None:
+            return found
+        reason = f"{away.text}; widen accuracy.friction beyond that to have it"
+        return attrs.evolve(
+            found,
+            resolution=attrs.evolve(found.resolution, friction="conventional"),
+            reasons={**found.reasons, "friction": reason},
+        )
+
+    def _near_running_away(self, assembly: Assembly) -> Near | None:
+        """What effective friction would leave, where it is named and that is too much."""
+        if self.friction != "effective" or assembly.scene.accuracy.exact:
+            return None
+        few = attrs.evolve(
+            assembly.resolution, slices=min(estimates.FEW, assembly.slices), quadrature="equal", table_tolerance=_TRIED
+        )
+        near = near_running_away(assembly.at(few))
+        return near if near is not None and near.off > assembly.scene.accuracy.of("friction") else None
+
+    def at(self, resolution: Resolution) -> "SteadySlip":
+        """Return the study with the friction of a plan that chose away from effective friction."""
+        return attrs.evolve(self, friction=resolution.friction or self.friction)
+
+    def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
+        """Return the friction of the raceways."""
+        named = "friction" in assembly.scene.study.get(self.name, {})
+        reason = f"study.{self.name} names it" if named else "default"
+        if "friction" in estimated.reasons:
+            reason = f"in place of effective friction: {estimated.reasons['friction']}"
+        return [
+            Part(
+                part="friction of the raceways",
+                choice=assembly.resolution.friction or self.friction,
+                resolution="every loaded slice" if self.friction == "conventional" else "curves of the raceways",
+                reason=reason,
+            )
+        ]
+
+    def finer(self, scene: Scene, own: Resolution) -> tuple[Resolution, str]:
+        """Return four times as fine a resolution: the finest would take days."""
+        return refined(scene, own), "against four times as fine"
+
+    def cost(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return the time [s] of the motions of the rollers, from a few of them."""
+        bearing, instants = assembly.with_resistance(), assembly.resolution.instants or 2
+        balance = TorqueBalance(bearing, bearing.cage.drags, instants=instants, inertia=self.inertia)
+        followed = _BRANCH * sum(bool(getattr(self, name)) for name in VARIED) / (2 * _SLIPS)
+        costs = {"orbits": balance.seconds() * (_WAYS + followed)}
+        if self.friction == "effective":
+            costs["tables"] = timed(partial(effective_curves, bearing, instants)) * _CURVES
+        return costs
+
+    def without(self, outputs: frozenset[str]) -> "SteadySlip":
+        """Return a study that does not follow the slips against what nobody asked for."""
+        dropped: dict[str, object] = {name: () for name in VARIED if outputs >= followed_outputs(name).keys()}
+        if outputs >= _LEAST_LOAD:
+            dropped["acceptable_slip"] = None
+        return self.evolved(**dropped) if dropped else self
+
+    def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
+        """Return the least steady slip that the cage holds."""
+        stable = dataset["stable"].to_numpy() == 1 if "stable" in dataset else np.zeros(0, dtype=bool)
+        slip = float(dataset["steady_slip"].to_numpy()[stable][0]) if stable.any() else np.nan
+        return {"steady cage slip": Compared([[slip]], str(dataset["status"].item()))}
+
+    def curves(self, assembly: Assembly, slip: Array, instants: Sequence[int]) -> Array:
+        """Return the driving torque, (k, 1, n), each number of instants for itself."""
+        bearing = assembly.with_resistance()
+        balances = [self._balance(bearing, m) for m in instants]
+        return np.array([[balance.torques(slip)] for balance in balances])
+
+    def beyond(self, assembly: Assembly) -> None:
+        """Evaluate contacts on the way up."""
+        look_along(assembly, max(RANGE, self.max_cage_slip), inertia=self.inertia)
+
+    @property
+    def judged_at(self) -> str:
+        """What state `judged_slices` are at."""
+        return "at the steady slip"
+
+    def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+        """Return the slices at the steady slips, or where there is none at that of the largest drag."""
+        slips = np.atleast_1d(dataset["steady_slip" if "steady_slip" in dataset else "largest_drag_slip"].to_numpy())
+        balance = self._balance(assembly, int(dataset.attrs["instants"]))
+        return evaluated_slices(balance, (balance.orbit(float(slip)) for slip in slips if np.isfinite(slip)))
+
+    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
+        """Return the drags.
+
+        Raises
+        ------
+        SceneError, PluginError
+            If the cage is wrong, or they are not there.
+        """
+        return tuple(("drag", model) for model in assembly.cage.drags)
+
+    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+        """Return the slip-drag curve, the steady slips, and how they go with what is varied.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions (cage_slip,): driving_torque, drag_torque; (steady,): steady_slip, cage_speed, torque, stable,
+            stability, multiplier, stored_power, friction_torque; (ring, steady): effective_friction, film_parameter,
+            ring_power; (source, steady): loss; (steady, angle): roller_slip; (ring, steady, angle): normal_force, all
+            of these one NaN where there is no steady slip; scalars: status, largest_drag, largest_drag_slip,
+            largest_drag_status, largest_drag_error, _low and _high, jump_slip, most_torque, most_torque_slip,
+            most_torque_error, first_maximum_torque, first_maximum_slip. For each varied quantity X, if a branch was
+            found, (X_point,): X, X_slip, X_stable, X_fold, X_branch; scalars X_limit, X_limit_slip, X_limit_status.
+
+        Raises
+        ------
+        SceneError
+            If the cage is wrong, or no roller is loaded on the inner ring.
+        DomainError
+            If a law has no value at any slip, or the epicyclic cage speed is zero.
+        ConvergenceError
+            If doubling the positions does not settle it.
+        """
+        assembly = _loaded(assembly).with_resistance()
+        balance, errors = self._converged(assembly)
+        instants = balance.instants
+        way = self._way(balance)
+        steady = [] if balance.rolls_freely else way.steady(balance.drag)
+        slips = [0.0] if balance.rolls_freely else [one.slip for one in steady]
+        states = [balance.orbit_of(one.motion) for one in steady]
+        if not states:
+            end = min(self.max_cage_slip, way.end)
+            states = [balance.orbit(slip) for slip in slips or [share * end for share in _JUDGED]]
+        variables, coords, error = slip_drag(balance, way, slips, self.max_cage_slip, self.points, self.table)
+        positions = states[0].roller_slip.size
+        variables |= self._steady(balance, way, states, steady) if slips else self._unsteady(positions)
+        angle = 2.0 * np.pi * np.arange(positions) / positions
+        coords["angle"] = "angle", angle, about("rad", "position from the line of load, in the sense of the orbit")
+        variables |= _films(balance, states, steady=bool(slips))
+        lost, source = losses(balance, states, steady=bool(slips))
+        variables, coords = variables | lost, coords | source
+        variables |= self.variables(status=status_of(balance, way, slips)) | self._reserve(balance)
+        for name in VARIED:
+            if limits := getattr(self, name):
+                found = self._followed(assembly, instants, name, limits, slips)
+                variables |= _branches(
+                    name,
+                    limits,
+                    found,
+                    no_fold(name, limits, found, self.table, self.max_cage_slip, free=balance.rolls_freely),
+                )
+        if self.acceptable_slip is not None:
+            variables |= self._least_load(assembly, instants, self.acceptable_slip)
+            coords["maker"] = "maker", list(RULES), about("1", "maker of bearings")
+        import xarray as xr
+
+        return xr.Dataset(
+            variables,
+            coords,
+            attrs=self.attributes
+            | {
+                "friction": self.friction,
+                "inertia": int(self.inertia),
+                "inertia_effect": self._inertia_effect(balance),
+                "instants": instants,
+                "curve_error": error,
+                "slices": assembly.slices,
+                **errors,
+                **table_records(balance.tables),
+                **({} if self.acceptable_slip is None else {"acceptable_slip": self.acceptable_slip}),
+            },
+        )
+
+    def only(self, assembly: Assembly, outputs: frozenset[str]) -> Some | None:
+        """Return steady slips and status, or a least load, as `run` finds them; None if more is asked than these."""
+        if outputs <= {"least_load", "least_load_status"} and self.acceptable_slip is not None:
+            return self._least_load(assembly, self.balance(assembly).instants, self.acceptable_slip), {}
+        if not outputs <= {"steady_slip", "status"}:
+            return None
+        _, steady, status = self.steady(assembly)
+        known = np.array([one.slip for one in steady] or [np.nan])
+        return self.variables(status=status, steady_slip=known), {
+            "steady": ("steady", np.arange(known.size), about("1", "steady cage slip"))
+        }
+
+    def steady(self, assembly: Assembly) -> tuple[TorqueBalance, list[Steady], str]:
+        """Return the balance of torques of a bearing, its steady slips on the way up, and what was found in words.
+
+        A cage that nothing drags has slip 0, which nothing needs to hold.
+        """
+        assembly = _loaded(assembly).with_resistance()
+        balance = self._doubled(assembly)[0] if assembly.resolution.instants is None else self.balance(assembly)
+        way = self._way(balance)
+        if balance.rolls_freely:
+            found = [Steady(0.0, 0.0, np.inf, balance.motions.at(np.zeros(1))[0][0])]
+        else:
+            found = way.steady(balance.drag)
+        return balance, found, status_of(balance, way, [one.slip for one in found])
+
+    def balance(self, assembly: Assembly) -> TorqueBalance:
+        """Return the balance of torques of a bearing at its instants, with resistance to rolling if it has some."""
+        return self._balance(assembly, max(assembly.resolution.instants or 0, fewest_instants(assembly)))
+
+    def _balance(self, assembly: Assembly, instants: int) -> TorqueBalance:
+        return TorqueBalance(
+            assembly,
+            assembly.cage.drags,
+            instants=instants,
+            effective=effective_curves(assembly, instants) if self.friction == "effective" else None,
+            inertia=self.inertia,
+        )
+
+    def _way(self, balance: TorqueBalance) -> WayUp:
+        """The way up, until the cage all but stands."""
+        return balance.way(max(RANGE, self.max_cage_slip))
+
+    def _reserve(self, balance: TorqueBalance) -> dict[str, Any]:
+        largest = max(RANGE, self.max_cage_slip)
+        away, runs = runaway(balance, largest, f"{self.table}.max_cage_slip"), running(balance, largest)
+        kept = reserve(balance, away, runs, largest)
+        return self.variables(drag_reserve=kept.factor, reserve_status=kept.status)
+
+    def _converged(self, assembly: Assembly) -> tuple[TorqueBalance, dict[str, float]]:
+        """Balance at the instants of the resolution, or at those that settle it, then with the errors that are left."""
+        if assembly.resolution.instants is not None:
+            return self.balance(assembly), {}
+        balance, moved = self._doubled(assembly, jump=True)
+        return balance, {"instants_error": moved, "slices_error": self._slices_error(balance)}
+
+    def _doubled(self, assembly: Assembly, *, jump: bool = False) -> tuple[TorqueBalance, float]:
+        """Double the instants until the torque moves by less than the tolerance, relative to its largest value.
+
+        So long as there are not too many, also until the drag of running away is told to within it.
+        """
+        tolerance, before = assembly.scene.accuracy.tolerance, None
+        instants, moved = fewest_instants(assembly), np.inf
+        while instants <= _MOST_INSTANTS:
+            balance = self._balance(assembly, instants)
+            torque = self._judged(balance)
+            if before is not None:
+                moved = _moved(before, torque)
+                away = self._way(balance).runs_away if jump and moved <= tolerance else None
+                told = away is None or away.error <= tolerance or instants > _MOST_OF_A_JUMP
+                if moved <= tolerance and told:
+                    return balance, moved
+            before, instants = torque, 2 * instants
+        raise ConvergenceError(
+            f"the driving torque still moves by {moved:.1e} (relative) from {instants // 4} to {instants // 2} "
+            f"instants of a pitch; raise accuracy.tolerance, which is {tolerance:g}"
+        )
+
+    def _judged(self, balance: TorqueBalance) -> Array:
+        slips = self.max_cage_slip * np.array(_JUDGED)
+        while True:
+            try:
+                return balance.torques(slips)
+            except (DomainError, ConvergenceError):  # at the end of the range, which the least slip does not need
+                slips = slips[:-1]
+                if not slips.size:
+                    raise
+
+    def _inertia_effect(self, balance: TorqueBalance) -> float:
+        """Largest relative difference of the torque without inertia of the rollers from that with it."""
+        torques = [self._judged(balance), self._judged(balance.with_inertia(not self.inertia))]
+        inert, free = torques if self.inertia else reversed(torques)
+        inert, free = inert[: free.size], free[: inert.size]
+        scale = np.abs(inert)
+        return float((np.abs(free - inert) / np.where(scale > 0.0, scale, 1.0)).max())
+
+    def _slices_error(self, balance: TorqueBalance) -> float:
+        """Relative error that the slices leave: what half as many change."""
+        if balance.assembly.slices == 1:
+            return 0.0
+        coarser = self._balance(balance.assembly.coarser(), balance.instants)
+        return _moved(self._judged(coarser), self._judged(balance))
+
+    def _steady(self, balance: TorqueBalance, way: WayUp, states: list[Orbit], steady: list[Steady]) -> dict[str, Any]:
+        kinds = [stability_of(way, *one) for one in zip(states, steady, strict=True)] if steady else ["stable"]
+        force = np.stack([state.force for state in states], axis=1)
+        traction = np.stack([state.traction for state in states], axis=1)
+        total = force.sum(axis=2)
+        friction = np.divide(traction.sum(axis=2), total, out=np.full_like(total, np.nan), where=total > 0.0)
+        direction = balance.assembly.kinematics.direction
+        return self.variables(
+            steady_slip=np.array([s.cage_slip for s in states]),
+            cage_speed=np.array([direction * balance.cage_speed(state.cage_slip) for state in states]),
+            torque=np.array([0.0 - balance.drag(state.cage_slip) for state in states]),
+            stable=np.array([kind == "stable" for kind in kinds]).astype(np.int8),
+            stability=np.array(kinds),
+            multiplier=np.array([s.multiplier for s in states]),
+            effective_friction=friction,
+            roller_slip=np.stack([s.roller_slip for s in states]),
+            normal_force=force,
+        )
+
+    def _unsteady(self, positions: int) -> dict[str, Any]:
+        """What `_steady` gives where there is no steady slip: nothing, whose status says why."""
+        none = np.full(1, np.nan)
+        return self.variables(
+            steady_slip=none,
+            cage_speed=none,
+            torque=none,
+            stable=np.zeros(1, np.int8),
+            stability=np.array(["no steady slip"]),
+            multiplier=none,
+            effective_friction=np.full((len(RINGS), 1), np.nan),
+            film_parameter=np.full((len(RINGS), 1), np.nan),
+            roller_slip=np.full((1, positions), np.nan),
+            normal_force=np.full((len(RINGS), 1, positions), np.nan),
+        )
+
+    def _balances(self, assembly: Assembly, instants: int, name: str) -> Callable[[float], TorqueBalance]:
+        """Balances of the bearing by the value of a quantity of the operation; the last one is kept."""
+        last = dict[float, TorqueBalance]()
+
+        def balance(value: float) -> TorqueBalance:
+            if value not in last:
+                last.clear()
+                there = assemble(evolve(assembly.scene, {f"operation.{name}": value}), assembly.resolution)
+                last[value] = self._balance(there.with_bounds(*assembly.inner.chain.bounds).with_resistance(), instants)
+            return last[value]
+
+        return balance
+
+    def _least_load(self, assembly: Assembly, instants: int, slip: float) -> dict[str, Any]:
+        """Return the least radial load of a slip, and what makers ask for."""
+        few = attrs.evolve(assembly.resolution, slices=min(_ROUGH, assembly.slices), quadrature="equal")
+        rough = self._balances(assembly.at(few), min(instants, fewest_instants(assembly)), "radial_load")
+        load = assembly.scene.operation.radial_load
+        load, status = least_load(self._balances(assembly, instants, "radial_load"), load, slip, rough)
+        operation = assembly.scene.operation
+        speed = abs(operation.inner_speed - operation.outer_speed)
+        asked = [rule.asked(assembly.scene.bearing, speed) for rule in RULES.values()]
+        makers, statuses = np.array([load for load, _ in asked]), np.array([status for _, status in asked])
+        return self.variables(
+            least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses
+        )
+
+    def _followed(
+        self,
+        assembly: Assembly,
+        instants: int,
+        name: str,
+        limits: tuple[float, float],
+        slips: list[float],
+    ) -> list[Branch]:
+        """Branches of steady slips against a quantity of the operation, that of the least slip first."""
+        balance = self._balances(assembly, instants, name)
+
+        def at(value: float) -> list[float]:
+            one = balance(value)
+            return [found.slip for found in self._way(one).steady(one.drag)]
+
+        here = float(getattr(assembly.scene.operation, name))
+        starts = [(slip, here) for slip in slips if limits[0] <= here <= limits[1] and slip > 0.0]
+        if not starts:
+            starts = [(slip, value) for value in limits for slip in at(value)]
+        found: list[Branch] = []
+        for slip, value in starts:
+            if not any(branch.passes(slip, value) for branch in found):
+                try:
+                    branch = follow(lambda s, p: balance(p).excess(s), (slip, value), limits, self.max_cage_slip)
+                except ConvergenceError as error:
+                    of = f"followed against {VARIED[name][1]} [{VARIED[name][0]}]"
+                    raise ConvergenceError(f"{of}: {error}; narrow {self.table}.{name}") from error
+                found.append(branch)
+        return found
+
+
+def _loaded(assembly: Assembly) -> Assembly:
+    """Refuse a bearing in which nothing drives the rollers; else the difference of two roundings would.
+
+    Raises
+    ------
+    SceneError
+        If no roller is loaded on the inner ring.
+    """
+    if not assembly.load_distribution(2).inner_force.any():
+        raise unloaded(assembly.scene, "nothing drives the cage")
+    return assembly
+
+
+def _moved(before: Array, after: Array) -> float:
+    after, before = after[: before.size], before[: after.size]  # as far as laws have values
+    return float(np.abs(after - before).max() / (np.abs(after).max() or 1.0))
+
+
+def _films(balance: TorqueBalance, states: list[Orbit], *, steady: bool) -> dict[str, Any]:
+    """Film regimes of the contacts over the orbits, and their smallest film parameter."""
+    n = len(states)
+    share, light, largest, thinnest = np.zeros((2, 4)), np.zeros(2), np.zeros(2), np.full((2, n), np.nan)
+    for k, state in enumerate(states):
+        for i, contacts in enumerate(balance.evaluated(state)):
+            if contacts.total == 0.0:
+                continue
+            slices, force = contacts.slices, contacts.force / contacts.total
+            thinnest[i, k] = slices.film_thickness.min() / slices.conditions.roughness
+            code = film_by_regime(*groups(slices))[1].astype(int)
+            share[i] += np.bincount(code, weights=force, minlength=4) / n
+            M = moes_groups(slices)[0]
+            largest[i] = max(largest[i], M.max())
+            light[i] += force[M < LIGHT].sum() / n
+    where = ", at the steady slips" if steady else ", over the range of slips"
+    found = regime_variables(share, largest, light, where)
+    if steady:
+        found |= SteadySlip.variables(film_parameter=thinnest)
+    return found
+
+
+def _branches(name: str, limits: tuple[float, float], branches: list[Branch], no_fold: str) -> dict[str, Any]:
+    limit = branches[0].nearest_fold() if branches else None
+    value, slip, status = np.nan, np.nan, no_fold
+    if limit is not None:
+        status = "found"
+        value, slip = float(branches[0].parameter[limit]), float(branches[0].slip[limit])
+    along: dict[str, list[Any]] = {
+        name: [b.parameter for b in branches],
+        f"{name}_slip": [b.slip for b in branches],
+        f"{name}_stable": [b.stable.astype(np.int8) for b in branches],
+        f"{name}_fold": [b.at_fold.astype(np.int8) for b in branches],
+        f"{name}_branch": [np.full(b.slip.size, k) for k, b in enumerate(branches)],
+    }
+    values: dict[str, Any] = {key: np.concatenate(each) for key, each in along.items()} if branches else {}
+    values |= {f"{name}_limit": value, f"{name}_limit_slip": slip, f"{name}_limit_status": status}
+    return SteadySlip.variables(**values)
+
+
+@hookimpl
+def studies() -> list[type[Study]]:
+    """Offer the study."""
+    return [SteadySlip]

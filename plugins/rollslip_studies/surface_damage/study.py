@@ -1,0 +1,232 @@
+"""Study surface-damage: what slip does to the surfaces at the steady slip of a bearing, by ring and place of a roller.
+
+- ``models.damage`` names one measure or several; where it names none, nothing is computed.
+- Measures are taken on every loaded slice at all positions of the orbit. Told is the worst of the slices of a roller at
+  each position, and the worst of all, which is as fine as slices and instants are.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+import attrs
+import numpy as np
+
+from rollslip.bearing.assembly import Assembly
+from rollslip.bearing.raceway import RINGS, LoadedContacts
+from rollslip.errors import DomainError
+from rollslip.fields import at_least, in_range, parameter
+from rollslip.hookspecs import hookimpl
+from rollslip.results.dataset import about
+from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Output, Part
+from rollslip.studies.study import CONTACT_CHOICES, Study
+from rollslip.studies.surface_damage.model import (
+    DESCRIBED,
+    OWN,
+    Array,
+    Contacts,
+    DamageModel,
+    damage_of,
+    described,
+    named,
+    parts,
+    values_of,
+)
+from rollslip.studies.timing import timed
+from rollslip_studies.steady_slip.shared import estimate_torques, evaluated_slices
+from rollslip_studies.steady_slip.study import SteadySlip
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Share of the largest slip at which a motion is timed, and how many of them a steady slip takes.
+_TRIED, _ORBITS = 0.3, 30
+#: What was found where everything was.
+_FOUND: Final = "found"
+
+
+@attrs.frozen(kw_only=True)
+class SurfaceDamage(Study):
+    """What slip does to the surfaces at the steady slip, and where it is worst."""
+
+    name: ClassVar[str] = "surface-damage"
+    outputs: ClassVar[Mapping[str, Output]] = MappingProxyType(
+        {
+            "worst": Output("measure ring", OWN, "worst value of all contacts", status="worst_status", default=True),
+            "worst_angle": Output("measure ring", "rad", "position of the roller there", status="worst_status"),
+            "worst_place": Output("measure ring", "m", "place along the roller there", status="worst_status"),
+            "worst_status": Output("measure ring", "1", "what was found of the measure"),
+            **DESCRIBED,
+            "along": Output("measure ring angle", OWN, "worst value on a roller", status="worst_status"),
+            "across": Output("measure ring place", OWN, "value across the worst contact", status="worst_status"),
+            "slip": Output("", "1", "cage slip at which all this is so", status="status"),
+            "status": Output("", "1", "what was found"),
+        }
+    )
+    acts: ClassVar[frozenset[str]] = CONTACT_CHOICES | {"instants"}
+    with_cage: ClassVar[bool] = True
+    with_damage: ClassVar[bool] = True
+    spent_on: ClassVar[Mapping[str, str]] = MappingProxyType({"run": "the steady slip, and the measures there"})
+
+    cage_slip: float | None = parameter(
+        default=None,
+        unit="1",
+        doc="cage slip at which damage is measured; by default the least steady one",
+        validator=attrs.validators.optional(in_range(0.0, 1.0, open=True)),
+    )
+    places: int = parameter(default=81, doc="places across the worst contact that are kept", validator=at_least(3))
+    max_cage_slip: float = parameter(
+        default=0.9, unit="1", doc="largest cage slip", validator=in_range(0.0, 1.0, open=True)
+    )
+    inertia: bool = parameter(default=True, doc="whether the spin of a roller has inertia along the orbit")
+
+    @property
+    def _steady(self) -> SteadySlip:
+        return SteadySlip(max_cage_slip=self.max_cage_slip, inertia=self.inertia)
+
+    def estimate(self, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
+        """Choose slices, instants and laws as for the torques of a steady slip; nothing where nothing is measured."""
+        if not assembly.scene.models.damage:
+            return Estimated(resolution=assembly.resolution)
+        return estimate_torques(self._steady, assembly, cheaper_laws=cheaper_laws)
+
+    def models(self, assembly: Assembly) -> tuple[tuple[str, Any], ...]:
+        """Return the drags and the damage models; none where nothing is measured."""
+        measures = damage_of(assembly)
+        return (*self._steady.models(assembly), *(("damage", model) for model in measures)) if measures else ()
+
+    def cost(self, assembly: Assembly) -> Mapping[str, float]:
+        """Return the time [s] from that of one motion of the rollers; measures take next to none."""
+        if not assembly.scene.models.damage:
+            return {"run": 0.0}
+        there, slip = assembly.with_resistance(), self.cage_slip or _TRIED * self.max_cage_slip
+        one = timed(lambda: self._steady.balance(there).orbit(slip), 1)
+        return {"run": one * (_ORBITS if self.cage_slip is None else 1)}
+
+    def more_parts(self, assembly: Assembly, estimated: Estimated, costs: dict[str, float]) -> list[Part]:
+        """Return what is measured."""
+        return parts(assembly.scene)
+
+    def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:
+        """Return the worst value of each measure on each ring."""
+        return {
+            f"worst {one['meaning'].item()}, {ring} ring": Compared(
+                [[float(one["worst"].sel(ring=ring))]], str(one["worst_status"].sel(ring=ring).item())
+            )
+            for one in (dataset.isel(measure=k) for k in range(dataset.sizes["measure"]))
+            for ring in RINGS
+        }
+
+    @property
+    def judged_at(self) -> str:
+        """What state `judged_slices` are at."""
+        return "at the steady slip" if self.cage_slip is None else "at study.surface-damage.cage_slip"
+
+    def judged_slices(self, assembly: Assembly, dataset: "xr.Dataset") -> list[Evaluated]:
+        """Return the slices that were measured."""
+        slip = float(dataset["slip"])
+        if not np.isfinite(slip):
+            return []
+        balance = self._steady.balance(assembly)
+        return evaluated_slices(balance, [balance.orbit(slip)])
+
+    def run(self, assembly: Assembly, keep: Keep | None = None) -> "xr.Dataset":
+        """Return all measures that the scene names.
+
+        Returns
+        -------
+        xarray.Dataset
+            Dimensions (measure, ring): worst, worst_angle, worst_place from the middle of the roller, worst_status;
+            (measure,): limit, limit_source, unit, meaning, sense, scope; (measure, ring, angle): along, NaN where a
+            roller is not loaded; (measure, ring, place): across, from the inlet at -1 to the outlet at 1, NaN where a
+            measure has one value for a contact; scalars slip, status. Values are in the SI unit that `unit` names.
+            Without a measure there is no row.
+
+        Raises
+        ------
+        SceneError
+            If the cage is wrong, or no roller is loaded on the inner ring.
+        DomainError
+            If a law has no value at the slip.
+        """
+        measures = damage_of(assembly)
+        if not measures:
+            return self._told(assembly, (), np.nan, "models.damage names no measure, so none was taken; name one or "
+                              "several, 'rollslip models damage' lists them", None)  # fmt: skip
+        there = assembly.with_resistance()
+        if self.cage_slip is not None:
+            balance = self._steady.balance(there)
+            orbit = balance.orbit(self.cage_slip)
+        else:
+            balance, steady, status = self._steady.steady(there)
+            if not steady:
+                return self._told(assembly, measures, np.nan, status, None)
+            orbit = balance.orbit_of(steady[0].motion)
+        return self._told(assembly, measures, orbit.cage_slip, _FOUND, balance.evaluated(orbit))
+
+    def _told(
+        self,
+        assembly: Assembly,
+        measures: tuple[DamageModel, ...],
+        slip: float,
+        status: str,
+        evaluated: tuple[LoadedContacts, LoadedContacts] | None,
+    ) -> "xr.Dataset":
+        import xarray as xr
+
+        shape = len(measures), len(RINGS)
+        places = np.linspace(-1.0, 1.0, self.places)
+        positions = 0 if evaluated is None else evaluated[0].rollers
+        angle = 2.0 * np.pi * np.arange(positions) / positions if positions else np.zeros(0)
+        (worst, where, beside), said = np.full((3, *shape), np.nan), np.full(shape, status, dtype=object)
+        along, across = np.full((*shape, positions), np.nan), np.full((*shape, self.places), np.nan)
+        for k, model in enumerate(measures):
+            for i, (ring, loaded) in enumerate(zip(RINGS, evaluated or (), strict=False)):
+                if loaded.total == 0.0:
+                    said[k, i] = f"no roller is loaded on the {ring} ring"
+                    continue
+                contacts = Contacts.of(assembly, ring, loaded.slices)
+                try:
+                    along[k, i], worst[k, i], at, across[k, i] = _measured(model, contacts, loaded, places)
+                except DomainError as error:  # of one measure; the others have values
+                    said[k, i] = str(error)
+                    continue
+                where[k, i], beside[k, i] = angle[loaded.owner[at]], assembly.position[loaded.column[at]]
+        variables = self.variables(
+            worst=worst,
+            worst_angle=where,
+            worst_place=beside,
+            worst_status=said.astype(np.str_),
+            **described(measures),
+            along=along,
+            across=across,
+            slip=slip,
+            status=status,
+        )
+        coords = {
+            "measure": named(measures),
+            "ring": ("ring", np.array(RINGS), about("1", "ring")),
+            "angle": ("angle", angle, about("rad", "position from the line of load, in the sense of the orbit")),
+            "place": ("place", places, about("1", "place in half widths, from the inlet to the outlet")),
+        }
+        return xr.Dataset(variables, coords, attrs=self.attributes)
+
+
+def _measured(
+    model: DamageModel, contacts: Contacts, loaded: LoadedContacts, places: Array
+) -> tuple[Array, float, int, Array]:
+    """Return the worst value of each roller, NaN where it is not loaded, of all, its slice, and across that."""
+    values = values_of(model, contacts)
+    sign = 1.0 if model.worst == "largest" else -1.0
+    along = np.full(loaded.rollers, -np.inf)
+    np.maximum.at(along, loaded.owner, sign * values)
+    at = int(np.argmax(sign * values))
+    inside = model.across(attrs.evolve(contacts, slices=contacts.slices.taken([at])), places)
+    across = np.full(places.size, np.nan) if inside is None else np.asarray(inside[0], dtype=float)
+    return np.where(np.isfinite(along), sign * along, np.nan), float(values[at]), at, across
+
+
+@hookimpl
+def studies() -> list[type[Study]]:
+    """Offer the study."""
+    return [SurfaceDamage]
