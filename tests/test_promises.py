@@ -94,7 +94,7 @@ def test_the_laws_of_pressure_are_found_where_they_were_with_a_warning():
         ("campaigns", "rollslip_campaigns"),
         ("campaigns.sweep.distributions", "rollslip.scene.distributions"),
         ("campaigns.uncertainty.scatter", "rollslip.planning.scatter"),
-        ("campaigns.uncertainty.band", "rollslip.planning.band"),
+        ("campaigns.uncertainty.band", "rollslip_studies.steady_slip.band"),
         ("studies.dynamics", "rollslip_studies.dynamics"),
         ("studies.effective_friction.study", "rollslip_studies.effective_friction.study"),
         ("studies.friction_curve.study", "rollslip_studies.friction_curve.study"),

@@ -18,7 +18,7 @@ from rollslip.errors import RollslipDeprecationWarning
 #: What changed its name.
 _RENAMED: Final = {
     "rollslip.campaigns.sweep.distributions": "rollslip.scene.distributions",
-    "rollslip.campaigns.uncertainty.band": "rollslip.planning.band",
+    "rollslip.campaigns.uncertainty.band": "rollslip_studies.steady_slip.band",
     "rollslip.campaigns.uncertainty.scatter": "rollslip.planning.scatter",
     "rollslip.pressure_viscosity": "rollslip.lubricant.pressure",
 }

@@ -120,7 +120,6 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, ver
     It prints what matters most, with -v all that was found.
     """
     from rollslip.cli import console
-    from rollslip.planning.band import with_bands
     from rollslip.planning.execution import execute
     from rollslip.planning.plan import plan
     from rollslip.planning.verification import verify as verified
@@ -144,8 +143,7 @@ def run(scene: str, study: str | None, changes: Sequence[str], verify: bool, ver
             if verify and datasets[name].attrs.get("outcome", "finished") == "finished":
                 with progress(f"{name} at the finest"):
                     datasets[name] = verified(made, name, datasets[name])
-            if "steady_slip" in datasets[name]:
-                datasets[name] = with_bands(made.scene, datasets[name])
+            datasets[name] = made.studies[name].with_bands(made.scene, datasets[name])
             save(datasets[name], folder / f"{name}.nc")
             if datasets[name].attrs.get("outcome") == "interrupted":
                 break

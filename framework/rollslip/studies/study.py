@@ -288,6 +288,12 @@ class Study(abc.ABC):
         """Return further lines; what they say of the costs they take out of them."""
         return []
 
+    # What it adds to a result that people read ----------------------------------------------------------------------
+
+    def with_bands(self, scene: Scene, dataset: "xr.Dataset") -> "xr.Dataset":
+        """Return a result with how far it scatters, where that costs little beside a run; by default as it is."""
+        return dataset
+
     # Held against others --------------------------------------------------------------------------------------------
 
     def compared(self, dataset: "xr.Dataset") -> dict[str, Compared]:

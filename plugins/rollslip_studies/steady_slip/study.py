@@ -51,6 +51,7 @@ from rollslip.studies.answers import Compared, Estimated, Evaluated, Keep, Measu
 from rollslip.studies.raceways import regime_variables, unloaded
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
+from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.losses import losses
 from rollslip_studies.steady_slip.minimum_load import RULES, least_load
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
@@ -104,6 +105,7 @@ class SteadySlip(Study):
     with_cage: ClassVar[bool] = True
     libraries: ClassVar[tuple[str, ...]] = ("scipy.optimize", "scipy.interpolate")
     measured: ClassVar[Mapping[str, Measurable]] = MEASURED
+    with_bands = staticmethod(band.with_bands)
 
     max_cage_slip: float = parameter(
         default=0.9,
