@@ -15,7 +15,7 @@ import rollslip
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip_campaigns.limit import findings
-from rollslip_campaigns.limit.limit import RESULT, plan_limit, run_limit
+from rollslip_campaigns.limit.limit import RESULT, of_the_worst, plan_limit, run_limit
 from rollslip_campaigns.limit.search import Requirement, next_places, passages
 from rollslip_campaigns.sweep.definition import Resolutions, name_of
 from rollslip_campaigns.sweep.folder import taken_up
@@ -97,6 +97,21 @@ def test_a_limit_is_that_of_another_search_over_single_runs():
 @pytest.fixture(scope="module")
 def bearing():
     return rollslip.load_scene("1032930-70C")
+
+
+@pytest.mark.parametrize("max_slip", [0.3, 2.0])
+def test_what_a_study_says_of_each_of_several_values_is_told_of_the_one_that_counts(bearing, max_slip):
+    scene = rollslip.evolve(bearing, {"study.friction-curve.max_slip": max_slip})
+    loads = {"operation.radial_load": "2 kN:6 kN:3"}
+    found = rollslip.limit(scene, loads, "critical_friction <= 0.02", study="friction-curve", within=0.5)
+    alone = rollslip.run(rollslip.evolve(scene, {"operation.radial_load": "2 kN"}), "friction-curve")
+    assert alone.critical_status.size > 1
+    assert found.result_status[0] == alone.critical_status[np.argmax(np.nan_to_num(alone.critical_friction.values))]
+    values, words = np.array([math.nan, 0.02, 0.12]), np.array(["still rises", "found", "found at the end"])
+    most = Requirement("slip", "1", "<=", 0.1, "%")
+    assert of_the_worst(most, values, words) == "found at the end"
+    assert of_the_worst(attrs.evolve(most, sense=">="), values, words) == "found"
+    assert of_the_worst(most, np.full(3, math.nan), words[[0, 0, 1]]) == "still rises; found"
 
 
 @pytest.mark.parametrize(

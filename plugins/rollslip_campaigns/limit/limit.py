@@ -390,6 +390,13 @@ def _so_far(made: Limit, slacks: Mapping[int, float]) -> str:
     return "; the limit is passed between " + ", and between ".join(f"{shown(a)} and {shown(b)}" for a, b in ends)
 
 
+def of_the_worst(asked: Requirement, values: "np.ndarray[Any, Any]", words: "np.ndarray[Any, Any]") -> str:
+    """Return what a study says of the worst of several values; of all where none is known."""
+    worst = asked.worst(values.tolist())
+    of_it = words if math.isnan(worst) else words[values == worst]
+    return "; ".join(dict.fromkeys(filter(None, of_it.astype(str).tolist())))
+
+
 def _dataset(made: Limit, folder: Path, slacks: Mapping[int, float], failed: set[int]) -> "xr.Dataset":
     import xarray as xr
 
@@ -402,6 +409,9 @@ def _dataset(made: Limit, folder: Path, slacks: Mapping[int, float], failed: set
     rows = at[named].to_numpy().reshape(len(places), -1) if named in at else np.full((len(places), 1), np.nan)
     output = study_class(made.sweep.study).outputs[asked.output]
     why = f"study_{output.status}" if f"study_{output.status}" in at else output.status
+    words = np.full(rows.shape, "")
+    if why in at:  # one for each value, or one for all of a point
+        words = (at[why].broadcast_like(at[named]) if named in at else at[why]).to_numpy().reshape(len(places), -1)
     edges = [(a, b) if slacks[a] >= 0.0 else (b, a) for a, b in passages(slacks)]
     lost = [any(min(edge) < place < max(edge) for place in failed) for edge in edges]
     variables: dict[str, Any] = {
@@ -411,7 +421,7 @@ def _dataset(made: Limit, folder: Path, slacks: Mapping[int, float], failed: set
                   about("1", "1 where the limit is kept")),
         "status": ("point", at["status"].to_numpy(), about("1", "how the point ended")),
         "message": ("point", at["message"].to_numpy(), about("1", "why it is not ok")),
-        "result_status": ("point", at[why].to_numpy() if why in at else np.full(len(places), ""),
+        "result_status": ("point", np.array([of_the_worst(asked, *one) for one in zip(rows, words, strict=True)]),
                           about("1", "what the study says of the result")),
         "seconds": ("point", at["seconds"].to_numpy(), about("s", "time that the point took")),
         "edge_kept": ("edge", values[[kept for kept, _ in edges]], about(unit, "value at the limit that keeps it")),
