@@ -786,6 +786,13 @@ def test_a_failed_point_is_counted_until_it_succeeds(tmp_path):
     assert (collect(sweep, tmp_path)["message"] == "").all()
 
 
+def test_an_output_may_be_named_as_a_text():
+    assert planned(output="friction").outputs == ("friction",)
+    assert planned(output="friction, half_width").outputs == planned(output=["friction", "half_width"]).outputs
+    with pytest.raises(SceneError, match="has no 'fricton'; did you mean 'friction'"):
+        planned(output="fricton")
+
+
 def test_keys_of_points_tell_scenes_and_outputs_apart():
     one, other = planned(), planned(output=["film_parameter"])
     rows = [compute(s.work, [(n, s.design.changes(n)) for n in (0, 1)]).rows for s in (one, other)]

@@ -51,7 +51,7 @@ def sweep(
     sampling: str | None = None,
     seed: int | None = None,
     study: str | None = None,
-    output: Sequence[str] = (),
+    output: Sequence[str] | str = (),
     time_limit: float | str | None = None,
     engine: object = None,
 ) -> "xr.Dataset":

@@ -68,7 +68,7 @@ def plan_sweep(
     sampling: str | None = None,
     seed: int | None = None,
     study: str | None = None,
-    output: Sequence[str] = (),
+    output: Sequence[str] | str = (),
     time_limit: float | str | None = None,
     engine: object = None,
     shard: tuple[int, int] = (1, 1),
@@ -90,8 +90,8 @@ def plan_sweep(
         Seed of the samples.
     study : str, optional
         Study; by default the first one of the scene.
-    output : sequence of str, optional
-        Variables of its result that are kept.
+    output : sequence of str or str, optional
+        Variables of its result that are kept; a text may name several, with commas between them.
     time_limit : float or str, optional
         Longest time for one point.
     engine : str or table, optional
@@ -109,8 +109,9 @@ def plan_sweep(
     given = scene if isinstance(scene, Scene) else load_scene(scene)
     base, where, problems = _without_tables(given), Location(given.origins), list[str]()
     check_required(base.plugins.require, where.at("plugins").at("require"))
+    outputs = list(filter(None, map(str.strip, output.split(",")))) if isinstance(output, str) else list(output)
     asked = {
-        "samples": samples, "sampling": sampling, "seed": seed, "study": study, "output": list(output) or None,
+        "samples": samples, "sampling": sampling, "seed": seed, "study": study, "output": outputs or None,
         "time_limit": time_limit, "engine": engine,
     }  # fmt: skip
     table, place = _table(given, {key: value for key, value in asked.items() if value is not None}, problems)
