@@ -8,16 +8,16 @@
 
 import importlib.metadata
 import pkgutil
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
 import attrs
 
+from rollslip.catalogue.kinds import entry_points
 from rollslip.errors import PluginError, in_words
 
 __all__ = ["Campaign", "campaign", "campaigns"]
-
-_GROUP = "rollslip.campaign"
 
 
 @attrs.frozen(kw_only=True)
@@ -57,15 +57,17 @@ class Campaign:
 
 
 @cache
-def _points() -> tuple[importlib.metadata.EntryPoints, importlib.metadata.EntryPoints]:
-    """Entry points of ours, and of all packages."""
-    ours = importlib.metadata.distribution("rollslip").entry_points.select(group=_GROUP)
-    return ours, importlib.metadata.entry_points(group=_GROUP)
+def _points() -> Mapping[str, Mapping[str, importlib.metadata.EntryPoint]]:
+    """Entry points by name, each by package."""
+    found = dict[str, dict[str, importlib.metadata.EntryPoint]]()
+    for package, point in entry_points("rollslip.campaign"):
+        found.setdefault(point.name, {})[package] = point
+    return found
 
 
 def campaigns() -> tuple[str, ...]:
     """Return the names of all campaigns, usable or not, without importing any."""
-    return tuple(sorted(_points()[1].names))
+    return tuple(sorted(_points()))
 
 
 def campaign(name: str) -> Campaign:
@@ -76,9 +78,9 @@ def campaign(name: str) -> Campaign:
     PluginError
         If there is none, or it cannot be used.
     """
-    ours, every = (points.select(name=name) for points in _points())
-    if len(ours) == len(every) == 1:
-        found: Campaign = next(one for one in ours[name].load().campaigns() if one.name == name)
+    points = _points().get(name, {})
+    if [*points] == ["rollslip"]:
+        found: Campaign = next(one for one in points["rollslip"].load().campaigns() if one.name == name)
     else:
         from rollslip.catalogue.discovery import get_class
 

@@ -16,7 +16,7 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.catalogue.kinds import get_kind, kinds
+from rollslip.catalogue.kinds import get_kind, usable_kinds
 from rollslip.errors import OutputError, in_words
 from rollslip.fields import FieldError
 from rollslip_kernels.slices import CONDITIONS
@@ -59,7 +59,7 @@ def add_compiled(folder: Path, requirement: str) -> list[str]:
         groups: dict[str, dict[str, str]] = tomllib.loads(text)["project"].get("entry-points", {})
     except (OSError, ValueError, KeyError) as error:
         raise refused(f"is no package that can be read ({in_words(error)}); name the folder of one") from None
-    able = {name for name in kinds() if (of := get_kind(name).template) and of.compiled}
+    able = {kind.name for kind in usable_kinds() if kind.template and kind.template.compiled}
     found = [
         (kind, module)
         for kind in sorted(able)

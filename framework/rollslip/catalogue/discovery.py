@@ -28,7 +28,7 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.catalogue.kinds import Kind, check_kind, get_kind, kinds
+from rollslip.catalogue.kinds import Kind, canonical, check_kind, get_kind, is_disabled, kinds
 from rollslip.errors import PluginError, UnknownNameError, in_words
 from rollslip.units import as_written
 
@@ -109,11 +109,6 @@ def _ordered(offers: Iterable[Offer]) -> tuple[Offer, ...]:
     return tuple(sorted(offers, key=lambda o: (o.kind, o.name, o.package)))
 
 
-def canonical(name: str) -> str:
-    """Return the form in which the names of packages are compared: "Rollslip_Flat" is "rollslip-flat"."""
-    return re.sub(r"[-_.]+", "-", name).lower()
-
-
 def _state(distribution: importlib.metadata.Distribution) -> tuple[str, str]:
     """State of a package by its metadata alone."""
     if is_disabled(distribution.name):
@@ -134,12 +129,6 @@ def _state(distribution: importlib.metadata.Distribution) -> tuple[str, str]:
             cause = f"requires rollslip{requirement.specifier}, this is {ours}; install a version that fits"
             return "incompatible", cause
     return "ok", ""
-
-
-def is_disabled(package: str) -> bool:
-    """Return whether ROLLSLIP_DISABLED_PLUGINS, a list with commas, holds a package."""
-    disabled = os.environ.get("ROLLSLIP_DISABLED_PLUGINS", "").split(",")
-    return canonical(package) in {canonical(name.strip()) for name in disabled}
 
 
 def _shadowed(offer: Offer, same_name: list[Offer]) -> Offer:
@@ -389,8 +378,9 @@ def _collected(module: object, hook: str) -> list[Any]:
 
     manager = pluggy.PluginManager("rollslip")
     asked = ModuleType("asked")
-    setattr(asked, hook, getattr(hookspecs, hook))
-    manager.add_hookspecs(asked)  # all of them take longer than many a model
+    # that of a stranger's kind stands nowhere else; to add all specifications takes longer than many a model
+    setattr(asked, hook, getattr(hookspecs, hook, None) or hookspecs.hookspec(lambda: ()))
+    manager.add_hookspecs(asked)
     manager.register(module)
     return [thing for things in getattr(manager.hook, hook)() for thing in things]
 

@@ -1,22 +1,29 @@
 """What kinds of things packages offer: for each its hook, its base class, and how a new package of it is written.
 
 - A kind is one object, which discovery, scaffold, conformance kit and command line read; nobody else lists kinds.
-- Kinds are found through our own entry points ``rollslip.kind``, so that a kind can stand beside its base class, far to
-  the right of this folder, and listing what is installed imports none of them.
+- Kinds are found through entry points ``rollslip.kind``, so that a kind can stand beside its base class, far to the
+  right of this folder, and listing what is installed imports none of them. A package may bring its own: none takes the
+  name of one of the box, and one that cannot be used is left out of lists, and told who asks for it.
 """
 
 import importlib.metadata
 import inspect
-from collections.abc import Iterable, Mapping
+import os
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import cache
 from types import MappingProxyType
 from typing import Any
 
 import attrs
 
-from rollslip.errors import UnknownNameError, nearest
+from rollslip.errors import PluginError, UnknownNameError, in_words, nearest
 
-__all__ = ["Kind", "Template", "check_kind", "get_kind", "kind_of", "kinds", "offered_kinds"]
+__all__ = [
+    "Kind", "Template", "canonical", "check_kind", "entry_points", "get_kind", "is_disabled", "kind_of", "kinds",
+    "offered_kinds", "usable_kinds",
+]  # fmt: skip
 
 
 @attrs.frozen(kw_only=True)
@@ -39,6 +46,8 @@ class Template:
         Further modules beside that of the model.
     files : mapping
         Further files of the module: path -> template. Package data.
+    package : str
+        Package in whose folder ``templates`` they are, each as ``NAME.in``; what is not there is that of the box.
     """
 
     summary: str
@@ -49,6 +58,7 @@ class Template:
     compiled: bool = False
     beside: tuple[str, ...] = ()
     files: Mapping[str, str] = attrs.field(factory=dict)
+    package: str = "rollslip.catalogue"
 
 
 @attrs.frozen(kw_only=True)
@@ -100,11 +110,43 @@ class Kind:
         return ""
 
 
+def canonical(name: str) -> str:
+    """Return the form in which the names of packages are compared: "Rollslip_Flat" is "rollslip-flat"."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def is_disabled(package: str) -> bool:
+    """Return whether ROLLSLIP_DISABLED_PLUGINS, a list with commas, holds a package."""
+    disabled = os.environ.get("ROLLSLIP_DISABLED_PLUGINS", "").split(",")
+    return canonical(package) in {canonical(name.strip()) for name in disabled}
+
+
+def entry_points(group: str) -> Iterator[tuple[str, importlib.metadata.EntryPoint]]:
+    """Yield package and entry point of all in a group; a package whose metadata cannot be read is left out."""
+    seen = set[str]()
+    for distribution in importlib.metadata.distributions():
+        with suppress(Exception):  # an installation that was cut off, and pip says so
+            points = distribution.entry_points.select(group=group)
+            package = canonical(distribution.name) if points else ""
+            if package not in seen:  # twice on the path it is one package: the first one is what Python imports
+                yield from ((package, point) for point in points)
+            seen |= {package} - {""}
+
+
+@cache
+def _found() -> Mapping[str, Mapping[str, importlib.metadata.EntryPoint]]:
+    """Return the kinds by name, each by package: more than one where strangers disagree."""
+    found = dict[str, dict[str, importlib.metadata.EntryPoint]]()
+    for package, point in sorted(entry_points("rollslip.kind"), key=lambda one: (one[1].name, one[0])):
+        if package == "rollslip" or not is_disabled(package):
+            found.setdefault(point.name, {})[package] = point
+    return {name: {"rollslip": of["rollslip"]} if "rollslip" in of else of for name, of in found.items()}
+
+
 @cache
 def kinds() -> Mapping[str, importlib.metadata.EntryPoint]:
     """Return all kinds by name, in alphabetical order; what is behind them is loaded by `get_kind`."""
-    points = importlib.metadata.distribution("rollslip").entry_points.select(group="rollslip.kind")
-    return MappingProxyType({point.name: point for point in sorted(points, key=lambda point: point.name)})
+    return MappingProxyType({name: next(iter(of.values())) for name, of in _found().items()})
 
 
 def check_kind(name: str) -> None:
@@ -128,19 +170,41 @@ def get_kind(name: str) -> Kind:
     Raises
     ------
     PluginError
-        If there is no such kind.
+        If there is no such kind, or its package cannot be used.
     """
     check_kind(name)
-    kind = kinds()[name].load()
-    assert isinstance(kind, Kind)
+    (package, point), *others = _found()[name].items()
+    if others:
+        packages = " and ".join([package, *dict(others)])
+        raise PluginError(
+            f"kind {name!r}: packages {packages} offer it; uninstall one or put it in ROLLSLIP_DISABLED_PLUGINS"
+        )
+    try:
+        kind = point.load()
+    except (Exception, SystemExit) as error:
+        blame = f"kind {name!r} of package {package} cannot be imported ({in_words(error)})"
+        raise PluginError(f"{blame}; repair or uninstall {package}") from error
+    if not isinstance(kind, Kind) or kind.name != name:
+        blame = f"kind {name!r} of package {package}: {point.value} is no Kind of that name"
+        raise PluginError(f"{blame}; repair or uninstall {package}")
     return kind
+
+
+@cache
+def usable_kinds() -> tuple[Kind, ...]:
+    """Return all kinds but those that cannot be loaded."""
+    found = list[Kind]()
+    for name in kinds():
+        with suppress(PluginError):  # who asks for it by name is told
+            found.append(get_kind(name))
+    return tuple(found)
 
 
 def offered_kinds() -> list[str]:
     """Return the kinds that a scene or a command can name something of: those that packages are written for."""
-    return [name for name in kinds() if get_kind(name).template is not None]
+    return [kind.name for kind in usable_kinds() if kind.template is not None]
 
 
-def kind_of(thing: object, among: Iterable[str] | None = None) -> Kind | None:
+def kind_of(thing: object) -> Kind | None:
     """Return the kind that a class or a named value is of, or None."""
-    return next((one for name in among or kinds() if (one := get_kind(name)).holds(thing)), None)
+    return next((kind for kind in usable_kinds() if kind.holds(thing)), None)

@@ -6,7 +6,8 @@ from typing import Any
 
 import attrs
 
-from rollslip.catalogue.discovery import THIS_PROCESS, Offer, catalogue, is_disabled, load
+from rollslip.catalogue.discovery import THIS_PROCESS, Offer, catalogue, load
+from rollslip.catalogue.kinds import is_disabled
 from rollslip.errors import PluginError, SceneError
 from rollslip.structure import Location
 

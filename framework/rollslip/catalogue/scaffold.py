@@ -23,7 +23,7 @@ from typing import Final
 from rollslip.catalogue.compiled_form import add_compiled
 from rollslip.catalogue.discovery import catalogue
 from rollslip.catalogue.kinds import Template as Texts
-from rollslip.catalogue.kinds import check_kind, get_kind, kinds
+from rollslip.catalogue.kinds import check_kind, get_kind, usable_kinds
 from rollslip.catalogue.law_file import class_name, read_law_file
 from rollslip.errors import OutputError, PluginError
 from rollslip.fields import FieldError
@@ -157,7 +157,8 @@ def _templates(kind: str, module: str, compiled: bool, given: bool) -> Iterator[
         }
     yield f"{source}/py.typed", ""
     for path, template in wanted.items():
-        yield path, (files("rollslip.catalogue") / "templates" / f"{template}.in").read_text(encoding="utf-8")
+        places = [files(of) / "templates" / f"{template}.in" for of in (_texts(kind).package, "rollslip.catalogue")]
+        yield path, next(place for place in places if place.is_file()).read_text(encoding="utf-8")
 
 
 def _texts(kind: str) -> Texts:
@@ -193,7 +194,7 @@ def _check(name: str, kind: str, compiled: bool, classes: Mapping[str, str]) -> 
     except PluginError as error:
         raise FieldError("kind", str(error)) from error
     if compiled and not _texts(kind).compiled:
-        able = ", ".join(one for one in kinds() if (texts := get_kind(one).template) and texts.compiled)
+        able = ", ".join(one.name for one in usable_kinds() if one.template and one.template.compiled)
         raise FieldError("compiled", f"{kind} has no compiled form, only {able} have; leave it out")
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name, re.ASCII):
         better = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-0123456789")

@@ -13,7 +13,7 @@ from typing import Any, Final, TypeVar
 import attrs
 
 from rollslip.catalogue import discovery
-from rollslip.catalogue.kinds import get_kind, kind_of, kinds
+from rollslip.catalogue.kinds import get_kind, kind_of, usable_kinds
 from rollslip.errors import PluginError
 from rollslip.models import FINITE, NON_NEGATIVE, POSITIVE, FilmModel
 from rollslip.references import Citation
@@ -77,7 +77,7 @@ def register(thing: T, *, replace: bool = False) -> T:
     """
     kind = kind_of(thing)
     if kind is None:
-        bases = ", ".join(get_kind(name).base.__name__ for name in kinds())
+        bases = ", ".join(one.base.__name__ for one in usable_kinds())
         raise PluginError(
             f"{thing!r} cannot be registered: a class derived from, or a value of, one of {bases} can; "
             "a function can with @model(kind, name, reads=...)"

@@ -168,7 +168,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         "description": "\n".join(_doc(thing)),
         "equation": getattr(thing, "equation", ""),  # an engine has none
         "parameters": parameters,
-        "references": list(map(str, thing.references)),
+        "references": list(map(str, getattr(thing, "references", ()))),
     }
     if outputs := getattr(thing, "outputs", None):  # of a study
         about["outputs"] = [
