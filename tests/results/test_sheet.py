@@ -8,15 +8,16 @@ from rollslip.results.style import ONE_COLUMN, ROW, TWO_COLUMNS
 pytestmark = pytest.mark.quick
 
 
-@pytest.mark.parametrize(("columns", "rows"), [(1, 3), (2, 2), (3, 1)])
-def test_a_sheet_grows_by_a_row_for_each_of_its_legend(columns, rows):
+@pytest.mark.parametrize(("columns", "rows", "title"), [(1, 3, ""), (2, 2, ""), (3, 1, ""), (3, 2, "what they are")])
+def test_a_sheet_grows_by_a_row_for_each_of_its_legend(columns, rows, title):
     sheet = Sheet()
     sheet.line([0, 1], [0, 1], "a line", color="red")
     sheet.mark([0.5], [0.5], "a point", marker="o")
     sheet.key("drawn otherwise", color="blue")
-    figure = sheet.done("slip", "friction", columns=columns)
+    figure = sheet.done("slip", "friction", columns=columns, title=title)
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["a line", "a point", "drawn otherwise"]
+    assert legend.get_title().get_text() == title
     assert figure.get_figheight() == pytest.approx(ONE_COLUMN[1] + rows * ROW)
     assert (sheet.axes.get_xlabel(), sheet.axes.get_ylabel()) == ("slip", "friction")
     assert [line.get_color() for line in sheet.axes.lines] == ["red", "black"]

@@ -35,13 +35,16 @@ class Sheet:
 
         self.handles.append(Line2D([], [], label=label, **style))
 
-    def done(self, x: str = "", y: str = "", *, columns: int = 1, height: float | None = None) -> "Figure":
+    def done(
+        self, x: str = "", y: str = "", *, columns: int = 1, height: float | None = None, title: str = ""
+    ) -> "Figure":
         """Label the axes of a single panel, put the legend above and make room for it; ``height`` is that without."""
         if x:
             self.axes.set_xlabel(x)
             self.axes.set_ylabel(y)
         if self.handles:
-            self.figure.legend(handles=self.handles, loc="outside upper left", ncols=columns)
+            about = {"title": title, "alignment": "left"} if title else {}
+            self.figure.legend(handles=self.handles, loc="outside upper left", ncols=columns, **about)
         without = self.figure.get_figheight() if height is None else height
-        self.figure.set_figheight(without + ROW * -(-len(self.handles) // columns))
+        self.figure.set_figheight(without + ROW * (-(-len(self.handles) // columns) + bool(title)))
         return self.figure

@@ -5,7 +5,7 @@ in dashes, maps in lightness.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -13,12 +13,12 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from rollslip.results.sheet import Sheet
 from rollslip.results.style import (
     DASHES,
     MARKER,
     MM,
     MODEL_COLOURS,
-    ROW,
     TWO_COLUMNS,
     light_to_dark,
     save_figures,
@@ -42,10 +42,8 @@ from rollslip_studies.thermal_balance.figures import course
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
 
 __all__ = ["motion_figures", "plot_together"]
 
@@ -130,41 +128,36 @@ def plot_together(datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[Pa
 
 
 def _speeds(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    figure, (cage, roller) = _panels(1)
+    sheet = _sheet(1)
+    cage, roller = sheet.axes
     time, speed = _time(dataset), _RPM * dataset["cage_speed"].to_numpy()
-    handles: list[Artist] = [_line(cage, time, speed, label="cage", color=MODEL_COLOURS[0])]
+    _line(sheet, cage, time, speed, label="cage", color=MODEL_COLOURS[0])
     history = history_findings.along(dataset)
     unslipped = math.nan if history else _RPM * unslipped_cage_speed(dataset)
     if history:
         without = _RPM * dataset["epicyclic_cage_speed"].to_numpy()
-        handles.append(_line(cage, time, without, label="without slip", linestyle="dotted", **_QUIET))
+        _line(sheet, cage, time, without, label="without slip", linestyle="dotted", **_QUIET)
     largest, away = float(dataset["cage_slip"].max()), runaway_slip(dataset)
     if not math.isnan(unslipped):
         for axes, level in ((cage, unslipped), (roller, _RPM * unslipped_roller_speed(dataset))):
             if not math.isnan(level):
                 axes.axhline(level, linestyle="dotted", **_QUIET)
-        handles.append(Line2D([], [], linestyle="dotted", label="without slip", **_QUIET))
+        sheet.key("without slip", linestyle="dotted", **_QUIET)
         _slip_axis(cage, unslipped)
         if largest > _NEAR * away:
             cage.axhline((1.0 - away) * unslipped, linestyle=DASHES[1], **_QUIET)
-            label = f"runs away, {100 * away:.3g} %"
-            handles.append(Line2D([], [], linestyle=DASHES[1], label=label, **_QUIET))
+            sheet.key(f"runs away, {100 * away:.3g} %", linestyle=DASHES[1], **_QUIET)
     passages = runaway_passages(dataset)
     for moment, rising in passages:
         cage.plot(_scale(dataset) * moment, np.interp(_scale(dataset) * moment, time, speed), **_passage(rising))
-    handles += [
-        Line2D([], [], linestyle="none", label=f"passed while {words}", **_passage(rising))
-        for rising, words in ((True, "rising"), (False, "falling"))
-        if any(one is rising for _, one in passages)
-    ]
+    for rising, words in ((True, "rising"), (False, "falling")):
+        if any(one is rising for _, one in passages):
+            sheet.key(f"passed while {words}", linestyle="none", **_passage(rising))
     if others := _other_events(dataset):
         cage.vlines(others, 0.0, 0.03, transform=cage.get_xaxis_transform(), color="0.3", linewidth=0.6)
-        handles.append(
-            Line2D([], [], linestyle="none", marker="|", color="0.3", markersize=5, label="events (at the foot)")
-        )
+        sheet.key("events (at the foot)", linestyle="none", marker="|", color="0.3", markersize=5)
 
     speeds = _RPM * dataset["roller_speed"].to_numpy()
     if dataset.sizes["roller"] > 1:
@@ -173,24 +166,23 @@ def _speeds(dataset: "xr.Dataset") -> "Figure":
             roller.fill_between(time, speeds.min(axis=1), speeds.max(axis=1), **tint)
         else:
             roller.vlines(time, speeds.min(), speeds.max(), color=MODEL_COLOURS[1], alpha=0.25, linewidth=4.0)
-        handles.append(Patch(label="range of all rollers", **tint))
+        sheet.handles.append(Patch(label="range of all rollers", **tint))
     curve, label = _shown_roller(dataset)
-    handles.append(_line(roller, time, curve, label=label, color=MODEL_COLOURS[1], linewidth=0.8))
+    _line(sheet, roller, time, curve, label=label, color=MODEL_COLOURS[1], linewidth=0.8)
 
     cage.set_ylabel("Cage speed [rpm]")
     roller.set_ylabel("Roller speed, relative to the cage [rpm]")
     for axes in (cage, roller):
         _time_axis(axes, dataset)
-    _legend(figure, handles)
-    return figure
+    return _done(sheet)
 
 
 def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
-    figure, panels = _panels(2, height_ratios=(3, 1), sharex="col")
+    sheet = _sheet(2, height_ratios=(3, 1), sharex="col")
+    panels = sheet.axes
     (first, reference), *_ = datasets.items()
     longest = max(datasets.values(), key=lambda one: float(one["time"][-1]))
     scale = _scale(longest)
-    handles: list[Artist] = []
     single = all(_resolved(dataset) for dataset in datasets.values())
     for k, (name, dataset) in enumerate(datasets.items()):
         # the reference is wide and light, so that what lies upon it is seen
@@ -200,13 +192,13 @@ def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
             "linewidth": 1.1 if k else 2.4,
         }
         time = scale * dataset["time"].to_numpy()
-        handles.append(_line(panels[0, 0], time, _RPM * dataset["cage_speed"].to_numpy(), label=name, **style))
+        _line(sheet, panels[0, 0], time, _RPM * dataset["cage_speed"].to_numpy(), label=name, **style)
         curve, shown = _shown_roller(dataset, single)
-        _line(panels[0, 1], time, curve, **style)
+        _line(sheet, panels[0, 1], time, curve, **style)
         if dataset is not reference:
             for axes, variable in zip(panels[1], ("cage_speed", "roller_speed"), strict=True):
                 gap = 100 * difference(reference, dataset, variable)
-                _line(axes, scale * common_times(reference, dataset), gap, **style)
+                _line(sheet, axes, scale * common_times(reference, dataset), gap, **style)
     panels[0, 0].set_ylabel("Cage speed [rpm]")
     panels[0, 1].set_ylabel(f"Speed of {shown} [rpm]")
     panels[1, 0].set_ylabel("Difference [%]")
@@ -214,14 +206,11 @@ def _together(datasets: "Mapping[str, xr.Dataset]") -> "Figure":
     for axes in panels[1]:
         axes.axhline(0.0, **_QUIET)
         _time_axis(axes, longest)
-    figure.set_figheight(TWO_COLUMNS[1] + 25 * MM)
-    _legend(figure, handles, title=f"differences are from {first}, over its largest speed")
-    return figure
+    title = f"differences are from {first}, over its largest speed"
+    return _done(sheet, height=TWO_COLUMNS[1] + 25 * MM, title=title)
 
 
 def _orbit(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.figure import Figure
-
     inner = dataset.sel(ring="inner")
     sliding, force, film = (inner[name].to_numpy() for name in ("sliding_speed", "normal_force", "film_parameter"))
     loaded, power = force > 0.0, inner["traction_force"].to_numpy() * sliding
@@ -237,55 +226,45 @@ def _orbit(dataset: "xr.Dataset") -> "Figure":
         pocket = np.abs(dataset["pocket_force"].to_numpy())
         cells = _Cells.of(dataset, np.where(pocket > 0.0, pocket, np.nan), np.max)
         rows.append(("Pocket force [N]", cells, "no roller touches the cage"))
-    figure = Figure(figsize=(TWO_COLUMNS[0], (32 * len(rows) + 8) * MM), layout="constrained")
-    panels = figure.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    size = (TWO_COLUMNS[0], (32 * len(rows) + 8) * MM)
+    sheet = Sheet(size, len(rows), 1, sharex=True, sharey=True, squeeze=False)
+    panels = sheet.axes[:, 0]
     for axes, (label, cells, otherwise) in zip(panels, rows, strict=True):
         axes.set_xlim(cells.edges[0], cells.edges[-1])
         axes.set_ylim(-180.0, 180.0)
         axes.set_yticks((-180, -90, 0, 90, 180))
         axes.set_ylabel("Orbit position [°]")
         if np.isfinite(cells.values).any():
-            _draw_cells(figure, axes, cells, label, _THICK if "Λ" in label else math.inf)
+            _draw_cells(sheet.figure, axes, cells, label, _THICK if "Λ" in label else math.inf)
         else:
             axes.text(0.5, 0.5, otherwise, transform=axes.transAxes, ha="center", va="center", color="0.25")
             axes.set_title(label)
     _time_axis(panels[-1], dataset, limits=False)
-    return figure
+    return sheet.done()
 
 
 def _energy(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(TWO_COLUMNS[0], TWO_COLUMNS[1] + 20 * MM), layout="constrained")
-    works, residuals = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    sheet = Sheet((TWO_COLUMNS[0], TWO_COLUMNS[1] + 20 * MM), 2, 1, sharex=True, height_ratios=(3, 1))
+    works, residuals = sheet.axes
     time, energy = _time(dataset), dataset["energy"].to_numpy()
-    handles: list[Artist] = [
-        _line(
-            works,
-            time,
-            work,
-            label=name,
-            color=MODEL_COLOURS[k % len(MODEL_COLOURS)],
-            # an entry that went round the colours comes with other dashes
-            linestyle=DASHES[(k + k // len(MODEL_COLOURS)) % len(DASHES)],
-        )
-        for k, (name, work) in enumerate(ledger(dataset).items())
-    ]
-    handles.append(_line(works, time, energy - energy[0], label="kept in the motion", color="black", linewidth=2.0))
+    for k, (name, work) in enumerate(ledger(dataset).items()):
+        # an entry that went round the colours comes with other dashes
+        dashes = DASHES[(k + k // len(MODEL_COLOURS)) % len(DASHES)]
+        _line(sheet, works, time, work, label=name, color=MODEL_COLOURS[k % len(MODEL_COLOURS)], linestyle=dashes)
+    _line(sheet, works, time, energy - energy[0], label="kept in the motion", color="black", linewidth=2.0)
     works.axhline(0.0, **_QUIET)
     works.set_ylabel("Energy since the start [J]")
     size = turnover(dataset)
     residual = np.abs(dataset["energy_residual"].to_numpy()) / (size or 1.0)
     if np.any(residual > 0.0):
-        _line(residuals, time, np.where(residual > 0.0, residual, np.nan), color="black", linewidth=0.8)
+        _line(sheet, residuals, time, np.where(residual > 0.0, residual, np.nan), color="black", linewidth=0.8)
         residuals.set_yscale("log")
     else:
         residuals.set_yticks(())
         residuals.text(0.5, 0.5, "no residual", transform=residuals.transAxes, ha="center", va="center", color="0.25")
     residuals.set_ylabel("Residual over\nturnover [–]" if size > 0.0 else "Residual [J]")
     _time_axis(residuals, dataset)
-    _legend(figure, handles)
-    return figure
+    return _done(sheet)
 
 
 def _centres(dataset: "xr.Dataset") -> "Figure":
@@ -293,7 +272,8 @@ def _centres(dataset: "xr.Dataset") -> "Figure":
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import BoundaryNorm
 
-    figure, panels = _panels(1)
+    sheet = _sheet(1)
+    panels = sheet.axes
     time, colours = _time(dataset), light_to_dark()
     pieces = np.array_split(np.arange(time.size), min(time.size, _PIECES))
     edges = np.unique(np.append(time[[piece[0] for piece in pieces]], time[-1]))
@@ -311,13 +291,14 @@ def _centres(dataset: "xr.Dataset") -> "Figure":
         axes.set_xlabel("Across the load [µm]")
         axes.set_ylabel("Along the load [µm]")
     if edges.size > 1:
-        bar = figure.colorbar(ScalarMappable(BoundaryNorm(edges, colours.N), colours), ax=panels, aspect=30, pad=0.01)
+        shade_of = ScalarMappable(BoundaryNorm(edges, colours.N), colours)
+        bar = sheet.figure.colorbar(shade_of, ax=panels, aspect=30, pad=0.01)
         bar.set_label(f"Time [{_time_unit(dataset)}]")
         bar.set_ticks(edges[:: -(-edges.size // 6)].tolist())
         bar.ax.yaxis.set_major_formatter("{x:.3g}")
         bar.minorticks_off()
         seamless(bar)
-    return figure
+    return sheet.done()
 
 
 # Maps over orbit and time -------------------------------------------------------------------------------------------
@@ -398,13 +379,10 @@ def _draw_cells(figure: "Figure", axes: "Axes", cells: _Cells, label: str, most:
 # What they share ----------------------------------------------------------------------------------------------------
 
 
-def _panels(rows: int, **options: Any) -> "tuple[Figure, Any]":
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=TWO_COLUMNS, layout="constrained")
-    figure.get_layout_engine().set(wspace=0.04)  # type: ignore  # the slip axis has labels there
-    panels = figure.subplots(rows, 2, **options)
-    return figure, panels
+def _sheet(rows: int, **options: Any) -> Sheet:
+    sheet = Sheet(TWO_COLUMNS, rows, 2, **options)
+    sheet.figure.get_layout_engine().set(wspace=0.04)  # type: ignore  # the slip axis has labels there
+    return sheet
 
 
 def _scale(dataset: "xr.Dataset") -> float:
@@ -429,10 +407,10 @@ def _time_axis(axes: "Axes", dataset: "xr.Dataset", *, limits: bool = True) -> N
         axes.set_xlim(time[0], time[-1])
 
 
-def _line(axes: "Axes", x: Array, y: Array, **style: Any) -> "Line2D":
-    """Draw a curve, or its only point."""
-    (line,) = axes.plot(x, y, **(MARKER if x.size == 1 else {}), **style)
-    return line
+def _line(sheet: Sheet, axes: "Axes", x: Array, y: Array, **style: Any) -> None:
+    """Draw a curve, or its only point; the legend shows those with a label."""
+    lines = axes.plot(x, y, **(MARKER if x.size == 1 else {}), **style)
+    sheet.handles += lines if "label" in style else []
 
 
 def _passage(rising: bool) -> dict[str, Any]:
@@ -477,7 +455,6 @@ def _slip_axis(axes: "Axes", unslipped: float) -> None:
     right.set_ylabel(r"Cage slip $S_\mathrm{c}$ [%]")
 
 
-def _legend(figure: "Figure", handles: "Sequence[Artist]", title: str = "") -> None:
-    columns = -(-len(handles) // -(-len(handles) // 5))  # five at most, and rows of like length
-    figure.legend(handles=handles, loc="outside upper left", ncols=columns, title=title or None, alignment="left")
-    figure.set_figheight(figure.get_figheight() + ROW * (-(-len(handles) // columns) + bool(title)))
+def _done(sheet: Sheet, **options: Any) -> "Figure":
+    count = len(sheet.handles)
+    return sheet.done(columns=-(-count // -(-count // 5)), **options)  # five at most, and rows of like length
