@@ -127,11 +127,9 @@ def _quantiles(values: "xr.DataArray", key: str) -> Array:
 
 
 def _models(values: "xr.DataArray", key: str) -> "Figure":
-    from matplotlib.figure import Figure
-
     names, quantiles = values[key].to_numpy(), 100 * np.minimum(_quantiles(values, key), 1.0)
-    figure = Figure(figsize=(ONE_COLUMN[0], (22 + 7 * len(names)) * MM), layout="constrained")
-    axes = figure.subplots()
+    sheet = Sheet((ONE_COLUMN[0], (22 + 7 * len(names)) * MM))
+    axes = sheet.axes
     for k, (low, first, middle, third, high) in enumerate(quantiles):
         place = len(names) - 1 - k
         axes.plot([low, high], [place, place], color=MODEL_COLOURS[0], linewidth=1.0, zorder=1)
@@ -140,8 +138,7 @@ def _models(values: "xr.DataArray", key: str) -> "Figure":
     axes.set_yticks(np.arange(len(names))[::-1], [str(name) for name in names])
     axes.set_ylim(-0.6, len(names) - 0.4)
     axes.tick_params(axis="y", length=0)
-    axes.set_xlabel("Critical cage slip [%]")
-    return figure
+    return sheet.done("Critical cage slip [%]")
 
 
 def _line(values: "xr.DataArray", key: str, choices: Sequence[str]) -> "Figure":
@@ -176,12 +173,10 @@ def _line(values: "xr.DataArray", key: str, choices: Sequence[str]) -> "Figure":
 
 
 def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str]) -> "Figure":
-    from matplotlib.figure import Figure
-
     pieces = [(str(name), values.sel({key: name})) for key in choices for name in values[key].to_numpy()]
     pieces = pieces or [("", values)]
-    figure = Figure(figsize=((32 + 46 * len(pieces)) * MM, 58 * MM), layout="constrained")
-    panels = figure.subplots(1, len(pieces), sharey=True, squeeze=False)[0]
+    sheet = Sheet(((32 + 46 * len(pieces)) * MM, 58 * MM), 1, len(pieces), sharey=True, squeeze=False)
+    panels = sheet.axes[0]
     read, unit = _shown(values)
     known = read(values.to_numpy())
     known = known[np.isfinite(known)]
@@ -204,8 +199,8 @@ def _map(values: "xr.DataArray", numbers: Sequence[str], choices: Sequence[str])
         axes.set_xlabel(across)
         if axes is panels[0]:
             axes.set_ylabel(up)
-    seamless(figure.colorbar(mesh, ax=list(panels), label=_named(values, unit)))
-    return figure
+    seamless(sheet.figure.colorbar(mesh, ax=list(panels), label=_named(values, unit)))
+    return sheet.done()
 
 
 def _by_factors(values: Array) -> bool:

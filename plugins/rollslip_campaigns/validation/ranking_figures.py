@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rollslip.results.sheet import Sheet
 from rollslip.results.style import MM, MODEL_COLOURS, TWO_COLUMNS
 from rollslip_campaigns.validation.ranking_findings import better
 
@@ -26,12 +27,11 @@ def figures(dataset: "xr.Dataset") -> "Iterator[tuple[str, str, Figure]]":
 
 
 def _errors(dataset: "xr.Dataset") -> "Figure":
-    from matplotlib.figure import Figure
     from matplotlib.ticker import LogLocator, NullFormatter
 
     names = [str(name) for name in dataset["law"].to_numpy()]
-    figure = Figure(figsize=(TWO_COLUMNS[0], (22 + 8 * len(names)) * MM), layout="constrained")
-    axes = figure.subplots()
+    sheet = Sheet((TWO_COLUMNS[0], (22 + 8 * len(names)) * MM))
+    axes = sheet.axes
     worse, _ = better(dataset, 0)
     for k, name in enumerate(names):
         one = dataset.isel(law=k)
@@ -51,5 +51,4 @@ def _errors(dataset: "xr.Dataset") -> "Figure":
     axes.set_ylim(len(names) - 0.4, -0.6)
     parameters = dataset["parameters"].to_numpy()
     axes.set_yticks(range(len(names)), [f"{name}, {int(n)} fitted" for name, n in zip(names, parameters, strict=True)])
-    axes.set_xlabel("Error over the uncertainty of the data [–]")
-    return figure
+    return sheet.done("Error over the uncertainty of the data [–]")

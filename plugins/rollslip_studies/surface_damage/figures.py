@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rollslip.results.sheet import Sheet
 from rollslip.results.style import DASHES, ONE_COLUMN, RING_COLOURS, ROW, unit_label
 from rollslip.units import converted, shown_unit
 from rollslip_studies.surface_damage.findings import beyond, measures, told
@@ -95,9 +96,5 @@ def _drawn(axes: "Axes", one: "xr.Dataset", x: "np.ndarray[Any, Any]", rows: "np
 
 
 def _panels(known: "list[xr.Dataset]") -> "tuple[Figure, list[Axes]]":
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=ONE_COLUMN, layout="constrained")
-    panels = figure.subplots(len(known), 1, sharex=True, squeeze=False)[:, 0]
-    figure.set_figheight(len(known) * (0.75 * ONE_COLUMN[1] + 2 * ROW) + ROW)
-    return figure, list(panels)
+    sheet = Sheet(ONE_COLUMN, len(known), 1, sharex=True, squeeze=False)
+    return sheet.done(height=len(known) * (0.75 * ONE_COLUMN[1] + 2 * ROW) + ROW), list(sheet.axes[:, 0])
