@@ -12,15 +12,18 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.torque_balance import RANGE, TorqueBalance
 from rollslip.results.words import SWITCHED_OFF
 from rollslip.scene.plausibility import skf_least_load
+from rollslip.scene.values import Scene
 from rollslip.units import format_quantity
 
-__all__ = ["RULES", "Rule", "least_load", "static_rating"]
+__all__ = ["RULES", "Rule", "asked_by_makers", "least_load", "static_rating"]
 
 #: By which factor loads are left and right of that of the scene at most, and by which the search widens.
 _FARTHEST: Final = 1e6
@@ -165,3 +168,10 @@ RULES: Final[Mapping[str, Rule]] = {
     ),
     "NKE": Rule(_nke, "0.02 C for a cylindrical roller bearing with a cage, catalogue", "A", ("dynamic_rating",)),
 }
+
+
+def asked_by_makers(scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.str_]]:
+    """Return the least load of each of the `RULES` [N], and "found" or what the scene has to give."""
+    speed = abs(scene.operation.inner_speed - scene.operation.outer_speed)
+    loads, statuses = zip(*(rule.asked(scene.bearing, speed) for rule in RULES.values()), strict=True)
+    return np.array(loads), np.array(statuses)

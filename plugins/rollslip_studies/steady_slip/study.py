@@ -53,7 +53,7 @@ from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
 from rollslip_studies.steady_slip import band
 from rollslip_studies.steady_slip.losses import losses
-from rollslip_studies.steady_slip.minimum_load import RULES, least_load
+from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers, least_load
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
 from rollslip_studies.steady_slip.shared import evaluated_slices
 from rollslip_studies.steady_slip.slip_drag import slip_drag
@@ -500,10 +500,7 @@ class SteadySlip(Study):
         rough = self._balances(assembly.at(few), min(instants, fewest_instants(assembly)), "radial_load")
         load = assembly.scene.operation.radial_load
         load, status = least_load(self._balances(assembly, instants, "radial_load"), load, slip, rough)
-        operation = assembly.scene.operation
-        speed = abs(operation.inner_speed - operation.outer_speed)
-        asked = [rule.asked(assembly.scene.bearing, speed) for rule in RULES.values()]
-        makers, statuses = np.array([load for load, _ in asked]), np.array([status for _, status in asked])
+        makers, statuses = asked_by_makers(assembly.scene)
         return self.variables(
             least_load=load, least_load_status=status, makers_least_load=makers, makers_status=statuses
         )
