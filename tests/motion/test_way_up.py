@@ -198,6 +198,16 @@ def test_units_in_which_a_bearing_is_given_change_nothing(number):
     assert [jump.drag for jump in ways[0].jumps] == pytest.approx([jump.drag for jump in ways[1].jumps], rel=1e-7)
 
 
+@pytest.mark.parametrize("number", [10040, 10110])
+def test_whether_a_slip_doubles_is_told_as_by_many_slips(number):
+    """It is 2.01 times as large in both; straight lines between the slips of the search told 1.97 and 1.99."""
+    one = scenes.balance(scenes.free(number))
+    away, dense = one.way(0.95).runs_away, one.way(0.95, steps=250).runs_away
+    assert away is not None
+    assert away.drag == pytest.approx(dense.drag, rel=away.error + dense.error + 1e-6)
+    assert away.to == pytest.approx(dense.to, rel=1e-2)
+
+
 @pytest.mark.parametrize("number", range(6))
 def test_a_default_bearing_has_a_steady_slip_and_a_largest_drag_or_a_reserve(number):
     one = scenes.balance(scenes.catalogue(number))

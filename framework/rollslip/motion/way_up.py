@@ -42,6 +42,8 @@ _FINER, _FEW = 4, 8
 _NARROW, _WIDE, _BETWEEN, _LOOKS = 2e-3, 0.1, 9, 2
 #: How often a look goes on, twice as far, where the torque still rises at its end.
 _FURTHER: Final = 5
+#: Straight lines towards the slip that carries a drag again.
+_LINES: Final = 2
 #: Exactness of a steady slip, relative to it and to its torque, and steps towards it.
 _STEADY, _SECANTS = 1e-10, 60
 #: Step of a slip, relative to it, by which the excess torque is differentiated.
@@ -123,7 +125,7 @@ class WayUp:
     @cached_property
     def jumps(self) -> list[Jump]:
         """Maxima of the torque from which the slip jumps, by growing slip and drag."""
-        found = [self._search.jump(self.path, *one) for one in _peaks(self.path)]
+        found = [self._search.jump(self.path, k) for k in _peaks(self.path)]
         return [jump for jump in found if jump is not None]
 
     @property
@@ -265,13 +267,15 @@ class _Search:
                 way[k + 1 : k + 2] = [self.motions.link(way[k], motion), self.motions.link(motion, way[k + 1])]
         return way
 
-    def jump(self, way: list[Motion], k: int, to: float) -> Jump | None:
+    def jump(self, way: list[Motion], k: int) -> Jump | None:
         """The peak at motion k: a vertex of a polynomial, or a corner; None if more positions know no fall behind."""
         place, drag, around = way[k].place, way[k].torque, way[max(k - 1, 0) : k + 2]
         corner = len(around) < 3 or not (way[k].linked and way[k + 1].linked)
         error = 1.0 if not corner else _beside(way, k) / drag
         if not corner:
             place, drag, error = self._climbed(self.motions, list(around))
+        on = next((j for j in range(k + 1, len(way)) if way[j].torque > drag), len(way))
+        to = self._carried_again(way[on - 1], way[on], drag) if on < len(way) else math.nan
         level, ends = (1.0 - _CLOSE) * drag, [place, place]
         for side, step in enumerate((-1, 1)):
             for j in range(k, -1 if step < 0 else len(way), step):
@@ -284,8 +288,7 @@ class _Search:
                 ends[side] = way[j].place
         low, high = min(ends[0], place), max(ends[1], place)
         error = max(error, way[k].error)
-        behind = (motion for motion in way[k + 1 :] if math.isnan(to) or motion.place <= to)
-        dip = min(behind, key=lambda motion: motion.torque)
+        dip = min(way[k + 1 : on], key=lambda motion: motion.torque)
         finer = self._corner(way, k) if corner else self._finer(way[k], place, 0.5 * (high - low), dip.place)
         if finer is None:
             error = math.inf
@@ -299,6 +302,16 @@ class _Search:
                 return None
         to = math.nan if math.isnan(to) else slip_of(to)
         return Jump(slip_of(place), drag, to, slip_of(low), slip_of(high), error, corner)
+
+    def _carried_again(self, a: Motion, b: Motion, drag: float) -> float:
+        """Place between two motions of the way at which a drag is carried again, by straight lines."""
+        if not b.linked:
+            return b.place
+        for _ in range(_LINES):
+            at = a.place + (drag - a.torque) / (b.torque - a.torque) * (b.place - a.place)
+            middle = self.motions.at(np.array([slip_of(at)]), a.share[:1])[0][0]
+            a, b = (middle, b) if middle.torque < drag else (a, middle)
+        return a.place + (drag - a.torque) / (b.torque - a.torque) * (b.place - a.place)
 
     @cached_property
     def _fine(self) -> Motions:
@@ -411,18 +424,13 @@ def _vertex(x: list[float], y: list[float]) -> tuple[float, float]:
     return x[best] + width * top, float(curve(top))
 
 
-def _peaks(way: list[Motion]) -> list[tuple[int, float]]:
-    """Numbers of motions from which the torque falls before it gets larger, and places where it does, or NaN."""
-    out, k, torques = list[tuple[int, float]](), 0, [motion.torque for motion in way]
+def _peaks(way: list[Motion]) -> list[int]:
+    """Numbers of motions from which the torque falls before it gets larger."""
+    out, k, torques = list[int](), 0, [motion.torque for motion in way]
     while k < len(way):
         on = next((j for j in range(k + 1, len(way)) if torques[j] > torques[k]), len(way))
         if torques[k] > 0.0 and min(torques[k + 1 : on], default=math.inf) < (1.0 - _FALL) * torques[k]:
-            to = math.nan
-            if on < len(way):
-                a, b = way[on - 1 : on + 1]
-                part = (torques[k] - a.torque) / (b.torque - a.torque) if b.linked else 1.0
-                to = a.place + part * (b.place - a.place)
-            out.append((k, to))
+            out.append(k)
         k = on
     return out
 
