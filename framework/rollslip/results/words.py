@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "AT_REST",
     "LOWER_BOUNDS",
     "REST",
     "SWITCHED_OFF",
@@ -27,6 +28,8 @@ __all__ = [
     "warned",
 ]
 
+#: How the status of a maker's least load begins that is told for a bearing at rest.
+AT_REST: Final = "at rest"
 #: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.
 UNSURE: Final = (
     "by effective friction the drag of running away is off by 2.7 % in the middle of 62 random bearings and by up to "

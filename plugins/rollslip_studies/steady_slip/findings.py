@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rollslip.results.words import UNSURE, runs_at, runs_away
+from rollslip.results.words import AT_REST, UNSURE, runs_at, runs_away
 from rollslip.units import format_quantity
 
 if TYPE_CHECKING:
@@ -296,15 +296,16 @@ def _least_load(dataset: "xr.Dataset", *, needs: bool = True) -> str:
     else:
         said = f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip below {slip}"
         said += _band(dataset, "least_load")
-    makers = dict(zip(dataset["maker"].to_numpy(), dataset["makers_least_load"].to_numpy(), strict=True))
+    makers, loads = (dataset[name].to_numpy() for name in ("maker", "makers_least_load"))
+    told = dataset["makers_status"].to_numpy() if "makers_status" in dataset else np.full(makers.shape, "")
     asked = ", ".join(
-        f"{format_quantity(float(value), 'N', 3)} ({maker})" for maker, value in makers.items() if math.isfinite(value)
+        f"{format_quantity(float(load), 'N', 3)} ({maker}{f' {AT_REST}' if status.startswith(AT_REST) else ''})"
+        for maker, load, status in zip(makers, loads, told, strict=True)
+        if math.isfinite(load)
     )
     said += f"; makers ask for {asked}, for any oil and cage"
-    if needs and "makers_status" in dataset:
-        statuses = zip(makers.items(), dataset["makers_status"].to_numpy(), strict=True)
-        said += "".join(f"; {maker}'s rule {status}" for (maker, value), status in statuses if math.isnan(value))
-    return said
+    missing = zip(makers, told, strict=True) if needs else ()
+    return said + "".join(f"; {maker}'s rule {status}" for maker, status in missing if status not in ("", "found"))
 
 
 def _first(dataset: "xr.Dataset") -> str:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rollslip.datasets import Bearing, Catalogue
 from rollslip.errors import ConvergenceError, DomainError
 from rollslip.motion.torque_balance import RANGE, TorqueBalance
-from rollslip.results.words import SWITCHED_OFF
+from rollslip.results.words import AT_REST, SWITCHED_OFF
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.values import Scene
 from rollslip.units import format_quantity
@@ -128,23 +128,24 @@ def static_rating(bearing: Bearing) -> float:
 class Rule:
     """A maker's rule of the least radial load: the load [N] by bearing and speed [rad/s], where it is from, its grade.
 
-    ``takes`` are the keys of ``bearing.catalogue`` that it reads.
+    ``takes`` are the keys of ``bearing.catalogue`` that it reads, ``grows_with`` one without which it is that at rest.
     """
 
     load: Callable[[Bearing, float], float]
     text: str
     grade: str
     takes: tuple[str, ...] = ()
+    grows_with: str = ""
 
     def asked(self, bearing: Bearing, speed: float) -> tuple[float, str]:
-        """Return the load [N] and "found", or NaN and what the scene has to give."""
+        """Return the load [N] and "found" or that it is the one at rest; or NaN and what the scene has to give."""
         given = bearing.catalogue or Catalogue()
         missing = [f"bearing.catalogue.{key}" for key in self.takes if getattr(given, key) is None]
-        return (
-            (math.nan, f"needs {' and '.join(missing)} of the maker's catalogue")
-            if missing
-            else (self.load(bearing, speed), "found")
-        )
+        if missing:
+            return math.nan, f"needs {' and '.join(missing)} of the maker's catalogue"
+        if self.grows_with and getattr(given, self.grows_with) is None:
+            return self.load(bearing, speed), f"{AT_REST}; with speed it grows by bearing.catalogue.{self.grows_with}"
+        return self.load(bearing, speed), "found"
 
 
 def _nke(bearing: Bearing, speed: float) -> float:
@@ -164,7 +165,8 @@ RULES: Final[Mapping[str, Rule]] = {
         skf_least_load,
         "k_r (6 + 4 n/n_r) (d_m/100)^2 kN for one row with a cage, catalogue 17000, page 509",
         "A",
-        ("minimum_load_factor", "reference_speed"),
+        ("minimum_load_factor",),
+        "reference_speed",
     ),
     "NKE": Rule(_nke, "0.02 C for a cylindrical roller bearing with a cage, catalogue", "A", ("dynamic_rating",)),
 }
