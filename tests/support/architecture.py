@@ -7,6 +7,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[2]
 #: Folders from left to right: each imports only what stands left of it. The shelf is the modules beside the folders.
@@ -20,6 +21,9 @@ PLACES = ("framework/rollslip", "plugins/rollslip_studies", "plugins/rollslip_ca
 #: The face of the package names everything, for types, and the finder of former paths the new homes.
 FACES = {"rollslip", "rollslip.former"}
 MOST_MODULES, MOST_LINES = 12, 600
+#: Lines that roots and folders may have, and the files that are counted: what is written, nothing that is built.
+BUDGETS = tomllib.loads((ROOT / "tests" / "support" / "budgets.toml").read_text(encoding="utf-8"))
+WRITTEN = {".py", ".pyi", ".pyx", ".pxd", ".h", ".toml", ".in", ".csv", ".txt", ".md"}
 #: A campaign may build upon another only here.
 #: A validation holds what the others compute against what was measured: points and samples, scatter, models that take
 #: their place, contacts of a rig. None of them knows of it.
@@ -179,6 +183,45 @@ def too_large(root: Path = ROOT) -> list[str]:
         handed = all(isinstance(node, ast.ImportFrom | ast.Assign | ast.Try) for node in rest)
         if not first.endswith(".") or ("\n\n" in first and folder(module) != "testing") or not handed:
             found.append(f"{module} is more, or less, than one sentence of purpose and names handed on")
+    return found
+
+
+def counted(place: Path) -> dict[str, int]:
+    """Return the lines of a root by its folders, modules beside them as "shelf", as ``wc -l`` counts them."""
+    found = dict[str, int]()
+    for path in place.rglob("*"):
+        parts = path.relative_to(place).parts
+        if path.suffix in WRITTEN and not any(part.startswith(".") or part.endswith(".egg-info") for part in parts):
+            name = parts[0] if len(parts) > 1 else "shelf"
+            found[name] = found.get(name, 0) + path.read_bytes().count(b"\n")
+    return found
+
+
+def over_budget(root: Path = ROOT, budgets: Mapping[str, Any] = BUDGETS) -> list[str]:
+    """Roots and folders above their budgets, folders without one, and budgets above what root or changelog grant."""
+    found, changes = list[str](), " ".join((ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split())
+    for place, budget in budgets.items():
+        if place == "reading":
+            continue
+        most, folders = budget["most"], budget.get("folders", {})
+        has = counted(root / place)
+        if sum(has.values()) > most:
+            found.append(f"{place} has {sum(has.values()):,} lines, and may have {most:,}")
+        granted = [int(number.replace(",", "")) for number in re.findall(rf"`{place}` (\d[\d,]*\d)", changes)]
+        if most > max(granted, default=0):
+            found.append(f"CHANGELOG.md does not say what {most:,} lines of {place} are for")
+        if not folders:
+            continue
+        if sum(folders.values()) > most:
+            found.append(f"folders of {place} may have {sum(folders.values()):,} lines, and all of it {most:,}")
+        has = counted(root / place / "rollslip")
+        found += [f"{place}: there is no budget of {name}" for name in sorted(has.keys() - folders.keys())]
+        found += [f"{place}: a budget of {name}, which is not there" for name in sorted(folders.keys() - has.keys())]
+        found += [
+            f"{place}: {name} has {has[name]:,} lines, and may have {folders[name]:,}"
+            for name in sorted(has.keys() & folders.keys())
+            if has[name] > folders[name]
+        ]
     return found
 
 
