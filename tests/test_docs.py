@@ -203,7 +203,9 @@ def test_every_part_made_from_the_program_is_used_on_a_page():
 
 ROOT = DOCS.parent
 #: Pages that lead through the repository.
-_DEVELOP = tuple(f"develop/{page}.rst" for page in ("architecture", "lookups", "measurements", "pages", "sentences"))
+_DEVELOP = tuple(
+    f"develop/{page}.rst" for page in ("architecture", "lookups", "measurements", "pages", "reading", "sentences")
+)
 LEADING = {page: PAGES[page] for page in (*_DEVELOP, "reference/studies.rst")}
 LEADING["CONTRIBUTING.md"] = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 FILE = re.compile(r"[\w.-]*(?:/[\w.-]*)+|[\w-]+\.(?:py|md|toml|rst|csv|h|pyx|pxd)")
