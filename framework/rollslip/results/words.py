@@ -28,8 +28,7 @@ __all__ = [
     "warned",
 ]
 
-#: How the status of a maker's least load begins that is told for a bearing at rest.
-AT_REST: Final = "at rest"
+AT_REST: Final = "at rest"  # how the status of a maker's least load begins that is told there
 #: What is known of effective friction near the slip of running away; docs/tables/runaway_effective_summary.csv.
 UNSURE: Final = (
     "by effective friction the drag of running away is off by 2.7 % in the middle of 62 random bearings and by up to "
