@@ -16,6 +16,8 @@ from rollslip import evolve, load_scene
 from rollslip.bearing.assembly import assemble
 from rollslip.motion.spins import place_of, slip_of
 from rollslip.motion.torque_balance import RANGE, TorqueBalance, rollers
+from rollslip_kernels.motion.spin import Spin as Kernel
+from rollslip_kernels.slices import Slices
 
 REFERENCES = Path(__file__).parents[1] / "references"
 
@@ -89,6 +91,17 @@ def test_two_rollers_of_a_row_have_room_where_all_load_is_at_one_position():
         assert len(table) >= max(contacts.force.size, 2 * at_positions.max())
         if contacts.raceway is one.assembly.inner:
             assert 2 * at_positions.max() > contacts.force.size, "or the case is none"
+    narrow = [(stage, Slices(load.size, one.assembly.inner.conditions), load, *rest)
+              for _, _, (stage, _, load, *rest) in spins._gathered]  # fmt: skip
+    k = one.assembly.kinematics
+    radii = k.inner_radius, k.outer_radius, k.roller_radius, k.orbit_radius
+    kernel = Kernel(slips.size * motions.positions, narrow, radii, k.roller_radius * k.epicyclic_roller_speed)
+    every = np.arange(slips.size)
+    with pytest.raises(IndexError, match="has no room for"):
+        kernel.sent_round(
+            every, motions.positions, np.ones(2), np.tile([-1.0, 1.0], (2, 1)), np.ones(2),
+            np.tile([-0.1, 0.1], (2, 1)), 2, 1e-5,
+        )  # fmt: skip
 
 
 # Of any bearing ------------------------------------------------------------------------------------------------------

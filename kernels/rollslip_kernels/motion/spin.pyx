@@ -751,6 +751,10 @@ cdef class Spin:
                 ring.resistance[at] = ring.held[k] * rolling / hypot(rolling, self.slow)
                 continue
             rolling = hypot(rolling, self.slow) if self.slow > 0.0 else rolling
+            if n + ring.first[k + 1] - ring.first[k] > ring.room:   # two at one position may need more than all loads
+                with gil:
+                    PyErr_SetObject(IndexError, f"a table of {ring.room} slices has no room for {count} rollers")
+                return RAISED
             for i in range(ring.first[k], ring.first[k + 1]):
                 s.load[n], s.rolling_speed[n], s.sliding_speed[n] = ring.load[i], rolling, sliding
                 n += 1
