@@ -8,6 +8,7 @@ import json
 import math
 import shlex
 import shutil
+import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout
@@ -267,6 +268,8 @@ class Results:
 
         with results_folder(self.target, overwrite=self._overwrite or self._resume) as folder:
             yield folder
+            # whole: an interrupt from here on would be told as if nothing had been written
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def show(self, datasets: "Mapping[str, xr.Dataset]", folder: Path) -> list[str]:
         """Draw results into the folder where they are stored as NAME.nc, with a report and metadata if asked for.
