@@ -18,6 +18,8 @@ from rollslip.units import as_written, quantity, typed, unit_given
 __all__ = ["Quantity", "evolve", "parse_set", "unknown"]
 
 _CHANGES: Final = "changes"
+#: Tables of what a scene's note speaks of.
+_NOTED: Final = frozenset({"bearing", "surface", "lubricant", "lubrication", "operation", "models", "cage"})
 
 
 @attrs.frozen(eq=False)
@@ -143,6 +145,9 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
         origins[path] = _CHANGES
     if problems:
         raise SceneError(problems)
+    if changed & _NOTED and "note" not in changed:  # what it says of the scene holds no more
+        raw.pop("note", None)
+        origins.pop(("note",), None)
     follows = {"cage"} if "bearing" in changed else set()  # it comes from the bearing's name where it says nothing
     kept = {key: getattr(scene, key) for key in raw.keys() - changed - follows}
     return checked_scene(raw, origins, scene.source, scene.text, kept)

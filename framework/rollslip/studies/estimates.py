@@ -406,7 +406,7 @@ def errors_between(judged: Mapping[str, str], dataset: "xr.Dataset", fine: "xr.D
         if coarse.shape != true.shape or np.any(np.isnan(coarse) != np.isnan(true)):
             errors[result] = math.inf
             continue
-        scale = np.abs(true) if result == "critical_slip" else np.nanmax(np.abs(true), axis=-1, keepdims=True)
+        scale = np.abs(true) if result == "critical_slip" else np.fmax.reduce(np.abs(true), axis=-1, keepdims=True)
         off = np.abs(coarse - true) / np.where(scale > 0.0, scale, 1.0)
         if not np.all(np.isnan(off)):
             errors[result] = float(np.nanmax(off))

@@ -543,7 +543,7 @@ class Dynamics(Study):
             cage_slip,
             cage,
             assembly.scene.accuracy.tolerance,
-            lambda seconds: f"; run longer with --set {self.table}.duration={seconds:.2g}" if ended else "",
+            lambda seconds: f"; run longer with --set {self.table}.duration={seconds:.2g}s" if ended else "",
             f"; store more with --set {self.table}.points={4 * self.points}",
         )
         steady, steady_status = along.settled(moving, t, (steady, steady_status))

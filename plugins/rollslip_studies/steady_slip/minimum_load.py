@@ -33,6 +33,8 @@ ANY_LOAD: Final = ("no load is needed", "any load serves")
 NO_LOAD: Final = ("no load serves", "the cage does not hold a slip")
 #: Relative accuracy of the load.
 _FOUND: Final = 1e-4
+#: Load from which the search begins where the scene has none [N].
+_ANY: Final = 1.0
 #: Step of a logarithm by which a rough excess is differentiated, longest step of secants from there, and how many.
 _STEP, _NEAR, _SECANTS = 0.01, 0.3, 6
 #: By how much the least steady slip at that load may be another, relative.
@@ -82,7 +84,7 @@ def _searched(excess: Callable[[float], float], load: float, slip: float) -> tup
     """The load at which an excess over its logarithm passes zero, or NaN and why there is none."""
     from scipy.optimize import brentq
 
-    begin = low = high = math.log(load)
+    begin = low = high = math.log(load or _ANY)
     over = excess(begin)
     while (over > 0.0) == (excess(low if over > 0.0 else high) > 0.0):
         if high - low > math.log(_FARTHEST):
