@@ -220,10 +220,10 @@ def test_limits_are_told_in_the_verdict(tmp_path):
     assert verdict([result])[:2] == [LOWER_BOUNDS, beyond], "the scene's one drag is that of the land"
     (law,) = verdict([measured("power-density")])
     assert law.startswith("viscosity under pressure follows Barus's law, as the scene names it: ")
-    first, runs, bound, harm, caution, trust = verdict([run(SCENE, "steady-slip"), result])
+    first, runs, bound, harm, caution, note, trust = verdict([run(SCENE, "steady-slip"), result])
     assert first.startswith("the cage runs away at")
     assert runs.startswith("with the drags of the scene the cage runs at a slip of")
-    assert (bound, harm, caution) == (LOWER_BOUNDS, beyond, law)
+    assert (bound, harm, caution, note) == (LOWER_BOUNDS, beyond, law, SCENE.note), "which is as it was shipped"
     assert trust.startswith("how far to trust it:")
     told = account.topics(result)
     assert told["contact temperature"][0].endswith(
