@@ -17,7 +17,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final, Protocol, TypeAlias
+from typing import Final, Protocol, TypeAlias
 
 import attrs
 import numpy as np
@@ -277,7 +277,7 @@ class Motions:
         self._rollers, self._lever = self.sense * assembly.scene.bearing.rollers, 1.0 + k.outer_radius / k.roller_radius
         self._tables: dict[bool, dict[Raceway, tuple[object, Slices]]] = {True: {}, False: {}}
         self._idle = self._most = 0.0
-        self._last: tuple[Any, Any] = (None, None)
+        self._last: tuple[bytes, list[LoadedContacts]] = b"", []
         inner, outer = ((load * width).sum(axis=1) for load, width in self.loads(np.zeros(1)))
         weight = inner
         if self.resists:
@@ -322,18 +322,13 @@ class Motions:
 
     def contacts(self, slips: Array, few: int | None = None) -> tuple[Conventional, Conventional]:
         """Contacts of inner and outer ring at all positions of the orbits of some cage slips."""
-        key = ("rows", self.instants, self._few, slips.tobytes())
+        key = slips.tobytes()
         if self._last[0] != key:
-            made = self.assembly.kept(key, self.instants * slips.size, lambda: self._made(slips))
-            self._last = key, made
+            self._last = key, [LoadedContacts(self.assembly.inner, *own, 1.0) for own in self.loads(slips)]
         made = self._last[1]
         if few is not None and few != self._few:  # the rule of a rule is that of what it stands for
-            made = made[0].fewer(few), made[1].fewer(few)
+            made = [of.fewer(few) for of in made]
         inner, outer = (Conventional(of.on(own)) for of, own in zip(made, self.assembly.raceways, strict=True))
-        return inner, outer
-
-    def _made(self, slips: Array) -> tuple[LoadedContacts, LoadedContacts]:
-        inner, outer = (LoadedContacts(self.assembly.inner, *own, 1.0) for own in self.loads(slips))
         return inner, outer
 
     def frictions(self, contacts: tuple[Conventional, Conventional]) -> tuple["Conventional | Effective", ...]:
