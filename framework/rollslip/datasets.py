@@ -314,7 +314,9 @@ class Bearing:
             if wrong:
                 size = format_quantity(bore if name == "bore" else outside, "m")
                 raise FieldError(
-                    "catalogue", f"{name} of {size} leaves nothing of a ring at {format_quantity(ring, 'm')}"
+                    "catalogue",
+                    f"{name} of {size} leaves nothing of a ring at {format_quantity(ring, 'm')}: leave out "
+                    "raceways and rollers that are stated of another bearing, or correct them",
                 )
         if abs(self.radial_clearance) >= diameter:
             clearance = format_quantity(self.radial_clearance, "m")
