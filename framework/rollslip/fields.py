@@ -267,17 +267,7 @@ def within_possible(instance: object, attribute: "attrs.Attribute[Any]", value: 
 
 
 def unusual(attribute: "attrs.Attribute[Any]", value: float, given: str | None = None) -> str:
-    """Say that a value of a field is outside what is usual, and what was likely meant; nothing where it is not.
-
-    Parameters
-    ----------
-    attribute
-        The field.
-    value
-        Its value, in its unit.
-    given
-        The unit in which it was given, see `rollslip.units.unit_given`.
-    """
+    """Say that a value of a field is outside what is usual, and what was likely meant; nothing where it is not."""
     span: Span | None = attribute.metadata.get("usual")
     if span is None or span[0] <= value <= span[1]:
         return ""

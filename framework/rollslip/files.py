@@ -45,13 +45,7 @@ def readable(name: str) -> str:
 
 
 def content_of(path: Path) -> bytes:
-    """Return what stands in a file of some pages, or comes through a pipe.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read, is larger than any text for a person, or nothing comes through the pipe.
-    """
+    """Return what stands in a file of some pages, or comes through a pipe."""
     if stat.S_ISFIFO(path.stat().st_mode) and hasattr(os, "O_NONBLOCK"):
         return _through_pipe(path)
     with path.open("rb") as file:
@@ -97,24 +91,6 @@ def read_columns(
 
     Lines that start with ``#`` are comments. The columns are the fields of an attrs class, in any order; those without
     a default are required.
-
-    Parameters
-    ----------
-    text, source : str
-        Content of the file, and its name in messages.
-    row : type
-        attrs class with fields declared by `rollslip.fields.field`, all of them numbers with units.
-    faults : list of str
-        Takes one sentence for every fault, each as ``data.csv:7: friction: sentence``, those of the header first.
-    check : callable, optional
-        Says what is wrong with the names of the columns together, or nothing.
-
-    Returns
-    -------
-    columns : dict
-        Name -> SI values of the rows, to be used if there are no faults.
-    lines : tuple of int
-        Line of each row in the file.
     """
     known = {attribute.name: attribute for attribute in attributes(row)}
     required = [name for name, attribute in known.items() if attribute.default is attrs.NOTHING]
@@ -204,24 +180,7 @@ def _value(cell: str, unit: str, column: "attrs.Attribute[Any]", where: str, fau
 def whole(
     target: Path, *, sort: str = "", put: Callable[[Path, Path], None] | None = None, remedy: str = _REMEDY
 ) -> Iterator[Path]:
-    """Give an empty folder that becomes the new folder ``target`` when the block ends well, else vanishes.
-
-    Parameters
-    ----------
-    target
-        What it becomes.
-    sort
-        Part of the name that the folder has until then, after that of the target.
-    put
-        Puts it in the place of the target; by default what is there has to be nothing, or empty.
-    remedy
-        What to do if it cannot be written.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written; what goes wrong in the block is its own to tell, see `blamed`.
-    """
+    """Give an empty folder that becomes the new folder ``target`` when the block ends well, else vanishes."""
     # named before it is made, so that an interrupt right after that finds it too
     partial = target.parent / f".{target.name}.{sort}{os.urandom(4).hex()}"
     try:
@@ -238,13 +197,7 @@ def whole(
 
 @contextmanager
 def blamed(target: Path, remedy: str = _REMEDY) -> Iterator[None]:
-    """Turn what the system says against writing into one error that names what was to be written, and a remedy.
-
-    Raises
-    ------
-    OutputError
-        If an OSError comes out of the block.
-    """
+    """Turn what the system says against writing into one error that names what was to be written, and a remedy."""
     try:
         yield
     except OSError as error:
@@ -260,13 +213,7 @@ def umask() -> int:
 
 @contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """Give the place of a new file that becomes ``target`` when the block ends well, and vanishes when it does not.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
-    """
+    """Give the place of a new file that becomes ``target`` when the block ends well, and vanishes when it does not."""
     partial = target.with_name(f".{target.name}.partial")
     with blamed(target):
         try:

@@ -83,25 +83,6 @@ def structure(
     A float field takes what `rollslip.units.quantity` takes, an int field whole numbers, a bool field true and false, a
     str field text; tuples take lists, attrs classes take tables. A field of a number or an attrs class takes either.
     Nothing else is converted.
-
-    Parameters
-    ----------
-    cls
-        attrs class with fields declared by `rollslip.fields.field` or `parameter`.
-    raw
-        The table, as `tomllib` gives it.
-    where
-        Place of the table; a plain key if nothing is known about the file.
-    problems
-        Takes one sentence for every fault found.
-    known
-        Values of keys of the table that are read already.
-    own
-        Unit of the key at which the table stands, for fields that have it.
-
-    Returns
-    -------
-    The instance, or None if anything in the table is wrong.
     """
     if isinstance(where, str):
         where = Location({}, split_key(where) if where else ())

@@ -66,13 +66,7 @@ def thawed(value: object) -> Any:
 
 
 def parse(text: str, source: str) -> tuple[dict[str, Any], dict[KeyPath, str]]:
-    """Return a document as nested tables, and the place in the file that each of its keys came from.
-
-    Raises
-    ------
-    SceneError
-        If the text is not TOML.
-    """
+    """Return a document as nested tables, and the place in the file that each of its keys came from."""
     try:
         raw = tomllib.loads(text)
     except (ValueError, RecursionError) as error:

@@ -358,13 +358,7 @@ def typed_range(text: str) -> str:
 
 
 def check_typed(text: str, ends: Sequence[str], unit: str) -> None:
-    """Refuse ends of a typed range that have no unit; of any other text nothing.
-
-    Raises
-    ------
-    UnitError
-        What to write.
-    """
+    """Refuse ends of a typed range that have no unit; of any other text nothing."""
     for end in ends if isinstance(text, _TypedRange) and unit != "1" else ():
         if _NUMBER.fullmatch(end.strip()):
             raise UnitError(no_unit(end.strip(), unit))
@@ -541,17 +535,6 @@ def _scale(given: str, unit: str) -> tuple[Fraction, Fraction]:
 
 def likely(value: float, given: str, unit: str, usual: Callable[[float], bool]) -> str | None:
     """Return the same number with another unit that makes it a usual value; None if no unit does.
-
-    Parameters
-    ----------
-    value
-        The value in `unit`.
-    given
-        The unit in which a person gave it, see `unit_given`.
-    unit
-        Its SI unit, as in `quantity`.
-    usual
-        Whether a value in `unit` is usual.
 
     Examples
     --------

@@ -275,13 +275,7 @@ class Network(ThermalModel):
         return tuple(_NODES[k] for k in self._places)
 
     def of(self, assembly: "Assembly") -> Self:
-        """Return the network with what is not given estimated from the bearing.
-
-        Raises
-        ------
-        SceneError
-            If heat has no way out.
-        """
+        """Return the network with what is not given estimated from the bearing."""
         estimates: dict[str, Any] = _estimates(self, assembly)
         model = attrs.evolve(self, **{k: v for k, v in estimates.items() if getattr(self, k) is None})
         supply, oil = assembly.scene.lubrication.oil_flow, assembly.lubricant.density

@@ -93,13 +93,7 @@ class Assembly:
 
     @property
     def centrifugal_force(self) -> float:
-        """Centrifugal force m R_m w_ce^2 of a roller at the epicyclic cage speed [N].
-
-        Raises
-        ------
-        DomainError
-            If it overflows.
-        """
+        """Centrifugal force m R_m w_ce^2 of a roller at the epicyclic cage speed [N]."""
         return self._centrifugal_force_at(self.kinematics.epicyclic_cage_speed)
 
     def _centrifugal_force_at(self, cage_speed: float) -> float:
@@ -114,15 +108,7 @@ class Assembly:
 
     @property
     def cage(self) -> Cage:
-        """The cage with its drags; read when a study in time asks for it.
-
-        Raises
-        ------
-        SceneError
-            If it is wrong.
-        PluginError
-            If a drag that it names does not exist or cannot be loaded.
-        """
+        """The cage with its drags; read when a study in time asks for it."""
 
         def bound() -> Cage:
             read = self._known("read", (self.scene.cage, self.scene.bearing), lambda: read_cage(self.scene))
@@ -192,13 +178,6 @@ class Assembly:
             Speed [rad/s] with which the rollers go round, for their centrifugal force; by default the epicyclic one.
         known : LoadDistribution, optional
             That of half as many instants at this cage speed, whose instants are not solved for again.
-
-        Raises
-        ------
-        ConvergenceError
-            If forces and moments do not balance to 1e-10.
-        DomainError
-            If a force is more than the contact law, or a float, can hold.
         """
         if known is not None or cage_speed is not None:
             return self._solved_loads(instants, cage_speed, known)
@@ -427,15 +406,7 @@ def _lubricant(scene: Scene, where: Location, problems: list[str]) -> Lubricant 
 
 
 def read_oil(written: LubricantTable, where: Location) -> Lubricant:
-    """Return the oil of a table ``[lubricant]``, with its law of viscosity under pressure.
-
-    Raises
-    ------
-    SceneError
-        With the faults of the table.
-    PluginError
-        If the oil or the law that it names does not exist or cannot be loaded.
-    """
+    """Return the oil of a table ``[lubricant]``, with its law of viscosity under pressure."""
 
     def named(name: str) -> Lubricant:
         try:
@@ -449,13 +420,7 @@ def read_oil(written: LubricantTable, where: Location) -> Lubricant:
 
 
 def simplified(traction: TractionModel, resolution: Resolution) -> TractionModel:
-    """Return the traction that a resolution leaves of a scene's: without boundary friction, or by a cheaper law.
-
-    Raises
-    ------
-    PluginError
-        If the law that is to serve does not exist.
-    """
+    """Return the traction that a resolution leaves of a scene's: without boundary friction, or by a cheaper law."""
     if not resolution.boundary:
         traction = traction.full_film
     if resolution.traction != "named":

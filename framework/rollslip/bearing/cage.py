@@ -244,13 +244,7 @@ def _number(table: Mapping[str, object], key: str, unit: str, otherwise: float) 
 
 
 def supplied(scene: Scene, lubricant: Lubricant) -> Supplied:
-    """Return what the supply of oil of a scene comes to, at the temperature of the operation.
-
-    Raises
-    ------
-    SceneError
-        If the data of the oil do not reach to that temperature.
-    """
+    """Return what the supply of oil of a scene comes to, at the temperature of the operation."""
     o = scene.operation
     density = DENSITY if lubricant.density is None else lubricant.density(o.temperature)
     b, speed = scene.bearing, o.inner_speed - o.outer_speed
@@ -276,13 +270,6 @@ def read_cage(scene: Scene) -> Cage:
     """Return the cage of a scene, that of its bearing where it has none, with its drags as they are named.
 
     `with_drags` binds these.
-
-    Raises
-    ------
-    SceneError
-        If it is wrong; all faults that can be found at once.
-    PluginError
-        If a drag that it names does not exist or cannot be loaded.
     """
     where, problems = Location(scene.origins, ("cage",)), list[str]()
     table: dict[str, object] = dict(scene.cage or {})
@@ -373,13 +360,7 @@ def doubts(scene: Scene) -> Iterator[tuple[Location, str]]:
 
 
 def with_drags(cage: Cage, scene: Scene, kinematics: Kinematics, lubricant: Lubricant) -> Cage:
-    """Return a cage with its drags bound to what the scene gives.
-
-    Raises
-    ------
-    SceneError
-        If they need what it does not give, or do not go together; all faults that can be found at once.
-    """
+    """Return a cage with its drags bound to what the scene gives."""
     where, problems = Location(scene.origins, ("cage",)), list[str]()
     values = _scene_values(scene, cage, kinematics, lubricant)
     filled = [_filled(model, values, where.at("drag").at(k), problems) for k, model in enumerate(cage.named)]

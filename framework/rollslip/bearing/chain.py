@@ -36,13 +36,7 @@ _LARGE: Final = 5 * _PART
 
 @cache
 def threads() -> int:
-    """Return how many threads share a large table: ROLLSLIP_THREADS, or the processors that this process may use.
-
-    Raises
-    ------
-    RollslipError
-        If ROLLSLIP_THREADS is not a whole number of at least 1.
-    """
+    """Return how many threads share a large table: ROLLSLIP_THREADS, or the processors that this process may use."""
     given = os.environ.get("ROLLSLIP_THREADS")
     if given is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -88,13 +82,7 @@ if hasattr(os, "register_at_fork"):
 
 
 def stage(model: SliceModel) -> object:
-    """Return the capsule of a model: its kernel, or a call of its ``evaluate``.
-
-    Raises
-    ------
-    PluginError
-        If the model's kernel does not keep the contract of ``rollslip.h``.
-    """
+    """Return the capsule of a model: its kernel, or a call of its ``evaluate``."""
     return _checked(model, _kernel(model))
 
 
@@ -334,11 +322,6 @@ def along(jobs: Sequence[Job]) -> list[tuple[Array, Array]]:
     -------
     list
         Sums of the friction by weight and smallest films [m] of every row, (n,) each.
-
-    Raises
-    ------
-    DomainError, PluginError
-        As the chain does, for the first table that fails.
     """
     small = [(bound, u, V, owner, weight) for bound, u, V, owner, weight in jobs if isinstance(bound, kernels.Bound)]
     sums = iter(kernels.along(small))

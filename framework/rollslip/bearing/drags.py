@@ -100,24 +100,12 @@ class Drags:
         return sum((model.torque(cage_speed, inner_speed, outer_speed) for model in self.torques), 0.0)
 
     def capsules(self) -> tuple[object, ...]:
-        """Return the torques as capsules ``rs_drag``; one without a kernel is called in Python.
-
-        Raises
-        ------
-        PluginError
-            If a kernel does not keep the contract of ``rollslip.h``.
-        """
+        """Return the torques as capsules ``rs_drag``; one without a kernel is called in Python."""
         return tuple(torque_capsule(model) for model in self.torques)
 
 
 def torque_capsule(model: DragModel) -> object:
-    """Return the capsule of a torque: its kernel, or a call of its ``torque``.
-
-    Raises
-    ------
-    PluginError
-        If the model's kernel does not keep the contract of ``rollslip.h``.
-    """
+    """Return the capsule of a torque: its kernel, or a call of its ``torque``."""
     who = f"drag {model.name!r}: {type(model).__module__}.{type(model).__qualname__}.kernel()"
     try:
         capsule = model.kernel()

@@ -59,22 +59,10 @@ def angular_positions(rollers: int, instants: int) -> Floats:
 
     psi[m, j] = 2 pi (j + m / instants) / Z: after one pitch a bearing with equal rollers repeats itself.
 
-    Parameters
-    ----------
-    rollers : int
-        Number of rollers Z.
-    instants : int
-        Number of instants.
-
     Returns
     -------
     ndarray
         psi [rad], 0 in the line of load, of shape (instants, Z).
-
-    Raises
-    ------
-    ValueError
-        There is no roller or no instant.
     """
     if rollers < 1 or instants < 1:
         raise ValueError(f"{rollers} rollers at {instants} instants: there must be at least one of each")
@@ -346,11 +334,6 @@ def solve_orbits(case: LoadCase, contacts: tuple[Contacts, Contacts], centrifuga
     """Loads of inner and outer ring [N/m] at several centrifugal forces [N], each from the one before.
 
     Of shape (forces, first half of a roller pitch, Z, n); `over_pitch` gives the other half.
-
-    Raises
-    ------
-    ConvergenceError, DomainError
-        As `solve_equilibrium`.
     """
     instants, rollers = case.psi.shape
     solved = instants // 2 + 1
@@ -386,27 +369,6 @@ def solve_pitch(
 
     Roller j at instant m is the mirror image, in the line of load, of roller Z - 1 - j at instant M - m, and carries
     the same. With twice as many instants, every second one is that of before.
-
-    Parameters
-    ----------
-    case : LoadCase
-        Bearing and load, psi as `angular_positions` gives it.
-    contacts : pair
-        With inner and outer ring, as for `solve_equilibrium`.
-    known : LoadDistribution, optional
-        What this function gave for half as many instants of the same bearing.
-
-    Returns
-    -------
-    LoadDistribution
-        Loads, positions and residuals at every instant.
-
-    Raises
-    ------
-    ConvergenceError, DomainError
-        As `solve_equilibrium`.
-    ValueError
-        ``known`` has another number of instants than half.
     """
     instants = case.psi.shape[0]
     if known is not None and 2 * known.psi.shape[0] != instants:

@@ -88,13 +88,7 @@ class LoadMap:
         return self.orbits.over_position + self.orbits.over_force
 
     def interval(self, centrifugal: float) -> tuple[float, float]:
-        """Return the nodes of centrifugal force [N] between which loads are linear at one from 0 to the top.
-
-        Raises
-        ------
-        ConvergenceError
-            If the tolerance is not reached with the most nodes, or the bearing finds no equilibrium.
-        """
+        """Return the nodes of centrifugal force [N] between which loads are linear at one from 0 to the top."""
         return self.orbits.interval(centrifugal)
 
     def loads(self, centrifugal: float) -> Array:
@@ -261,18 +255,7 @@ class Orbits:
         return low, high
 
     def measured(self, known: Mapping[float, LoadDistribution]) -> dict[float, LoadDistribution]:
-        """Measure the map between its positions, at the roots and where their intervals are halved first.
-
-        Parameters
-        ----------
-        known : mapping
-            What this method returned for half as many instants.
-
-        Returns
-        -------
-        dict
-            Load distributions by centrifugal force, as far as it came within the tolerance.
-        """
+        """Measure the map between its positions, at the roots and where their intervals are halved first."""
         distributions = dict[float, LoadDistribution]()
 
         def measure(force: float) -> bool:

@@ -69,11 +69,6 @@ class Resolution:
         Friction and level of detail of a bearing in motion; None for what the study says.
     compiled : bool
         Whether stages run compiled where they can, else in NumPy.
-
-    Raises
-    ------
-    FieldError
-        If a value is not allowed.
     """
 
     slices: int = parameter(default=101, doc="slices along a roller", validator=in_range(1, 20_000))
@@ -124,15 +119,6 @@ def refined(scene: Scene, own: Resolution, step: float = 1.0) -> Resolution:
     """Return four times as many slices and instants as a resolution has, with tables and steps to match.
 
     For bearings in motion, whose finest would take days; the error of this is a sixteenth.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene, whose own number of slices is kept.
-    own : Resolution
-        The resolution.
-    step : float
-        Relative tolerance of its steps.
     """
     best = finest(scene)
     return attrs.evolve(
@@ -172,13 +158,7 @@ class LeftOut(abc.ABC):
 
     @abc.abstractmethod
     def __call__(self, slices: Slices) -> None:
-        """Check the bound on evaluated slices.
-
-        Raises
-        ------
-        BoundBrokenError
-            If it is broken.
-        """
+        """Check the bound on evaluated slices."""
 
     @abc.abstractmethod
     def taken_back(self, resolution: Resolution) -> Resolution:

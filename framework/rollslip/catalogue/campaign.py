@@ -42,13 +42,7 @@ class Campaign:
     function: str = ""
 
     def load_command(self) -> Any:
-        """Return the command.
-
-        Raises
-        ------
-        PluginError
-            If it cannot be imported, or is not there.
-        """
+        """Return the command."""
         try:
             return pkgutil.resolve_name(self.command)
         except (Exception, SystemExit) as error:
@@ -71,13 +65,7 @@ def campaigns() -> tuple[str, ...]:
 
 
 def campaign(name: str) -> Campaign:
-    """Return a campaign by name.
-
-    Raises
-    ------
-    PluginError
-        If there is none, or it cannot be used.
-    """
+    """Return a campaign by name."""
     points = _points().get(name, {})
     if [*points] == ["rollslip"]:
         found: Campaign = next(one for one in points["rollslip"].load().campaigns() if one.name == name)

@@ -28,27 +28,7 @@ _DATA: Final = '["py.typed"'
 
 
 def add_compiled(folder: Path, requirement: str) -> list[str]:
-    """Add the frame of a compiled form to a package.
-
-    Parameters
-    ----------
-    folder : Path
-        The package, as ``rollslip plugins new`` wrote it.
-    requirement : str
-        Versions of rollslip that it is built with.
-
-    Returns
-    -------
-    list of str
-        What is left to do, line by line.
-
-    Raises
-    ------
-    FieldError
-        If there is no such package, it has a compiled form, or its model is not one that has one; nothing is written.
-    OutputError
-        If a file cannot be written.
-    """
+    """Add the frame of a compiled form to a package."""
     from rollslip.files import whole_file
 
     def refused(reason: str) -> FieldError:

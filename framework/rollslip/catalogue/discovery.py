@@ -183,13 +183,7 @@ def families(kind: str) -> Iterator[tuple[Offer, Any]]:
 
 
 def find(kind: str, name: str) -> Offer:
-    """Return the offer behind a name.
-
-    Raises
-    ------
-    PluginError
-        If no package offers it (the message gives the nearest three), or the one that does cannot be used.
-    """
+    """Return the offer behind a name."""
     check_kind(kind)
     offers = [offer for offer in catalogue() if offer.kind == kind and offer.name == name and not offer.is_family]
     for offer in offers:
@@ -257,13 +251,7 @@ def _said_by(method: str, kind: str, name: str) -> Any:
 
 
 def named_data(raw: Mapping[str, object]) -> list[Offer]:
-    """Return the offers of the named values that the tables of a raw scene start from.
-
-    Raises
-    ------
-    PluginError
-        If no package offers one of them.
-    """
+    """Return the offers of the named values that the tables of a raw scene start from."""
     tables = {key: table for key, table in raw.items() if key in kinds() and get_kind(key).data}
     names = {key: table.get("name") if isinstance(table, Mapping) else table for key, table in tables.items()}
     return [find(key, name) for key, name in names.items() if isinstance(name, str)]
@@ -273,24 +261,12 @@ def named_data(raw: Mapping[str, object]) -> list[Offer]:
 
 
 def get_class(kind: str, name: str) -> Any:
-    """Return what is offered under a name, a model class or a named value, importing only the module behind it.
-
-    Raises
-    ------
-    PluginError
-        If the name is unknown, or its package cannot be imported or does not offer what its metadata promises.
-    """
+    """Return what is offered under a name, a model class or a named value, importing only the module behind it."""
     return load(find(kind, name))
 
 
 def load(offer: Offer) -> Any:
-    """Return what is behind an offer.
-
-    Raises
-    ------
-    PluginError
-        If it cannot be loaded, whatever the reason; the message names the package.
-    """
+    """Return what is behind an offer."""
     return _registered[offer.kind, offer.name] if offer.package == THIS_PROCESS else _load(offer)
 
 
@@ -403,13 +379,7 @@ _registered: Final[dict[tuple[str, str], Any]] = {}
 
 
 def add(kind: str, thing: Any, *, replace: bool = False) -> None:
-    """Offer a model class or a named value in this process; see `rollslip.catalogue.session`.
-
-    Raises
-    ------
-    PluginError
-        If the thing cannot be used as one of its kind, or its name is taken and not to be replaced.
-    """
+    """Offer a model class or a named value in this process; see `rollslip.catalogue.session`."""
     if problem := get_kind(kind).fault(thing):
         raise PluginError(f"{kind} {getattr(thing, 'name', None)!r} cannot be registered: {problem}")
     taken = [offer for offer in catalogue() if (offer.kind, offer.name) == (kind, thing.name)]

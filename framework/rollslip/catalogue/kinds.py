@@ -150,13 +150,7 @@ def kinds() -> Mapping[str, importlib.metadata.EntryPoint]:
 
 
 def check_kind(name: str) -> None:
-    """Refuse a name that no kind has, without loading any.
-
-    Raises
-    ------
-    PluginError
-        If there is no such kind.
-    """
+    """Refuse a name that no kind has, without loading any."""
     if name not in kinds():
         near = nearest(name, kinds(), count=1)
         hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(kinds())}"
@@ -165,13 +159,7 @@ def check_kind(name: str) -> None:
 
 @cache
 def get_kind(name: str) -> Kind:
-    """Return a kind by name.
-
-    Raises
-    ------
-    PluginError
-        If there is no such kind, or its package cannot be used.
-    """
+    """Return a kind by name."""
     check_kind(name)
     (package, point), *others = _found()[name].items()
     if others:

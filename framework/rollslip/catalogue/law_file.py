@@ -38,13 +38,7 @@ class LawFile:
 
 
 def read_law_file(path: Path) -> LawFile:
-    """Return the classes that the functions of a file become, and the module that holds them.
-
-    Raises
-    ------
-    FieldError
-        If the file cannot be read or run, offers nothing or things of two kinds, or does more than define.
-    """
+    """Return the classes that the functions of a file become, and the module that holds them."""
 
     def refused(reason: str) -> FieldError:
         return FieldError("from", f"{path}{reason}")

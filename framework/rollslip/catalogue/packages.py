@@ -100,22 +100,7 @@ def as_dicts(packages: Iterable[PluginPackage]) -> list[dict[str, Any]]:
 
 
 def check_required(required: Iterable[str], where: Location) -> None:
-    """Check that the packages a scene requires are installed, by their metadata alone.
-
-    Parameters
-    ----------
-    required : iterable of str
-        Requirements as pip takes them, such as "rollslip-cross>=0.1".
-    where : Location
-        Place of the list in the scene.
-
-    Raises
-    ------
-    SceneError
-        If a requirement cannot be read; all of them.
-    PluginError
-        If a package is missing, disabled or of another version; all of them, one sentence a line.
-    """
+    """Check that the packages a scene requires are installed, by their metadata alone."""
     problems, missing = [], []
     for index, text in enumerate(required):
         from packaging.requirements import InvalidRequirement, Requirement  # slow, and few scenes require anything

@@ -54,15 +54,7 @@ def get_model(kind: str, name: str, **parameters: object) -> Any:
 
 
 def structure_models(kind: str, named: Iterable[tuple[str, Mapping[str, object]]], where: Location) -> tuple[Any, ...]:
-    """Return models of a list in a scene, each by its name and parameters, in their order.
-
-    Raises
-    ------
-    SceneError
-        If a parameter of one is wrong, or two are called alike.
-    PluginError
-        If one does not exist or cannot be loaded.
-    """
+    """Return models of a list in a scene, each by its name and parameters, in their order."""
     problems, names = list[str](), list[str]()
     models: list[Any] = []
     for k, (name, parameters) in enumerate(named):
@@ -76,13 +68,7 @@ def structure_models(kind: str, named: Iterable[tuple[str, Mapping[str, object]]
 
 
 def structure_model(kind: str, raw: object, where: Location, problems: list[str]) -> Any:
-    """Return the model that a scene describes, by a name or a table with ``model``, or None with its faults noted.
-
-    Raises
-    ------
-    PluginError
-        If there is no such model or its package cannot be used; the message gives the place in the scene.
-    """
+    """Return the model that a scene describes, by a name or a table with ``model``, or None with its faults noted."""
     if isinstance(raw, str):
         raw = {"model": raw}
     if isinstance(raw, get_kind(kind).base):

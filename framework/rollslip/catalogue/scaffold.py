@@ -33,34 +33,7 @@ _TAKEN: Final = frozenset({"Chain", "ClassVar", "Conditions", "Conformance", "Ma
 
 
 def new(name: str, kind: str, compiled: bool, folder: Path, law: Path | None = None) -> Path:
-    """Write the package of a new plugin.
-
-    Parameters
-    ----------
-    name : str
-        Name of the distribution: lower-case letters and digits with single hyphens; the model's is the same without
-        a leading "rollslip-".
-    kind : str
-        A kind that has a template: "contact", "film", "traction", "study" ...
-    compiled : bool
-        With a form compiled against ``rollslip.h`` beside the NumPy form; for contact, film, traction and drag.
-    folder : Path
-        Where the folder ``name`` is made.
-    law : Path, optional
-        A file whose functions `rollslip.model` offers, which the package is made of; they say its kind.
-
-    Returns
-    -------
-    Path
-        The new folder.
-
-    Raises
-    ------
-    FieldError
-        If the name cannot be used or is taken, the kind is unknown, or it has no compiled form.
-    OutputError
-        If there is something of that name already, or it cannot be written; then nothing is left.
-    """
+    """Write the package of a new plugin."""
     from rollslip.files import blamed, whole
 
     texts = package(name, kind, compiled, law)
@@ -83,13 +56,7 @@ def compile_too(folder: Path) -> list[str]:
 
 
 def package(name: str, kind: str, compiled: bool, law: Path | None = None) -> dict[str, str]:
-    """Return the files of a new package, path -> text, without writing any.
-
-    Raises
-    ------
-    FieldError
-        As `new`.
-    """
+    """Return the files of a new package, path -> text, without writing any."""
     of = None if law is None else read_law_file(law)
     if of is not None:
         if kind not in ("", of.kind):

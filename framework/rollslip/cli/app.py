@@ -135,15 +135,7 @@ def results_options(
     overwrite: bool = True,
     resume: bool = False,
 ) -> Callable[[Any], Any]:
-    """Add the options of a command that writes results; the command gets `results` in place of them and of --json.
-
-    Parameters
-    ----------
-    folder, plots : str
-        What --out is, and what --no-plots leaves.
-    out, overwrite, resume : bool
-        Whether there are such options.
-    """
+    """Add the options of a command that writes results; the command gets `results` in place of them and of --json."""
     options = [
         *([click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help=folder)] if out else []),
         *(
@@ -382,13 +374,6 @@ def progress(what: str, seconds: float = math.nan) -> "Iterator[Shown]":
     """Show how far something is and how long it will take: a bar on a terminal, else a line every half a minute.
 
     Messages that are printed meanwhile stand above the bar. The bar vanishes at the end.
-
-    Parameters
-    ----------
-    what : str
-        What is done.
-    seconds : float
-        How long it was estimated to take [s], for a time left where nothing better is told.
     """
     from rollslip.planning.progress import Watch
 

@@ -253,13 +253,7 @@ def installation() -> Sections:
 
 
 def result_info(path: Path) -> Sections:
-    """Return what a stored result holds and where it comes from.
-
-    Raises
-    ------
-    OutputError
-        If the file is not a result, or cannot be told as one of its study.
-    """
+    """Return what a stored result holds and where it comes from."""
     from rollslip.results.dataset import open_result, telling
 
     dataset = open_result(path)
@@ -289,13 +283,7 @@ def _held(dataset: "xr.Dataset") -> Sections:
 
 
 def scene_info(scene: Scene) -> Sections:
-    """Return what follows from a scene: kinematics, oil at temperature, load distribution, the heaviest contact's film.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If the scene or a model it names cannot be used.
-    """
+    """What follows from a scene: kinematics, oil at temperature, load distribution, the heaviest contact's film."""
     import numpy as np
 
     from rollslip.bearing.assembly import assemble

@@ -32,13 +32,7 @@ _SAID = ("quantity", "distribution", "grade", "source")
 
 
 def print_models(what: str | None) -> None:
-    """Print all names, the models of a kind, or all about one name.
-
-    Raises
-    ------
-    PluginError
-        If nothing is called so.
-    """
+    """Print all names, the models of a kind, or all about one name."""
     what = _KINDS.get(what, what) if what is not None else None
     if what is None:
         for kind in offered_kinds():
@@ -68,13 +62,7 @@ def models_as_dict(what: str | None) -> Any:
 
 
 def kinds_of(name: str) -> list[str]:
-    """Return the kinds in which something of this name is offered.
-
-    Raises
-    ------
-    PluginError
-        If there is none; the message gives the nearest names.
-    """
+    """Return the kinds in which something of this name is offered."""
     offering = [kind for kind in offered_kinds() if name in available(kind)] or [
         kind for kind in offered_kinds() if get_kind(kind).data and _is_called(kind, name)
     ]

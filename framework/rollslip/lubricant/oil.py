@@ -325,17 +325,7 @@ def scatter_of(
     pressure_viscosity_source: str,
     exponent: float,
 ) -> tuple[Scatter, ...]:
-    """Return the scatter of an oil: of eta0, alpha, what pressure makes of it, and its shear.
-
-    Parameters
-    ----------
-    viscosity, grade, source
-        Relative half width of eta0, and who says so.
-    pressure_viscosity, pressure_viscosity_source
-        Relative half width of alpha, and who says so.
-    exponent
-        Relative standard deviation of ln(eta/eta0), `rollslip.lubricant.base_oil.exponent_factor`; 0 leaves it out.
-    """
+    """Return the scatter of an oil: of eta0, alpha, what pressure makes of it, and its shear."""
     found: list[tuple[str, str, dict[str, object], str, str]] = [
         ("viscosity_factor", "uniform", {"scatter": viscosity}, grade, source),
         ("pressure_viscosity_factor", "uniform", {"scatter": pressure_viscosity}, "(C)", pressure_viscosity_source),

@@ -91,13 +91,7 @@ class PressureViscosity(SliceModel):
 
 @cache
 def law_of_the_box(name: str) -> type[PressureViscosity]:
-    """Return a law that comes with rollslip, by its name; who reads a scene takes those of all packages.
-
-    Raises
-    ------
-    KeyError
-        If there is none.
-    """
+    """Return a law that comes with rollslip, by its name; who reads a scene takes those of all packages."""
     points = importlib.metadata.distribution("rollslip").entry_points.select(group="rollslip.pressure_viscosity")
     module = importlib.import_module({point.name: point.value for point in points}[name])
     laws: list[type[PressureViscosity]] = module.pressure_viscosity_laws()
@@ -148,17 +142,7 @@ def slope_of_oil(doc: str) -> Any:
 
 
 def with_law(model: Any, law: PressureViscosity, slopes: Mapping[str, float] = NO_SLOPES) -> Any:
-    """Return a model with the oil's law and slopes with pressure in it, and in its children, where they ask for them.
-
-    Parameters
-    ----------
-    model : SliceModel
-        The model.
-    law : PressureViscosity
-        How viscosity rises with pressure.
-    slopes : mapping of str to float
-        By the name that models have for them, such as ``eyring_stress_slope``; what is not given stays.
-    """
+    """Return a model with the oil's law and slopes with pressure in it, and its children, where they ask for them."""
     changes: dict[str, Any] = {}
     for attribute in attrs.fields(type(model)):
         value = getattr(model, attribute.name)

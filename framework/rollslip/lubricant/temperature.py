@@ -122,11 +122,6 @@ class SmoothTable:
     values : tuple of float
         The property at each, positive, SI.
 
-    Raises
-    ------
-    ValueError
-        The temperatures do not rise, their number differs from that of the values, or a value is not positive.
-
     References
     ----------
     Fritsch F.N., Butland J. A method for constructing local monotone piecewise cubic interpolants. SIAM J. Sci. Stat.

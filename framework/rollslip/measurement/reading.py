@@ -56,13 +56,7 @@ _CLOSED: Final = "not redistributable"
 
 
 def load_measurements(folder: str | os.PathLike[str]) -> list[Measurement]:
-    """Return the data sets in the folders below one, in the order of their names.
-
-    Raises
-    ------
-    SceneError
-        If there is none, or as `load_measurement`.
-    """
+    """Return the data sets in the folders below one, in the order of their names."""
     found = sorted(path.parent for path in Path(folder).glob(f"*/{FILE}"))
     if not found:
         raise SceneError([f"{readable(os.fspath(folder))}: no folder in it has a file {FILE}"])
@@ -70,25 +64,7 @@ def load_measurements(folder: str | os.PathLike[str]) -> list[Measurement]:
 
 
 def load_measurement(folder: str | os.PathLike[str]) -> Measurement:
-    """Read a data set.
-
-    Parameters
-    ----------
-    folder : path
-        Folder with ``measurement.toml`` and what that names.
-
-    Returns
-    -------
-    Measurement
-        Checked: every row can be put into its scene, and every statement too.
-
-    Raises
-    ------
-    SceneError
-        With every fault of its files, each with file, line and key.
-    PluginError
-        If a bearing, an oil or a surface that a scene names is not there.
-    """
+    """Read a data set."""
     base = Path(folder)
     source = readable(os.fspath(base / FILE))
     text = decoded(_content(base / FILE), source)

@@ -133,13 +133,7 @@ class RigData:
         return f"{self.source}:{self.lines[row]}: {column}: {reason}"
 
     def load_per_length(self, contact: "RigContact") -> Array:
-        """Return the normal force per length [N/m] on a contact; from a pressure, after Hertz, w = 32 R p^2/(pi E').
-
-        Raises
-        ------
-        SceneError
-            If a normal force is given and the contact has no length.
-        """
+        """Return the normal force per length [N/m] on a contact; from a pressure, after Hertz, w = 32 R p^2/(pi E')."""
         kind = next(name for name in _LOADS if name in self.columns)
         values = self.columns[kind]
         if kind == "load_per_length":

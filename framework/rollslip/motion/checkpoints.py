@@ -42,13 +42,7 @@ class Checkpoints:
         return sorted(self.folder.glob(f"{self.study}-*.npz"))
 
     def write(self, number: int, part: Trajectory) -> None:
-        """Write the part of a number, counted from 0, in place of one that is there.
-
-        Raises
-        ------
-        OutputError
-            If it cannot be written.
-        """
+        """Write the part of a number, counted from 0, in place of one that is there."""
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -75,20 +69,7 @@ class Checkpoints:
             )
 
     def load(self, times: np.ndarray, unknowns: int) -> Trajectory | None:
-        """Return what the parts hold together, or None if there are none.
-
-        Parameters
-        ----------
-        times : ndarray
-            Instants that the run is to store, of which the parts hold the first ones.
-        unknowns : int
-            Number of unknowns.
-
-        Raises
-        ------
-        OutputError
-            If a part cannot be read, or is of another scene.
-        """
+        """Return what the parts hold together, or None if there are none."""
         trajectory, fits = None, True
         for path in self.parts():
             part = self._read(path)

@@ -140,11 +140,6 @@ def follow(
     largest : float
         Largest slip.
 
-    Raises
-    ------
-    ConvergenceError
-        If the branch cannot be followed although it is inside the box.
-
     References
     ----------
     H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems", in: Applications of Bifurcation

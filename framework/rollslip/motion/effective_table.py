@@ -157,13 +157,6 @@ def effective_table(
         Over both speeds instead of the sliding speed alone.
     between_nodes : float
         Share of what cubics over the sliding speed alone may leave between nodes that is aimed at, up to 1.
-
-    Raises
-    ------
-    ConvergenceError
-        If the tolerance is not reached with the most nodes.
-    DomainError
-        If a law has no value at a speed of the table.
     """
     epicyclic = float(assembly.kinematics.surface_speeds(0.0, 0.0).inner_rolling)
     rolling = np.array([epicyclic, *(epicyclic * share for share in _ROLLING)][: 3 if slips else 1])
@@ -208,11 +201,6 @@ def curve_table(friction: Law, rolling: float, tolerance: float, aim: float | No
         Largest error at the quarters of cells, relative to the largest friction.
     aim : float, optional
         Error down to which nodes are added as long as there are not the most of them, by default the tolerance.
-
-    Raises
-    ------
-    ConvergenceError
-        If the tolerance is not reached with the most nodes.
     """
     shape = _shape(friction, rolling)
     scale, limit, share = _mapping([(1.0, friction)], shape, rolling)

@@ -74,20 +74,7 @@ class PowerBalance:
 
 
 def power_balance(balance: TorqueBalance, orbit: Orbit) -> PowerBalance:
-    """Return the losses of a bearing in a motion of its rollers, means over the orbit.
-
-    Parameters
-    ----------
-    balance : TorqueBalance
-        The bearing, with resistance to rolling where it has some.
-    orbit : Orbit
-        The motion, at any cage slip.
-
-    Raises
-    ------
-    DomainError
-        If a law has no value there.
-    """
+    """Return the losses of a bearing in a motion of its rollers, means over the orbit."""
     k, rollers = balance.assembly.kinematics, balance.assembly.scene.bearing.rollers
     speeds = k.surface_speeds(orbit.cage_slip, orbit.roller_slip)
     traction, resistance, on_cage = balance.forces(orbit)

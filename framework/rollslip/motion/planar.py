@@ -185,32 +185,13 @@ class PlanarMotion(MovingBearing):
         return HEAD, ROLLER, LEDGER
 
     def initial(self, cage_slip: float = 0.0, roller_slip: float = 0.0) -> Array:
-        """Return the state at t = 0: the quasi-static equilibrium at these slips, cage centred, rollers in mid-pocket.
-
-        Parameters
-        ----------
-        cage_slip, roller_slip : float
-            0 epicyclic, 1 at rest, 2 backwards.
-
-        Raises
-        ------
-        ConvergenceError
-            If there is no equilibrium.
-        DomainError
-            If there is a cage slip and the epicyclic cage speed, to which it refers, is zero.
-        """
+        """Return the state at t = 0: equilibrium at these slips, cage centred, rollers in mid-pocket."""
         speeds = self.assembly.kinematics.surface_speeds(cage_slip, roller_slip)
         load = self.assembly.scene.operation.radial_load
         return self.state_at(float(speeds.cage_speed), float(speeds.roller_speed), load)
 
     def state_at(self, cage_speed: float, roller_speed: float, load: float, direction: float = 0.0) -> Array:
-        """Return the state with these speeds [rad/s] in equilibrium under a load, as `initial` does.
-
-        Raises
-        ------
-        ConvergenceError
-            If there is no equilibrium.
-        """
+        """Return the state with these speeds [rad/s] in equilibrium under a load, as `initial` does."""
         k, b = self.assembly.kinematics, self.assembly.scene.bearing
         # the load and the weight of the ring together pull along one line
         weight = self.settings.inner_ring_mass * self.settings.gravity

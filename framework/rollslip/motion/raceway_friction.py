@@ -212,22 +212,7 @@ def tilts(assembly: Assembly) -> bool:
 
 
 def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: LoadMap | None = None) -> RacewayFriction:
-    """Return the friction of both raceways.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The bearing, with its resistance to rolling.
-    settings : FrictionSettings
-        Which friction.
-    loads : LoadMap, optional
-        Loads over the orbit, if they were built before.
-
-    Raises
-    ------
-    ConvergenceError
-        If a table does not reach the tolerance.
-    """
+    """Return the friction of both raceways."""
     rollers = assembly.scene.bearing.rollers
     if settings.name == "constant":
         inner, outer = (

@@ -212,13 +212,7 @@ class Spins:
         self.kernel = Kernel(positions, curved or [ring for *_, ring in self._gathered], radii, rolling, slow, pocket)
 
     def ended(self, how: str) -> None:
-        """Take note of how a call ended: tell the chains what was evaluated, and raise what one of them refused.
-
-        Raises
-        ------
-        DomainError, PluginError
-            As the chain does.
-        """
+        """Take note of how a call ended: tell the chains what was evaluated, and raise what one of them refused."""
         count, before, self._told = self.kernel.evaluated, self._told, self.kernel.evaluated
         for k, contacts in enumerate(self._contacts):
             contacts.raceway.chain.kernel.evaluated += count[k] - before[k]

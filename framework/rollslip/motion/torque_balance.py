@@ -205,15 +205,7 @@ class TorqueBalance:
         return self.torque(cage_slip) + self.drag(cage_slip)
 
     def orbit(self, cage_slip: float) -> Orbit:
-        """Return the steady motion of the rollers at a cage slip, on the way up where they have several.
-
-        Raises
-        ------
-        ConvergenceError
-            If loads are not found.
-        DomainError
-            If a law has no value there, or the epicyclic cage speed is zero.
-        """
+        """Return the steady motion of the rollers at a cage slip, on the way up where they have several."""
         if cage_slip not in self._known:
             self._known[cage_slip] = self.orbit_of(self._on_way(cage_slip))
         return self._known[cage_slip]
@@ -421,15 +413,6 @@ def reserve(balance: TorqueBalance, away: Runaway, runs: Running, largest: float
     slip, as churning does, would let a cage that has slowed down look safe. With a balance it is 1 at least. Where the
     cage has no balance, or runs beyond the slip of running away, it is less than 1: the torque at the most favourable
     slip of the way over the drags there.
-
-    Parameters
-    ----------
-    balance : TorqueBalance
-        The bearing.
-    away, runs
-        What `runaway` and `running` found of it.
-    largest : float
-        Largest cage slip, as they took it.
     """
     if runs.status == FOUND and not runs.slip > away.slip:  # NaN where there is no fold
         if not runs.drag > 0.0:
@@ -464,13 +447,6 @@ def near_running_away(assembly: Assembly, slip: float | None = None) -> Near | N
     Effective friction is off by some share of the largest drag. The cage is near where the drag that it carries at the
     slip is less than twice that share below the largest one by either friction. Where it is less than half of it,
     effective friction is not asked: it is off by 23 % at most (docs/tables/runaway_effective_summary.csv).
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The bearing, with few slices.
-    slip : float, optional
-        The cage slip; by default that at which its drags are carried, or where they are not, that of running away.
     """
     balance = rollers(assembly, 1)
     exact = runaway(balance, RANGE, "")

@@ -167,11 +167,6 @@ class WayUp:
         ----------
         drag : callable
             Torque of all drags at a cage slip [N m], negative where it resists.
-
-        Returns
-        -------
-        list of Steady
-            A jump over the drag, where a motion ends, is none.
         """
         found, left = list[Steady](), self.at_rest + drag(0.0)
         for k, motion in enumerate(self.path):
@@ -443,26 +438,7 @@ def _trusted(way: list[Motion]) -> list[Motion]:
 
 
 def way_up(motions: Motions, largest: float, exact: Motions, *, steps: int = 0) -> WayUp:
-    """Return the way up of a bearing over the cage slips up to the largest.
-
-    Parameters
-    ----------
-    motions : Motions
-        Those of its rollers by few loads, for the search.
-    largest : float
-        Largest cage slip, below 1. What is not found there shortens the range.
-    exact : Motions
-        The same on all slices, for steady slips.
-    steps : int, optional
-        Steps to begin with, if more than those of 0.25 in ln(S/(1 - S)).
-
-    Raises
-    ------
-    DomainError
-        If a law has no value even at the smallest slips, or the epicyclic cage speed is zero.
-    ConvergenceError
-        If loads or balances of the rollers are not found even there.
-    """
+    """Return the way up of a bearing over the cage slips up to the largest."""
     begin, end, refusal = place_of(min(_SMALLEST, 0.5 * largest)), place_of(largest), ""
     count = max(math.ceil((end - begin) / _STEP), steps)
     slips = [*(slip_of(place) for place in np.linspace(begin, end, count + 1)[:-1].tolist()), largest]

@@ -78,20 +78,6 @@ def execute(
 
     What is seen afterwards to be off by more than its tolerance is run again, once, with more slices and instants
     where it is soon done and would help (`rollslip.planning.verification.again`); the plan in the result says so.
-
-    Parameters
-    ----------
-    plan : Plan
-        What is to be run.
-    study : str
-        The study.
-    kept : Path, optional
-        Folder where a long study leaves what it has computed, and from which it goes on; to be removed by who has
-        stored the result.
-    progress : callable, optional
-        Told how far a study in time has come, in words and as a share.
-    exactly : bool
-        Whether it is run at the resolution of the plan alone, whatever is seen.
     """
     running = plan.studies[study]
     for library in ("xarray", *running.libraries):  # what takes longer than many a study is no cost of the first one

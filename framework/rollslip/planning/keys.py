@@ -56,13 +56,7 @@ def _of_class(kind: str, name: str, prefix: str) -> Iterator[SchemaRow]:
 
 
 def keys_of(what: str) -> list[SchemaRow]:
-    """Return the keys that a word means: a key, a table, a study, or the last part of a key.
-
-    Raises
-    ------
-    SceneError
-        If there is none; with the nearest.
-    """
+    """Return the keys that a word means: a key, a table, a study, or the last part of a key."""
     word = _TABLES.get(what.strip(), what.strip())
     every = keys(models=word.startswith("models"))
     if found := [row for row in every if row.key == word or row.key.startswith(f"{word}.")]:

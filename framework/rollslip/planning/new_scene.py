@@ -70,15 +70,7 @@ _KINDS: Final = {"bearing": "bearing", "oil": "lubricant"}
 
 
 def checked(option: str, value: str) -> str:
-    """Return what is given for an option as a scene says it; a decimal comma that is clear becomes a point.
-
-    Raises
-    ------
-    PluginError
-        If nothing is called so.
-    SceneError
-        If it is no such quantity.
-    """
+    """Return what is given for an option as a scene says it; a decimal comma that is clear becomes a point."""
     if option in _KINDS:
         offer = find(_KINDS[option], value.strip())
         as_stamped = value.strip().upper()  # what is written of a bearing of a family tells its cage
@@ -107,22 +99,7 @@ def assumed_load(bearing: str) -> str:
 
 
 def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) -> str:
-    """Return the text of a scene.
-
-    Parameters
-    ----------
-    source : str
-        Its file, for messages.
-    assumed : frozenset of str
-        Options that nobody gave.
-    **given : str
-        ``bearing``, ``oil``, ``speed``, ``load``, ``temperature``, ``cage`` and ``supply``, as `checked` returns them.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If it would not run, such as where the oil's data end below the temperature.
-    """
+    """Return the text of a scene."""
     values, template = _values(**given) | _marks(assumed), _template()
     left = parse_scene(template.substitute(values, clearance="", radial_clearance=""), source).bearing
     told = {"clearance": left.mounted or "of a bearing without clearance classes"}

@@ -248,22 +248,7 @@ def plan(
 
 
 def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:
-    """Return the resolution that a study chooses.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-    assembly : Assembly
-        Its bearing, as the scene states it.
-    cheaper_laws : bool
-        Whether a law may be evaluated more cheaply, or another serve in its place.
-
-    Returns
-    -------
-    Estimated
-        If the study cannot be run, as the scene states, with the reason: the run will say the same.
-    """
+    """Return the resolution that a study chooses."""
     try:
         return study.estimate(assembly, cheaper_laws=cheaper_laws)
     except RollslipError as error:
@@ -274,22 +259,7 @@ def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> 
 
 
 def require_memory(studies: Mapping[str, Study], assembly: Assembly, memory: float | None = None) -> None:
-    """Refuse studies whose results do not fit into memory.
-
-    Parameters
-    ----------
-    studies : mapping
-        Studies by name, with their settings.
-    assembly : Assembly
-        Their bearing.
-    memory : float, optional
-        Memory [bytes]; by default that of this machine, where it says how much it has.
-
-    Raises
-    ------
-    SceneError
-        With the setting that asks for most, of each study that asks for more than there is.
-    """
+    """Refuse studies whose results do not fit into memory."""
     memory = _memory() if memory is None else memory
     problems = []
     for study in studies.values():
@@ -306,19 +276,7 @@ def require_memory(studies: Mapping[str, Study], assembly: Assembly, memory: flo
 
 
 def foreseen(scene: Scene, studies: Mapping[str, Study], seconds: float, evaluations: int) -> list[str]:
-    """Return in words what somebody should know before a plan is run; empty if there is nothing.
-
-    Parameters
-    ----------
-    scene : Scene
-        What is planned.
-    studies : mapping of str to Study
-        Its studies.
-    seconds : float
-        Estimated cost.
-    evaluations : int
-        Slices to evaluate.
-    """
+    """Return in words what somebody should know before a plan is run; empty if there is nothing."""
     said = [
         f"accuracy.{name} = {value:g} is less than the finest of everything leaves, about {EXACT:g} to 1e-05; nothing "
         f'finer is computed than with accuracy.{name} = "exact"'

@@ -94,17 +94,6 @@ def implausible_along(scene: Scene, of: Quantity, values: Sequence[object], whic
     """Return what is unusual of values that a key of a scene takes, each kind once, with the first value that is.
 
     What is unusual in the scene by itself is left to `implausible`.
-
-    Parameters
-    ----------
-    scene
-        The scene with any of the values.
-    of
-        What takes them.
-    values
-        The values as they were written, which the scene can have.
-    which
-        What they are: "values", "ends of the samples".
     """
     told_by_itself = {at.path for at, _ in (*unusual_relations(scene, resolved(scene), Location({})), *doubts(scene))}
     first, counts = dict[str, str](), dict[str, int]()

@@ -23,17 +23,7 @@ class Shown(Protocol):
 
 
 def time_left(elapsed: float, since: float, share: float, left: float, seconds: float) -> float:
-    """Return the time left [s]; NaN where nothing is known of it.
-
-    Parameters
-    ----------
-    elapsed, since : float
-        Time since the begin, and since it was last told how far it is [s].
-    share, left : float
-        The share that was done then, and the time left that was told then [s].
-    seconds : float
-        How long all of it was estimated to take [s].
-    """
+    """Return the time left [s]; NaN where nothing is known of it."""
     if math.isnan(left) and share > 0.01:
         left = (elapsed - since) * (1.0 - share) / share
     if not math.isnan(left):
@@ -67,15 +57,7 @@ class Watch:
 
 @contextmanager
 def progress_in_notebook(what: str, seconds: float = math.nan) -> Iterator[Shown]:
-    """Show in a notebook how far something is, and nothing elsewhere; what is shown vanishes at the end.
-
-    Parameters
-    ----------
-    what : str
-        What is done.
-    seconds : float
-        How long it was estimated to take [s].
-    """
+    """Show in a notebook how far something is, and nothing elsewhere; what is shown vanishes at the end."""
     if "ipykernel" not in sys.modules:
         yield lambda text, share=math.nan, left=math.nan: None
         return

@@ -53,21 +53,7 @@ def origin(**facts: Any) -> dict[str, Any]:
 
 
 def run_origin(plan: Plan, study: str, warnings: list[str], evaluations: int, wall_time: float) -> dict[str, Any]:
-    """Return the attributes that say where the result of a study comes from.
-
-    Parameters
-    ----------
-    plan : Plan
-        What was run.
-    study : str
-        The study whose result it is.
-    warnings : list of str
-        What a reader of the result has to know.
-    evaluations : int
-        Slices evaluated.
-    wall_time : float
-        [s].
-    """
+    """Return the attributes that say where the result of a study comes from."""
     scene, assembly = plan.scene, plan.assemblies[study]
     offers = [*(find(kind, model.name) for kind, model in plan.models), *named_data(scene.raw or {})]
     return origin(

@@ -82,13 +82,7 @@ def _states(raw: Mapping[str, object], key: str) -> bool:
 
 
 def with_scatter(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
-    """Return the scene with a table ``[uncertainty]``, what scatters by default where it has none, and who says so.
-
-    Raises
-    ------
-    SceneError
-        If nothing is known of any scatter.
-    """
+    """Return the scene with a table ``[uncertainty]``, what scatters by default where it has none, and who says so."""
     if scene.uncertainty:
         return scene, ()
     assembly = assemble(scene)

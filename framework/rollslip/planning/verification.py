@@ -67,17 +67,6 @@ def judge(study: Study, assembly: Assembly, estimated: Estimated, dataset: "xr.D
     few instants; if it looks bad, it is done again with those of the run. Only a curve that is followed is always
     held against one with the slices of the run: of two maxima of nearly the same height few slices may have another
     one for the largest. Of a study without curves nothing is known beyond its own estimate.
-
-    Parameters
-    ----------
-    study : Study
-        What was run.
-    assembly : Assembly
-        Its bearing at the resolution of the run.
-    estimated : Estimated
-        That resolution.
-    dataset : Dataset
-        Its result.
     """
     curved, resolution, accuracy = study.curved(assembly), estimated.resolution, assembly.scene.accuracy
     if resolution.instants is None or curved is None:
@@ -173,11 +162,6 @@ def again(study: Study, assembly: Assembly, estimated: Estimated, judgement: Jud
     Slices take the second order of their rule, instants the order that was seen, where rollers may jump the first at
     least; four times as many at most. A run is not made again that kept its tolerance, whose error does not fall, or
     which is not the curves themselves and so would take long; nor is one that was made again already.
-
-    Parameters
-    ----------
-    study, assembly, estimated, judgement
-        As `judge` takes and returns them.
     """
     accuracy, resolution, best = assembly.scene.accuracy, estimated.resolution, finest(assembly.scene)
     off = {name: error for name, error in total(judgement.errors).items() if error > accuracy.of(name)}
@@ -224,17 +208,7 @@ def _of_order(moved: float, order: float, m: int) -> float:
 
 
 def told(plan: Plan, study: str, judgement: Judgement) -> list[str]:
-    """Return in words where a run is off by more than its tolerance, or cannot claim to be within it, and what to type.
-
-    Parameters
-    ----------
-    plan : Plan
-        What was run.
-    study : str
-        The study.
-    judgement : Judgement
-        What was measured afterwards.
-    """
+    """Tell where a run is off by more than its tolerance, or cannot claim to be within it, with what to type."""
     accuracy, estimated, said = plan.scene.accuracy, plan.estimated[study], list[str]()
     best = finest(plan.scene)
     resolution = estimated.resolution
@@ -275,15 +249,6 @@ def verify(plan: Plan, study: str, dataset: "xr.Dataset") -> "xr.Dataset":
 
     A study whose finest would take days is held against one four times as fine, whose error is a sixteenth. Attribute
     ``accuracy`` then holds actual errors, and a warning tells of a tolerance not kept.
-
-    Parameters
-    ----------
-    plan : Plan
-        What was run.
-    study : str
-        The study.
-    dataset : Dataset
-        Its result.
     """
     running = plan.studies[study]
     running = running.without(frozenset(running.outputs.keys() - set(running.judged.values())))

@@ -229,13 +229,7 @@ def untold(datasets: "Iterable[xr.Dataset]") -> list[str]:
 
 
 def account_of(dataset: "xr.Dataset") -> Account:
-    """Return how a dataset is told: the account of its study, or one that knows no more than the dataset says.
-
-    Raises
-    ------
-    PluginError
-        If the account of a package cannot be loaded.
-    """
+    """Return how a dataset is told: the account of its study, or one that knows no more than the dataset says."""
     name = str(dataset.attrs.get("study", ""))
     if name not in available("account"):
         return PlainAccount(name)

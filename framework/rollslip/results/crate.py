@@ -44,23 +44,7 @@ _Entity = dict[str, Any]
 
 
 def write_crate(datasets: Mapping[Path, "xr.Dataset"]) -> Path:
-    """Write the metadata of a folder that holds results; files that appear in it later are not told of.
-
-    Parameters
-    ----------
-    datasets : mapping
-        File -> the result in it; all files lie in one folder.
-
-    Returns
-    -------
-    Path
-        The file ``ro-crate-metadata.json`` in that folder.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
-    """
+    """Write the metadata of a folder that holds results; files that appear in it later are not told of."""
     folder = next(iter(datasets)).parent
     path = folder / CRATE
     text = json.dumps({"@context": _CONTEXT, "@graph": _graph(folder, datasets)}, indent=1, ensure_ascii=False)

@@ -142,11 +142,6 @@ def telling(*paths: str | os.PathLike[str]) -> Iterator[None]:
 
     Results know what they hold by names and shapes that `open_result` cannot check for every study: a file that another
     program has changed ends here. What a package raises about its own model passes.
-
-    Raises
-    ------
-    OutputError
-        If something in the results is missing, or is not what their study wrote.
     """
     try:
         yield

@@ -32,22 +32,7 @@ _REMEDY: Final = "free space or name another --out"
 
 @contextmanager
 def results_folder(target: Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Give a new folder that becomes the target when the block ends well, and vanishes when it does not.
-
-    Parameters
-    ----------
-    target : Path
-        What is new, empty, or, with ``overwrite``, holds nothing but what its manifest lists.
-    overwrite : bool
-        Whether results may be replaced.
-
-    Raises
-    ------
-    OutputError
-        If the target holds anything else, before the block and again after it, or cannot be written.
-    BusyError
-        If another run is writing there.
-    """
+    """Give a new folder that becomes the target when the block ends well, and vanishes when it does not."""
     from filelock import FileLock
 
     if target.is_symlink():

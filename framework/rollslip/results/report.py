@@ -66,22 +66,7 @@ _WIDE: Final = 300.0
 
 
 def write_report(datasets: "Mapping[str, xr.Dataset]", figures: Mapping[str, Sequence[Path]], path: Path) -> None:
-    """Write one self-contained HTML file about the results of a run.
-
-    Parameters
-    ----------
-    datasets : mapping of str to xarray.Dataset
-        The results by name, with the attributes of `rollslip.planning.provenance` as far as they are there.
-    figures : mapping of str to sequence of Path
-        SVG files of `rollslip.results.figures.save_plots`, under the names of their datasets.
-    path : Path
-        The file to write; an older one is replaced.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written; then an older one is left as it is.
-    """
+    """Write one self-contained HTML file about the results of a run."""
     said = verdict(datasets.values())
     drawings, colours = _figures(figures)
     shown = [

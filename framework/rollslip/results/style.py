@@ -84,26 +84,7 @@ def save_figures(
     *,
     dark: bool = False,
 ) -> list[Path]:
-    """Write figures, given as name, caption and figure; they have to be drawn while they are iterated.
-
-    Parameters
-    ----------
-    figures : iterable
-        Makes one figure after the other: artists take their style when they are made, and it holds only in here.
-    findings : str
-        What the dataset says, for those who cannot see the figures.
-    folder : Path
-        Where the files go; it is made if it does not exist.
-    formats : sequence of str
-        Some of `FORMATS`.
-    dark : bool
-        Whether each is written for a dark ground too, as NAME-dark.
-
-    Raises
-    ------
-    OutputError
-        If a file cannot be written; then nothing is left of it.
-    """
+    """Write figures, given as name, caption and figure; they have to be drawn while they are iterated."""
     files = []
     with styled():
         for name, caption, figure in figures:

@@ -50,17 +50,7 @@ _MOST: Final = 3
 
 
 def first_line(version: str, subject: str, digest: str, models: Iterable[tuple[str, str, str, str]]) -> str:
-    """Return the first line about a run: version, what it is of, and models, with the packages of others behind theirs.
-
-    Parameters
-    ----------
-    version : str
-        Of rollslip.
-    subject, digest : str
-        Scene or data, and their SHA-256.
-    models : iterable of tuple of str
-        Kind, name, and package and version that offer it.
-    """
+    """Return the first line about a run: version, what it is of, and models, with others' packages behind."""
     named = dict[str, list[str]]()
     for kind, name, package, offered in models:
         named.setdefault(kind, []).append(name if package == "rollslip" else f"{name} ({package} {offered})")
@@ -75,32 +65,14 @@ def estimated(dataset: "xr.Dataset") -> str:
 
 
 def runs_away(slip: float, drag: float, status: str) -> str:
-    """Say where a cage runs away, or what was found instead; no full stop.
-
-    Parameters
-    ----------
-    slip : float
-        Cage slip at which the balance of torques has its fold; NaN if there is none.
-    drag : float
-        Drag torque that the rollers carry there, the largest of all [N m].
-    status : str
-        What was found.
-    """
+    """Say where a cage runs away, or what was found instead; no full stop."""
     if math.isnan(slip):
         return status
     return f"the cage runs away at {percent(slip)} cage slip, at a drag of {format_quantity(drag, 'N m', 3)}"
 
 
 def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
-    """Say at which slip a cage runs, and how many times the drag there the largest one is; no full stop.
-
-    Parameters
-    ----------
-    slip, at : float
-        The least steady cage slip, and that of running away, NaN where there is none.
-    reserve, status : float and str
-        Largest drag over the drags of the scene, and what was found of it: that, at least that, or why there is none.
-    """
+    """Say at which slip a cage runs, and how many times the drag there the largest one is; no full stop."""
     if not slip > 0.0:
         return f"{SWITCHED_OFF}, so the cage runs without slip"
     said = f"with the drags of the scene the cage runs at a slip of {100.0 * slip:.3g} %"

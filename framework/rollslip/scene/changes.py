@@ -53,20 +53,7 @@ class Quantity:
     model: str = ""
 
     def read(self, raw: object, given: str | None = None) -> object:
-        """Return a value as the scene takes it, checked as far as one value on its own can be.
-
-        Parameters
-        ----------
-        raw
-            The value, as a scene may hold it.
-        given
-            The unit in which a number was given that is in SI units here; faults are told in that.
-
-        Raises
-        ------
-        UnitError, FieldError
-            What is wrong with it, in one sentence.
-        """
+        """Return a value as the scene takes it, checked as far as one value on its own can be."""
         value, attribute = raw, self.attribute
         if self.unit is not None:
             value = quantity(raw, self.unit)

@@ -45,13 +45,6 @@ def share(ring: Material, raceway: float, seat: float, beyond: float, other: Mat
 
     2 s r/(E |r^2 - s^2| (w + w')), with w = ((x^2 + s^2)/|x^2 - s^2| +- nu)/E of ring and seat (Lame).
 
-    Parameters
-    ----------
-    ring, other : Material
-        Of the ring, and of shaft or housing, by default the same.
-    raceway, seat, beyond : float
-        Diameters [m]: r, s, and the other end of shaft or housing, 0 for a solid shaft and inf for a thick housing.
-
     Examples
     --------
     A solid shaft of the ring's steel: d/E_i.
@@ -84,11 +77,6 @@ def operating(
     """Return the clearance in operation at speeds of inner and outer ring [rad/s].
 
     ``temperatures`` are those of inner ring, rollers and outer ring [K]; by default they differ as the mounting says.
-
-    Raises
-    ------
-    FieldError
-        If a fit is not known, or a diameter of a seat does not fit the rings.
     """
     m, steel = bearing.mounting or Mounting(), bearing.material
     inner, outer = bearing.inner_raceway_diameter, bearing.outer_raceway_diameter

@@ -46,13 +46,7 @@ class Distribution(abc.ABC):
             raise FieldError("at_most", "must be above at_least")
 
     def centred(self, nominal: float | None) -> "Distribution":
-        """Return the distribution with what it leaves out taken from the value of the scene.
-
-        Raises
-        ------
-        FieldError
-            If something is missing, or the values do not fit together.
-        """
+        """Return the distribution with what it leaves out taken from the value of the scene."""
         return self
 
     def quantile(self, probability: Array) -> Array:
@@ -285,20 +279,7 @@ class Uncertainty:
 def read_uncertainty(
     raw: Mapping[str, object], where: Location, known: dict[str, Quantity], problems: list[str]
 ) -> Uncertainty:
-    """Return what a scene's table ``[uncertainty]`` states; every fault of it is noted.
-
-    Parameters
-    ----------
-    raw : mapping
-        The table: for each key of the scene, written as tables in tables, one with ``distribution``; and a list
-        ``correlation``.
-    where : Location
-        Its place.
-    known : dict
-        What can be varied, by key.
-    problems : list of str
-        Takes one sentence for every fault.
-    """
+    """Return what a scene's table ``[uncertainty]`` states; every fault of it is noted."""
     distributions: dict[str, Distribution] = {}
     for key, table, place in _leaves({k: v for k, v in raw.items() if k != "correlation"}, "", where):
         if not isinstance(table, Mapping):

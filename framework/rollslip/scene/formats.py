@@ -102,13 +102,7 @@ SCENE_FORMAT: Final = Kind(name="format", hook="scene_formats", base=SceneFormat
 
 
 def endings() -> dict[str, str]:
-    """Return the endings of files that are read and written: ending -> format.
-
-    Raises
-    ------
-    PluginError
-        If the format of a package cannot be loaded.
-    """
+    """Return the endings of files that are read and written: ending -> format."""
     found: dict[str, str] = {}
     for name in available("format"):
         for ending in get_class("format", name).endings:
@@ -117,13 +111,7 @@ def endings() -> dict[str, str]:
 
 
 def format_of(path: str | os.PathLike[str]) -> SceneFormat | None:
-    """Return the format of a file by its ending; None if no format has it, as of our own TOML.
-
-    Raises
-    ------
-    PluginError
-        If the format of a package cannot be loaded.
-    """
+    """Return the format of a file by its ending; None if no format has it, as of our own TOML."""
     ending = Path(path).suffix.lower()
     if ending in ("", ".toml") or (name := endings().get(ending)) is None:
         return None

@@ -82,15 +82,7 @@ def _parted(text: str) -> Any:
 
 
 def from_parameters(document: object, source: str = "parameters") -> Scene:
-    """Return the scene of a file of parameters.
-
-    Raises
-    ------
-    SceneError
-        If the document is another one or of another version, or with every fault of the scene in it.
-    PluginError
-        If a model or an oil that it names is not there.
-    """
+    """Return the scene of a file of parameters."""
     if not isinstance(document, Mapping) or document.get("format") != FORMAT:
         raise SceneError([f"{source}: no file of parameters: 'format' must be {FORMAT!r}"])
     if document.get("version") != VERSION:

@@ -356,17 +356,7 @@ def _faults(scene: Scene, raw: Mapping[str, object], where: Location, which: str
 
 
 def unusual_values(cls: Any, raw: object, where: Location) -> Iterator[tuple[Location, str]]:
-    """Yield place and sentence for each value of a raw table that its field does not call usual.
-
-    Parameters
-    ----------
-    cls
-        attrs class of the table.
-    raw
-        The table as it is written; it was read before, without a fault.
-    where
-        Its place.
-    """
+    """Yield place and sentence for each value of a raw table that its field does not call usual."""
     if not isinstance(raw, Mapping):
         return
     kinds = types_of(cls)

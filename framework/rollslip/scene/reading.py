@@ -88,36 +88,13 @@ def _exists(path: Path) -> bool:
 
 
 def parse_scene(text: str, source: str) -> Scene:
-    """Read a scene from TOML text.
-
-    Parameters
-    ----------
-    text
-        The content of a scene file.
-    source
-        Its name in messages.
-
-    Raises
-    ------
-    SceneError
-        With every fault of the scene, each with source, line and key.
-    PluginError
-        If a bearing or surface that it names is not there.
-    """
+    """Read a scene from TOML text."""
     raw, origins = parse(text, source)
     return checked_scene(raw, origins, source, text)
 
 
 def from_raw(raw: Mapping[str, object], source: str, text: str = "") -> Scene:
-    """Return the scene of a raw table, such as ``scene.raw`` of another one, checked anew.
-
-    Raises
-    ------
-    SceneError
-        With every fault of the table.
-    PluginError
-        If a bearing or surface that it names is not there.
-    """
+    """Return the scene of a raw table, such as ``scene.raw`` of another one, checked anew."""
     return checked_scene(thawed(raw), {(): source}, source, text)
 
 

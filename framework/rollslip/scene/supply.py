@@ -181,19 +181,6 @@ class Supplied(NamedTuple):
         phi = 0.40 H/(D - d) [1 + (2.6e5 nu/(n d_m^2))^1.38] of a bath, 2 times that at H = D_w/2 where oil is pumped,
         phi_rs = exp(-K_rs nu n (d + D) sqrt(K_Z/(2 (D - d)))), in mm, mm2/s and 1/min, with K_Z = 5.1.
 
-        Parameters
-        ----------
-        lubrication : Lubrication
-            Kind of supply.
-        boundaries : tuple of float
-            Bore d and outside diameter D [m].
-        roller_diameter : float
-            D_w [m].
-        speed : float
-            Relative speed n of the rings [rad/s].
-        viscosity : float
-            Kinematic viscosity nu [m2/s].
-
         Examples
         --------
         A bath up to the middle of rollers of 10 mm, D - d = 40 mm: 0.40 5/40 = 0.05. A low one is starved by

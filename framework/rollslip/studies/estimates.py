@@ -199,26 +199,7 @@ class Bound:
 def by_curves(
     curved: Curved, assembly: Assembly, *, share: float = 1.0, tables: float = 0.0, cheaper_laws: bool = True
 ) -> Estimated:
-    """Choose the resolution of a study by its curves, on a ladder of few slices and instants.
-
-    Parameters
-    ----------
-    curved : Curved
-        What gives the curves.
-    assembly : Assembly
-        Its bearing, as the scene states it.
-    share : float
-        Share of the tolerance that slices and instants may use.
-    tables : float
-        Share of the tolerances of friction and cage speed that tables may take, 0 where there are none.
-    cheaper_laws : bool
-        Whether a law may be evaluated more cheaply, or another serve in its place.
-
-    Raises
-    ------
-    RollslipError
-        If the curves cannot be computed.
-    """
+    """Choose the resolution of a study by its curves, on a ladder of few slices and instants."""
     if assembly.scene.accuracy.exact:
         return exactly(curved, assembly)
     estimated, probe, few = _curves(curved, assembly, share)
@@ -350,13 +331,6 @@ def by_doubling(study: Judged, assembly: Assembly) -> Estimated:
 
     Instants are doubled with few slices, slices with few instants. What the last doubling moved is taken for the error
     that is left, which bounds it where it falls at least with the inverse of their number.
-
-    Raises
-    ------
-    ConvergenceError
-        If the finest of all still moves it by more than its share.
-    RollslipError
-        If the study cannot be run.
     """
     accuracy, best = assembly.scene.accuracy, finest(assembly.scene)
     if accuracy.exact or not study.judged:

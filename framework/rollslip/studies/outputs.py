@@ -23,13 +23,7 @@ Values: TypeAlias = tuple[Variables, Variables, dict[str, Any]]
 
 
 def named_outputs(study: type[Study], names: Iterable[str]) -> tuple[str, ...]:
-    """Return the outputs asked for, or the default ones, with the words that belong to them.
-
-    Raises
-    ------
-    SceneError
-        If the study has no output of a name; it lists what there is.
-    """
+    """Return the outputs asked for, or the default ones, with the words that belong to them."""
     known, problems = study.outputs, []
     asked = tuple(dict.fromkeys(names)) or tuple(name for name, output in known.items() if output.default)
     for name in asked:

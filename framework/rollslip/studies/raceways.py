@@ -56,17 +56,7 @@ REGIMES: Final[Mapping[str, Output]] = MappingProxyType(
 
 
 def regime_variables(share: Array, load_parameter: Array, light: Array, where: str = "") -> dict[str, Any]:
-    """Return the variables of a result that say in which film regimes the contacts run, and how lightly loaded.
-
-    Parameters
-    ----------
-    share : ndarray
-        Share of the contact forces of a ring in each regime, shape (2, 4).
-    load_parameter, light : ndarray
-        Largest Moes load parameter, and share of the forces where it is small, shape (2,).
-    where : str, optional
-        What they hold for, ", at the steady slips" for example.
-    """
+    """Return the variables of a result that say in which film regimes the contacts run, and how lightly loaded."""
     values = {"regime_share": share, "load_parameter": load_parameter, "light_share": light}
     variables: dict[str, Any] = {name: output.variable(values[name]) for name, output in REGIMES.items()}
     for _, _, attributes in variables.values():
@@ -210,13 +200,7 @@ class LoadedRaceways:
         return found
 
     def contacts(self, speeds: SurfaceSpeeds) -> "Iterator[list[tuple[LoadedContacts, Any, Any]]]":
-        """Both rings' contacts with their rolling and sliding speeds, for every row of speeds (n,) or (n, rollers).
-
-        Raises
-        ------
-        DomainError
-            If a contact draws no oil in; before the first row.
-        """
+        """Both rings' contacts with their rolling and sliding speeds, for every row of speeds (n,) or (n, rollers)."""
         self.require_entrainment(speeds)
         for k in range(speeds.cage_speed.shape[0]):
             yield [
@@ -232,13 +216,7 @@ class LoadedRaceways:
         ]
 
     def require_entrainment(self, speeds: SurfaceSpeeds) -> None:
-        """Refuse speeds at which a contact draws no oil in.
-
-        Raises
-        ------
-        DomainError
-            With the first of them.
-        """
+        """Refuse speeds at which a contact draws no oil in."""
         for ring, rolling in (("inner", speeds.inner_rolling), ("outer", speeds.outer_rolling)):
             if not np.all(rolling > 0.0):
                 row = np.unravel_index(np.argmin(rolling > 0.0), rolling.shape)[0]

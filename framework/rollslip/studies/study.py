@@ -384,15 +384,7 @@ def curve_labels(dataset: "xr.Dataset", curves: Curves) -> list[str]:
 
 
 def study_class(name: str, scene: Scene | None = None) -> type[Study]:
-    """Return the class of a study.
-
-    Raises
-    ------
-    SceneError
-        If there is no such study; the message gives the place in a scene.
-    PluginError
-        If its package cannot be used.
-    """
+    """Return the class of a study."""
     if name not in (known := available("study")):
         near = nearest(name, known)
         hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(known)}"
@@ -406,13 +398,6 @@ def settings(scene: Scene, study: str | None = None) -> dict[str, Study]:
     """Return the studies to run, with their settings: the scene's own, in its order, or the one asked for.
 
     A study that the scene does not mention runs with its defaults; so does the default study for a scene without any.
-
-    Raises
-    ------
-    SceneError
-        If a study does not exist or its settings are wrong; all faults at once.
-    PluginError
-        If a package that offers one cannot be used.
     """
     problems, found = list[str](), dict[str, Study]()
     for name in [study] if study is not None else list(scene.study) or [DEFAULT_STUDY]:

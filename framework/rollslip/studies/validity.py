@@ -161,13 +161,7 @@ def judged(
 
 
 def quantity(model: SliceModel, name: str, slices: Slices) -> Array:
-    """Return a quantity in which a law states validity or regimes, of evaluated slices; NaN where data are missing.
-
-    Raises
-    ------
-    KeyError
-        If the law states it in something that is none.
-    """
+    """Return a quantity in which a law states validity or regimes, of evaluated slices; NaN where data are missing."""
     if name in (own := model.quantities(slices)):
         found = own[name]
     elif name in QUANTITIES:
@@ -260,22 +254,7 @@ def _quantiles(values: Array, weight: Array, places: Sequence[float]) -> tuple[f
 
 
 def difference(traction: TractionModel, tables: Sequence[Filled], assembly: Assembly) -> Difference | None:
-    """Return how far the law of the full film is off the one that it approximates, within the friction of a contact.
-
-    Parameters
-    ----------
-    traction : TractionModel
-        Traction that the scene names.
-    tables : sequence of Filled
-        Slices at the state of the result.
-    assembly : Assembly
-        The bearing with that traction.
-
-    Returns
-    -------
-    Difference or None
-        None if the law approximates none, or no slice slides.
-    """
+    """Return how far the law of the full film is off the one that it approximates, within the friction of a contact."""
     law = traction.full_film
     if law.solved_by is None or assembly.resolution.traction != "named":
         return None
@@ -323,21 +302,7 @@ def told(
     what: str = "of the contact force",
     tolerance: float = 0.0,
 ) -> list[Told]:
-    """Return what was left, with share, consequence and remedy, by consequence; no sentence has its full stop.
-
-    Parameters
-    ----------
-    found : sequence of Outside
-        Where slices lie outside.
-    off : Difference, optional
-        How far the law of the full film is off; it comes first, since it is measured.
-    where : str, optional
-        The state that was looked at: "at the steady slip".
-    what : str, optional
-        What the shares are of.
-    tolerance : float, optional
-        Relative consequence from which on one is a warning of its own.
-    """
+    """Return what was left, with share, consequence and remedy, by consequence; no sentence has its full stop."""
     said = list[Told]()
     for one in sorted(found, key=lambda each: (each.counted, -each.weight)):
         if one.share < TOLD_FROM or (off is not None and _told_with(one, off)):

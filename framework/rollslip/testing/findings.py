@@ -58,13 +58,7 @@ def name_of(model: object) -> str:
 
 
 def expected_of(model: object, given: Mapping[str, str]) -> dict[str, str]:
-    """Return the failures expected of a model, its own and those given: check -> reason.
-
-    Raises
-    ------
-    PluginError
-        If one has no reason, or there is no check of its name.
-    """
+    """Return the failures expected of a model, its own and those given: check -> reason."""
     declared = getattr(model, "expected_failures", NONE_EXPECTED)
     expected = {**declared, **given}
     known = {check.__name__ for check in all_checks()}

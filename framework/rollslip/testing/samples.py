@@ -280,17 +280,7 @@ def drawn_tables(model: SliceModel) -> "st.SearchStrategy[Slices]":
 
 
 def table(model: SliceModel, n: int, magnitudes: Mapping[str, Limits] | None = None) -> Slices:
-    """Return n slices laid out over what a model reads, at typical conditions; those it refuses are left out.
-
-    Parameters
-    ----------
-    model : SliceModel
-        The stage.
-    n : int
-        Slices, less those refused.
-    magnitudes : mapping, optional
-        Member -> (lowest, highest) magnitude, in place of the wide ones.
-    """
+    """Return n slices laid out over what a model reads, at typical conditions; those it refuses are left out."""
     conditions = {name: typical(name, _limits(model, name)) for name in members(model, CONDITIONS)}
     slices = Slices(n, Conditions(**conditions))
     for k, name in enumerate(members(model, COLUMNS)):

@@ -177,17 +177,7 @@ def _ranges(symbol: str, limits: tuple[float, ...]) -> list[str]:
 def attribute_differences(
     dataset: "xr.Dataset", curve: str, reference: str, work: EvaluatedSlices, found: Mapping[str, list[Array]], by: Bins
 ) -> "xr.Dataset":
-    """Add to a comparison what each bin holds of the force and of the difference.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        With a dimension ``combination``.
-    curve, reference : str
-        Dimension of its curves, label of the reference.
-    work, found, by : EvaluatedSlices, mapping, Bins
-        The slices, their friction after each combination that did not fail, and the bins they are in.
-    """
+    """Add to a comparison what each bin holds of the force and of the difference."""
     labels, sizes = dataset["combination"].to_numpy().tolist(), [len(bins) for bins in by.names.values()]
     each, begins = (len(labels), dataset.sizes[curve]), np.cumsum([0, *sizes[:-1]])
     mean, explained = np.full(each, np.nan), np.full((*each, len(sizes)), np.nan)

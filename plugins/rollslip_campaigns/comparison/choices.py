@@ -31,13 +31,7 @@ class Choice:
 
 
 def choice_of(scene: Scene, kind: str, model: Model | None) -> Choice:
-    """Return what a scene says with a model in it, by default its own.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If a name or a parameter is wrong.
-    """
+    """Return what a scene says with a model in it, by default its own."""
     problems, unknown = list[str](), list[PluginError]()
     made = read_choice(scene, kind, model, problems, unknown)
     refuse(problems, unknown)
@@ -45,13 +39,7 @@ def choice_of(scene: Scene, kind: str, model: Model | None) -> Choice:
 
 
 def refuse(problems: Sequence[str], unknown: Sequence[PluginError]) -> None:
-    """Raise all faults of choices at once, as of a plugin only where one is not a wrong name.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If there is a fault.
-    """
+    """Raise all faults of choices at once, as of a plugin only where one is not a wrong name."""
     if unknown:
         named = all(isinstance(error, UnknownNameError) for error in unknown)
         texts = dict.fromkeys([*map(str, unknown), *problems])

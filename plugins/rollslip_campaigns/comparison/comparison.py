@@ -165,13 +165,7 @@ def plan_comparison(
     reference: Model | Mapping[str, Model] | None = None,
     study: str | None = None,
 ) -> Comparison:
-    """Check all names and plan every combination; see `compare`.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If the scene, a name or a parameter is wrong, all of them at once, or there is nothing to compare.
-    """
+    """Check all names and plan every combination; see `compare`."""
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     study = _study(scene, study)
     problems, unknown = list[str](), list[PluginError]()
@@ -290,20 +284,7 @@ def _at_one_resolution(study: str, combinations: Mapping[str, Combination]) -> d
 def run_comparison(
     comparison: Comparison, progress: Callable[[str, float], None] = lambda text, share: None
 ) -> "xr.Dataset":
-    """Run all combinations that can run; see `compare`.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        What is to be run.
-    progress : callable, optional
-        Told before each combination which it is, and the share that is done.
-
-    Raises
-    ------
-    RollslipError
-        If every combination fails: of the class of the first one's error.
-    """
+    """Run all combinations that can run; see `compare`."""
     begin, plans = time.perf_counter(), comparison.plans
     errors = {label: one.error for label, one in comparison.combinations.items() if one.error is not None}
     done: dict[str, xr.Dataset] = {}

@@ -46,13 +46,7 @@ GROUPS: Final[Mapping[str, str]] = {
 
 
 def library() -> str:
-    """Return the plotting library.
-
-    Raises
-    ------
-    PluginError
-        If the package that carries it is not installed.
-    """
+    """Return the plotting library."""
     found = find_spec("plotly")
     for folder in (found.submodule_search_locations or ()) if found else ():
         if (place := Path(folder) / "package_data" / "plotly.min.js").is_file():
@@ -84,15 +78,7 @@ class Results:
 
 
 def write_page(path: Path, explorer: "Explorer", results: Results, grid: "xr.Dataset") -> None:
-    """Write the page; an older file is replaced.
-
-    Raises
-    ------
-    PluginError
-        If plotly is not installed.
-    OutputError
-        If the file cannot be written; then an older one is left as it is.
-    """
+    """Write the page; an older file is replaced."""
     dials = [
         {
             "key": dial.key,

@@ -131,26 +131,7 @@ def estimate(
     profiles: bool = True,
     report: Report = lambda text, share: None,
 ) -> LeastSquaresEstimate:
-    """Minimise the sum of squared residuals from the origin and from eight starts around it, and tell the uncertainty.
-
-    Parameters
-    ----------
-    residuals : callable
-        Of x, shape (n,); weighted by the standard deviation if that is known, of order 1 otherwise.
-    low, high : ndarray
-        Bounds of x.
-    known : bool
-        Whether the residuals are weighted, so that their standard deviation is 1.
-    profiles : bool
-        Whether to follow the profiles, which is most of the work.
-    report : callable
-        Told how far it is, in words and as a share.
-
-    Raises
-    ------
-    ConvergenceError
-        If the lowest minimum found is not one to the tolerance.
-    """
+    """Minimise squared residuals from the origin and from eight starts around it, and tell the uncertainty."""
     count = low.size
     # a sequence that fills the cube evenly: powers of the root of g^(d + 1) = g + 1
     root = 2.0

@@ -121,13 +121,7 @@ class RigProblem:
 
 
 def rig_problem(data: RigData, rig: Rig, traction: Raw | None = None, film: Raw | None = None) -> RigProblem:
-    """Put the measured contacts under the laws of a rig file, or under other models.
-
-    Raises
-    ------
-    SceneError, PluginError
-        As `fit`.
-    """
+    """Put the measured contacts under the laws of a rig file, or under other models."""
     where, problems = Location(rig.origins), list[str]()
     measured = "film_thickness" in data.columns
     if measured and film is not None:
@@ -306,13 +300,7 @@ def _numbers(model: Any) -> "Iterator[tuple[tuple[str, ...], float, attrs.Attrib
 
 
 def parameters_named(problem: RigProblem, names: str | Iterable[str]) -> list[Parameter]:
-    """Return the parameters of these names.
-
-    Raises
-    ------
-    SceneError
-        If one does not exist, has no value to start from, or is another under a second name; or if rows are too few.
-    """
+    """Return the parameters of these names."""
     known = {parameter.name: parameter for parameter in _fittable(problem)}
     names = [name.strip() for name in (names.split(",") if isinstance(names, str) else names)]
     chosen = [known[name] for name in names if name in known]

@@ -179,34 +179,7 @@ def plan_limit(
     engine: object = None,
     time_limit: float | str | None = None,
 ) -> Limit:
-    """Check a search and lay out its values.
-
-    Parameters
-    ----------
-    scene : Scene, str or path
-        A scene, the name of a shipped one, or a file; its tables ``[sweep]`` and ``[uncertainty]`` play no part.
-    over : mapping
-        The one quantity that moves, by dotted key: "LOW:HIGH" or "LOW:HIGH:COUNT" with units, where COUNT is that of
-        the values that are computed first, 9 if it is not said; with ":log" behind it even in the logarithm.
-    keep : str
-        "OUTPUT<=VALUE" or "OUTPUT>=VALUE": a variable of the study and its limit, with a unit if it has one. Where it
-        has several values, of both rings for example, all have to keep it.
-    study : str, optional
-        Study; by default the first one of the scene.
-    within : float
-        How exactly the limit is told: a share of the value, or of the range where that is not taken by its logarithm.
-    engine : str or table, optional
-        Engine and its parameters.
-    time_limit : float or str, optional
-        Longest time for one point.
-
-    Raises
-    ------
-    SceneError
-        If anything of it is wrong.
-    PluginError
-        If a model that it names is missing or broken.
-    """
+    """Check a search and lay out its values."""
     given = scene if isinstance(scene, Scene) else load_scene(scene)
     base = attrs.evolve(given, sweep=None, uncertainty=None)
     name = study or next(iter(base.study), DEFAULT_STUDY)
@@ -329,15 +302,6 @@ def run_limit(
     """Compute what a search needs, or what is left of it, in its folder, and write the result there.
 
     Points that failed in an earlier run are tried again.
-
-    Raises
-    ------
-    OutputError
-        If the folder holds something else, or cannot be written.
-    EngineError
-        If the engine cannot be used.
-    KeyboardInterrupt
-        If interrupted; what is done is kept.
     """
     from rollslip.catalogue.registry import get_model
 

@@ -63,13 +63,7 @@ class Requirement:
 
 
 def read_requirement(text: str, study: type[Study]) -> Requirement:
-    """Return the requirement that a text such as "largest_cage_slip <= 5 %" makes of the result of a study.
-
-    Raises
-    ------
-    SceneError
-        If it cannot be read, or the study has no such number.
-    """
+    """Return the requirement that a text such as "largest_cage_slip <= 5 %" makes of the result of a study."""
     form = _FORM.fullmatch(text)
     if form is None:
         raise SceneError([f"keep: {text!r} is no limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"])
@@ -90,29 +84,13 @@ def tells_in_words(name: str) -> SceneError:
 
 
 def passages(slacks: Mapping[int, float]) -> list[tuple[int, int]]:
-    """Return the neighbours of which one keeps the limit and the other does not, by their places in the row.
-
-    Parameters
-    ----------
-    slacks : mapping of int to float
-        Place -> how far its result is within the limit; NaN where it has none, which does not keep it.
-    """
+    """Return the neighbours of which one keeps the limit and the other does not, by their places in the row."""
     row = sorted(slacks)
     return [(a, b) for a, b in pairwise(row) if (slacks[a] >= 0.0) != (slacks[b] >= 0.0)]
 
 
 def next_places(slacks: Mapping[int, float], failed: Collection[int], spacing: int) -> list[int]:
-    """Return the places to compute next: one in each passage that is wider than two neighbours; none at the end.
-
-    Parameters
-    ----------
-    slacks : mapping of int to float
-        What is known, as in `passages`.
-    failed : collection of int
-        Places whose computation failed; a passage with one of them in it is left as it is.
-    spacing : int
-        Distance of the places that came first.
-    """
+    """Return the places to compute next: one in each passage that is wider than two neighbours; none at the end."""
     places = []
     for a, b in passages(slacks):
         if b - a < 2 or any(a < place < b for place in failed):

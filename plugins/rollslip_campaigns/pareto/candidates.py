@@ -111,13 +111,7 @@ def plan_family(
     film: Sequence[str] | str = (),
     rounds: int = 5,
 ) -> Family:
-    """Return the family of choices for a scene; see `rollslip_campaigns.pareto.pareto.pareto`.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If the scene or a name is wrong, or nothing is left to choose.
-    """
+    """Return the family of choices for a scene; see `rollslip_campaigns.pareto.pareto.pareto`."""
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     wanted, laws, films = (_names(names) for names in (choices, traction, film))
     problems = [_unknown(name) for name in wanted if name not in AXES]

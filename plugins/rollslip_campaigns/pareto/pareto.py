@@ -133,18 +133,7 @@ class Record:
 
 
 def run_family(family: Family, kept: Path | None = None, progress: Progress | None = None) -> "xr.Dataset":
-    """Run all choices of a family; see `pareto`.
-
-    Parameters
-    ----------
-    family : Family
-        What is to be run.
-    kept : Path, optional
-        Folder in which every finished turn is kept, and from which a run goes on; to be removed by who has stored the
-        result.
-    progress : callable, optional
-        Told before each turn how far it has come.
-    """
+    """Run all choices of a family; see `pareto`."""
     begin = time.perf_counter()
     records = [_read(family, one, _file(kept, k)) if kept else Record() for k, one in enumerate(family.choices)]
     resumed = any(record.status for record in records)
@@ -234,13 +223,7 @@ def _write(family: Family, choice: Choice, record: Record, path: Path) -> None:
 
 
 def _read(family: Family, choice: Choice, path: Path) -> Record:
-    """Return what is known of a choice from an interrupted run.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be read, or is of another scene or of other choices.
-    """
+    """Return what is known of a choice from an interrupted run."""
     if not path.exists():
         return Record()
     try:

@@ -115,11 +115,6 @@ def begin(sweep: Sweep, target: Path) -> Path:
     """Make the folder of a new sweep, for a piece of it one in that folder, and return it.
 
     One that has lost what it is, but has journals of the same sweep, is taken up again.
-
-    Raises
-    ------
-    OutputError
-        If there is something already, or it cannot be written.
     """
     number, of = sweep.shard
     folder = target if of == 1 else target / f"shard-{number}-of-{of}"
@@ -141,13 +136,7 @@ def begin(sweep: Sweep, target: Path) -> Path:
 
 
 def taken_up(sweep: Sweep, folder: Path) -> Path:
-    """Return the folder of a sweep, made if it is not there, for who goes on with what it holds.
-
-    Raises
-    ------
-    OutputError
-        If it holds another sweep or cannot be read.
-    """
+    """Return the folder of a sweep, made if it is not there, for who goes on with what it holds."""
     if not (folder / FILE).exists():
         return begin(sweep, folder)
     try:
@@ -229,13 +218,7 @@ def pieces(folder: Path) -> list[Path]:
 
 
 def status(folder: Path, errors: int = 5) -> Status:
-    """Return how the sweep of a folder stands; it may be running.
-
-    Raises
-    ------
-    OutputError
-        If it is no folder of a sweep, or a journal cannot be read.
-    """
+    """Return how the sweep of a folder stands; it may be running."""
     stored = _stored(folder)
     size, shard = int(stored["facts"]["size"]), (int(stored["shard"][0]), int(stored["shard"][1]))
     numbers, codes = range(shard[0] - 1, size, shard[1]), states(folder, size)
@@ -280,14 +263,7 @@ def _stored(folder: Path) -> dict[str, Any]:
 
 
 def merge(pieces: list[Path], target: Path) -> Sweep:
-    """Put the pieces of a job array together; pieces that are not complete leave points for a resume.
-
-    Raises
-    ------
-    OutputError
-        If they are not of one sweep, one is still being computed, packages have changed since, or the target holds a
-        sweep already.
-    """
+    """Put the pieces of a job array together; pieces that are not complete leave points for a resume."""
     if not pieces:
         raise OutputError(f"{target}: holds no pieces of a sweep, such as shard-1-of-8")
     if (target / FILE).exists():

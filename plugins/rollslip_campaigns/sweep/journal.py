@@ -108,11 +108,6 @@ class Journal:
         Folder of the sweep.
     about : dict
         What to note about the writer: the hash of the sweep, its engine and process.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written, here and whenever it is used.
     """
 
     def __init__(self, folder: Path, about: dict[str, str]) -> None:
@@ -201,20 +196,6 @@ def only_writer(folder: Path, wait: float = 1.0) -> Iterator[None]:
     """Keep other runs out of a folder until the block ends, or this process does, however that happens.
 
     The lock is one of SQLite on a file to which nothing is written: it works wherever journals do.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of a sweep.
-    wait : float
-        How long another run is waited for [s].
-
-    Raises
-    ------
-    BusyError
-        If another run goes on.
-    OutputError
-        If the folder cannot be written.
     """
     path = folder / LOCK
     with _blamed(path):
@@ -299,13 +280,7 @@ def _made(connection: sqlite3.Connection) -> bool:
 
 
 def sessions(folder: Path) -> list[Session]:
-    """Return the writers of a folder.
-
-    Raises
-    ------
-    OutputError
-        If a journal cannot be read.
-    """
+    """Return the writers of a folder."""
     writers = []
     for path in journals(folder):
         with _opened(path) as connection:
@@ -317,20 +292,7 @@ def sessions(folder: Path) -> list[Session]:
 
 
 def check_owner(folder: Path, of: str) -> None:
-    """Refuse a journal that somebody has put into the folder of another sweep.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of the sweep.
-    of : str
-        Hash of the sweep.
-
-    Raises
-    ------
-    OutputError
-        If there is one, or one cannot be read.
-    """
+    """Refuse a journal that somebody has put into the folder of another sweep."""
     for session in sessions(folder):
         if session.about.get("sweep", of) != of:
             raise OutputError(f"{session.path}: is a journal of another sweep; move it away")
@@ -345,13 +307,7 @@ def died(folder: Path) -> bool:
 
 
 def states(folder: Path, size: int) -> bytearray:
-    """Return for every point 0 if there is no row of it, else 1 + the index of its status.
-
-    Raises
-    ------
-    OutputError
-        If a journal cannot be read, or has a point that the sweep does not have.
-    """
+    """Return for every point 0 if there is no row of it, else 1 + the index of its status."""
     state, codes = bytearray(size), {status: k for k, status in enumerate(STATUSES, 1)}
     for path in journals(folder):
         with _opened(path) as connection:
@@ -395,13 +351,7 @@ def copied(path: Path, folder: Path) -> Path:
 
 
 def records(folder: Path, where: str = "", *values: Any) -> Iterator[JournalEntry]:
-    """Yield all rows in the order in which they were written, or those of a condition; a later one may supersede.
-
-    Raises
-    ------
-    OutputError
-        If a journal cannot be read.
-    """
+    """Yield all rows in the order in which they were written, or those of a condition; a later one may supersede."""
     named = lru_cache(maxsize=256)(_name_of)
     for path in journals(folder):
         with _opened(path) as connection:
@@ -417,13 +367,7 @@ def records(folder: Path, where: str = "", *values: Any) -> Iterator[JournalEntr
 
 
 def layouts(folder: Path) -> Iterator[str]:
-    """Yield the layouts of all rows, every one once a journal.
-
-    Raises
-    ------
-    OutputError
-        If a journal cannot be read.
-    """
+    """Yield the layouts of all rows, every one once a journal."""
     for path in journals(folder):
         with _opened(path) as connection:
             if _made(connection):

@@ -47,20 +47,7 @@ _TOLD: Final = 3
 
 
 def collect(sweep: Sweep, folder: Path) -> "xr.Dataset":
-    """Return what a sweep has given so far.
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions: one for each axis, and "sample"; behind them those of the study. Variables: the outputs; status,
-        message and seconds of every point. Coordinates: values of the axes and of the samples, named by the last part
-        of their key, with the whole key as attribute ``key``.
-
-    Raises
-    ------
-    OutputError
-        If a journal cannot be read, or holds rows of another sweep.
-    """
+    """Return what a sweep has given so far."""
     import xarray as xr
 
     check_owner(folder, sweep.hash)

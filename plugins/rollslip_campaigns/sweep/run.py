@@ -124,34 +124,7 @@ def run_sweep(
     said: Callable[[str], None] = lambda text: None,
     report: Report = lambda progress: None,
 ) -> Settled:
-    """Compute the points of a sweep that are not done yet.
-
-    Parameters
-    ----------
-    sweep : Sweep
-        The sweep.
-    folder : Path
-        Its folder, with the journals that there are.
-    engine : Engine, optional
-        Where; by default that of the sweep, or else as suits it.
-    again : tuple of str
-        Statuses whose points are computed again.
-    said : callable, optional
-        Told in words which engine is taken and why.
-    report : callable, optional
-        Told how far it is, after every task.
-
-    Raises
-    ------
-    EngineError
-        If the engine cannot be started, is lost for good, or its workers have other packages.
-    OutputError
-        If the journal cannot be written; what it has, it keeps.
-    BusyError
-        If another run of the sweep goes on.
-    KeyboardInterrupt
-        If interrupted a second time.
-    """
+    """Compute the points of a sweep that are not done yet."""
     with only_writer(folder):
         return _only_run(sweep, folder, engine, again, said, report)
 
@@ -206,15 +179,7 @@ def _only_run(
 
 
 def asked_engine(sweep: Sweep) -> Engine | None:
-    """Return the engine that a sweep asks for, None if it leaves the choice.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If its parameters are wrong, or it is not there.
-    EngineError
-        If it cannot compute these points.
-    """
+    """Return the engine that a sweep asks for, None if it leaves the choice."""
     if sweep.table.engine is None:
         return None
     problems: list[str] = []

@@ -55,21 +55,7 @@ _MOST = 10_000_000
 
 
 def probabilities(sampling: str, samples: int, dimensions: int, seed: int) -> Array:
-    """Return points of the unit cube, none of them on its faces.
-
-    Parameters
-    ----------
-    sampling : str
-        "sobol": a Sobol sequence, scrambled after Owen; its balance needs a power of two samples.
-        "replicated-sobol": eight such sequences, each with a scrambling of its own, one sample of each in turn.
-        "latin-hypercube": each of the n strata of every dimension holds one sample.
-        "saltelli": for each of n samples A and B, of d dimensions each, d + 2 rows: A, B, and A with one dimension
-        after the other from B (Saltelli et al. 2010, doi:10.1016/j.cpc.2009.09.018).
-    samples, dimensions : int
-        Shape of what is returned; samples times (dimensions + 2) rows after Saltelli.
-    seed : int
-        Same seed and same version of SciPy, same points.
-    """
+    """Return points of the unit cube, none of them on its faces."""
     from scipy.stats import qmc
 
     if sampling == "saltelli":
@@ -134,22 +120,7 @@ class Axis:
 
 
 def read_axis(quantity: Quantity, raw: object, sampled: bool) -> Axis | Distribution:
-    """Return the axis that a list or a range describes, or the distribution of a range to be sampled.
-
-    Parameters
-    ----------
-    quantity : Quantity
-        What is varied.
-    raw : object
-        A list of values; "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log"; "LOW:HIGH" or "LOW:HIGH:log" for samples.
-    sampled : bool
-        Whether the sweep has samples.
-
-    Raises
-    ------
-    RollslipError
-        What is wrong with it, in one sentence.
-    """
+    """Return the axis that a list or a range describes, or the distribution of a range to be sampled."""
     if isinstance(raw, str) and ":" in raw and (quantity.unit is not None or quantity.whole):
         return _range(quantity, raw, sampled)
     listed = list(raw) if isinstance(raw, list | tuple) else [raw]
@@ -181,13 +152,7 @@ def parse_over(text: str) -> tuple[str, object]:
 
 
 def parse_overs(texts: Sequence[str]) -> dict[str, object]:
-    """Return what several ``key=values`` say, by key.
-
-    Raises
-    ------
-    SceneError
-        If one cannot be read, or a key comes twice.
-    """
+    """Return what several ``key=values`` say, by key."""
     pairs = [parse_over(text) for text in texts]
     keys = [key for key, _ in pairs]
     if twice := sorted({key for key in keys if keys.count(key) > 1}):
@@ -196,13 +161,7 @@ def parse_overs(texts: Sequence[str]) -> dict[str, object]:
 
 
 def parse_shard(text: str) -> tuple[int, int]:
-    """Return piece and number of pieces of "3/8".
-
-    Raises
-    ------
-    SceneError
-        If it is not written so.
-    """
+    """Return piece and number of pieces of "3/8"."""
     number, _, of = text.partition("/")
     if not (number.strip().isdecimal() and of.strip().isdecimal()):
         raise SceneError([f"shard {as_written(text)}: write I/N with I from 1 to N, such as 3/8"])
@@ -333,13 +292,6 @@ class Design:
 def plain_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, str]:
     """Return the name of the dimension or coordinate of each key: its last part, and more of it only to tell it apart.
 
-    Parameters
-    ----------
-    keys : sequence of str
-        Keys of a scene.
-    taken : collection of str
-        Names that other things of the result have.
-
     Examples
     --------
     >>> plain_names(["operation.radial_load", "models.traction"])
@@ -361,15 +313,7 @@ def plain_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, s
 
 
 def far_apart(values: Array, most: int) -> list[int]:
-    """Return some rows by number, the first far from the middle, each as far as can be from those before it.
-
-    Parameters
-    ----------
-    values : ndarray
-        A row for each point; distances are in shares of the ranges of the columns.
-    most : int
-        Rows at most.
-    """
+    """Return some rows by number, the first far from the middle, each as far as can be from those before it."""
     width = np.ptp(values, axis=0)
     values = (values - values.min(axis=0)) / np.where(width > 0.0, width, 1.0)
     taken, distance = list[int](), np.linalg.norm(values - 0.5, axis=1)

@@ -73,39 +73,7 @@ def plan_sweep(
     engine: object = None,
     shard: tuple[int, int] = (1, 1),
 ) -> Sweep:
-    """Check a sweep and lay out its points.
-
-    Parameters
-    ----------
-    scene : Scene, str or path
-        A scene, the name of a shipped one, or a file; its tables ``[sweep]`` and ``[uncertainty]`` count.
-    over : mapping, optional
-        What is varied, by dotted key: a list of values, "LOW:HIGH:COUNT" or "LOW:HIGH:COUNT:log", with units; or, to
-        be sampled, "LOW:HIGH" or "LOW:HIGH:log". It adds to the scene's.
-    samples : int, optional
-        Number of samples of ranges without a count and of what the scene calls uncertain.
-    sampling : str, optional
-        One of `rollslip_campaigns.sweep.sampling.SAMPLINGS`; by default "sobol".
-    seed : int, optional
-        Seed of the samples.
-    study : str, optional
-        Study; by default the first one of the scene.
-    output : sequence of str or str, optional
-        Variables of its result that are kept; a text may name several, with commas between them.
-    time_limit : float or str, optional
-        Longest time for one point.
-    engine : str or table, optional
-        Engine and its parameters.
-    shard : tuple of int
-        Which piece of how many.
-
-    Raises
-    ------
-    SceneError
-        If anything of it is wrong; all faults that can be found at once.
-    PluginError
-        If a model that it names is missing or broken.
-    """
+    """Check a sweep and lay out its points."""
     given = scene if isinstance(scene, Scene) else load_scene(scene)
     base, where, problems = _without_tables(given), Location(given.origins), list[str]()
     check_required(base.plugins.require, where.at("plugins").at("require"))
@@ -274,12 +242,7 @@ def _conflicts(keys: Sequence[str]) -> list[str]:
 
 
 def _tried(base: Scene, study: str, design: Design) -> tuple[list[Assembly], tuple[str, ...]]:
-    """Put the scene together with every value of an axis, and with the ends of the samples; refuse what is wrong.
-
-    Returns
-    -------
-    The bearings, and what is unusual of the values.
-    """
+    """Put the scene together with every value of an axis, and with the ends of the samples; refuse what is wrong."""
     problems, unusual, assemblies = list[str](), list[str](), [assemble(base)]
     for axis in design.axes:
         count, judged = len(axis.values), list[object]()
@@ -358,17 +321,7 @@ def _checked_shard(shard: tuple[int, int]) -> tuple[int, int]:
 
 
 def _chosen_resolutions(scene: Scene, study: str, design: Design) -> Resolutions:
-    """Choose the resolutions of a sweep.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene that the points change.
-    study : str
-        Their study.
-    design : Design
-        The points.
-    """
+    """Choose the resolutions of a sweep."""
     deciding = [k for k, axis in enumerate(design.axes) if _decides(axis)]
     combinations = np.stack(np.unravel_index(np.arange(design.size), design.shape), axis=-1)[:, deciding]
     if not study_class(study).shares_resolution:
@@ -425,13 +378,7 @@ def _far_apart(design: Design, numbers: "np.ndarray[tuple[int], np.dtype[np.int6
 
 
 def store_sweep(sweep: Sweep, folder: Path) -> None:
-    """Write down what a sweep is.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written.
-    """
+    """Write down what a sweep is."""
     table = attrs.asdict(sweep.table, recurse=False)
     stored = {
         "format": 1,
@@ -448,20 +395,7 @@ def store_sweep(sweep: Sweep, folder: Path) -> None:
 
 
 def open_sweep(folder: Path, *, check_file: bool = True) -> Sweep:
-    """Return the sweep that a folder belongs to.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of the sweep.
-    check_file : bool
-        Whether to refuse to go on if the scene's file has changed since, as if a package has.
-
-    Raises
-    ------
-    OutputError
-        If it is no folder of a sweep, or what it depends on has changed; the message says what.
-    """
+    """Return the sweep that a folder belongs to."""
     path = folder / FILE
     if not path.is_file():
         inner = f"; its pieces do: rollslip sweep merge {folder}" if any(folder.glob(f"shard-*/{FILE}")) else ""
@@ -490,13 +424,7 @@ def open_sweep(folder: Path, *, check_file: bool = True) -> Sweep:
 
 
 def with_engine(sweep: Sweep, engine: object, time_limit: float | str | None) -> Sweep:
-    """Return a sweep with another engine or time limit, where they are given; they are no part of what it is.
-
-    Raises
-    ------
-    SceneError
-        If the time limit cannot be read.
-    """
+    """Return a sweep with another engine or time limit, where they are given; they are no part of what it is."""
     told = {"engine": engine, "time_limit": time_limit}
     problems: list[str] = []
     table = structure(SweepTable, {k: v for k, v in told.items() if v is not None}, Location({}, ("sweep",)), problems)

@@ -45,17 +45,6 @@ class Estimate:
 def quantile(values: Array, probability: float, *, replicates: int = 1, confidence: float = 0.95) -> Estimate:
     """Return a quantile, and the interval in which it lies with a confidence.
 
-    Parameters
-    ----------
-    values : ndarray
-        Samples, (n,): NaN where unknown, infinite where beyond a range.
-    probability : float
-        Share of the distribution below the quantile.
-    replicates : int
-        Independent sets of samples, one sample of each in turn; 1 if all samples are independent.
-    confidence : float
-        Of the interval; the value itself is that of the known samples, NaN if there are none.
-
     Notes
     -----
     Of independent samples the number below the quantile is binomial: X_(l) and X_(u) enclose it if P(B < l) and
@@ -162,25 +151,7 @@ class Indices:
 
 
 def indices(a: Array, b: Array, ab: Array, seed: int, confidence: float = 0.95) -> Indices | None:
-    """Return Sobol indices of a result after Saltelli's design.
-
-    Parameters
-    ----------
-    a, b : ndarray
-        Results of both samples, (n,).
-    ab : ndarray
-        Results of the first sample with one input after the other from the second, (d, n).
-    seed : int
-        Seed of the bootstrap.
-    confidence : float
-        Of the intervals.
-
-    Returns
-    -------
-    Indices or None
-        Of the first power of two of rows that are whole, as SciPy needs it; None if fewer than four are, or if the
-        result does not vary.
-    """
+    """Return Sobol indices of a result after Saltelli's design."""
     from scipy.stats import sobol_indices
 
     whole = np.flatnonzero(np.isfinite(a) & np.isfinite(b) & np.isfinite(ab).all(axis=0))

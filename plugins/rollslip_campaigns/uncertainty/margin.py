@@ -202,36 +202,7 @@ def plan_margin(
     engine: object = None,
     time_limit: float | str | None = None,
 ) -> Margin:
-    """Check what is asked for and lay out its samples.
-
-    Parameters
-    ----------
-    scene : Scene, str or path
-        The scene.
-    samples : int, optional
-        Samples of reserve and slips, the most of them with ``until``; by default 1024 and 16384.
-    until : float, optional
-        Half width of the 95 % interval of the allowable slip, as a slip, at which no more batches are computed.
-    probability : float
-        With which the slip is to be below that of running away.
-    loads : int, optional
-        Samples of the least radial load, each several times as dear; by default 64 if the scene says which slip is
-        acceptable, 0 for none.
-    indices : int
-        Rows of the design for Sobol indices of reserve, slips and peak friction, a power of two, each inputs + 2
-        points; 0 for none.
-    seed : int
-        Seed of the samples.
-    engine : str or table, optional
-        Engine and its parameters.
-    time_limit : float or str, optional
-        Longest time for one point.
-
-    Raises
-    ------
-    SceneError
-        If anything of it is wrong.
-    """
+    """Check what is asked for and lay out its samples."""
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     samples = samples if samples is not None else _SAMPLES if until is None else _MOST
     acceptable = SteadySlip.of(scene).acceptable_slip
@@ -299,17 +270,7 @@ def run_margin(
     said: Callable[[str], None] = lambda text: None,
     report: Callable[[Progress], None] = lambda progress: None,
 ) -> "xr.Dataset":
-    """Compute what a margin needs, or what is left of it, in its folder, and write the result there.
-
-    Raises
-    ------
-    OutputError
-        If the folder holds something else, or cannot be written.
-    EngineError
-        If the engine cannot be used.
-    KeyboardInterrupt
-        If interrupted; what is done is kept.
-    """
+    """Compute what a margin needs, or what is left of it, in its folder, and write the result there."""
     from rollslip.results.dataset import save
 
     folder.mkdir(parents=True, exist_ok=True)

@@ -35,13 +35,7 @@ _LASTS: Final = "stable"
 
 
 def _found(quantity: str, scene: Scene) -> tuple[type[Study], Measurable]:
-    """Return the study that gives a quantity of a bearing, and how.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If there is no such study, or it has no such variable.
-    """
+    """Return the study that gives a quantity of a bearing, and how."""
     name, of_study, variable = quantity.partition("/")
     if not of_study:
         for one in available("study"):
@@ -60,13 +54,7 @@ def _found(quantity: str, scene: Scene) -> tuple[type[Study], Measurable]:
 def observe(
     scene: Scene, quantity: str, at: Mapping[str, object], points: Sequence[Mapping[str, object]]
 ) -> list[Value]:
-    """Return what the models of a scene give for a quantity at points, each some changes of the scene.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If there is no such quantity, or it has several values and ``at`` does not say which.
-    """
+    """Return what the models of a scene give for a quantity at points, each some changes of the scene."""
     study, one = _found(quantity, scene)
     status = study.outputs[one.variable].status
     outputs = (one.variable, *([status] if status else []), *([_LASTS] if one.lasting is not None else []))
@@ -102,13 +90,7 @@ def _value(one: Measurable, status: str | None, at: Mapping[str, object], row: P
 def _single(
     variable: str, values: Array, dims: Sequence[str], names: Mapping[str, Sequence[object]], at: Mapping[str, object]
 ) -> float:
-    """Take one value of a variable, at names of its dimensions, or the smallest or largest along some.
-
-    Raises
-    ------
-    SceneError
-        If it has several, and it is not said which.
-    """
+    """Take one value of a variable, at names of its dimensions, or the smallest or largest along some."""
     index: list[Any] = []
     extreme: Callable[[Array], Any] | None = None
     for k, dim in enumerate(dims):

@@ -86,13 +86,7 @@ def form(measurement: Measurement) -> str:
 
 
 def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> Predictions:
-    """Read predictions for a data set.
-
-    Raises
-    ------
-    SceneError
-        With every fault of the file, each with its line.
-    """
+    """Read predictions for a data set."""
     source, text = _read(path)
     comments = dict(re.findall(r"^#\s*(program|parameters):\s*(.+?)\s*$", text, re.MULTILINE))
     lines = [(k, line) for k, line in enumerate(text.split("\n"), 1) if line.strip() and not line.startswith("#")]
@@ -134,13 +128,7 @@ def read_predictions(path: str | os.PathLike[str], measurement: Measurement) -> 
 
 
 def data_set_of(path: str | os.PathLike[str], asked: Sequence[str]) -> str:
-    """Return the data set that a file of predictions is of: the one that it names, or the only one asked for.
-
-    Raises
-    ------
-    SceneError
-        If it names none and not one is asked for, or it cannot be read.
-    """
+    """Return the data set that a file of predictions is of: the one that it names, or the only one asked for."""
     if len(asked) == 1:
         return asked[0]
     source, text = _read(path)

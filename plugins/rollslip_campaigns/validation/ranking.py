@@ -70,35 +70,7 @@ def rank(
     seed: int = 0,
     report: Callable[[float, str], None] = lambda share, text: None,
 ) -> "xr.Dataset":
-    """Rank laws by their errors on conditions that they were not fitted to.
-
-    Parameters
-    ----------
-    names : names, paths or measurements
-        Data sets by name or folder; conditions of all of them count alike.
-    traction, film, contact : str
-        The laws, with commas between; all combinations are ranked. Without any, the models of the data sets' scenes.
-    parameters : str
-        What is fitted to friction of rigs, as ``rollslip fit`` names it, with commas between; those that a law does not
-        know are not fitted for it.
-    predictions : sequence of Predictions
-        What other programs give, scored as it is.
-    seed : int
-        Of the bootstrap.
-    report : callable
-        Takes how far it has come, and with what.
-
-    Returns
-    -------
-    xarray.Dataset
-        (law,): error with its 95 % interval, parameters, seconds, status; (law, condition): condition_error; (law,
-        other): adjusted probability that so large a difference is chance, and relation in words.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If a data set, a law or a parameter is wrong or missing, or there are not two laws.
-    """
+    """Rank laws by their errors on conditions that they were not fitted to."""
     begin = time.perf_counter()
     plan = plan_validation(names, traction=traction, film=film, contact=contact, predictions=predictions, samples=0)
     laws = plan.combinations[1:] or plan.combinations
@@ -255,15 +227,7 @@ class Told:
 
 
 def tell(errors: Array, seed: int = 0) -> Told:
-    """Return which differences between laws are more than chance.
-
-    Parameters
-    ----------
-    errors : ndarray
-        (law, condition), above 0; laws with a NaN are left out.
-    seed : int
-        Of what is drawn.
-    """
+    """Return which differences between laws are more than chance."""
     count, conditions = errors.shape
     probability = np.full((count, count), math.nan)
     low, high = np.full(count, math.nan), np.full(count, math.nan)

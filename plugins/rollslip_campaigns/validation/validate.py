@@ -98,25 +98,6 @@ class Validation:
 def validate(names: str | Iterable[str | Path | Measurement] = (), **options: Any) -> "xr.Dataset":
     """Hold data sets against models.
 
-    Parameters
-    ----------
-    names : names, paths or measurements
-        Data sets by name or folder; by default all that are installed.
-    **options
-        As in `plan_validation`.
-
-    Returns
-    -------
-    xarray.Dataset
-        (row,): measured, uncertainty, calculated with its 95 % band, ratio with its band, verdict, status, seconds, and
-        what the row is of; (group,): chi2, freedom, probability, counts, bias and scatter; (statement,): verdict and
-        what was found.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If a data set or a model is wrong or missing.
-
     Examples
     --------
     >>> found = validate("klebanov-2022", samples=32)
@@ -127,13 +108,7 @@ def validate(names: str | Iterable[str | Path | Measurement] = (), **options: An
 
 
 def measurement_named(name: str | Path | Measurement) -> Measurement:
-    """Return a data set by its name or its folder.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If there is none, or it cannot be read.
-    """
+    """Return a data set by its name or its folder."""
     if isinstance(name, Measurement):
         return name
     if isinstance(name, Path) or (name not in available("measurement") and Path(name).is_dir()):
@@ -152,26 +127,7 @@ def plan_validation(
     samples: int = _SAMPLES,
     seed: int = 0,
 ) -> Validation:
-    """Check what is asked for.
-
-    Parameters
-    ----------
-    names : names, paths or measurements
-        Data sets; by default all that are installed.
-    contact, film, traction : str
-        Models to hold against them beside those of their scenes, with commas between.
-    predictions : sequence of Predictions
-        What other programs give.
-    samples : int
-        Samples of what scatters; 0 for none.
-    seed : int
-        Of the samples.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If a data set or a model is wrong or missing, or there is none.
-    """
+    """Check what is asked for."""
     asked = [names] if isinstance(names, str) else list(names)
     sets = tuple(measurement_named(one) for one in asked or available("measurement"))
     if not sets:
@@ -233,13 +189,7 @@ def run_validation(plan: Validation, report: Callable[[float, str], None] = lamb
 
 
 def _scene_with(scene: Scene, combination: Combination) -> Scene:
-    """Return a scene with other models in it.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If one cannot be put there.
-    """
+    """Return a scene with other models in it."""
     problems, unknown = list[str](), list[PluginError]()
     tables = {
         f"models.{kind}": dict(read_choice(scene, kind, name, problems, unknown).table)
@@ -269,13 +219,7 @@ def _judged_series(
 
 
 def nominal_values(series: Series, combination: Combination) -> list[Value]:
-    """Return what models give for the rows of a series, without scatter.
-
-    Raises
-    ------
-    SceneError, PluginError
-        If a model cannot be put where it is wanted.
-    """
+    """Return what models give for the rows of a series, without scatter."""
     if isinstance(series, ContactSeries):
         return _of_contacts(series, combination, Validation(sets=(), combinations=(), samples=0, seed=0))[0]
     assert series.scene is not None

@@ -105,13 +105,7 @@ class ScuffingIso(BulkAndFlash):
     )
 
     def of(self, assembly: "Assembly") -> Self:
-        """Return the measure with the viscosity of the scene's oil.
-
-        Raises
-        ------
-        SceneError
-            If the load stage is not given.
-        """
+        """Return the measure with the viscosity of the scene's oil."""
         if self.fzg_stage is None:
             where = Location(assembly.scene.origins, ("models", "damage"))
             raise SceneError(
@@ -205,13 +199,7 @@ class ScuffingAgma(BulkAndFlash):
     )
 
     def of(self, assembly: "Assembly") -> Self:
-        """Return the measure with the viscosity of the scene's oil.
-
-        Raises
-        ------
-        SceneError
-            If the oil's kinematic viscosity at 40 degC is needed and not known.
-        """
+        """Return the measure with the viscosity of the scene's oil."""
         oil, T = assembly.lubricant, _CELSIUS + 40.0
         if not self.oil and not self.taken:
             named = oil.name.upper()

@@ -161,15 +161,7 @@ class Inside(NamedTuple):
 
 
 def estimated(series: str, bore: float, outside: float, width: float) -> Inside:
-    """Return the inside of a bearing by the rule of its series.
-
-    Parameters
-    ----------
-    series : str
-        A key of `RULES`.
-    bore, outside, width : float
-        Boundary dimensions [mm].
-    """
+    """Return the inside of a bearing by the rule of its series."""
     rule = RULES[series]
     share = rule.large[1] if bore >= rule.large[0] else rule.diameter
     diameter = min(_ROLLERS, key=lambda one: abs(one - share * (outside - bore)))
@@ -188,15 +180,7 @@ class _Size(NamedTuple):
 
 
 def clearance(bore: float, group: str) -> tuple[float, float]:
-    """Return from what to what radial clearance before mounting goes [um], ISO 5753-1.
-
-    Parameters
-    ----------
-    bore : float
-        [mm].
-    group : str
-        C2, CN, C3, C4 or C5, with L, M or H behind it for its lower half, its middle or its upper half.
-    """
+    """Return from what to what radial clearance before mounting goes [um], ISO 5753-1."""
     low, high = next(spans for most, *spans in _CLEARANCES if bore <= most)[_GROUPS.index(group[:2])]
     first, last = _PARTS[group[2:]]
     return low + first * (high - low), low + last * (high - low)

@@ -82,13 +82,6 @@ def _shaft(letter: str, diameter: float) -> int:
 def deviations(name: str, diameter: float) -> tuple[float, float] | None:
     """Return lower and upper deviation [um] of a tolerance class such as "m5" or "K7"; None where there is none.
 
-    Parameters
-    ----------
-    name : str
-        Letter and grade.
-    diameter : float
-        Nominal diameter [mm].
-
     Examples
     --------
     >>> deviations("m5", 80), deviations("K7", 90)

@@ -285,11 +285,6 @@ class InletCorrection(FilmModel):
         **members : array_like
             What the correction reads besides: ``thermoviscosity`` [1/K] and ``conductivity`` [W/(m K)] for a thermal
             one, ``pressure`` (mean) [Pa] and ``sliding_speed`` [m/s] for Gupta's.
-
-        Raises
-        ------
-        DomainError
-            If an argument is missing or outside the model's domain.
         """
         given = {
             "load": load_per_length,

@@ -34,13 +34,7 @@ class Cvode(IntegratorModel):
     references: ClassVar[tuple[Reference, ...]] = (COHEN_1996, HINDMARSH_2005)
 
     def solver(self) -> type[Any]:
-        """Return the OdeSolver class.
-
-        Raises
-        ------
-        PluginError
-            If scikit-sundae is not installed.
-        """
+        """Return the OdeSolver class."""
         try:
             import sksundae.cvode  # noqa: F401
         except ImportError as error:

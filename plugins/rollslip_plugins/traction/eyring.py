@@ -70,17 +70,7 @@ class _EyringFluid(TractionModel, abc.ABC):
 
     @abc.abstractmethod
     def dimensionless_stress(self, strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike) -> Array:
-        """Return the mean shear stress over tau0, S(sigma, D, Phi); arguments broadcast.
-
-        Parameters
-        ----------
-        strain_rate : array_like
-            sigma = eta V/(tau0 h), any sign.
-        deborah : array_like
-            D = eta u/(Gamma b), >= 0.
-        heating : array_like
-            Phi = beta zeta tau0^2 h/eta, >= 0.
-        """
+        """Return the mean shear stress over tau0, S(sigma, D, Phi); arguments broadcast."""
 
     def groups(self, slices: Slices) -> Mapping[str, Array]:
         """Return sigma, D and Phi of slices, by the names that `dimensionless_stress` has for them."""

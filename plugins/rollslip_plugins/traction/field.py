@@ -379,15 +379,7 @@ def stress_on_grid(
     heating: Heating = "field",
     heat_capacity: float = OIL_HEAT_CAPACITY,
 ) -> Array:
-    """Return the mean shear stress over the Eyring stress that one grid gives, NaN where it gives none.
-
-    Parameters
-    ----------
-    slices, law, pressure, heating, heat_capacity
-        As in `solve_friction`.
-    cells, modes : int
-        Cells along the contact, modes across half the film.
-    """
+    """Return the mean shear stress over the Eyring stress that one grid gives, NaN where it gives none."""
     law, profile, grid = law or Barus(), _profile(pressure), even_cells(cells)
     stress = np.empty(slices.pressure.size)
     with np.errstate(all="ignore"):  # what leaves the floats becomes NaN

@@ -257,13 +257,7 @@ def _shown(name: str, value: float) -> str:
 
 
 def read_table(file: str) -> tuple[dict[str, Array], Array]:
-    """Return the axes of a table, the slide-roll ratio first, and the friction on their grid, in SI units.
-
-    Raises
-    ------
-    FieldError
-        With the first fault of the file: its line, what came and what is allowed.
-    """
+    """Return the axes of a table, the slide-roll ratio first, and the friction on their grid, in SI units."""
     faults: list[str] = []
     given, lines = read_columns(_text(file), file, TableRow, faults, check=_check_pressures)
     if faults:

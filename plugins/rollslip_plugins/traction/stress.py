@@ -32,20 +32,6 @@ def muraki_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
     D^2 in the denominator of the solved form, where the quadratic gives D (only so does S tend to L/a for D -> 0); and
     its L = log(2 sigma), negative below sigma = 1/2, is the large-sigma limit of asinh(sigma).
 
-    Parameters
-    ----------
-    strain_rate : array_like
-        Strain-rate group sigma [1], of either sign.
-    deborah : array_like
-        Deborah number D [1], not negative.
-    heating : array_like
-        Heating group Phi [1], not negative.
-
-    Returns
-    -------
-    numpy.ndarray
-        Mean shear stress over the Eyring stress [1], of the broadcast shape.
-
     Notes
     -----
     Error against `maxwell_eyring_stress`: without heating within 3 % for D <= 0.1 and 7 to 32 % for D = 1 to 10 at
@@ -86,20 +72,6 @@ def eyring_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: ArrayLike
 
         sinh(S) exp(Phi sigma S) = sigma
 
-    Parameters
-    ----------
-    strain_rate : array_like
-        Strain-rate group sigma [1], of either sign.
-    deborah : array_like
-        Deborah number D [1]; it takes part in the shape of the result only.
-    heating : array_like
-        Heating group Phi [1], not negative.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shear stress over the Eyring stress [1], of the broadcast shape.
-
     Notes
     -----
     Solved to a relative error below 1e-14.  As a model of an elastic oil it is too high, by the factor
@@ -136,20 +108,6 @@ def maxwell_eyring_stress(strain_rate: ArrayLike, deborah: ArrayLike, heating: A
     A = T/(eps + c), B = T (eps + c)::
 
         mean(S) = F(y) = asinh(eps) - [Li2(A) - Li2(A q) - Li2(-B) + Li2(-B q)]/P
-
-    Parameters
-    ----------
-    strain_rate : array_like
-        Strain-rate group sigma [1], of either sign.
-    deborah : array_like
-        Deborah number D [1], not negative.
-    heating : array_like
-        Heating group Phi [1], not negative.
-
-    Returns
-    -------
-    numpy.ndarray
-        Mean shear stress over the Eyring stress [1], of the broadcast shape.
 
     Notes
     -----

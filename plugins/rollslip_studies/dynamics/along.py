@@ -50,13 +50,7 @@ INSTANTS: Final = 4
 
 
 def history_of(settings: HistorySettings | None, assembly: Assembly, duration: float, table_of: str) -> History | None:
-    """Return the history of a run; None where nothing is to change.
-
-    Raises
-    ------
-    SceneError
-        With every fault of it.
-    """
+    """Return the history of a run; None where nothing is to change."""
     if settings is None:
         return None
     where, key = Location(assembly.scene.origins, (*table_of.split("."), "history")), ("history", settings, duration)

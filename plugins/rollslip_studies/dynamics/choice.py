@@ -164,22 +164,7 @@ def adds_up(study: Movable, few: Assembly, span: float) -> float:
 
 
 def choose_motion(study: Movable, assembly: Assembly, named: Collection[str]) -> MotionChoice:
-    """Choose what a scene does not name of friction, level and integrator.
-
-    Parameters
-    ----------
-    study : Movable
-        The study; what is not named in it counts for nothing.
-    assembly : Assembly
-        The bearing at the resolution that was chosen for it.
-    named : collection of str
-        Settings that the scene gives.
-
-    Raises
-    ------
-    RollslipError
-        If the bearing cannot be set in motion at all.
-    """
+    """Choose what a scene does not name of friction, level and integrator."""
     unnamed = [name for name in OPEN if name not in named]
     if not unnamed:
         return MotionChoice()

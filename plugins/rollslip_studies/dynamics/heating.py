@@ -138,13 +138,7 @@ def told(heating: Heating | None, times: Array) -> tuple[dict[str, Any], dict[st
 
 
 def model_of(assembly: Assembly) -> ThermalModel | None:
-    """Return the thermal model of a scene, with all that it takes from its bearing; None where temperatures are given.
-
-    Raises
-    ------
-    SceneError
-        If the model is wrong, or heat has no way out.
-    """
+    """Return the thermal model of a scene, with what it takes from its bearing; None where temperatures are given."""
     named = thermal_model(assembly.scene)
     return named.of(assembly) if named is not None and named.nodes else None
 
@@ -155,24 +149,7 @@ def allowed(assembly: Assembly) -> float:
 
 
 def heated(study: Warming, assembly: Assembly, progress: Callable[[str, float], None] | None = None) -> Heating | None:
-    """Return the temperatures that a motion leads to; None where they are given.
-
-    Parameters
-    ----------
-    study : Warming
-        What moves, and how it is integrated.
-    assembly : Assembly
-        The bearing as its scene states it.
-    progress : callable, optional
-        Told a text and the share of the passes that are expected.
-
-    Raises
-    ------
-    SceneError
-        If the thermal model is wrong, or a history gives temperatures that are to follow from losses.
-    ConvergenceError
-        If a pass fails, or temperatures do not settle.
-    """
+    """Return the temperatures that a motion leads to; None where they are given."""
     model = model_of(assembly)
     if model is None:
         return None
@@ -266,13 +243,7 @@ def _history(
 def _moved(
     study: Warming, assembly: Assembly, history: History | None, times: Array, count: int
 ) -> tuple[MovingBearing, Trajectory]:
-    """The motion along a history.
-
-    Raises
-    ------
-    ConvergenceError
-        If it fails.
-    """
+    """The motion along a history."""
     try:
         moving = study.moving_along(history, assembly)
         found = explained(study.tried(moving, times, study.relative_tolerance), moving)

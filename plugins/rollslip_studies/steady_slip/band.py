@@ -74,17 +74,7 @@ def _finite(value: float) -> float | None:
 
 
 def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[str, Band]:
-    """Return the bands of the steady slip, and of the least load of an acceptable slip, where they can be told.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene; what scatters is its table ``[uncertainty]``, or what its data and models declare.
-    slip : float
-        Its steady slip, above 0.
-    acceptable : float, optional
-        Slip of which the least load is asked for.
-    """
+    """Return the bands of the steady slip, and of the least load of an acceptable slip, where they can be told."""
     try:
         given, _ = with_scatter(scene)
     except SceneError:

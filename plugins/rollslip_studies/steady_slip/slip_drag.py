@@ -20,21 +20,7 @@ _EXACTER: Final = 4.0
 def slip_drag(
     balance: TorqueBalance, way: WayUp, slips: list[float], range_: float, points: int, table: str
 ) -> tuple[dict[str, Any], dict[str, Any], float]:
-    """Return variables of the curve and its maxima, coordinates, and what the points of the curve leave.
-
-    Parameters
-    ----------
-    balance, way : TorqueBalance, WayUp
-        Those of the bearing.
-    slips : list of float
-        Its steady slips.
-    range_ : float
-        Slip up to which the curve goes, further where the answer lies beyond.
-    points : int
-        Its slips, at least.
-    table : str
-        That of the study in a scene.
-    """
+    """Return variables of the curve and its maxima, coordinates, and what the points of the curve leave."""
     away, first = way.runs_away, next(iter(way.jumps), None)
     inside = max(slips or [math.inf]) <= range_ or (away is not None and away.slip <= range_)
     slip, torque = _curve(way, min(range_, way.end) if inside else way.end, points)

@@ -537,13 +537,7 @@ class SteadySlip(Study):
 
 
 def _loaded(assembly: Assembly) -> Assembly:
-    """Refuse a bearing in which nothing drives the rollers; else the difference of two roundings would.
-
-    Raises
-    ------
-    SceneError
-        If no roller is loaded on the inner ring.
-    """
+    """Refuse a bearing in which nothing drives the rollers; else the difference of two roundings would."""
     if not assembly.load_distribution(2).inner_force.any():
         raise unloaded(assembly.scene, "nothing drives the cage")
     return assembly

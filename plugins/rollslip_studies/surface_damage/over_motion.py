@@ -49,22 +49,7 @@ OVER_MOTION: Final[Mapping[str, Output]] = MappingProxyType(
 def over_motion(
     assembly: Assembly, dataset: "xr.Dataset", there: Callable[[int], Assembly]
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return what `OVER_MOTION` names, and coordinates, of the measures that a scene names; nothing where it has none.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The bearing.
-    dataset : xarray.Dataset
-        Its motion, a result of study dynamics.
-    there : callable
-        Number of a stored instant -> the bearing at the temperatures of that.
-
-    Raises
-    ------
-    SceneError
-        If a measure is wrong.
-    """
+    """Return what `OVER_MOTION` names, and coordinates, of the measures of a scene; nothing where it has none."""
     measures = damage_of(assembly)
     if not measures:
         return {}, {}

@@ -79,13 +79,7 @@ class ThermalPath:
         return float(brentq(lambda t: float(self.along.at(t)) - place, begin[k], begin[k + 1], xtol=1e-300))
 
     def bearing(self, assembly: Assembly, place: float) -> Assembly:
-        """Return a bearing at a place.
-
-        Raises
-        ------
-        SceneError
-            If the oil is not known at its temperatures.
-        """
+        """Return a bearing at a place."""
         known: dict[float, Assembly] = assembly.known_maps.setdefault(("path", self), {})
         if place not in known:
             t = self.time(place)
@@ -94,13 +88,7 @@ class ThermalPath:
 
 
 def changed(assembly: Assembly, changes: Mapping[str, float]) -> Assembly:
-    """Return a bearing with other values of its scene, in SI units by key; itself where they are its own.
-
-    Raises
-    ------
-    SceneError
-        If a value is beyond what the oil or the bearing allows.
-    """
+    """Return a bearing with other values of its scene, in SI units by key; itself where they are its own."""
     scene = evolve(assembly.scene, dict(changes))
     if resolved(scene) == resolved(assembly.scene):
         return assembly

@@ -189,11 +189,6 @@ class HistorySettings:
             Length of the run [s].
         where : Location
             Place of these settings, for messages.
-
-        Raises
-        ------
-        SceneError
-            With every fault: of the file, and of courses that do not cover the run or go where nothing is.
         """
         courses, faults, digest = dict[str, Course](), list[str](), ""
         if self.file:

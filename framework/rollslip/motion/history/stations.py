@@ -168,13 +168,7 @@ class Stations:
         return self._made
 
     def around(self, place: Place) -> tuple[list[Place], list[Any]]:
-        """Return the nodes around a place, by axis, and the compiled systems there, as `Varying` asks for them.
-
-        Raises
-        ------
-        ConvergenceError
-            If the tolerance is not reached with the most halvings.
-        """
+        """Return the nodes around a place, by axis, and the compiled systems there, as `Varying` asks for them."""
         nodes = [
             tuple(self.axes[axis].place(node) for node in _nodes(*self._interval(axis, value)))
             for axis, value in enumerate(place)
@@ -308,13 +302,7 @@ def unit_of(name: str) -> str:
 
 
 def operated(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
-    """Return a bearing at other values of its operation [rad/s, N, K]; itself where they are its own.
-
-    Raises
-    ------
-    SceneError
-        If the oil is not known at the temperature.
-    """
+    """Return a bearing at other values of its operation [rad/s, N, K]; itself where they are its own."""
     own = assembly.scene.operation
     if all(value == getattr(own, name) for name, value in values.items()):
         return assembly

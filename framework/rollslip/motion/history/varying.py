@@ -202,31 +202,7 @@ def varying_motion(
     planar: PlanarSettings | None = None,
     limit: Course | None = None,
 ) -> VaryingMotion:
-    """Build the motion of a bearing along a history.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The bearing as its scene states it.
-    friction : FrictionSettings
-        Which friction; the cage slip that it watches is not looked at.
-    history : History
-        How the operation goes over time.
-    level : str
-        "cage-set", "pocket" or "planar".
-    planar : PlanarSettings, optional
-        What level planar needs, and no other takes; without a load of their own over time.
-    limit : Course, optional
-        Cage slip that is watched, over time.
-
-    Raises
-    ------
-    DomainError
-        If nothing ever rolls, effective friction is to follow speeds whose ratio changes, or a load is to turn about
-        rings that tilt.
-    SceneError, ConvergenceError
-        If the bearing cannot be put together somewhere on the way.
-    """
+    """Build the motion of a bearing along a history."""
     k, spans = assembly.kinematics, history.spans
     speeds = _fastest_speeds(assembly, history)
     if "load_direction" in history.given and (tilt := assembly.scene.operation.misalignment) != 0.0:

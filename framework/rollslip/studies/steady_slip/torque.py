@@ -166,15 +166,7 @@ class TorqueFormula(Card, abc.ABC):
 
 
 def torque_formulas(scene: Scene) -> tuple[TorqueFormula, ...]:
-    """Return the formulas that a scene names under ``models.torque``, in its order.
-
-    Raises
-    ------
-    SceneError
-        If a parameter of one is wrong, or two are called alike.
-    PluginError
-        If one does not exist or cannot be loaded.
-    """
+    """Return the formulas that a scene names under ``models.torque``, in its order."""
     named = [(choice.name, choice.parameters) for choice in scene.models.torque]
     return structure_models("torque", named, Location(scene.origins, ("models", "torque")))
 

@@ -174,38 +174,18 @@ class DamageModel(Card, abc.ABC):
 
 
 def named_damage(scene: Scene) -> tuple[DamageModel, ...]:
-    """Return the models that a scene names under ``models.damage``, in its order.
-
-    Raises
-    ------
-    SceneError
-        If a parameter of one is wrong, or two are called alike.
-    PluginError
-        If one does not exist or cannot be loaded.
-    """
+    """Return the models that a scene names under ``models.damage``, in its order."""
     named = [(choice.name, choice.parameters) for choice in scene.models.damage]
     return structure_models("damage", named, Location(scene.origins, ("models", "damage")))
 
 
 def damage_of(assembly: "Assembly") -> tuple[DamageModel, ...]:
-    """Return the models that a scene names, each with what it takes of the bearing.
-
-    Raises
-    ------
-    SceneError
-        As `named_damage`, or if the scene does not give what one needs.
-    """
+    """Return the models that a scene names, each with what it takes of the bearing."""
     return tuple(model.of(assembly) for model in named_damage(assembly.scene))
 
 
 def values_of(model: DamageModel, contacts: Contacts) -> Array:
-    """Return a measure of every slice, (n,).
-
-    Raises
-    ------
-    DomainError
-        If a slice has none.
-    """
+    """Return a measure of every slice, (n,)."""
     values = np.asarray(model.evaluate(contacts), dtype=float)
     if not np.isfinite(values).all():
         raise DomainError(f"{model.name} has no value for {np.count_nonzero(~np.isfinite(values))} slices")

@@ -95,15 +95,7 @@ class ThermalModel(Card, abc.ABC):
 
 
 def thermal_model(scene: Scene) -> ThermalModel | None:
-    """Return the model that a scene names under ``models.thermal``; None where temperatures are as they are given.
-
-    Raises
-    ------
-    SceneError
-        If a parameter of it is wrong.
-    PluginError
-        If it does not exist or cannot be loaded.
-    """
+    """Return the model that a scene names under ``models.thermal``; None where temperatures are as they are given."""
     choice, problems = scene.models.thermal, list[str]()
     if choice is None:
         return None
