@@ -14,6 +14,7 @@ cdef enum:
     LANES = 4        # sums go on in so many, which the compiler takes for a vector
     TURNS = 60       # rotations of a matrix for an eigenvalue; usual are 2
     STEPS = 12       # by Newton's rule to a node; usual are 3
+    RECENT = 32      # rows before one that may be equal to it
 
 cdef double EPSILON = 2.220446049250313e-16
 cdef double ROUNDING = 1e-13     # of the recurrence, relative to the largest point
@@ -159,9 +160,10 @@ def rules(const double[::1] load, const double[::1] weight, const Py_ssize_t[::1
     """Return loads and weights of the Gauss rules of rows in the root of the load, ascending, (rows, count) each.
 
     Row k has the loads from begin[k] to begin[k + 1], and weights that are not negative. Nodes that it has no different
-    loads for are 0 and weigh nothing.
+    loads for are 0 and weigh nothing. What is equal to a row shortly before has its rule: rollers that
+    rest on the outer ring are alike at each instant, and instants alternate along an orbit.
     """
-    cdef Py_ssize_t rows = begin.shape[0] - 1, k, most = 0
+    cdef Py_ssize_t rows = begin.shape[0] - 1, k, i, n, alike, most = 0
     for k in range(rows):
         most = max(most, begin[k + 1] - begin[k])
     most += LANES
@@ -171,8 +173,21 @@ def rules(const double[::1] load, const double[::1] weight, const Py_ssize_t[::1
     cdef room_t at = _room(own, most, count)
     with nogil:
         for k in range(rows):
-            if begin[k + 1] > begin[k]:
-                _rule(&at, _gather(&at, &load[begin[k]], &weight[begin[k]], begin[k + 1] - begin[k], -1.0), count,
+            n = begin[k + 1] - begin[k]
+            if n == 0:
+                continue
+            i, alike = 0, k
+            while i < n and alike > 0 and k - alike < RECENT:
+                alike, i = alike - 1, 0
+                if begin[alike + 1] - begin[alike] == n:
+                    while i < n and load[begin[k] + i] == load[begin[alike] + i] \
+                            and weight[begin[k] + i] == weight[begin[alike] + i]:
+                        i += 1
+            if i == n:
+                for i in range(count):
+                    nodes[k, i], weights[k, i] = nodes[alike, i], weights[alike, i]
+            else:
+                _rule(&at, _gather(&at, &load[begin[k]], &weight[begin[k]], n, -1.0), count,
                       &nodes[k, 0], &weights[k, 0])
     return found, shares
 
