@@ -18,7 +18,7 @@ from rollslip.bearing.resolution import Resolution
 from rollslip.errors import DomainError
 from rollslip.models import NO_LIMITS, TractionModel
 from rollslip.motion import torque_balance as module
-from rollslip.motion.torque_balance import Runaway, near_running_away, rollers, runaway, running
+from rollslip.motion.torque_balance import Runaway, near_running_away, reserve, rollers, runaway, running
 from rollslip_kernels.slices import Slices
 from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.steady_slip.study import SteadySlip
@@ -263,9 +263,24 @@ def test_a_drag_that_falls_with_slip_may_be_carried_beyond_the_slip_of_running_a
     assert at.slip > away.slip
 
 
-def test_a_cage_that_is_driven_has_no_slip_at_which_its_drags_are_carried():
-    at = runs(bearing("1032930-50C", **{"cage.guidance": "inner", "cage.land_radius": "85.5 mm"}))
-    assert at.status == "what acts on the cage drives it: it runs faster than its epicyclic speed"
+DRIVEN = {"cage.guidance": "inner", "cage.land_radius": "85.5 mm"}
+
+
+def test_a_cage_that_is_driven_runs_faster_than_its_epicyclic_speed():
+    assembly = bearing("1032930-50C", **DRIVEN)
+    balance, at = rollers(assembly, 4), runs(assembly)
+    assert at.status == "found"
+    assert at.slip == pytest.approx(brentq(balance.excess, -0.5, 0.0, xtol=1e-13), rel=1e-9)
+    assert at.drag < 0.0  # the land drives, and the rollers hold the cage
+    assert reserve(balance, runaway(balance, 0.95, ""), at).factor == math.inf
+
+
+@pytest.mark.parametrize("load", [2e4, 2.5e4, 3e4])
+def test_a_heavily_loaded_cage_of_little_drag_runs_at_its_epicyclic_speed_or_a_little_faster(load):
+    """Resistance of the rolls brakes rollers or drives the cage: their torque at no slip changes sign with the load."""
+    at = runs(bearing("gearbox", **{"operation.radial_load": load}))
+    assert at.status == "found"
+    assert abs(at.slip) < 1e-5
 
 
 def test_a_law_without_a_value_is_told_where_it_is_not_known_how_the_cage_runs():

@@ -479,10 +479,14 @@ def test_a_drag_beyond_the_fold_runs_away_in_words_and_is_stored(tmp_path):
     assert open_result(tmp_path / "result.nc").identical(found)
 
 
-def test_a_land_that_drives_the_cage_leaves_no_slip_to_find():
+def test_a_cage_that_its_land_drives_slips_the_other_way():
     land = {"guidance": "inner", "mass": 0.4, "inertia": 3e-3, "drag": ["petroff-land"]}
     found = run(evolve(STRAIGHT, {"cage": land}), points=8, max_cage_slip=0.05)
-    assert "runs faster than its epicyclic speed" in str(found.status.item())
+    assert str(found.status.item()) == "found"
+    assert -1.0 < float(found.steady_slip[0]) < 0.0
+    assert found.stable.values.tolist() == [1]
+    assert float(found.torque[0]) < 0.0
+    assert any("drive it by" in text for text in topics(found)["steady slip"])
 
 
 def test_a_maximum_beyond_the_curve_is_found_and_the_curve_stays_as_it_was_asked_for():

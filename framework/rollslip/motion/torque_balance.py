@@ -369,29 +369,27 @@ def nowhere(way: WayUp, allow: str) -> str:
 def running(balance: TorqueBalance, largest: float = RANGE) -> Running:
     """Locate the least cage slip at which the rollers of a bearing carry the drags of its scene.
 
-    Without any drag it is zero.
+    Without any drag it is zero, and below where the cage is driven faster than its epicyclic speed.
     """
     if balance.rolls_freely:
         return Running(0.0, 0.0, "found")
     try:
         way = balance.way(largest)
-        if way.at_rest + balance.drag(0.0) > 0.0:
-            return _not_running(f"{DRIVEN}: it runs faster than its epicyclic speed")
         steady = next(iter(way.steady(balance.drag)), None)
     except (DomainError, ConvergenceError) as error:
-        return _not_running(f"it is not known at which slip the cage runs: {error}")
+        return Running(math.nan, math.nan, f"it is not known at which slip the cage runs: {error}")
     if steady is not None:
         return Running(steady.slip, steady.torque, "found")
+    if way.at_rest + balance.drag(0.0) > 0.0:
+        return Running(math.nan, math.nan, f"{DRIVEN}: it runs at more than twice its epicyclic speed")
     slip, torque = way.largest
     drag, carried = (format_quantity(one, "N m", 3) for one in (-balance.drag(slip), torque))
-    return _not_running(
+    return Running(
+        math.nan,
+        math.nan,
         f"{NOWHERE} up to {way.end:.4g}: where the rollers carry most, {carried} at a slip of "
-        f"{slip:.3g}, the drags of the scene are {drag}"
+        f"{slip:.3g}, the drags of the scene are {drag}",
     )
-
-
-def _not_running(status: str) -> Running:
-    return Running(math.nan, math.nan, status)
 
 
 @attrs.frozen

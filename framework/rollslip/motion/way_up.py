@@ -44,8 +44,8 @@ _NARROW, _WIDE, _BETWEEN, _LOOKS = 2e-3, 0.1, 9, 2
 _FURTHER: Final = 5
 #: Straight lines towards the slip that carries a drag again.
 _LINES: Final = 2
-#: Exactness of a steady slip, relative to it and to its torque, and steps towards it.
-_STEADY, _SECANTS = 1e-10, 60
+#: Exactness of a steady slip, relative to it and to its torque, steps towards it, and the first below no slip.
+_STEADY, _SECANTS, _FASTER = 1e-10, 60, 1e-5
 #: Step of a slip, relative to it, by which the excess torque is differentiated.
 _NUDGE: Final = 1e-4
 
@@ -161,18 +161,20 @@ class WayUp:
         return np.array(slips), np.array(torques)
 
     def steady(self, drag: Callable[[float], float]) -> list[Steady]:
-        """Return the slips above zero, ascending, at which the way balances a drag.
+        """Return the slips, ascending, at which the way balances a drag; the first below zero where the cage is driven.
 
         Parameters
         ----------
         drag : callable
             Torque of all drags at a cage slip [N m], negative where it resists.
         """
-        found, left = list[Steady](), self.at_rest + drag(0.0)
+        left = self.at_rest + drag(0.0)
+        found = self._driven(drag, left) if left > 0.0 else []
         for k, motion in enumerate(self.path):
             right = motion.torque + drag(motion.slip)
             if (left < 0.0) != (right < 0.0) and (k == 0 or motion.linked):
-                found.append(self._between(k, drag, left, right))
+                known = [motion] if k == 0 else [self.path[k - 1], motion]
+                found.append(self._between(known, 0.0 if k == 0 else known[0].slip, motion.slip, drag, left, right))
             left = right
         return found
 
@@ -185,11 +187,22 @@ class WayUp:
         """Return the motion of the path at the largest slip up to one, from which rollers come to that of this slip."""
         return next((one for one in reversed(self.path) if one.slip <= slip), self.path[0])
 
-    def _between(self, k: int, drag: Callable[[float], float], below: float, over: float) -> Steady:
-        """The balance between a motion of the path and the one below it, on all slices: secants, Illinois."""
-        above, held, side = self.path[k], over > below, 0
-        known = [above] if k == 0 else [self.path[k - 1], above]
-        low, high = (known[0].slip if k else 0.0), above.slip
+    def _driven(self, drag: Callable[[float], float], over: float) -> list[Steady]:
+        """The balance of a cage that is faster than its epicyclic speed; none up to twice that."""
+        high, low = 0.0, -_FASTER
+        while high > -1.0:
+            motion = self.exact.at(np.array([low]))[0][0]
+            below = motion.torque + drag(low)
+            if below < 0.0:
+                return [self._between([motion], low, high, drag, below, over)]
+            high, low, over = low, max(2.0 * low, -1.0), below
+        return []
+
+    def _between(
+        self, known: list[Motion], low: float, high: float, drag: Callable[[float], float], below: float, over: float
+    ) -> Steady:
+        """The balance between two slips, beside motions that are known, on all slices: secants, Illinois."""
+        held, side = over > below, 0
         for _ in range(_SECANTS):
             at = high - over * (high - low) / (over - below)
             near = min(known, key=lambda one: abs(one.slip - at))
@@ -199,7 +212,7 @@ class WayUp:
                 low, below, over, side = at, value, over * (0.5 if side > 0 else 1.0), 1
             else:
                 high, over, below, side = at, value, below * (0.5 if side < 0 else 1.0), -1
-            if abs(value) <= _STEADY * abs(motion.torque) or min(wide - (high - low), high - low) <= _STEADY * at:
+            if abs(value) <= _STEADY * abs(motion.torque) or min(wide - (high - low), high - low) <= _STEADY * abs(at):
                 break
         beside = motion.slip * np.array([1.0 - _NUDGE, 1.0 + _NUDGE])
         left, right = (one[0] for one in self.exact.at(beside, np.full(2, motion.share[0])))

@@ -45,8 +45,8 @@ LOWER_BOUNDS: Final = "no rolling resistance among the drags: slip and friction 
 TOLD_FROM: Final = 0.005
 #: How the warning begins that counts bounds which are no warnings of their own.
 REST: Final = "laws are outside what they were made for, too, where the consequence is"
-#: Bounds that are told at once, at most.
-_MOST: Final = 3
+#: Bounds that are told at once, at most, and the slip of a driven cage, without sign, that is told as none.
+_MOST, _NOTHING = 3, 1e-4
 
 
 def first_line(version: str, subject: str, digest: str, models: Iterable[tuple[str, str, str, str]]) -> str:
@@ -73,9 +73,12 @@ def runs_away(slip: float, drag: float, status: str) -> str:
 
 def runs_at(slip: float, at: float, reserve: float, status: str) -> str:
     """Say at which slip a cage runs, and how many times the drag there the largest one is; no full stop."""
-    if not slip > 0.0:
+    if slip < -_NOTHING:
+        return f"what acts on the cage drives it: it runs {-100.0 * slip:.2g} % faster than its epicyclic speed"
+    if slip == 0.0:
         return f"{SWITCHED_OFF}, so the cage runs without slip"
-    said = f"with the drags of the scene the cage runs at a slip of {100.0 * slip:.3g} %"
+    how = f"at a slip of {100.0 * slip:.3g} %" if slip > 0.0 else "without slip"
+    said = f"with the drags of the scene the cage runs {how}"
     if slip > at:
         return f"{said}, beyond that of running away: there its drag falls with slip faster than what the rollers carry"
     bound = status.startswith("at least")

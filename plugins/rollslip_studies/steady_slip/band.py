@@ -117,12 +117,12 @@ def _slips(nominal: Assembly, moved: _Moved, slip: float) -> _Logs:
         if rises > 0.0:
             slope = slope or rises
             return found
-        if balance.way(_LAST).at_rest + balance.drag(0.0) > 0.0:  # what acts on the cage drives it: no slip at all
-            return -math.inf
         way = balance.way(_LAST)  # beyond a fold, or there is none: who is the first to hold the cage
         steady = next(iter(way.steady(balance.drag)), None)
         if steady is not None:
-            return math.log(steady.slip)
+            return math.log(steady.slip) if steady.slip > 0.0 else -math.inf
+        if way.at_rest + balance.drag(0.0) > 0.0:  # what acts on the cage drives it
+            return -math.inf
         return math.nan if way.refusal else math.inf
 
     begin = of(nominal, math.log(slip))

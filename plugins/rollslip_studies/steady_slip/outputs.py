@@ -9,7 +9,7 @@ from rollslip.studies.raceways import REGIMES
 from rollslip.studies.steady_slip.torque import BY_FORMULA
 
 #: What the status says of a cage that is driven.
-FASTER: Final = "it runs faster than its epicyclic speed"
+FASTER: Final = "it runs at more than twice its epicyclic speed"
 #: What the slips can be followed against -> (unit, what a fold is in words).
 VARIED: Final = {
     "radial_load": ("N", "radial load"),

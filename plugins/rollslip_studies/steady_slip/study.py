@@ -518,7 +518,7 @@ class SteadySlip(Study):
 
         def at(value: float) -> list[float]:
             one = balance(value)
-            return [found.slip for found in self._way(one).steady(one.drag)]
+            return [found.slip for found in self._way(one).steady(one.drag) if found.slip > 0.0]
 
         here = float(getattr(assembly.scene.operation, name))
         starts = [(slip, here) for slip in slips if limits[0] <= here <= limits[1] and slip > 0.0]

@@ -188,7 +188,7 @@ class Heated:
             ((max(abs(known[key] - changes[key]) for key in changes), k) for k, (known, _) in enumerate(self._sought)
              if known.keys() == changes.keys() and changes), default=(np.inf, -1),
         )  # fmt: skip
-        if near > _BESIDE or (start := self._sought[of][1].slip) == 0.0:
+        if near > _BESIDE or not (start := self._sought[of][1].slip) > 0.0:
             return None
         balance, known = self._study.balance(there), self._sought[of][1]
         exact = _PRECISE if self.sharp else _FOUND
