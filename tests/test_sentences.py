@@ -118,7 +118,7 @@ def test_every_command_that_a_sentence_names_exists():
     assert {command for command, _ in named} - commands.keys() == set()
     groups = {pair for pair in named if below_of(commands[pair[0]])}
     assert {pair for pair in groups if pair[1] not in below_of(commands[pair[0]])} == set()
-    assert ("sweep", "merge") in groups
+    assert ("sweep", "resume") in groups
 
 
 def test_a_key_or_an_option_that_does_not_exist_is_every():

@@ -25,7 +25,6 @@ import rollslip
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.resolution import Resolution
 from rollslip.catalogue.discovery import get_class
-from rollslip.cli import main
 from rollslip.cli.main import cli
 from rollslip.engine import Engine, cores
 from rollslip.errors import EngineError, OutputError, PluginError, SceneError
@@ -38,7 +37,7 @@ from rollslip_campaigns.sweep import run as sweep_run
 from rollslip_campaigns.sweep.definition import Resolutions, here
 from rollslip_campaigns.sweep.findings import axes, sentences
 from rollslip_campaigns.sweep.findings import record as sweep_record
-from rollslip_campaigns.sweep.folder import begin, finish, merge, status
+from rollslip_campaigns.sweep.folder import begin, finish, status
 from rollslip_campaigns.sweep.journal import STATUSES, Journal, Row, journals, sessions, states
 from rollslip_campaigns.sweep.point import Done, _packed, compute
 from rollslip_campaigns.sweep.result import collect
@@ -199,7 +198,6 @@ def test_more_samples_of_a_sobol_sequence_begin_with_the_first_ones(sampling):
          "study 'friction-curve' has no 'largest_cage_slip'; study 'dynamics' has it. There are: friction,"),
         (OVER, {"study": "friction-curves"}, "no study is called 'friction-curves'; did you mean 'friction-curve'?"),
         (OVER, {"time_limit": "5 mm"}, "'5 mm' is a length, here a time is expected"),
-        (OVER, {"shard": (9, 8)}, "shard 9/8: write I/N with I from 1 to N"),
         ({"operation.radial_load": "1:2:10000", "operation.temperature": "300:350:10000"}, {},
          "100000000 points are more"),
     ],
@@ -622,33 +620,6 @@ def test_a_long_message_costs_the_other_points_nothing(tmp_path):
     assert rollslip.open_result(tmp_path / "sweep.nc").message.values.ravel().tolist() == ["x" * 10_000, *[""] * 5]
 
 
-def test_pieces_of_a_job_array_are_put_together(serial, tmp_path, capsys):
-    for k in (1, 2, 3):
-        sweep = planned(MANY, shard=(k, 3))
-        folder = begin(sweep, tmp_path / "array")
-        assert folder.name == f"shard-{k}-of-3"
-        if k == 2:
-            with pytest.raises(EngineError):
-                run_sweep(sweep, folder, engine=Failing(2))
-        else:
-            run_sweep(sweep, folder, engine=engine("serial"))
-    pieces = sorted((tmp_path / "array").glob("shard-*"))
-    with pytest.raises(SystemExit, match="0"):
-        main(["sweep", "status", str(tmp_path / "array")])
-    said = capsys.readouterr().out.splitlines()
-    assert f"3 of 3 pieces in {tmp_path / 'array'}: 9 of 10 of their points done, 0 running; put together" in said[0]
-    assert [line for line in said if ", piece " in line][1].endswith("shard-2-of-3: 2 of 3 points done")
-    merged = merge(pieces, tmp_path / "array")
-    assert status(tmp_path / "array").counts == {"ok": 9}
-    run_sweep(merged, tmp_path / "array", engine=engine("serial"))
-    assert same(collect(open_sweep(tmp_path / "array"), tmp_path / "array"), serial)
-    with pytest.raises(OutputError, match="was merged already; finish it by"):
-        merge(pieces, tmp_path / "array")
-    other = begin(planned(), tmp_path / "other")
-    with pytest.raises(OutputError, match="other: not of the same sweep as"):
-        merge([*pieces, other], tmp_path / "both")
-
-
 # Folders and journals ------------------------------------------------------------------------------------------------
 
 
@@ -880,9 +851,8 @@ def test_a_run_may_be_asked_for_some_points_of_a_design_only():
         SCENE, {"uncertainty": {"lubricant": {"viscosity_factor": uncertain}}, "accuracy.slices": 5}
     )
     sweep = plan_sweep(scene, {"operation.radial_load": ["1 kN", "2 kN"]}, samples=8)
-    assert attrs.evolve(sweep, only=(0, 1, 9)).numbers == [0, 1, 9]
-    assert list(attrs.evolve(sweep, only=range(3), shard=(2, 2)).numbers) == [1]
-    assert list(attrs.evolve(sweep, shard=(2, 3)).numbers) == [1, 4, 7, 10, 13]
+    assert list(attrs.evolve(sweep, only=(0, 1, 9)).numbers) == [0, 1, 9]
+    assert list(sweep.numbers) == list(range(16))
 
 
 def test_the_time_left_is_that_of_the_points_that_are_left(tmp_path):

@@ -20,7 +20,6 @@ from faulty_points import (
     interrupt_once,
     interrupt_twice,
     kill_the_run,
-    let_go,
     points,
     prepare,
     pressed,
@@ -99,15 +98,11 @@ def test_ctrl_c_while_processes_start_is_not_taken_for_a_fault(seconds, folder):
 
 @faults
 def test_a_batch_system_that_ends_the_job_is_taken_for_ctrl_c(folder, reference):
-    pieces = ["run", "scene.toml", *FACTORS, *SLOW, "--engine", "serial", "--out", "s", "--shard"]
-    process = started(folder, *pieces, "1/2")
-    until(lambda: points(folder / "s" / "shard-1-of-2") >= 1)
+    process = started(folder, "run", "scene.toml", *FACTORS, *SLOW, "--engine", "serial", "--out", "s")
+    until(lambda: points(folder / "s") >= 1)
     process.send_signal(signal.SIGTERM)
     process.communicate(timeout=60)
     assert process.returncode == 130
-    sweep(folder, *pieces, "2/2")
-    done = sweep(folder, "merge", "s", code=4)
-    assert "are not computed yet; go on with: rollslip sweep resume s" in done.stderr
     sweep(folder, "resume", "s", "--engine", "threads")
     same(result(folder / "s"), reference)
 
@@ -127,18 +122,6 @@ def test_a_folder_has_one_run_at_a_time(folder, reference):
     assert "serial: 1 points, was killed" in sweep(folder, "status", "s").stdout
     assert len(journals(folder / "s")) == 1
     gone_on_with(folder, reference, "--engine", "serial")
-
-
-@faults
-def test_a_piece_that_is_being_computed_is_not_merged(folder):
-    process = held_run(folder, "--engine", "serial", "--shard", "1/1")
-    done = sweep(folder, "merge", "s", "--out", "whole", code=2)
-    assert done.stderr.startswith("s: being computed; wait for it")
-    assert not (folder / "whole").exists()
-    let_go(folder)
-    process.communicate(timeout=60)
-    sweep(folder, "merge", "s", "--out", "whole")
-    same(result(folder / "whole"), result(folder / "s"))
 
 
 # Workers -------------------------------------------------------------------------------------------------------------
@@ -269,11 +252,9 @@ def test_a_journal_that_must_not_grow_ends_the_run_and_loses_nothing(folder):
         ([*LOADS, "--workers", "2"], 2, "--workers needs an --engine"),
         ([*LOADS, "--engine", "threads", "--scheduler", "tcp://x"], 2, "is of engine dask"),
         ([*LOADS, "--engine", "dask"], 2, "engine.scheduler: missing, but required"),
-        ([*LOADS, "--shard", "0/3"], 2, "write I/N with I from 1 to N"),
         (["retry", "s"], 2, "--failed, or --status"),
         (["resume", "nowhere"], 2, "nowhere: holds no sweep"),
         (["status", "nowhere"], 2, "nowhere: holds no sweep"),
-        (["merge", "nowhere"], 2, "nowhere holds no folders shard-I-of-N; of other folders --out says where"),
         ([*LOADS, "--out", "file"], 2, "file: is not a folder; name another --out"),
         ([*LOADS, "--out", "file/deeper"], 2, "file/deeper: cannot be written (Not a directory); name another --out"),
         (["run", "1032930-70C", "--over", "operation.radial_load=1,5:3:4"], 2, "'1,5:3:4' has a comma; write decimals"),

@@ -25,7 +25,7 @@ import rollslip
 from rollslip.engine import Engine
 from rollslip.errors import BusyError, EngineError, OutputError
 from rollslip_campaigns.sweep import findings as sweep_findings
-from rollslip_campaigns.sweep.folder import begin, finish, merge, status
+from rollslip_campaigns.sweep.folder import begin, finish, status
 from rollslip_campaigns.sweep.journal import (
     FAILED,
     STATUSES,
@@ -324,42 +324,5 @@ def test_a_folder_has_one_writer_at_a_time(tmp_path):
         assert status(folder).running
         with pytest.raises(BusyError, match="s: is being computed; wait for it, or end it; how far it is: rol"):
             run_sweep(sweep, folder)
-        with pytest.raises(BusyError, match="s: being computed; wait for it, or end it, and merge then"):
-            merge([folder], tmp_path / "whole")
     assert not running(folder)
     assert not journals(folder)
-    assert not (tmp_path / "whole").exists()
-
-
-def test_pieces_of_other_packages_are_not_merged(tmp_path):
-    pieces = [begin(planned_over(OVER, shard=(k, 2)), tmp_path / "s") for k in (1, 2)]
-    for piece in pieces:
-        stored = json.loads((piece / "sweep.json").read_text())
-        stored["facts"]["packages"]["scipy"] = "1.0"
-        (piece / "sweep.json").write_text(json.dumps(stored))
-    with pytest.raises(OutputError, match=r"since then has changed:\n  packages\.scipy: '1\.0' -> "):
-        merge(pieces, tmp_path / "whole")
-
-
-def test_pieces_that_overlap_or_lack_one_are_merged_and_lose_nothing(serial, tmp_path):
-    pieces = []
-    for shard in ((1, 3), (2, 3), (1, 2)):
-        sweep = planned_over(OVER, shard=shard)
-        pieces.append(begin(sweep, tmp_path / "array"))
-        run_sweep(sweep, pieces[-1], engine=Fateful())
-    merged = merge([*pieces, pieces[0]], tmp_path / "whole")
-    wanted = {*range(0, 12, 3), *range(1, 12, 3), *range(0, 12, 2)}
-    assert counted(merged, tmp_path / "whole") == {"ok": len(wanted), "pending": 12 - len(wanted)}
-    assert run_sweep(merged, tmp_path / "whole", engine=Fateful()).progress.here == 12 - len(wanted)
-    assert same(collect(merged, tmp_path / "whole"), serial)
-    # a merge that was cut off before it could say what it has made
-    (tmp_path / "whole" / "sweep.json").unlink()
-    merged = merge(pieces, tmp_path / "whole")
-    assert same(collect(merged, tmp_path / "whole"), serial)
-
-
-def test_a_piece_without_points_says_so(tmp_path):
-    sweep = planned_over({"operation.radial_load": "500:5000:2"}, shard=(3, 4))
-    folder = begin(sweep, tmp_path / "s")
-    assert run_sweep(sweep, folder).why == "all points are done"
-    assert sweep_findings.sentences(finish(sweep, folder)) == ["no points"]

@@ -37,11 +37,10 @@ class TestTheResolutionOfASweep:
             for name in ("critical_cage_slip", "critical_friction"):
                 assert found[name][0] == pytest.approx(exact[name][1][0], rel=scene.accuracy.tolerance)
 
-    def test_other_laws_have_their_own_and_pieces_the_same(self):
+    def test_other_laws_have_their_own(self):
         over = OVER | {"models.film": ["moes", "dowson-1968"]}
         made = plan_sweep("1032930-70C", over, samples=128)
         assert list(made.resolutions.chosen) == ['["moes"]', '["dowson-1968"]']
-        assert plan_sweep("1032930-70C", over, samples=128, shard=(2, 3)).hash == made.hash
         assert made.facts["resolutions"] == made.resolutions.facts
 
     def test_few_points_are_computed_as_stated(self):

@@ -65,7 +65,6 @@ OTHERS = {
     "report": (["report", "r/friction-curve.nc", "--out", "o"], 1.5, "o"),
     "resume": (["sweep", "resume", "part"], 1.0, ""),
     "retry": (["sweep", "retry", "part", "--failed"], 1.0, ""),
-    "merge": (["sweep", "merge", "pieces"], 1.0, ""),
     "status": (["sweep", "status", "part"], 0.5, ""),
     "cite": (["cite", "1032930-70C"], 0.8, ""),
     "info": (["info", "1032930-70C"], 0.8, ""),
@@ -81,15 +80,13 @@ OTHERS = {
 
 @pytest.fixture(scope="module")
 def there(tmp_path_factory):
-    """A stored result, a sweep with points to do, the pieces of another, and data of a rig."""
+    """A stored result, a sweep with points to do, and data of a rig."""
     folder = tmp_path_factory.mktemp("there")
     for name in ("twin-disc.csv", "rig.toml"):
         shutil.copy(EXAMPLES / name, folder)
     shared = {"cwd": folder, "capture_output": True, "text": True, "check": True}
     call = [sys.executable, "-c", PROGRAM]
     subprocess.run([*call, "run", "1032930-70C", "--study", "friction-curve", "--no-plots", "--out", "r"], **shared)
-    for shard in (1, 2):
-        subprocess.run([*call, *SWEEP, "--shard", f"{shard}/2", "--out", "pieces"], **shared)
     with subprocess.Popen([*call, *SWEEP, "--out", "part", "--engine", "serial"], cwd=folder) as process:
         while not list((folder / "part").glob("*.sqlite*")) and process.poll() is None:
             time.sleep(0.01)
@@ -131,8 +128,8 @@ def test_an_interrupt_at_any_moment_of_another_command_is_heard(name, moment, th
         assert "interrupted" in err + out
         left = ""
     added = {path.parts[0] for path in now.keys() - before.keys()}
-    if name in ("resume", "retry", "merge"):  # the sweep, as far as it is done; a later one goes on
-        assert added <= {"part", "pieces"}
+    if name in ("resume", "retry"):  # the sweep, as far as it is done; a later one goes on
+        assert added <= {"part"}
         assert not {path.name for path in now.keys() - before.keys() if path.name.endswith(".partial")}
     else:
         assert added <= {left}

@@ -392,7 +392,7 @@ def _dataset(made: Limit, folder: Path, slacks: Mapping[int, float], failed: set
         "edge_passed": ("edge", values[[beyond for _, beyond in edges]], about(unit, "its neighbour, which does not")),
         "edge_unknown": ("edge", np.array(lost, dtype=float), about("1", "1 where a point between the two failed")),
     }  # fmt: skip
-    told = {name: value for name, value in whole.attrs.items() if name not in ("axes", "sampling", "seed", "shard")}
+    told = {name: value for name, value in whole.attrs.items() if name not in ("axes", "sampling", "seed")}
     return xr.Dataset(
         variables,
         attrs=told | {

@@ -1,4 +1,4 @@
-"""The commands `rollslip sweep`: run, resume and retry, put pieces together; what they print before and meanwhile."""
+"""The commands `rollslip sweep`: run, resume, retry and status; what they print before and meanwhile."""
 
 import json
 import shlex
@@ -64,7 +64,6 @@ def sweep() -> None:
 @click.option("--output", "outputs", metavar="NAME", multiple=True, help="Variable to keep; may be repeated.")
 @set_option
 @engine_options
-@click.option("--shard", metavar="I/N", help="Only piece I of N, for job arrays; see merge.")
 @results_options("Folder for the sweep, new or empty.", overwrite=False)
 @json_option
 def sweep_run(
@@ -78,13 +77,12 @@ def sweep_run(
     changes: Sequence[str],
     engine: Mapping[str, object] | None,
     time_limit: str | None,
-    shard: str | None,
     results: Results,
 ) -> None:
     """Compute a study of SCENE at many points, and keep everything in a folder."""
     from rollslip_campaigns.sweep.folder import begin
     from rollslip_campaigns.sweep.run import asked_engine
-    from rollslip_campaigns.sweep.sampling import parse_overs, parse_shard
+    from rollslip_campaigns.sweep.sampling import parse_overs
     from rollslip_campaigns.sweep.sweep import plan_sweep
 
     made = plan_sweep(
@@ -97,7 +95,6 @@ def sweep_run(
         output=[name.strip() for text in outputs for name in text.split(",")],
         time_limit=time_limit,
         engine=engine,
-        shard=parse_shard(shard) if shard is not None else (1, 1),
     )
     asked_engine(made)  # refused before a folder is made
     warn(made.unusual)
@@ -154,36 +151,13 @@ def sweep_retry(
 @json_option
 def sweep_status(folder: Path, errors: int, as_json: bool) -> None:
     """Show how the sweep in FOLDER stands, also while it runs: points by status, time left, last errors."""
-    from rollslip_campaigns.sweep.folder import pieces, status
-    from rollslip_campaigns.sweep.sweep import FILE
+    from rollslip_campaigns.sweep.folder import status
 
-    parts = [] if (folder / FILE).exists() else [status(piece, errors) for piece in pieces(folder)]
-    found = parts or [status(folder, errors)]
+    found = status(folder, errors)
     if as_json:
-        print_json({"folder": str(folder), "pieces": [one.as_dict() for one in parts]} if parts else found[0].as_dict())
-        return
-    if parts:
-        click.echo(sweep_pieces(folder, parts))
-    for one in found:
-        click.echo("\n".join(sweep_standing(one)))
-
-
-@sweep.command("merge")
-@click.argument("folders", nargs=-1, required=True, type=click.Path(path_type=Path))
-@results_options("Folder for all of it; by default FOLDER.", overwrite=False)
-@json_option
-def sweep_merge(folders: Sequence[Path], results: Results) -> None:
-    """Put the pieces of a job array together: those in FOLDERS, or the folders shard-I-of-N in one FOLDER."""
-    from rollslip_campaigns.sweep.folder import merge, pieces
-
-    out = results.out
-    if len(folders) == 1 and (parts := pieces(folders[0])):
-        folders, out = parts, out if out is not None else folders[0]
-    if out is None:
-        raise click.UsageError(
-            f"{folders[0]} holds no folders shard-I-of-N; of other folders --out says where the pieces are put together"
-        )
-    _tell_sweep(merge(list(folders), out), out, {}, results)
+        print_json(found.as_dict())
+    else:
+        click.echo("\n".join(sweep_standing(found)))
 
 
 def _run_sweep(made: "Sweep", folder: Path, again: Sequence[str], results: Results) -> None:
@@ -229,8 +203,7 @@ def _tell_sweep(made: "Sweep", folder: Path, run: dict[str, object], results: Re
     dataset = finish(made, folder)
     account = account_of(dataset)
     found = account.record(dataset)
-    whole = not found["counts"]["pending"]  # of a piece nobody wants figures
-    files = [RESULT, *(results.show({"sweep": dataset}, folder) if whole else [])]
+    files = [RESULT, *(results.show({"sweep": dataset}, folder) if not found["counts"]["pending"] else [])]
     if results.as_json:
         print_json(
             {"scene": made.given.source, "sweep_hash": made.hash, "study": made.study, "run": run}
@@ -298,9 +271,7 @@ def sweep_planned(sweep: "Sweep") -> list[str]:
             "instants of a pitch, what scene and points far apart need for the error of "
             f"{sweep.scene.accuracy.tolerance:g} it states"
         )
-    own = len(sweep.numbers)
-    piece = f" of {sweep.design.size}, piece {sweep.shard[0]} of {sweep.shard[1]}" if sweep.shard[1] > 1 else ""
-    lines.append(f"{own} points{piece}; of each {', '.join(sweep.outputs)}")
+    lines.append(f"{len(sweep.numbers)} points; of each {', '.join(sweep.outputs)}")
     return lines
 
 
@@ -312,21 +283,11 @@ def sweep_progress(of: "Progress") -> str:
     return f"{of.told[0]}{left}"
 
 
-def sweep_pieces(folder: Path, pieces: "Sequence[Status]") -> str:
-    """Return how the pieces of a sweep that are not put together yet stand."""
-    done, total, all_ = sum(piece.done for piece in pieces), sum(piece.total for piece in pieces), pieces[0].shard[1]
-    return (
-        f"{len(pieces)} of {all_} pieces in {folder}: {done} of {total} of their points done, "
-        f"{sum(piece.running for piece in pieces)} running; put together by: rollslip sweep merge {folder}"
-    )
-
-
 def sweep_standing(of: "Status") -> list[str]:
     """Return how a sweep stands, line by line."""
     from rollslip.planning.plan import duration
 
-    piece = f", piece {of.shard[0]} of {of.shard[1]}" if of.shard[1] > 1 else ""
-    lines = [f"sweep of {of.study}{piece} in {of.folder}: {of.done} of {of.total} points done"]
+    lines = [f"sweep of {of.study} in {of.folder}: {of.done} of {of.total} points done"]
     lines += [f"  {name}: {count}" for name, count in of.counts.items()]
     if of.done < of.total:
         lines.append(f"  not yet: {of.total - of.done}")

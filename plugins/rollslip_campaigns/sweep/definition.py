@@ -155,8 +155,6 @@ class Sweep:
         What is unusual of the values that vary.
     files : str
         Digest of the files that the study reads beside the scene; empty if there are none.
-    shard : tuple of int
-        Which piece of how many this is, (1, 1) for all.
     only : sequence of int or None
         Numbers of the points that are computed in this run, None for all; the design has the others all the same.
     """
@@ -174,7 +172,6 @@ class Sweep:
     given: Scene
     unusual: tuple[str, ...] = ()
     files: str = ""
-    shard: tuple[int, int] = (1, 1)
     only: Sequence[int] | None = None
 
     @property
@@ -191,9 +188,8 @@ class Sweep:
 
     @property
     def numbers(self) -> Sequence[int]:
-        """Numbers of the points of this piece."""
-        own = range(self.shard[0] - 1, self.design.size, self.shard[1])
-        return own if self.only is None else [number for number in self.only if number in own]
+        """Numbers of the points that are computed."""
+        return range(self.design.size) if self.only is None else self.only
 
     @property
     def names(self) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""The folder of a sweep: made once, gone on with, looked at, and put together from the pieces of a job array."""
+"""The folder of a sweep: made once, gone on with, looked at."""
 
 import json
 import os
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from rollslip.errors import BusyError, OutputError
+from rollslip.errors import OutputError
 from rollslip.planning.progress import progress_in_notebook
 from rollslip.results.dataset import save
 from rollslip.scene.values import Scene
@@ -22,7 +22,6 @@ from rollslip_campaigns.sweep.journal import (
     LOCK,
     STATUSES,
     check_owner,
-    copied,
     journals,
     last_failures,
     only_writer,
@@ -37,7 +36,7 @@ from rollslip_campaigns.sweep.sweep import FILE, open_sweep, plan_sweep, store_s
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RESULT", "Status", "begin", "finish", "merge", "pieces", "status", "sweep", "taken_up"]
+__all__ = ["RESULT", "Status", "begin", "finish", "status", "sweep", "taken_up"]
 
 RESULT = "sweep.nc"
 
@@ -111,13 +110,11 @@ def sweep(
         return finish(planned, kept)
 
 
-def begin(sweep: Sweep, target: Path) -> Path:
-    """Make the folder of a new sweep, for a piece of it one in that folder, and return it.
+def begin(sweep: Sweep, folder: Path) -> Path:
+    """Make the folder of a new sweep, and return it.
 
     One that has lost what it is, but has journals of the same sweep, is taken up again.
     """
-    number, of = sweep.shard
-    folder = target if of == 1 else target / f"shard-{number}-of-{of}"
     if (folder / FILE).exists():
         raise OutputError(
             f"{folder}: holds a sweep; go on with it by: rollslip sweep resume {folder}, or name another --out"
@@ -171,7 +168,7 @@ class Status:
 
     Attributes
     ----------
-    folder, study, shard : Path, str, tuple
+    folder, study : Path, str
         Which it is.
     total : int
         Its points.
@@ -191,7 +188,6 @@ class Status:
 
     folder: Path
     study: str
-    shard: tuple[int, int]
     total: int
     counts: Counter[str]
     writers: list[dict[str, Any]]
@@ -212,17 +208,12 @@ class Status:
         return plain | {"folder": str(self.folder), "counts": dict(self.counts), "done": self.done, "errors": errors}
 
 
-def pieces(folder: Path) -> list[Path]:
-    """Return the folders of the pieces of a sweep, in the order of their numbers."""
-    return sorted(folder.glob("shard-*-of-*"), key=lambda path: (len(path.name), path.name))
-
-
 def status(folder: Path, errors: int = 5) -> Status:
     """Return how the sweep of a folder stands; it may be running."""
     stored = _stored(folder)
-    size, shard = int(stored["facts"]["size"]), (int(stored["shard"][0]), int(stored["shard"][1]))
-    numbers, codes = range(shard[0] - 1, size, shard[1]), states(folder, size)
-    counts = Counter(STATUSES[codes[number] - 1] for number in numbers if codes[number])
+    size = int(stored["facts"]["size"])
+    codes = states(folder, size)
+    counts = Counter(STATUSES[code - 1] for code in codes if code)
     runs, left, quiet = sessions(folder), None, None
     writers = [
         {
@@ -237,13 +228,12 @@ def status(folder: Path, errors: int = 5) -> Status:
     if runs and (last := max(runs, key=lambda session: session.last)).rows:
         quiet = max(0.0, time.time() - last.last)
         pace = (last.last - last.started) / last.rows
-        left = pace * (len(numbers) - sum(counts.values()))
+        left = pace * (size - sum(counts.values()))
     failed = last_failures(folder, FAILED, errors, codes)
     return Status(
         folder=folder,
         study=stored["facts"]["study"],
-        shard=shard,
-        total=len(numbers),
+        total=size,
         counts=counts,
         writers=writers,
         running=running(folder),
@@ -260,28 +250,3 @@ def _stored(folder: Path) -> dict[str, Any]:
         open_sweep(folder)  # says what is wrong with it
         raise
     return stored
-
-
-def merge(pieces: list[Path], target: Path) -> Sweep:
-    """Put the pieces of a job array together; pieces that are not complete leave points for a resume."""
-    if not pieces:
-        raise OutputError(f"{target}: holds no pieces of a sweep, such as shard-1-of-8")
-    if (target / FILE).exists():
-        raise OutputError(f"{target}: was merged already; finish it by: rollslip sweep resume {target}")
-    hashes = {piece: _stored(piece)["hash"] for piece in pieces}
-    if odd := [str(piece) for piece, of in hashes.items() if of != hashes[pieces[0]]]:
-        raise OutputError(f"{', '.join(odd)}: not of the same sweep as {pieces[0]}; merge pieces of one sweep")
-    if busy := [str(piece) for piece in pieces if running(piece)]:
-        raise BusyError(f"{', '.join(busy)}: being computed; wait for it, or end it, and merge then")
-    sweep = attrs.evolve(open_sweep(pieces[0], check_file=False), shard=(1, 1))
-    check_owner(target, sweep.hash)  # of a merge that was cut off there may be some
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror}); name another --out") from error
-    with only_writer(target):
-        for piece in pieces:
-            for path in journals(piece):
-                copied(path, target)
-        store_sweep(sweep, target)
-    return sweep

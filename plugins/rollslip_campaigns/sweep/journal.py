@@ -2,8 +2,8 @@
 
 - SQLite from the standard library: a task's rows are committed together, with their bytes on the disk, before any of
   its points counts as done.
-- Every writer has a file of its own, made with a name that did not exist, and the pieces of a job array are merged by
-  putting their files together. A folder has one writer at a time (`only_writer`): two would compute the same points.
+- Every writer has a file of its own, made with a name that did not exist. A folder has one writer at a time
+  (`only_writer`): two would compute the same points.
 - Rollback journal, not write-ahead logging: that needs memory shared with all readers, which network file systems do
   not have. What it costs is a few milliseconds a task.
 - Of several rows of one point an "ok" is kept, else the latest: repeating a point can only add to what is known.
@@ -32,7 +32,6 @@ __all__ = [
     "JournalEntry",
     "Session",
     "check_owner",
-    "copied",
     "died",
     "journals",
     "last_failures",
@@ -188,7 +187,7 @@ def _new_file(folder: Path) -> Path:
                 f"{path}: cannot be written ({error.strerror}); free space on the disk, or repair it"
             ) from error
         return path
-    raise OutputError(f"{folder}: holds a million journals; merge them into another folder")
+    raise OutputError(f"{folder}: holds a million journals; name another --out")
 
 
 @contextmanager
@@ -336,18 +335,6 @@ def last_failures(folder: Path, failed: Sequence[str], most: int, known: bytearr
         len(failures) - min(most, len(failures)) :
     ]
     return [(n, status, text) for n, (_, status, text) in latest]
-
-
-def copied(path: Path, folder: Path) -> Path:
-    """Put a journal into another folder, as it stands, even while it is being written; return its place there."""
-    target = _new_file(folder)
-    try:
-        with _opened(path) as source, closing(sqlite3.connect(target)) as new, _blamed(target):
-            source.backup(new)
-    except BaseException:
-        target.unlink()
-        raise
-    return target
 
 
 def records(folder: Path, where: str = "", *values: Any) -> Iterator[JournalEntry]:

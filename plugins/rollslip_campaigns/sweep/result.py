@@ -120,7 +120,6 @@ def _attributes(sweep: Sweep, status: "np.ndarray[Any, Any]") -> dict[str, Any]:
         correlation=sweep.uncertainty.correlation.tolist(),
         sampling=sweep.table.sampling if sweep.design.has_samples else "",
         seed=sweep.table.seed,
-        shard=f"{sweep.shard[0]}/{sweep.shard[1]}",
         counts=counts,
         packages=facts["packages"],
         **citations_told(sweep.citations),

@@ -68,7 +68,7 @@ class Progress:
     Attributes
     ----------
     total : int
-        Points of the sweep, or of its piece.
+        Points of the sweep, or those of them that are asked for.
     counts : mapping
         Points that are done, by status.
     here : int

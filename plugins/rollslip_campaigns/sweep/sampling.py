@@ -39,7 +39,6 @@ __all__ = [
     "label",
     "parse_over",
     "parse_overs",
-    "parse_shard",
     "plain_names",
     "probabilities",
     "range_parts",
@@ -158,14 +157,6 @@ def parse_overs(texts: Sequence[str]) -> dict[str, object]:
     if twice := sorted({key for key in keys if keys.count(key) > 1}):
         raise SceneError([f"{key}: stands in --over twice; put all its values in one" for key in twice])
     return dict(pairs)
-
-
-def parse_shard(text: str) -> tuple[int, int]:
-    """Return piece and number of pieces of "3/8"."""
-    number, _, of = text.partition("/")
-    if not (number.strip().isdecimal() and of.strip().isdecimal()):
-        raise SceneError([f"shard {as_written(text)}: write I/N with I from 1 to N, such as 3/8"])
-    return int(number), int(of)
 
 
 def _checked(quantity: Quantity, value: object, which: str, given: str | None = None) -> object:

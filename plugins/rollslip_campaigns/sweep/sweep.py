@@ -71,7 +71,6 @@ def plan_sweep(
     output: Sequence[str] | str = (),
     time_limit: float | str | None = None,
     engine: object = None,
-    shard: tuple[int, int] = (1, 1),
 ) -> Sweep:
     """Check a sweep and lay out its points."""
     given = scene if isinstance(scene, Scene) else load_scene(scene)
@@ -127,7 +126,6 @@ def plan_sweep(
         given=given,
         unusual=unusual,
         files=studies[name].digest(assembly),
-        shard=_checked_shard(shard),
     )
 
 
@@ -311,12 +309,6 @@ def _with_children(kind: str, model: Any) -> Iterator[tuple[str, str]]:
             yield from _with_children(child, getattr(model, attribute.name))
 
 
-def _checked_shard(shard: tuple[int, int]) -> tuple[int, int]:
-    if not 1 <= shard[0] <= shard[1]:
-        raise SceneError([f"shard {shard[0]}/{shard[1]}: write I/N with I from 1 to N, such as 3/8"])
-    return shard
-
-
 # Resolutions ----------------------------------------------------------------------------------------------------------
 
 
@@ -384,7 +376,6 @@ def store_sweep(sweep: Sweep, folder: Path) -> None:
         "format": 1,
         "hash": sweep.hash,
         "facts": sweep.facts,
-        "shard": sweep.shard,
         "source": sweep.given.source,
         "text": sweep.given.text,
         "scene": sweep.given.raw or resolved(sweep.given),
@@ -394,12 +385,11 @@ def store_sweep(sweep: Sweep, folder: Path) -> None:
         partial.write_text(json.dumps(stored, default=dict, indent=1), encoding="utf-8")
 
 
-def open_sweep(folder: Path, *, check_file: bool = True) -> Sweep:
+def open_sweep(folder: Path) -> Sweep:
     """Return the sweep that a folder belongs to."""
     path = folder / FILE
     if not path.is_file():
-        inner = f"; its pieces do: rollslip sweep merge {folder}" if any(folder.glob(f"shard-*/{FILE}")) else ""
-        inner = f"; {_AGAIN.format(folder)}" if journals(folder) else inner
+        inner = f"; {_AGAIN.format(folder)}" if journals(folder) else ""
         raise OutputError(f"{folder}: holds no sweep, there is no {FILE}{inner}")
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
@@ -408,17 +398,16 @@ def open_sweep(folder: Path, *, check_file: bool = True) -> Sweep:
         scene = attrs.evolve(
             scene, sweep=None, raw=FrozenTable({k: v for k, v in stored["scene"].items() if k != "sweep"})
         )
-        source, text, shard = stored["source"], stored["text"], tuple(stored["shard"])
+        source, text = stored["source"], stored["text"]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise OutputError(f"{path}: cannot be read ({error}); remove it; {_AGAIN.format(folder)}") from error
-    if check_file:
-        _refuse_changes(folder, _changed_file(source, text))
+    _refuse_changes(folder, _changed_file(source, text))
     over = table.pop("over", {})
     if "samples" not in table:
         table.pop("sampling", None)
     if died(folder):
         table.pop("engine", None)  # chosen anew, since that one did not survive
-    sweep = plan_sweep(scene, over, shard=(shard[0], shard[1]), **table)
+    sweep = plan_sweep(scene, over, **table)
     _refuse_changes(folder, _differences(facts, sweep.facts))
     return attrs.evolve(sweep, given=attrs.evolve(sweep.given, source=source, text=text))
 
