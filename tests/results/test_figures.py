@@ -300,19 +300,13 @@ def test_text_stays_text_in_words_that_can_be_read(drawn):
     assert "Effective friction coefficient μe [–]" in read
 
 
-def test_figures_are_written_in_all_formats_the_same_each_time_and_for_a_dark_ground(tmp_path):
+def test_figures_are_written_in_all_formats_the_same_each_time(tmp_path):
     result = contact(points=5)
-    first = save_plots(result, tmp_path / "a", tuple(FORMATS), dark=True)
-    assert {path.name for path in first} == {
-        f"friction-curve{dark}.{kind}" for dark in ("", "-dark") for kind in ("svg", "pdf", "png")
-    }
-    again = save_plots(result, tmp_path / "b", tuple(FORMATS), dark=True)
+    first = save_plots(result, tmp_path / "a", tuple(FORMATS))
+    assert {path.name for path in first} == {f"friction-curve.{kind}" for kind in ("svg", "pdf", "png")}
+    again = save_plots(result, tmp_path / "b", tuple(FORMATS))
     assert [path.read_bytes() for path in first] == [path.read_bytes() for path in again]
     assert b"/FontFile2" in next(path for path in first if path.suffix == ".pdf").read_bytes()
-    light, dark = ((tmp_path / "a" / f"friction-curve{which}.svg").read_text() for which in ("", "-dark"))
-    assert "#ffffff" in light
-    assert "#ffffff" not in dark
-    assert GROUND in dark
     assert FORMATS.keys() == app.FORMATS
 
 
@@ -320,16 +314,6 @@ def test_what_is_darker_on_white_is_lighter_on_a_dark_ground():
     greys = [on_dark(f"#{level:02x}{level:02x}{level:02x}") for level in range(0, 256, 15)]
     assert (greys[0], greys[-1]) == (INK, GROUND)
     assert greys == sorted(greys, reverse=True)
-
-
-def test_every_colour_of_a_figure_is_turned_for_a_dark_ground(everything, tmp_path):
-    """Drawings that are turned letter by letter and drawings whose artists are turned have the same colours."""
-    for light in save_plots(everything, tmp_path, dark=True):
-        if light.stem.endswith("-dark"):
-            continue
-        turned = {on_dark(colour) for colour in re.findall(r"#[0-9a-f]{6}\b", light.read_text())}
-        dark = set(re.findall(r"#[0-9a-f]{6}\b", light.with_stem(f"{light.stem}-dark").read_text()))
-        assert dark - turned == set()
 
 
 def test_a_plot_is_given_as_figures_that_a_notebook_shows():

@@ -157,7 +157,6 @@ def results_options(
             "--format", "formats", metavar="NAME,NAME", default="svg", show_default=True, callback=_formats,
             help="Files of the plots: svg, pdf, png.",
         ),
-        click.option("--dark", is_flag=True, help="Write plots for a dark ground too."),
     ]  # fmt: skip
 
     def with_options(command: Any) -> Any:
@@ -167,7 +166,6 @@ def results_options(
             crate: bool,
             no_plots: bool,
             formats: tuple[str, ...],
-            dark: bool,
             as_json: bool,
             out: Path | None = None,
             overwrite: bool = False,
@@ -181,7 +179,6 @@ def results_options(
                 report=report,
                 crate=crate,
                 formats=() if no_plots else formats,
-                dark=dark,
                 as_json=as_json,
             )
             command(results=results, **others)
@@ -240,11 +237,10 @@ class Results:
         report: bool,
         crate: bool,
         formats: tuple[str, ...],
-        dark: bool,
         as_json: bool,
     ) -> None:
         self.out, self._overwrite, self._resume, self._report = out, overwrite, resume, report
-        self._crate, self._formats, self._dark = crate, formats, dark
+        self._crate, self._formats = crate, formats
         self.as_json = as_json
         self.target = Path()
         self._files: list[str] = []
@@ -275,8 +271,8 @@ class Results:
             drawn = dict.fromkeys((*self._formats, *(["svg"] if self._report else [])))
             with progress("plots"):
                 for name, dataset in datasets.items():
-                    files = save_plots(dataset, folder, tuple(drawn), dark=self._dark and bool(self._formats))
-                    figures[name] = [file for file in files if file.suffix == ".svg" and file.stem[-5:] != "-dark"]
+                    files = save_plots(dataset, folder, tuple(drawn))
+                    figures[name] = [file for file in files if file.suffix == ".svg"]
                     written += [file.name for file in files if file.suffix[1:] in self._formats]
         if self._report:
             from rollslip.results.report import write_report

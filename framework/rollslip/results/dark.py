@@ -1,4 +1,4 @@
-"""Figures on a dark ground: every colour keeps its hue and stands out from the ground.
+"""Figures of a page on a dark ground: every colour keeps its hue and stands out from the ground.
 
 Lightness is turned round between the ground and the ink of a report in its dark form, in Oklab (Ottosson 2020,
 https://bottosson.github.io/posts/oklab), whose lightness is close to what people see. So what is darker than its
@@ -7,14 +7,11 @@ neighbour on white is lighter than it here, and what reads in grey reads here.
 
 import re
 from functools import cache
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-__all__ = ["GROUND", "INK", "adapting", "darken", "on_dark"]
+__all__ = ["GROUND", "INK", "adapting", "on_dark"]
 
 #: What white and black become.
 GROUND: Final = "#15181c"
@@ -76,50 +73,3 @@ def adapting(svgs: list[str]) -> tuple[list[str], str]:
     )
     sheet = f":root{{{light}}}\n@media screen and (prefers-color-scheme: dark){{:root{{{dark}}}}}\n"
     return [_COLOUR.sub(lambda colour: f"var(--x{colour[0][1:]})", svg) for svg in svgs], sheet
-
-
-def darken(figure: "Figure") -> None:
-    """Give everything on a figure that is laid out the colour that it has on a dark ground."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.collections import Collection
-    from matplotlib.colors import ListedColormap
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-    from matplotlib.text import Text
-
-    bars = [bar for axes in figure.axes if (bar := getattr(axes, "_colorbar", None))]
-    solids = [bar.solids for bar in bars]  # drawn anew with the colours of what they are of
-    coloured = [one for one in figure.findobj() if isinstance(one, ScalarMappable) and one.get_array() is not None]
-    for one in {id(one): one for one in (*coloured, *(bar.mappable for bar in bars)) if one not in solids}.values():
-        one.set_cmap(ListedColormap(_turned(one.cmap(np.arange(one.cmap.N)))))
-    for bar in bars:
-        bar.solids.set_edgecolor("face")  # no seams
-    for axes in figure.axes:
-        axes.tick_params(which="both", colors=INK)  # those that come later too
-    for artist in figure.findobj():
-        if isinstance(artist, Line2D):
-            # all are read before one is set: those of a marker follow the line's if they are not given
-            parts = {name: getattr(artist, f"get_{name}")() for name in ("color", "markerfacecolor", "markeredgecolor")}
-            artist.set(**{name: _turned(colour) for name, colour in parts.items()})
-        elif isinstance(artist, Patch):
-            face, edge = artist.get_facecolor(), artist.get_edgecolor()
-            artist.set(facecolor=_turned(face), edgecolor=_turned(edge))
-        elif isinstance(artist, Collection) and artist.get_array() is None:
-            artist.set(facecolor=_turned(artist.get_facecolor()), edgecolor=_turned(artist.get_edgecolor()))
-        elif isinstance(artist, Text):
-            if artist.get_color() != INK:  # of ticks that were turned already
-                artist.set_color(_turned(artist.get_color()))
-            if (box := artist.get_bbox_patch()) is not None:
-                box.set_facecolor(_turned(box.get_facecolor()))
-
-
-def _turned(colours: Any) -> Any:
-    """One colour or many, with what shines through as it was."""
-    from matplotlib.colors import to_hex, to_rgba, to_rgba_array
-
-    if isinstance(colours, str) and colours in ("none", INK):
-        return colours
-    many = isinstance(colours, np.ndarray) and colours.ndim == 2
-    rows = to_rgba_array(colours) if many else [to_rgba(colours)]
-    new = np.array([(*to_rgba(on_dark(to_hex(row)))[:3], row[3]) for row in rows]).reshape(-1, 4)
-    return new if many else tuple(new[0])

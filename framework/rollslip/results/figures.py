@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rollslip.results.account import account_of
-from rollslip.results.dark import darken
-from rollslip.results.style import as_svg, lay_out, save_figures, styled
+from rollslip.results.style import as_svg, save_figures, styled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,15 +45,13 @@ class Figures(dict[str, "Figure"]):
         )
 
 
-def plot(result: "xr.Dataset", *, dark: bool = False) -> Figures:
+def plot(result: "xr.Dataset") -> Figures:
     """Draw the figures of a result, to look at or to go on with.
 
     Parameters
     ----------
     result : xarray.Dataset
         Result of a study or a campaign.
-    dark : bool
-        Whether they are for a dark ground.
 
     Returns
     -------
@@ -74,16 +71,11 @@ def plot(result: "xr.Dataset", *, dark: bool = False) -> Figures:
     figures = Figures()
     with styled():
         for name, caption, figure in account_of(result).figures(result):
-            if dark:
-                lay_out(figure)
-                darken(figure)
             figures[name], figures.captions[name] = figure, caption
     return figures
 
 
-def save_plots(
-    result: "xr.Dataset", folder: Path, formats: Sequence[str] = ("svg",), *, dark: bool = False
-) -> list[Path]:
+def save_plots(result: "xr.Dataset", folder: Path, formats: Sequence[str] = ("svg",)) -> list[Path]:
     """Draw the figures of a result into files.
 
     Parameters
@@ -94,8 +86,6 @@ def save_plots(
         Where the files go; it is made if it does not exist.
     formats : sequence of str
         Some of "svg", "pdf" and "png".
-    dark : bool
-        Whether each is written for a dark ground too, with "-dark" behind its name.
 
     Returns
     -------
@@ -109,4 +99,4 @@ def save_plots(
         If a file cannot be written; then nothing is left of it.
     """
     account = account_of(result)
-    return save_figures(account.figures(result), account.paragraph(result), folder, formats, dark=dark)
+    return save_figures(account.figures(result), account.paragraph(result), folder, formats)

@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rollslip.files import whole_file
-from rollslip.results.dark import darken
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -81,22 +80,16 @@ def save_figures(
     findings: str,
     folder: Path,
     formats: Sequence[str] = ("svg",),
-    *,
-    dark: bool = False,
 ) -> list[Path]:
     """Write figures, given as name, caption and figure; they have to be drawn while they are iterated."""
     files = []
     with styled():
         for name, caption, figure in figures:
             folder.mkdir(parents=True, exist_ok=True)
-            for which in ("", "-dark") if dark else ("",):
-                if which:
-                    lay_out(figure)
-                    darken(figure)
-                for one in formats:
-                    files.append(folder / f"{name}{which}.{one}")
-                    with whole_file(files[-1]) as partial:
-                        FORMATS[one](figure, partial, caption, findings)
+            for one in formats:
+                files.append(folder / f"{name}.{one}")
+                with whole_file(files[-1]) as partial:
+                    FORMATS[one](figure, partial, caption, findings)
     return files
 
 
