@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import attrs
 
-from rollslip.cards import Card
 from rollslip.errors import DomainError
 from rollslip.references import Citation
 
@@ -246,7 +245,7 @@ def _from_scene(cls: "type[Any]") -> "list[attrs.Attribute[Any]]":
     return [a for a in attrs.fields(cls) if "from_scene" in a.metadata]
 
 
-class SliceModel(Card, abc.ABC):
+class SliceModel(abc.ABC):
     """A stage: fills the ``writes`` columns of all slices from the members named in ``reads``."""
 
     name: ClassVar[str]
@@ -507,7 +506,7 @@ class TractionModel(SliceModel):
         return law
 
 
-class Drag(Card, abc.ABC):
+class Drag(abc.ABC):
     """What resists the cage or the rollers beside the traction of the raceways: one of the three sorts below."""
 
     name: ClassVar[str]
@@ -563,7 +562,7 @@ class PocketFriction(Drag):
     coefficient: float
 
 
-class IntegratorModel(Card, abc.ABC):
+class IntegratorModel(abc.ABC):
     """A factory of ``scipy.integrate.OdeSolver``, so that SciPy's solvers come as they are."""
 
     #: Rule of the conformance kit that the solver breaks for a reason -> that reason.

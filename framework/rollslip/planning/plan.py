@@ -21,7 +21,6 @@ import attrs
 from rollslip.bearing.assembly import Assembly, assemble
 from rollslip.bearing.cage import in_words, read_cage
 from rollslip.bearing.resolution import LeftOut, Resolution
-from rollslip.cards import Card
 from rollslip.catalogue.packages import check_required
 from rollslip.catalogue.registry import find
 from rollslip.errors import RollslipError, SceneError
@@ -43,7 +42,7 @@ _SLICE, _NUMBER = 2e-8, 8
 
 
 @attrs.frozen(eq=False, kw_only=True, repr=False)
-class Plan(Card):
+class Plan:
     """What will be modelled: studies with their settings, the bearing at the resolution of each, reasons line by line.
 
     Attributes
@@ -69,13 +68,6 @@ class Plan(Card):
     def __repr__(self) -> str:
         named, studies = self.scene.source or self.scene.title, ", ".join(self.studies)
         return f"Plan of {named!r}: {studies}; {duration_range(self.seconds)}"
-
-    def card(self) -> tuple[str, list[tuple[str, str]]]:
-        """Return what its card in a notebook tells: each part, with its choice and reason."""
-        return repr(self), [
-            (part.part, part.choice or part.resolution if part.included else f"left out: {part.reason}")
-            for part in self.parts
-        ]
 
     @property
     def seconds(self) -> float:

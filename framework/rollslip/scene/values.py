@@ -18,7 +18,6 @@ from typing import Any, Final
 
 import attrs
 
-from rollslip.cards import Card
 from rollslip.datasets import Bearing, Surface
 from rollslip.fields import FieldError, at_least, field, in_range, non_negative, positive
 from rollslip.scene.supply import Lubrication
@@ -189,7 +188,7 @@ class Plugins:
 
 
 @attrs.frozen(kw_only=True, repr=False)
-class Scene(Card):
+class Scene:
     """One bearing in one state of operation, with the models and studies to run.
 
     ``source`` (file or shipped name) and ``text`` (verbatim) are kept for provenance and do not take part in a
@@ -227,20 +226,6 @@ class Scene(Card):
         size = format_quantity(self.bearing.inner_raceway_diameter, "m", 4)
         told = ", ".join(format_quantity(value, unit, 4) for value, unit in (*state, (self.operation.temperature, "K")))
         return f"Scene {self.source or self.title!r}: {self.bearing.rollers} rollers on {size}, {told}"
-
-    def card(self) -> tuple[str, list[tuple[str, str]]]:
-        """Return what its card in a notebook tells: geometry and operation, models, oil and studies."""
-        rows = [("title", self.title)] if self.title else []
-        for name, table in (("bearing", self.bearing), ("operation", self.operation)):
-            for one in attrs.fields(type(table)):
-                value, unit = getattr(table, one.name), one.metadata.get("unit")
-                if type(value) in (int, float) and (value or one.default is attrs.NOTHING):
-                    rows.append((f"{name}.{one.name}", format_quantity(value, unit) if unit else str(value)))
-        chosen = ((kind, getattr(self.models, kind)) for kind in ("contact", "film", "pressure", "traction", "thermal"))
-        rows += [(f"models.{kind}", choice.name) for kind, choice in chosen if choice is not None]
-        rows.append(("lubricant", self.lubricant.name or "own oil"))
-        rows.append(("studies", ", ".join(self.study) or DEFAULT_STUDY))
-        return f"Scene {self.source or self.title!r}", rows
 
 
 def resolved(scene: Any) -> dict[str, object]:

@@ -16,7 +16,6 @@ import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly
-from rollslip.cards import Card
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.catalogue.registry import structure_models
 from rollslip.datasets import Catalogue
@@ -143,7 +142,7 @@ class Duty:
         return self.speed * 30.0 / math.pi
 
 
-class TorqueFormula(Card, abc.ABC):
+class TorqueFormula(abc.ABC):
     """Friction torque of a bearing by a formula of its boundary dimensions; its parameters are its attrs fields."""
 
     name: ClassVar[str]

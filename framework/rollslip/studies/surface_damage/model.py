@@ -16,7 +16,6 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.cards import Card
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.catalogue.registry import structure_models
 from rollslip.datasets import Material
@@ -117,7 +116,7 @@ DESCRIBED: Final[Mapping[str, Output]] = MappingProxyType(
 )
 
 
-class DamageModel(Card, abc.ABC):
+class DamageModel(abc.ABC):
     """One measure of what slip does to surfaces; its parameters are its attrs fields."""
 
     name: ClassVar[str]

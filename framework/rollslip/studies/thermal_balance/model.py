@@ -15,7 +15,6 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from rollslip.cards import Card
 from rollslip.catalogue.kinds import Kind, Template
 from rollslip.catalogue.registry import structure_model
 from rollslip.errors import SceneError
@@ -44,7 +43,7 @@ ROLES: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
-class ThermalModel(Card, abc.ABC):
+class ThermalModel(abc.ABC):
     """How heat flows between the parts of a bearing and leaves it; its parameters are its attrs fields."""
 
     name: ClassVar[str]
