@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import rollslip
+from rollslip.catalogue.discovery import get_class
 from rollslip.cli.main import cli
 from rollslip.errors import OutputError, SceneError
 from rollslip_campaigns.limit import findings
 from rollslip_campaigns.limit.limit import RESULT, of_the_worst, plan_limit, run_limit
-from rollslip_campaigns.limit.search import Requirement, next_places, passages
+from rollslip_campaigns.limit.search import Requirement, next_places, passages, read_requirement
 from rollslip_campaigns.sweep.definition import Resolutions, name_of
 from rollslip_campaigns.sweep.folder import taken_up
 from rollslip_campaigns.sweep.journal import FAILED, records
@@ -92,6 +93,23 @@ def test_a_limit_is_that_of_another_search_over_single_runs():
         return float(result.half_width.min()) - 60e-6
 
     assert kept <= brentq(excess, 0.9 * kept, 1.1 * beyond, rtol=1e-5) < beyond
+
+
+@pytest.mark.parametrize("study", ["steady-slip", "effective-friction"])
+def test_a_limit_is_asked_for_in_a_person_s_words(study):
+    asked = read_requirement("slip < 5%", get_class("study", study))
+    assert (asked.sense, asked.limit) == ("<=", 0.05)
+    assert asked.output == {"steady-slip": "steady_slip", "effective-friction": "steady_cage_slip"}[study]
+
+
+def test_a_word_searches_what_its_key_does():
+    words, keys = (
+        ({"load": "0.5 kN:2 kN:3"}, "slip < 5 %"),
+        ({"operation.radial_load": "0.5 kN:2 kN:3"}, "steady_slip <= 5 %"),
+    )
+    one, two = (rollslip.limit("gearbox", *asked, study="steady-slip", within=0.2) for asked in (words, keys))
+    assert one.searched.identical(two.searched)
+    assert one.result.identical(two.result)
 
 
 @pytest.fixture(scope="module")
@@ -178,7 +196,7 @@ def test_points_that_fail_are_told_and_tried_again(bearing, tmp_path, monkeypatc
 @pytest.mark.parametrize(
     ("over", "keep", "options", "said"),
     [
-        (LENGTHS, "half_width < 1 um", {}, "is no limit; write OUTPUT<=VALUE"),
+        (LENGTHS, "half_width == 1 um", {}, "is no limit; write OUTPUT<=VALUE"),
         (LENGTHS, "half_widht <= 1 um", {}, "did you mean 'half_width'"),
         (LENGTHS, "half_width <= 1 N", {}, "is a force, here a length is expected"),
         (LENGTHS, "critical_status <= 1", {}, "critical_status tells in words, so it has no limit"),

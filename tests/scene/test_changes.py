@@ -12,7 +12,7 @@ from rollslip.bearing.assembly import assemble
 from rollslip.errors import PluginError, SceneError
 from rollslip.planning.quantities import quantities
 from rollslip.scene import FrozenTable, ModelChoice, Scene, resolved, scene_hash
-from rollslip.scene.changes import evolve, parse_set
+from rollslip.scene.changes import SHORT, evolve, parse_set
 from rollslip.scene.reading import load_scene, parse_scene
 from rollslip.scene.schema import schema
 from rollslip.structure import structure
@@ -65,6 +65,17 @@ def test_a_bare_name_becomes_a_table_when_a_parameter_is_set() -> None:
     assert film == ModelChoice(name="regime", parameters=FrozenTable({"thermal": True}))
     traction = evolve(scene, {"models.traction.friction": 0.1}).models.traction
     assert traction == ModelChoice(name="constant", parameters=FrozenTable({"friction": 0.1}))
+
+
+@pytest.mark.parametrize(("word", "key"), SHORT.items(), ids=SHORT)
+def test_a_person_s_word_stands_for_its_key(word: str, key: str) -> None:
+    base = load_scene("gearbox")
+    known = quantities(assemble(base), {})
+    value: object = "iso-vg-68" if word == "oil" else known[key].value
+    changed = evolve(base, {key: value if known[key].unit is None else value * 1.5})  # type: ignore[operator]
+    assert changed == evolve(base, {word: value if known[key].unit is None else value * 1.5})  # type: ignore[operator]
+    assert known[word] is known[key] is known.get(word)
+    assert word in known
 
 
 def test_changes_add_up() -> None:

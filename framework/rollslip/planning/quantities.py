@@ -17,7 +17,7 @@ from rollslip.bearing.cage import supplied
 from rollslip.catalogue.registry import structure_model
 from rollslip.errors import RollslipError
 from rollslip.lubricant.table import OilTable
-from rollslip.scene.changes import Quantity
+from rollslip.scene.changes import Known, Quantity
 from rollslip.scene.values import LubricantTable, ModelChoice, Scene
 from rollslip.structure import Location
 from rollslip.units import UnitError, quantity
@@ -25,7 +25,7 @@ from rollslip.units import UnitError, quantity
 __all__ = ["quantities"]
 
 
-def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -> dict[str, Quantity]:
+def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -> Known:
     """Return what can be varied of a scene, by key."""
     scene = assembly.scene
     found = [*_named(scene), *(one for table in _tables(scene) for one in _of(getattr(scene, table), table))]
@@ -46,7 +46,7 @@ def quantities(assembly: Assembly, studies: Mapping[str, attrs.AttrsInstance]) -
             found += _of(drag, f"cage.drag.{drag.name}")
     for name, study in studies.items():
         found += _of(study, f"study.{name}")
-    return {one.key: one for one in found}
+    return Known({one.key: one for one in found})
 
 
 def _named(scene: Scene) -> Iterator[Quantity]:

@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, Final, get_args, get_origin
 
 import attrs
@@ -15,8 +16,18 @@ from rollslip.structure import attributes, bare_key, key_of, thawed, types_of
 from rollslip.toml import DEEPEST, KeyPath, split_key
 from rollslip.units import as_written, quantity, typed, unit_given
 
-__all__ = ["Quantity", "evolve", "parse_set", "unknown"]
+__all__ = ["SHORT", "Known", "Quantity", "evolve", "full_key", "parse_set", "unknown"]
 
+#: A person's word for a key -> the key.
+SHORT: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "speed": "operation.inner_speed",
+        "load": "operation.radial_load",
+        "temperature": "operation.temperature",
+        "clearance": "bearing.radial_clearance",
+        "oil": "lubricant.name",
+    }
+)
 _CHANGES: Final = "changes"
 #: Tables of what a scene's note speaks of.
 _NOTED: Final = frozenset({"bearing", "surface", "lubricant", "lubrication", "operation", "models", "cage"})
@@ -70,6 +81,25 @@ class Quantity:
         return value
 
 
+class Known(dict[str, Quantity]):
+    """Quantities of a scene by key, found by a person's word for it too."""
+
+    def __contains__(self, key: object) -> bool:
+        return super().__contains__(full_key(str(key)))
+
+    def __getitem__(self, key: str) -> Quantity:
+        return super().__getitem__(full_key(key))
+
+    def get(self, key: str, default: Any = None) -> Any:
+        """Return the quantity of a key, or the default."""
+        return super().get(full_key(key), default)
+
+
+def full_key(key: str) -> str:
+    """Return the key that a person's word stands for; any other as it is."""
+    return SHORT.get(key.strip(), key)
+
+
 def unknown(key: str, known: dict[str, Quantity]) -> str:
     """Say that there is no such key, and which there are like it; of another study, how that is computed."""
     of, name, *_ = [*key.split("."), "", ""]
@@ -115,7 +145,7 @@ def evolve(scene: Scene, changes: Mapping[str, object]) -> Scene:
     problems, changed = [], set[str]()
     for key, value in changes.items():
         try:
-            asked = split_key(key.strip())
+            asked = split_key(full_key(key).strip())
             if asked[0] not in changed and asked[0] in raw:
                 raw[asked[0]] = thawed(raw[asked[0]])
             changed.add(asked[0])

@@ -287,7 +287,7 @@ def read_uncertainty(
         elif key not in known:
             problems.append(place.says(unknown(key, known)))
         elif (distribution := _distribution(table, known[key], place, problems)) is not None:
-            distributions[key] = distribution
+            distributions[known[key].key] = distribution
     return Uncertainty(
         distributions, _correlations(raw.get("correlation", ()), where.at("correlation"), list(distributions), problems)
     )

@@ -36,6 +36,8 @@ class Output:
         Whether a point of a sweep keeps it where nothing is asked for.
     attribute : bool
         Whether it is an attribute of the result: a single value about the whole run.
+    also : tuple of str
+        Other names by which it may be asked for.
     """
 
     dims: str
@@ -44,6 +46,7 @@ class Output:
     status: str = attrs.field(default="", kw_only=True)
     default: bool = attrs.field(default=False, kw_only=True)
     attribute: bool = attrs.field(default=False, kw_only=True)
+    also: tuple[str, ...] = attrs.field(default=(), kw_only=True)
 
     def variable(self, values: Any) -> tuple[tuple[str, ...], Any, dict[str, Any]]:
         """Return values as a variable of a dataset."""

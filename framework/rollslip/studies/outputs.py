@@ -25,7 +25,10 @@ Values: TypeAlias = tuple[Variables, Variables, dict[str, Any]]
 def named_outputs(study: type[Study], names: Iterable[str]) -> tuple[str, ...]:
     """Return the outputs asked for, or the default ones, with the words that belong to them."""
     known, problems = study.outputs, []
-    asked = tuple(dict.fromkeys(names)) or tuple(name for name, output in known.items() if output.default)
+    also = {other: name for name, output in known.items() for other in output.also}
+    asked = tuple(dict.fromkeys(name if name in known else also.get(name, name) for name in names)) or tuple(
+        name for name, output in known.items() if output.default
+    )
     for name in asked:
         if name not in known:
             near = nearest(name, known, count=1)

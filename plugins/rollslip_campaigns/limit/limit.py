@@ -195,6 +195,7 @@ def plan_limit(
     if key not in known:
         raise SceneError([f"{key}: {unknown(key, known)}"])
     quantity = known[key]
+    key = quantity.key
     if quantity.unit is None:
         raise SceneError(
             [f"{key}: is no quantity that goes from one value to another; sweep it with rollslip sweep run"]

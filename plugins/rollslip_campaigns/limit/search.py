@@ -22,7 +22,7 @@ from rollslip.units import UnitError, format_quantity, quantity, unit_given
 
 __all__ = ["Requirement", "next_places", "passages", "read_requirement"]
 
-_FORM: Final = re.compile(r"\s*([A-Za-z_]\w*)\s*(<=|>=)\s*(\S.*)")
+_FORM: Final = re.compile(r"\s*([A-Za-z_]\w*)\s*(<=|>=|<|>)\s*(\S.*)")
 
 
 @attrs.frozen
@@ -67,8 +67,8 @@ def read_requirement(text: str, study: type[Study]) -> Requirement:
     form = _FORM.fullmatch(text)
     if form is None:
         raise SceneError([f"keep: {text!r} is no limit; write OUTPUT<=VALUE or OUTPUT>=VALUE, with a unit if it has"])
-    name, sense, value = form.groups()
-    named_outputs(study, [name])  # who knows it by another name is told
+    asked, sense, value = form.groups()
+    name, sense = named_outputs(study, [asked])[0], f"{sense[0]}="
     if name in {output.status for output in study.outputs.values()}:
         raise tells_in_words(name)
     unit = study.outputs[name].unit

@@ -32,7 +32,7 @@ from rollslip.planning.plausibility import implausible_along
 from rollslip.planning.provenance import cited, data_references
 from rollslip.planning.quantities import quantities
 from rollslip.references import Citation
-from rollslip.scene.changes import Quantity, evolve, unknown
+from rollslip.scene.changes import Quantity, evolve, full_key, unknown
 from rollslip.scene.distributions import Distribution, Uncertainty, read_uncertainty
 from rollslip.scene.reading import from_raw, load_scene, parse_scene, shipped_scenes
 from rollslip.scene.values import DEFAULT_STUDY, Scene, resolved
@@ -151,7 +151,7 @@ def _axes(
 ) -> tuple[list[Axis], dict[str, Distribution]]:
     """Return what is crossed, and the ranges that are sampled; of a key that comes twice the last."""
     axes, ranges = list[Axis](), dict[str, Distribution]()
-    for key, raw, at in {item[0]: item for item in wanted}.values():
+    for key, raw, at in {full_key(item[0]): item for item in wanted}.values():
         quantity = known.get(key)
         if quantity is None:
             problems.append(at.says(unknown(key, known)))
@@ -164,7 +164,7 @@ def _axes(
         if isinstance(axis, Axis):
             axes.append(axis)
         else:
-            ranges[key] = axis
+            ranges[quantity.key] = axis
     return axes, ranges
 
 

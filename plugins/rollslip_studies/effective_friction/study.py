@@ -84,10 +84,20 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "ring", "1", "cage slip from which effective friction first falls", status="critical_status"
         ),
         "first_maximum_friction": Output("ring", "1", "effective friction coefficient there", status="critical_status"),
-        "runaway_slip": Output("", "1", "cage slip at which the cage runs away", status="runaway_status"),
-        "runaway_drag": Output("", "N m", "largest drag torque that the rollers carry, there", status="runaway_status"),
+        "runaway_slip": Output(
+            "", "1", "cage slip at which the cage runs away", status="runaway_status", also=("largest_drag_slip",)
+        ),
+        "runaway_drag": Output(
+            "",
+            "N m",
+            "largest drag torque that the rollers carry, there",
+            status="runaway_status",
+            also=("limit_drag_torque", "largest_drag"),
+        ),
         "runaway_status": Output("", "1", "what was found of running away"),
-        "steady_cage_slip": Output("", "1", "cage slip at which the drags are carried", status="steady_status"),
+        "steady_cage_slip": Output(
+            "", "1", "cage slip at which the drags are carried", status="steady_status", also=("slip", "steady_slip")
+        ),
         "steady_drag": Output("", "N m", "drag torque there", status="steady_status"),
         "steady_status": Output("", "1", "what was found of the slip at which the cage runs"),
         "drag_reserve": Output("", "1", "largest drag over the drags of the scene", status="reserve_status"),

@@ -51,12 +51,21 @@ def followed_outputs(name: str) -> dict[str, Output]:
 
 OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
     {
-        "steady_slip": Output("steady", "1", "steady cage slip", status="status", default=True),
+        "steady_slip": Output(
+            "steady", "1", "steady cage slip", status="status", default=True, also=("slip", "steady_cage_slip")
+        ),
         "status": Output("", "1", "what was found"),
         "largest_drag": Output(
-            "", "N m", "drag torque at which the cage runs away", status="largest_drag_status", default=True
+            "",
+            "N m",
+            "drag torque at which the cage runs away",
+            status="largest_drag_status",
+            default=True,
+            also=("limit_drag_torque", "runaway_drag"),
         ),
-        "largest_drag_slip": Output("", "1", "cage slip at which it runs away", status="largest_drag_status"),
+        "largest_drag_slip": Output(
+            "", "1", "cage slip at which it runs away", status="largest_drag_status", also=("runaway_slip",)
+        ),
         "largest_drag_status": Output("", "1", "what was found of the largest drag torque"),
         "largest_drag_error": Output("", "1", "relative error left of it", status="largest_drag_status"),
         "largest_drag_low": Output("", "1", "least slip within a thousandth of it", status="largest_drag_status"),
@@ -93,6 +102,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "N",
             "least radial load that keeps the slip acceptable",
             status="least_load_status",
+            also=("minimum_load",),
         ),
         "least_load_status": Output("", "1", "what was found of the least load"),
         "makers_least_load": Output(
