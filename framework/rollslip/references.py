@@ -1,8 +1,8 @@
 """What to cite, as data: publications with authors, title and place, how they read, and their BibTeX.
 
 A model, an oil or a bearing names its sources in ``references``: values of `Reference`, or texts, which are told as
-they are. This module has the sources of the framework's own laws; packages keep theirs in one place too, so that no
-source is written twice. What could not be confirmed is named in the reference and told with it.
+they are. Those of the framework's own laws stand in ``references.bib``; packages keep theirs in one place too, so that
+no source is written twice. What could not be confirmed is named in the reference and told with it.
 """
 
 import re
@@ -10,6 +10,7 @@ import unicodedata
 from collections.abc import Iterable, Mapping
 from functools import cache
 from itertools import chain, count
+from pathlib import Path
 from string import ascii_lowercase
 from types import MappingProxyType
 from typing import Any, Final
@@ -29,6 +30,7 @@ __all__ = [
     "as_dict",
     "from_dict",
     "once",
+    "published",
     "rollslip_itself",
 ]
 
@@ -342,45 +344,28 @@ def rollslip_itself() -> Reference:
     )
 
 
+def published(path: Path) -> dict[str, Reference]:
+    """Return the publications of a file by their keys; the file has BibTeX's layout, `Reference` its kinds and fields.
+
+    Texts are plain, without braces; "and" stands between authors, a comma between what is not confirmed.
+    """
+    found = {}
+    entry = re.compile(r"@(\w+)\{(\w+)((?:,\s*\w+ = \{[^{}]*\})*)\}")
+    for kind, key, fields in entry.findall(path.read_text(encoding="utf-8")):
+        told: dict[str, Any] = {"kind": kind}
+        for name, value in re.findall(r"(\w+) = \{([^{}]*)\}", fields):
+            text = " ".join(value.split())
+            told[name] = int(text) if name == "year" else tuple(text.split(", ")) if name == "unconfirmed" else text
+        if authors := told.pop("author", ""):
+            told["authors"] = tuple(authors.split(" and "))
+        found[key] = Reference(**told)
+    return found
+
+
+_OWN: Final = published(Path(__file__).with_suffix(".bib"))
 #: The paper that rollslip follows.
-KLEBANOV: Final = Reference(
-    authors=("Klebanov, I. M.", "Polyakov, K. A.", "Petrov, V. R.", "Pankratova, N. A."),
-    title="Slip in roller bearings under hydrodynamic contact friction",
-    journal="J. Frict. Wear",
-    volume="43",
-    year=2022,
-    doi="10.3103/S1068366622010068",
-    unconfirmed=("issue", "pages"),
-)
-BARUS: Final = Reference(
-    authors=("Barus, C.",),
-    title="Isothermals, isopiestics and isometrics relative to viscosity",
-    journal="Am. J. Sci.",
-    volume="45",
-    pages="87-96",
-    year=1893,
-)
-ROELANDS: Final = Reference(
-    kind="thesis",
-    authors=("Roelands, C. J. A.",),
-    title="Correlational aspects of the viscosity-temperature-pressure relationship of lubricating oils",
-    publisher="Technical University of Delft",
-    year=1966,
-)
-YASUTOMI: Final = Reference(
-    authors=("Yasutomi, S.", "Bair, S.", "Winer, W. O."),
-    title="An application of a free volume model to lubricant rheology: I - dependence of viscosity on temperature and "
-    "pressure",
-    journal="J. Tribol.",
-    volume="106",
-    pages="291-302",
-    year=1984,
-)
-EHRET: Final = Reference(
-    authors=("Ehret, P.", "Dowson, D.", "Taylor, C. M."),
-    title="On lubricant transport conditions in elastohydrodynamic conjuctions",  # so printed
-    journal="Proc. R. Soc. Lond. A",
-    volume="454",
-    pages="763-787",
-    year=1998,
-)
+KLEBANOV: Final = _OWN["KLEBANOV"]
+BARUS: Final = _OWN["BARUS"]
+ROELANDS: Final = _OWN["ROELANDS"]
+YASUTOMI: Final = _OWN["YASUTOMI"]
+EHRET: Final = _OWN["EHRET"]

@@ -15,12 +15,20 @@ from hypothesis import strategies as st
 from pybtex.database import parse_string
 
 import rollslip_plugins.bibliography as plugins_bibliography
-import rollslip_plugins.damage.sources as damage_sources
-import rollslip_plugins.film.sources as film_sources
 from rollslip import references
 from rollslip.catalogue.discovery import available, families, get_class
 from rollslip.catalogue.kinds import kinds
-from rollslip.references import KLEBANOV, Citation, Reference, as_bibtex, as_dict, from_dict, once, rollslip_itself
+from rollslip.references import (
+    KLEBANOV,
+    Citation,
+    Reference,
+    as_bibtex,
+    as_dict,
+    from_dict,
+    once,
+    published,
+    rollslip_itself,
+)
 from rollslip.results.dataset import citations_of
 from rollslip_plugins.pressure_viscosity import Barus, Roelands, Yasutomi
 
@@ -28,12 +36,8 @@ pytestmark = pytest.mark.quick
 
 ROOT = Path(__file__).parents[2]
 #: All that is written down, by its name.
-WRITTEN = {
-    f"{module.__name__}.{name}": one
-    for module in (references, plugins_bibliography, damage_sources, film_sources)
-    for name, one in vars(module).items()
-    if isinstance(one, Reference)
-}
+FILES = [Path(module.__file__).with_suffix(".bib") for module in (references, plugins_bibliography)]
+WRITTEN = {f"{path.stem}.{key}": one for path in FILES for key, one in published(path).items()}
 #: What LaTeX would take for its own, and letters that it has commands for.
 AWKWARD = Reference(
     authors=("Nørsett, S. P.", "Müller & Söhne", "Šá Ç, X."),
@@ -150,6 +154,12 @@ def test_plain_values_come_back_as_they_were(one):
     values = json.loads(json.dumps(as_dict(one)))
     assert values["text"] == str(one)
     assert from_dict(values) == one
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_every_entry_of_a_file_is_read(path):
+    text = path.read_text(encoding="utf-8")
+    assert len(published(path)) == len(re.findall(r"^@", text, re.MULTILINE)) == text.count("@")
 
 
 def test_what_a_later_version_knows_is_told_as_text():

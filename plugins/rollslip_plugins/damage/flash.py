@@ -11,9 +11,8 @@ from rollslip.hookspecs import hookimpl
 from rollslip.models import submodel
 from rollslip.references import Reference
 from rollslip.studies.surface_damage.model import Array, Contacts, DamageModel
-from rollslip_plugins.bibliography import CARSLAW_1959
+from rollslip_plugins.bibliography import BLOK_1937, CARSLAW_1959, JAEGER_1942
 from rollslip_plugins.damage.moving_source import FAST, largest_rise, rise
-from rollslip_plugins.damage.sources import BLOK_1937, JAEGER_1942
 
 __all__ = ["BulkAndFlash", "ContactTemperature", "FlashTemperature"]
 

@@ -12,8 +12,8 @@ from rollslip.hookspecs import hookimpl
 from rollslip.references import Reference
 from rollslip.structure import Location
 from rollslip.studies.surface_damage.model import DamageModel
+from rollslip_plugins.bibliography import AGMA_925, BLOK_1937, ISO_13989
 from rollslip_plugins.damage.flash import BulkAndFlash
-from rollslip_plugins.damage.sources import AGMA_925, BLOK_1937, ISO_13989
 
 if TYPE_CHECKING:
     from rollslip.bearing.assembly import Assembly

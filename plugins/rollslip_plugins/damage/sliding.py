@@ -11,7 +11,7 @@ from rollslip.fields import one_of, parameter, positive
 from rollslip.hookspecs import hookimpl
 from rollslip.references import Reference
 from rollslip.studies.surface_damage.model import Array, Contacts, DamageModel
-from rollslip_plugins.damage.sources import HAMROCK_ANDERSON_1983, MATVEEVSKY_1965
+from rollslip_plugins.bibliography import HAMROCK_ANDERSON_1983, MATVEEVSKY_1965
 
 __all__ = ["FilmParameter", "PassEnergy", "PowerDensity", "allowed"]
 

@@ -31,9 +31,8 @@ from rollslip.references import Reference
 from rollslip.units import format_quantity
 from rollslip_kernels.slices import Slices
 from rollslip_kernels.stages import film as compiled
-from rollslip_plugins.bibliography import GUPTA_1992, MURCH_1975, WILSON_1983, ZHOU_1991
+from rollslip_plugins.bibliography import CHEVALIER_1998, GUPTA_1992, MURCH_1975, WILSON_1983, ZHOU_1991
 from rollslip_plugins.film.formulas import Moes
-from rollslip_plugins.film.sources import CHEVALIER_1998
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
