@@ -151,3 +151,11 @@ def test_what_is_left_out_under_a_bound_may_be_so_on_the_whole_way_up(study):
     limit = balance.assembly.traction.full_film_from
     assert min(thinnest) < limit * balance.assembly.inner.conditions.roughness
     assert made.estimated[study].resolution.boundary
+
+
+def test_a_plan_of_both_has_the_way_up_once():
+    """At resolutions of their own they would differ by what these leave."""
+    both, alone = plan(load_scene("gearbox")), plan(load_scene("gearbox"), "effective-friction")
+    assert both.studies["effective-friction"].runaway_range == 0.0 < alone.studies["effective-friction"].runaway_range
+    assert both.studies["effective-friction"].map_points == alone.studies["effective-friction"].map_points
+    assert "steady-slip" in both.studies

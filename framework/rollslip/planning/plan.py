@@ -189,7 +189,8 @@ def plan(
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     check_required(scene.plugins.require, Location(scene.origins, ("plugins", "require")))
-    studies = {name: one.without(frozenset(without)) for name, one in settings(scene, study).items()}
+    chosen = settings(scene, study)
+    studies = {name: one.without(frozenset(without) | _known_better(one, chosen)) for name, one in chosen.items()}
     stated = assemble(scene)
     require_memory(studies, stated)
     estimated = {name: estimate(one, stated, cheaper_laws=cheaper_laws) for name, one in studies.items()}
@@ -237,6 +238,14 @@ def plan(
         evaluations=sum(one.evaluations(assemblies[name]) for name, one in studies.items()),
         planning=time.process_time() - begin,
     )
+
+
+def _known_better(study: Study, chosen: Mapping[str, Study]) -> frozenset[str]:
+    """Single values that a study of the cage tells by these or other names: one question has one answer."""
+    caged = [one for one in chosen.values() if one.with_cage and not study.with_cage]
+    told = {name for one in caged for own, output in one.outputs.items() for name in (own, *output.also)}
+    same = {name: output for name, output in study.outputs.items() if not output.dims and name in told}
+    return frozenset(same) | {output.status for output in same.values()}
 
 
 def estimate(study: Study, assembly: Assembly, *, cheaper_laws: bool = True) -> Estimated:

@@ -87,7 +87,7 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
         ),
         "first_maximum_slip": Output("", "1", "cage slip there", status="largest_drag_status"),
         "cage_speed": Output("steady", "rad/s", "cage speed", status="status"),
-        "torque": Output("steady", "N m", "drag torque that is carried", status="status"),
+        "torque": Output("steady", "N m", "drag torque that is carried", status="status", also=("steady_drag",)),
         "stable": Output("steady", "1", "held"),
         "stability": Output("steady", "1", "stability in words"),
         "multiplier": Output(
