@@ -86,6 +86,29 @@ def test_a_function_may_fill_its_column_itself():
     np.testing.assert_array_equal(filled(get_model("traction", "fills")), EXPECTED)
 
 
+def test_a_function_may_have_a_compiled_form():
+    """It is given the parameters, and computes in place of the function."""
+    scale = parameter(default=4.0, unit="1", doc="film", validator=positive)
+    given = []
+
+    def kernel(factor):
+        given.append(factor)
+        return get_model("film", "martin").kernel()
+
+    @model("film", "own-compiled", parameters={"factor": scale}, kernel=kernel)
+    def own(slices, factor):
+        return factor + 0.0 * slices.load
+
+    films = []
+    for law in (get_model("film", "own-compiled", factor=2.0), get_model("film", "martin")):
+        state = Conditions(viscosity=0.01, radius=0.007, modulus=2.2e11, pressure_viscosity=2e-8)
+        slices = Slices(1, state, load=[2e3], rolling_speed=10.0)
+        Chain(law)(slices)
+        films.append(slices.film_thickness.tolist())
+    assert set(given) == {2.0}
+    assert films[0] == films[1]
+
+
 def test_a_domain_is_kept():
     model("traction", "my-law", domain={"rolling_speed": (1.0, 500.0), "sliding_speed": FINITE})(law)
     with pytest.raises(DomainError, match=r"^my-law: rolling_speed = 501 m/s at slice 500 is outside its domain \("):

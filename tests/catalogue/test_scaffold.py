@@ -7,14 +7,12 @@ import textwrap
 import tomllib
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
-import attrs
-import numpy as np
 import pytest
 from Cython.Compiler.Main import CompilationOptions, compile_single
 
-from rollslip import Chain, Slices, available, get_include
+from packages import install, python
+from rollslip import available, get_include
 from rollslip.catalogue.kinds import get_kind, kinds
 from rollslip.catalogue.scaffold import compile_too, new, package
 from rollslip.errors import OutputError, RollslipError
@@ -139,27 +137,18 @@ def law_file(folder: Path, text: str = "") -> Path:
     return path
 
 
-def test_a_function_becomes_a_class_that_computes_the_same(tmp_path: Path) -> None:
-    texts = package("rollslip-bair-winer", "", False, law_file(tmp_path))
+def test_a_file_becomes_the_module_of_a_package_as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    law = law_file(tmp_path)
+    texts = package("rollslip-bair-winer", "", False, law)
     points = tomllib.loads(texts["pyproject.toml"])["project"]["entry-points"]
     assert points == {"rollslip.traction": {"bair-winer": "rollslip_bair_winer.traction"}}
-    assert "from rollslip_bair_winer.traction import BairWiner" in texts["tests/test_rollslip_bair_winer.py"]
-    module = texts["src/rollslip_bair_winer/traction.py"]
-    assert "@rollslip" not in module
-    assert "__main__" not in module
-    made: dict[str, Any] = {"__name__": "made"}
-    exec(module, made)
-    (cls,) = made["traction_models"]()
-    assert cls is made["BairWiner"]
-    assert attrs.fields_dict(cls)["limit"].metadata["unit"] == "1"
-    slices = Slices(3, pressure=1e8, film_thickness=1e-6, film_viscosity=0.01, sliding_speed=[0.0, 500.0, -1e6])
-    Chain(cls(limit=0.05))(slices)
-    np.testing.assert_allclose(slices.friction, [0.0, 0.05 * -math.expm1(-1.0), -0.05], rtol=1e-15, atol=0)
+    assert texts["src/rollslip_bair_winer/traction.py"] == law.read_text(encoding="utf-8")
+    test = texts["tests/test_rollslip_bair_winer.py"]
+    assert 'class TestBairWiner(Conformance):\n    models = [rollslip.get_model("traction", "bair-winer")]' in test
     assert "bair-winer" not in available("traction")  # what the file offers in this process is taken back
 
 
-def test_several_functions_and_ways_to_say_it(tmp_path: Path) -> None:
-    text = """
+LAWS = """
 import math
 from rollslip import model
 from rollslip.fields import parameter
@@ -175,16 +164,32 @@ def one(slices, most):
 def two(slices):
     return slices.sliding_speed
 """
-    texts = package("pair", "traction", False, law_file(tmp_path, text))
-    made: dict[str, Any] = {"__name__": "made"}
-    exec(texts["src/pair/traction.py"], made)
-    assert [cls.name for cls in made["traction_models"]()] == ["one", "two"]
-    assert made["One"].references == ("a", "b")
-    slices = Slices(1, sliding_speed=[2.0])
-    made["One"]().evaluate(slices)
-    assert slices.friction == 0.1 * math.pi * 2.0
-    made["Two"]().evaluate(slices)
-    assert slices.friction == 2.0
+
+
+def test_an_entry_point_may_name_a_module_of_marked_functions(tmp_path: Path) -> None:
+    """In a process of its own: whoever imports the module first, its models are the package's, pickled or not."""
+    install(tmp_path, "rollslip-pair", LAWS, name="one")
+    points = tmp_path / "rollslip_pair-1.0.dist-info" / "entry_points.txt"
+    points.write_text("[rollslip.traction]\none = rollslip_pair\ntwo = rollslip_pair\n")
+    code = """
+        import pickle
+        if {first}:
+            import rollslip_pair
+        import rollslip
+        from rollslip import Chain, Slices, get_model
+        one, two = get_model("traction", "one", most=0.2), get_model("traction", "two")
+        slices = Slices(1, sliding_speed=[2.0])
+        found = []
+        for law in (one, two, pickle.loads(pickle.dumps(one))):
+            Chain(law)(slices)
+            found.append(float(slices.friction[0]))
+        offers = rollslip.available("traction")
+        print((found, type(one).references, [offers[name].package for name in ("one", "two")], "{first}"))
+    """
+    for first in (True, False):
+        (told,) = python(textwrap.dedent(code.format(first=first)), tmp_path)
+        assert told[0] == [0.2 * math.pi * 2.0, 2.0, 0.2 * math.pi * 2.0]
+        assert told[1:3] == (("a", "b"), ["rollslip-pair", "rollslip-pair"])
 
 
 @pytest.mark.parametrize(
@@ -196,7 +201,6 @@ def two(slices):
         (DECORATED.replace("sliding_speed\",", "slidin\","), "it reads slidin, but slices have"),
         (DECORATED + DECORATED.replace("mine", "other").replace("traction", "film"),
          "offers models of kinds film and traction; make a file and a package of each"),
-        (f"{DECORATED}\nclass Mine:\n    pass\n", "has a Mine of its own"),
         (DECORATED.replace('"mine"', '"muraki"'), "muraki"),
         (f"{DECORATED}\nnothing_there\n", "laws.py:7: nothing_there would run"),
         (f"{DECORATED}\nx = nothing_there\n", "cannot be run: NameError: name 'nothing_there' is not defined"),
@@ -262,6 +266,14 @@ def test_a_package_that_takes_no_compiled_form_is_left_as_it_is(
         compile_too(made)
     assert sentence in str(error.value)
     assert sorted(path for path in made.rglob("*.*") if "__pycache__" not in path.parts) == before
+
+
+def test_a_marked_function_is_given_its_compiled_form(tmp_path: Path) -> None:
+    made = new("own-marked", "", False, tmp_path, law_file(tmp_path, DECORATED.replace('"mine"', '"own-marked"')))
+    left = compile_too(made)
+    assert left[2] == "3. and give @rollslip.model of it: kernel=_kernel.capsule"
+    assert "s.friction[i] = NAN" in (made / "src" / "own_marked" / "_kernel.pyx").read_text(encoding="utf-8")
+    assert "own-marked" not in available("traction")
 
 
 # Faults ---------------------------------------------------------------------------------------------------------------

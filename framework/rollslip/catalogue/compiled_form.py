@@ -2,11 +2,13 @@
 
 - What the author wrote stays as it is, but for the line of ``pyproject.toml`` that says what a build needs and the one
   that says which files belong to the package.
-- The model goes on in Python until its class has a method ``kernel``; from then on the conformance kit holds both forms
-  against each other. The law in the frame is NaN, so that none that is not written passes for one.
+- The model goes on in Python until it has a ``kernel``, a method of its class or what `rollslip.model` is given; from
+  then on the conformance kit holds both forms against each other. The law in the frame is NaN, so that none that is not
+  written passes for one.
 """
 
 import importlib
+import inspect
 import sys
 import tomllib
 from importlib.resources import files
@@ -16,6 +18,7 @@ from typing import Any, Final
 
 import attrs
 
+from rollslip.catalogue.discovery import offered_by, taken_back
 from rollslip.catalogue.kinds import get_kind, usable_kinds
 from rollslip.errors import OutputError, in_words
 from rollslip.fields import FieldError
@@ -79,10 +82,16 @@ def add_compiled(folder: Path, requirement: str) -> list[str]:
             path.unlink(missing_ok=True)
         raise
     given = ", ".join(f"self.{name}" for name in fields)
+    if inspect.isfunction(getattr(sys.modules[module], cls.__name__, None)):
+        offering = "and give @rollslip.model of it: kernel=_kernel.capsule"
+    else:
+        offering = (
+            f"and give class {cls.__name__} its method: def kernel(self) -> object: return _kernel.capsule({given})"
+        )
     return [
         f"1. write the law in {source.relative_to(folder) / '_kernel.pyx'} in place of NaN",
         f"2. in src/{module.replace('.', '/')}.py import it: from {package} import _kernel",
-        f"3. and give class {cls.__name__} its method: def kernel(self) -> object: return _kernel.capsule({given})",
+        f"3. {offering}",
         '4. pip install "setuptools>=77" "Cython>=3.1"; pip install --no-build-isolation -e .; pytest',
     ]
 
@@ -91,7 +100,8 @@ def _model(source: Path, module: str, kind: str, refused: Any) -> Any:
     """Return the one class that a module of a package offers."""
     sys.path.insert(0, str(source))
     try:
-        offered = getattr(importlib.import_module(module), get_kind(kind).hook)()
+        with taken_back():
+            offered = offered_by(importlib.import_module(module), get_kind(kind))
     except Exception as error:
         raise refused(f"{module} cannot be used ({in_words(error)})") from error
     finally:

@@ -7,6 +7,7 @@
   that it is waited for, and after a while it is said for what.
 - Of two packages that offer one name neither is taken, and a scene cannot pick one: a name means the same to whoever
   reads the scene, and uninstalling or disabling one of them is easy.
+- A module offers by its hook, or by `rollslip.model` and `rollslip.register` while it is imported.
 - An entry point of a module offers one name; one of an object in a module, ``module:OBJECT``, a family of many sets of
   data (`rollslip.datasets.Family`), which is imported when its kind is listed or a name of it is asked for.
 - Names of data are found in any spelling, "ISO VG 68" for "iso-vg-68"; those of laws are written as they are.
@@ -288,7 +289,7 @@ def _load(offer: Offer) -> Any:
         return _of_family(offer, getattr(module, member, None), kind, blame, remedy)
     hook = kind.hook
     try:
-        offered = [(getattr(thing, "name", None), thing) for thing in _collected(module, hook)]
+        offered = [(getattr(thing, "name", None), thing) for thing in offered_by(module, kind)]
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -346,19 +347,20 @@ def _tell_slow(offer: Offer) -> None:
         sys.stderr.flush()
 
 
-def _collected(module: object, hook: str) -> list[Any]:
-    """Everything that a module's implementation of a hook offers."""
+def offered_by(module: ModuleType, kind: Kind) -> list[Any]:
+    """Everything of a kind that a module offers, by its hook or while it was imported."""
     import pluggy
 
     from rollslip import hookspecs
 
-    manager = pluggy.PluginManager("rollslip")
+    hook, manager = kind.hook, pluggy.PluginManager("rollslip")
     asked = ModuleType("asked")
     # that of a stranger's kind stands nowhere else; to add all specifications takes longer than many a model
     setattr(asked, hook, getattr(hookspecs, hook, None) or hookspecs.hookspec(lambda: ()))
     manager.add_hookspecs(asked)
     manager.register(module)
-    return [thing for things in getattr(manager.hook, hook)() for thing in things]
+    marked = (thing for (of, _), thing in _marked.get(module.__name__, {}).items() if of == kind.name)
+    return [*(thing for things in getattr(manager.hook, hook)() for thing in things), *marked]
 
 
 def origin(cls: type) -> str:
@@ -376,6 +378,8 @@ def origin(cls: type) -> str:
 # This process --------------------------------------------------------------------------------------------------------
 
 _registered: Final[dict[tuple[str, str], Any]] = {}
+#: Module -> what it has offered while it was imported.
+_marked: Final[dict[str, dict[tuple[str, str], Any]]] = {}
 
 
 def add(kind: str, thing: Any, *, replace: bool = False) -> None:
@@ -383,6 +387,9 @@ def add(kind: str, thing: Any, *, replace: bool = False) -> None:
     if problem := get_kind(kind).fault(thing):
         raise PluginError(f"{kind} {getattr(thing, 'name', None)!r} cannot be registered: {problem}")
     taken = [offer for offer in catalogue() if (offer.kind, offer.name) == (kind, thing.name)]
+    _marked.setdefault(thing.__module__, {})[kind, thing.name] = thing
+    if any(offer.module == thing.__module__ and offer.package != THIS_PROCESS for offer in taken):
+        return  # of a package, and not of this process alone: its entry point leads here
     if taken and not replace:
         whose = "in this process" if taken[0].package == THIS_PROCESS else f"by package {taken[0].package}"
         raise PluginError(f"{kind} {thing.name!r} is offered {whose} already; rename yours, or set replace=True")

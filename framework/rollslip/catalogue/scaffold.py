@@ -81,8 +81,10 @@ def package(name: str, kind: str, compiled: bool, law: Path | None = None) -> di
         "points": "\n".join(points),
         "start": "What it starts with is real; put yours in its\nplace." if of is None else "Its law is yours.",
         "numbers": ", and numbers that do not come from its code" if of is None else "",
-        "classes": ", ".join(classes.values()),
-        "tests": "\n\n\n".join(f"class Test{one}(Conformance):\n    models = [{one}()]" for one in classes.values()),
+        "tests": "\n\n\n".join(
+            f'class Test{cls}(Conformance):\n    models = [rollslip.get_model("{kind}", "{one}")]'
+            for one, cls in classes.items()
+        ),
         "summary": about.summary,
         "contents": about.contents,
         "use": Template(about.use).substitute(model=model),

@@ -1,7 +1,7 @@
 """Models of a notebook or a script: used by name like installed ones, without a package.
 
 - Registration lasts as long as the process, so results name such a model as "unpackaged": their files alone do not
-  bring it back. A package does; ``rollslip plugins new`` writes one.
+  bring it back. A package does, whose entry point names the module that registers; ``rollslip plugins new`` writes one.
 - A taken name is an error unless it is replaced on purpose: a scene must not change its meaning behind one's back.
 """
 
@@ -54,6 +54,11 @@ def _types(parameters: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
+def _again(kind: str, name: str, parameters: Mapping[str, Any]) -> Any:
+    """Return a model of a function again; pickle would take the function, which its module has under the name."""
+    return discovery.get_class(kind, name)(**parameters)
+
+
 def register(thing: T, *, replace: bool = False) -> T:
     """Offer a model class or named data in this process; its kind follows from what it is.
 
@@ -95,9 +100,10 @@ def model(
     parameters: Mapping[str, Any] | None = None,
     equation: str = "",
     references: Collection[Citation] = (),
+    kernel: Callable[..., object] | None = None,
     replace: bool = False,
 ) -> Callable[[F], F]:
-    """Offer a function of the slices as a film or traction model in this process.
+    """Offer a function of the slices as a film or traction model: in this process, or in a module of a package.
 
     Parameters
     ----------
@@ -119,6 +125,8 @@ def model(
         The law in one line.
     references : collection of Reference or str
         Where it comes from, one citation each, see `rollslip.references`.
+    kernel : callable, optional
+        Takes the parameters and returns the compiled form of the law, see :doc:`/reference/contract`.
     replace : bool
         Whether it may take the place of one with its name, for this process.
 
@@ -201,9 +209,12 @@ def model(
             "reads": frozenset(limits),
             "domain": types.MappingProxyType(limits),
             "evaluate": evaluate,
+            "__reduce__": lambda self: (_again, (kind, name, {p: getattr(self, p) for p in declared})),
             "__annotations__": types_of,
             **declared,
         }
+        if kernel is not None:
+            body["kernel"] = lambda self: kernel(**{parameter: getattr(self, parameter) for parameter in declared})
         if base is FilmModel:
             body["location"] = "not stated"
         cls = types.new_class(function.__name__, (base,), exec_body=lambda namespace: namespace.update(body))
