@@ -304,7 +304,8 @@ class _Search:
             at, torque, more = finer
             error = max(error, more) + abs(torque / drag - 1.0)
             low, high, place, drag = low + at - place, high + at - place, at, torque
-        if dip.torque > (1.0 - _SHALLOW) * drag:  # positions alone may have bent it down
+        # positions alone may have bent it down: a little, or by more where the finer torque rises on to the dip itself
+        if dip.torque > (1.0 - _SHALLOW) * drag or place > dip.place - _CORNER:
             bottom = self._at_finer(dip)
             if bottom.sure and bottom.torque >= (1.0 - _FALL) * drag:
                 return None
