@@ -54,7 +54,6 @@ ALPHA = {"lubricant": {"pressure_viscosity_factor": {"distribution": "uniform", 
         (SCENE, {"until": 0.0}, "until: a half width above 0 is expected"),
         (SCENE, {"samples": 1}, "samples: a distribution needs 2 at least, not 1"),
         (ACCEPTABLE, {"samples": 8, "loads": 9}, "loads: the samples of the least load are the first of all 8, not 9"),
-        (SCENE, {"samples": 8, "loads": 4}, "loads: study.steady-slip.acceptable_slip says of which slip"),
         (SCENE, {"indices": 12}, "indices: the design after Saltelli needs a power of two, 4 or more rows, not 12"),
         (
             uncertain(

@@ -35,6 +35,7 @@ from rollslip_studies.effective_friction.study import EffectiveFriction
 from rollslip_studies.steady_slip import findings
 from rollslip_studies.steady_slip.figures import steady_figures
 from rollslip_studies.steady_slip.findings import record, topics
+from rollslip_studies.steady_slip.losses import viscosity_ratio
 from rollslip_studies.steady_slip.minimum_load import RULES, static_rating
 from rollslip_studies.steady_slip.statuses import no_fold
 from rollslip_studies.steady_slip.study import SteadySlip
@@ -726,6 +727,40 @@ def test_at_the_least_load_the_slip_is_the_acceptable_one():
     (said,) = topics(found)["least load"]
     assert said.startswith(f"with these drags a radial load of at least {format_quantity(load, 'N', 4)} keeps the slip")
     assert record(found)["least_load"] == load
+
+
+def test_the_reserve_at_the_acceptable_slip_is_one_where_the_cage_runs_and_less_where_it_slips_more():
+    scene = dragged(STRAIGHT, brake(0.1))
+    slip = float(run(scene, points=8).steady_slip[0])
+    assert float(run(scene, points=8, acceptable_slip=slip).acceptable_reserve) == pytest.approx(1.0, rel=1e-6)
+    for acceptable in (0.5 * slip, 2.0 * slip):
+        found = run(scene, points=8, acceptable_slip=acceptable)
+        curves = (np.interp(acceptable, found.cage_slip, found[name]) for name in ("driving_torque", "drag_torque"))
+        driving, drag = map(float, curves)
+        assert float(found.acceptable_reserve) == pytest.approx(driving / drag, rel=0.02)
+        assert (float(found.acceptable_reserve) < 1.0) is (acceptable < slip)
+    free = run(evolve(STRAIGHT, {"cage.drag": []}), acceptable_slip=0.05)
+    assert np.isnan(free.acceptable_reserve)
+    assert str(free.acceptable_reserve_status.item()) == "nothing drags the cage at a slip of 0.05"
+
+
+@pytest.mark.parametrize(
+    ("rpm", "needed"),
+    [  # d_m = 81 mm; nu_1 of ISO 281:2007 in powers of ten, not by the formula of the code
+        (500.0, 10.0 ** (4.653213 - 0.83 * 2.698970 - 0.5 * 1.908485)),
+        (4000.0, 10.0 ** (3.653213 - 0.5 * 3.602060 - 0.5 * 1.908485)),
+    ],
+)
+def test_kappa_is_the_viscosity_over_that_of_iso_281(rpm, needed):
+    scene = evolve(load_scene("gearbox"), {"operation.inner_speed": f"{rpm} rpm"})
+    bearing = scene.bearing
+    between = 0.5e3 * (bearing.inner_raceway_diameter + bearing.outer_raceway_diameter)
+    assembly = assemble(scene)
+    T = scene.operation.temperature
+    nu = 1e6 * assembly.lubricant.at(T).viscosity / assembly.lubricant.density(T)
+    kappa, status = viscosity_ratio(assembly)
+    assert status == "found"
+    assert kappa == pytest.approx(nu / needed * (between / 81.0) ** 0.5, rel=1e-4)
 
 
 def test_a_slip_that_the_cage_does_not_hold_has_no_least_load():

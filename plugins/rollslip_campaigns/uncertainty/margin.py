@@ -205,8 +205,8 @@ def plan_margin(
     """Check what is asked for and lay out its samples."""
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     samples = samples if samples is not None else _SAMPLES if until is None else _MOST
-    acceptable = SteadySlip.of(scene).acceptable_slip
-    loads = loads if loads is not None else min(_LOADS, samples) if acceptable is not None else 0
+    stated = "acceptable_slip" in scene.study.get(SteadySlip.name, {})
+    loads = loads if loads is not None else min(_LOADS, samples) if stated else 0
     problems = []
     if not 0.5 <= probability < 1.0:
         problems.append(f"probability: must be from 0.5 to below 1, not {probability:g}")
@@ -216,8 +216,6 @@ def plan_margin(
         problems.append(f"samples: a distribution needs 2 at least, not {samples}")
     if not 0 <= loads <= samples:
         problems.append(f"loads: the samples of the least load are the first of all {samples}, not {loads}")
-    if loads and acceptable is None:
-        problems.append(f"loads: study.{SteadySlip.name}.acceptable_slip says of which slip; give one, such as 0.05")
     if indices and (indices < 4 or indices & (indices - 1)):
         problems.append(f"indices: the design after Saltelli needs a power of two, 4 or more rows, not {indices}")
     if not EffectiveFriction.of(scene).runaway_range:

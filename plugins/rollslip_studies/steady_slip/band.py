@@ -20,7 +20,7 @@ from rollslip.errors import ConvergenceError, DomainError, SceneError
 from rollslip.motion.torque_balance import TorqueBalance, rollers
 from rollslip.planning.quantities import quantities
 from rollslip.planning.scatter import with_scatter
-from rollslip.scene.changes import evolve
+from rollslip.scene.changes import Quantity, evolve
 from rollslip.scene.distributions import read_uncertainty
 from rollslip.scene.values import Scene
 from rollslip.structure import Location
@@ -41,20 +41,32 @@ _FIRST: Final = 0.05
 
 
 @attrs.frozen
+class Moved:
+    """A quantity put to 5 and 95 % of its distribution: its SI values there, and the factors on what is looked at."""
+
+    key: str
+    unit: str
+    ends: tuple[float, ...]
+    factors: tuple[float, ...]
+
+
+@attrs.frozen
 class Band:
     """Factors on a value down and up, 5 and 95 %; infinite where none is in the range. ``most`` moves it most."""
 
     low: float
     high: float
     most: str
+    moved: tuple[Moved, ...] = ()
 
 
-def with_bands(scene: Scene, dataset: "xr.Dataset") -> "xr.Dataset":
+def with_bands(scene: Scene, dataset: "xr.Dataset", slip: str = "steady_slip") -> "xr.Dataset":
     """Return a result of steady slips with the bands of the least one and of the least load, in attribute ``band``.
 
-    Without a steady slip above 0, or where nothing scatters, it is the result as it was.
+    Beside them stands what each quantity does on its own, what moves a value most first. Without a steady slip above
+    0, or where nothing scatters, it is the result as it was. ``slip`` is the variable that the slip is in.
     """
-    slips = np.ravel(dataset["steady_slip"]) if "steady_slip" in dataset else np.empty(0)
+    slips = np.ravel(dataset[slip]) if slip in dataset else np.empty(0)
     if not (slips.size and slips[0] > 0.0):
         return dataset
     acceptable = dataset.attrs.get("acceptable_slip") if "least_load" in dataset else None
@@ -63,7 +75,16 @@ def with_bands(scene: Scene, dataset: "xr.Dataset") -> "xr.Dataset":
         values["least_load"] = float(dataset["least_load"])
     found = bands(scene, values["steady_slip"], float(acceptable) if "least_load" in values else None)  # type: ignore[arg-type]
     told = {
-        name: {"low": values[name] * one.low, "high": _finite(values[name] * one.high), "most": one.most}
+        name: {
+            "low": values[name] * one.low,
+            "high": _finite(values[name] * one.high),
+            "most": one.most,
+            "moved": [
+                attrs.asdict(by, filter=attrs.filters.exclude("factors"))
+                | {"values": [_finite(values[name] * factor) for factor in by.factors]}
+                for by in one.moved
+            ],
+        }
         for name, one in found.items()
     }
     return dataset.assign_attrs(band=json.dumps(told)) if told else dataset
@@ -82,14 +103,15 @@ def bands(scene: Scene, slip: float, acceptable: float | None = None) -> dict[st
     scene = attrs.evolve(scene, sweep=None, uncertainty=None)
     nominal = _few(scene)
     problems = list[str]()
-    table = read_uncertainty(given.uncertainty or {}, Location({}), quantities(nominal, {}), problems)
+    known = quantities(nominal, {})
+    table = read_uncertainty(given.uncertainty or {}, Location({}), known, problems)
     ends = {key: one.quantile(np.array(ENDS)).tolist() for key, one in table.distributions.items()}
     if problems or not ends:
         return {}
     moved = {(key, k): _few(evolve(scene, {key: end}), nominal) for key, of in ends.items() for k, end in enumerate(of)}
-    found = {"steady_slip": _band(_slips(nominal, moved, slip))}
+    found = {"steady_slip": _band(_slips(nominal, moved, slip), ends, known)}
     if acceptable is not None:
-        found["least_load"] = _band(_loads(nominal, moved, acceptable))
+        found["least_load"] = _band(_loads(nominal, moved, acceptable), ends, known)
     return {name: band for name, band in found.items() if band is not None}
 
 
@@ -177,7 +199,7 @@ def _root(
     return math.nan, 0.0
 
 
-def _band(logs: _Logs) -> Band | None:
+def _band(logs: _Logs, ends: Mapping[str, list[float]], known: Mapping[str, Quantity]) -> Band | None:
     """Add what each quantity changes, in squares, up and down apart; None where one of it is not known."""
     begin, moved = logs
     changes = {key: [moved[key, k] - begin for k in range(len(ENDS))] for key, _ in moved}
@@ -186,5 +208,6 @@ def _band(logs: _Logs) -> Band | None:
     down, up = (
         math.sqrt(sum(max(*(sign * one for one in both), 0.0) ** 2 for both in changes.values())) for sign in (-1, 1)
     )
-    most = max(changes, key=lambda key: max(map(abs, changes[key])))
-    return Band(math.exp(-down), math.exp(up), most)
+    order = sorted(changes, key=lambda key: -max(map(abs, changes[key])))
+    alone = (Moved(key, known[key].unit or "", tuple(ends[key]), tuple(map(math.exp, changes[key]))) for key in order)
+    return Band(math.exp(-down), math.exp(up), order[0], tuple(alone))

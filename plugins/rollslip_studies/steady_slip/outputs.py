@@ -29,6 +29,13 @@ LOSSES: Final[Mapping[str, Output]] = MappingProxyType(
         ),
     }
 )
+#: Viscosity ratio kappa.
+RATIO: Final[Mapping[str, Output]] = MappingProxyType(
+    {
+        "viscosity_ratio": Output("", "1", "viscosity ratio kappa, ISO 281", status="viscosity_ratio_status"),
+        "viscosity_ratio_status": Output("", "1", "what was found of kappa"),
+    }
+)
 
 
 def followed_outputs(name: str) -> dict[str, Output]:
@@ -109,10 +116,18 @@ OUTPUTS: Final[Mapping[str, Output]] = MappingProxyType(
             "maker", "N", "least radial load that a maker of bearings asks for", status="makers_status"
         ),
         "makers_status": Output("maker", "1", "what the rule of a maker takes that the scene does not give"),
+        "acceptable_reserve": Output(
+            "",
+            "1",
+            "torque of the rollers over drag torque, at the acceptable slip: below 1 the cage slips more",
+            status="acceptable_reserve_status",
+        ),
+        "acceptable_reserve_status": Output("", "1", "what was found of the reserve at the acceptable slip"),
         "driving_torque": Output("cage_slip", "N m", "torque with which the rollers drive the cage"),
         "drag_torque": Output("cage_slip", "N m", "torque with which the drags resist the cage"),
         **{name: output for varied in VARIED for name, output in followed_outputs(varied).items()},
         **LOSSES,
+        **RATIO,
         **BY_FORMULA,
         **REGIMES,
     }

@@ -52,7 +52,7 @@ from rollslip.studies.raceways import regime_variables, unloaded
 from rollslip.studies.study import CONTACT_CHOICES, Study
 from rollslip.studies.timing import timed
 from rollslip_studies.steady_slip import band
-from rollslip_studies.steady_slip.losses import losses
+from rollslip_studies.steady_slip.losses import acceptable_reserve, losses
 from rollslip_studies.steady_slip.minimum_load import RULES, asked_by_makers, least_load
 from rollslip_studies.steady_slip.outputs import MEASURED, OUTPUTS, VARIED, followed_outputs
 from rollslip_studies.steady_slip.shared import evaluated_slices
@@ -79,7 +79,9 @@ _WAYS, _SLIPS, _BRANCH = 2, 25, 350
 #: Tables of effective friction that a run makes, for the slices and instants that it tries and is judged with.
 _CURVES: Final = 40
 #: What an acceptable slip gives.
-_LEAST_LOAD: Final = frozenset({"least_load", "least_load_status", "makers_least_load", "makers_status"})
+_LEAST_LOAD: Final = frozenset(
+    f"{name}{of}" for name in ("least_load", "acceptable_reserve") for of in ("", "_status")
+) | {"makers_least_load", "makers_status"}
 
 
 def _range(name: str) -> Any:
@@ -123,9 +125,9 @@ class SteadySlip(Study):
     )
     inertia: bool = parameter(default=True, doc="whether the spin of a roller has inertia along the orbit")
     acceptable_slip: float | None = parameter(
-        default=None,
+        default=0.05,
         unit="1",
-        doc="cage slip of which the least radial load is sought, beside the loads that makers ask for; none for not",
+        doc="cage slip of which the least radial load is sought, beside the loads that makers ask for",
         validator=attrs.validators.optional(in_range(0.0, 1.0, open=True)),
     )
     radial_load: tuple[float, ...] = _range("radial_load")
@@ -323,6 +325,8 @@ class SteadySlip(Study):
                 )
         if self.acceptable_slip is not None:
             variables |= self._least_load(assembly, instants, self.acceptable_slip)
+            kept, known = acceptable_reserve(balance, self.acceptable_slip)
+            variables |= self.variables(acceptable_reserve=kept, acceptable_reserve_status=known)
             coords["maker"] = "maker", list(RULES), about("1", "maker of bearings")
         import xarray as xr
 
