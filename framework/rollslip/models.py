@@ -66,6 +66,8 @@ class Validity:
         What to take or to do instead.
     source : str
         What bound and consequence rest on.
+    code : str
+        Short and the same for ever, such as "W11": by it a note is looked up (``rollslip explain``) and left out.
     common : bool
         Whether nearly every bearing leaves it: while its error is not known it is counted, and no warning of its own.
 
@@ -86,6 +88,7 @@ class Validity:
     error: Callable[[float], float] | None = None
     remedy: str
     source: str
+    code: str = ""
     common: bool = False
 
     @property
@@ -151,6 +154,7 @@ FILM_REGIMES: Final[Mapping[str, str]] = MappingProxyType(
 )
 #: Validities that film models share: no heat in the inlet, and no roughness.
 ISOTHERMAL: Final = Validity(
+    code="W01",
     quantity="thermal_load",
     high=0.1,
     consequence="shear heats the inlet and the film is {error} too thick",
@@ -159,6 +163,7 @@ ISOTHERMAL: Final = Validity(
     source="Murch and Wilson (1975), C_T = 3.94/(3.94 + Lt^0.62), for pure rolling (grade B)",
 )
 SMOOTH: Final = Validity(
+    code="W02",
     quantity="film_parameter",
     low=3.0,
     consequence="roughness, of which the film knows nothing, changes it",
@@ -331,6 +336,7 @@ class ContactModel(SliceModel):
 
     validity: ClassVar[tuple[Validity, ...]] = (
         Validity(
+            code="W07",
             quantity="width_ratio",
             high=0.1,
             consequence="a circle is no parabola over the width of the contact: the gap is {error} off at its edge",
@@ -339,6 +345,7 @@ class ContactModel(SliceModel):
             source="next term of the circle's series, (b/R)^2/4",
         ),
         Validity(
+            code="W08",
             quantity="pressure",
             high=0.25 * math.pi * 4e9,
             consequence="hard bearing steel yields, and an elastic law has nothing to say",
@@ -367,6 +374,7 @@ def in_regime(name: str, elsewhere: tuple[float, float] | None) -> tuple[Validit
         source = "reynolds-line: docs/scripts/film_error_map.py"
     return (
         Validity(
+            code="W09",
             quantity="film_regime",
             low=code,
             high=code,

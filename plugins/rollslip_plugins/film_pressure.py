@@ -74,6 +74,7 @@ class Hertz(PressureModel):
     of_contact: ClassVar[bool] = True
     validity: ClassVar[tuple[Validity, ...]] = (
         Validity(
+            code="W10",
             quantity="load_parameter",
             low=LIGHT,
             consequence="the pressure in the film is far from Hertz's, on which traction is based: its mean by load is "
@@ -149,6 +150,7 @@ class LightContact(PressureModel):
     references: ClassVar[tuple[Reference, ...]] = (MOES_1992, DOWSON_HIGGINSON_1966, MARTIN_1916, JOHNSON_1985)
     validity: ClassVar[tuple[Validity, ...]] = (
         Validity(
+            code="W17",
             quantity="load_parameter",
             low=LIGHT,
             consequence="a mean pressure stands for that of the film: against the field solution over the numerical "

@@ -50,6 +50,7 @@ class Barus(PressureViscosity):
 
     validity: ClassVar[tuple[Validity, ...]] = (
         Validity(
+            code="W20",
             quantity="pressure",
             high=0.1e9,
             consequence="the viscosity is {error} above Roelands's (for 8.6 mPa s and an alpha of 10.7 /GPa)",
@@ -152,6 +153,7 @@ class Roelands(PressureViscosity):
 
     validity: ClassVar[tuple[Validity, ...]] = (
         Validity(
+            code="W21",
             quantity="pressure",
             high=0.6e9,
             consequence="near 40 degC viscosity rises faster than exponentially, and laws that take alpha alone fall "

@@ -1,8 +1,10 @@
 """What models were made for, and the warnings where a result left it."""
 
+import ast
 import csv
 import json
 import math
+from collections import Counter
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -24,7 +26,17 @@ from rollslip.errors import DomainError
 from rollslip.models import ISOTHERMAL, FilmModel, SliceModel, Tabled, TractionModel, Validity
 from rollslip.planning.execution import warnings
 from rollslip.results.words import warned as together
-from rollslip.studies.validity import Difference, Filled, difference, filled, laws_of, outside, sentences, told
+from rollslip.studies.validity import (
+    APPROXIMATION,
+    Difference,
+    Filled,
+    difference,
+    filled,
+    laws_of,
+    outside,
+    sentences,
+    told,
+)
 from rollslip_kernels.stages.stress import maxwell_eyring, muraki
 from rollslip_plugins.film.line_contact import solve_line_contact
 from rollslip_plugins.pressure_viscosity import Barus, Roelands
@@ -50,6 +62,22 @@ def test_a_bound_is_told_with_its_error_up_to_three_times_beyond_it(bound, told)
         source="a test", **bound,
     )  # fmt: skip
     assert made.told == told
+
+
+def test_every_bound_of_the_box_has_a_code_of_its_own():
+    root, codes = Path(__file__).parents[2], Counter()
+    places = [root / "framework/rollslip/models.py", *(root / "plugins/rollslip_plugins").rglob("*.py")]
+    for path in places:
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "Validity":
+                given = {one.arg: one.value for one in call.keywords}
+                assert "code" in given, f"{path}:{call.lineno}"
+                codes[getattr(given["code"], "value", "of a table")] += 1
+    shared = {one.code for film in ("moes", "regime") for one in get_class("film", film)().validity} - codes.keys()
+    assert shared == {"W03", "W04"}  # each with its bound, in a table beside
+    assert codes.pop("of a table") == 1
+    assert max(codes.values()) == 1
+    assert sorted({*codes, *shared, APPROXIMATION}) == [f"W{k:02d}" for k in range(1, len(codes) + 4)]
 
 
 def rows(name):

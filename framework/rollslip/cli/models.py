@@ -175,7 +175,7 @@ def _model_as_dict(kind: str, name: str) -> dict[str, Any]:
         ],
         "writes": sorted(model.writes),
         "made_for": [
-            {"bound": bound_of(one), "outside": one.told, "remedy": one.remedy, "source": one.source}
+            {"code": one.code, "bound": bound_of(one), "outside": one.told, "remedy": one.remedy, "source": one.source}
             for one in (() if isinstance(model, type) else model.validity)
         ],
         # of a law without defaults there is no model to ask
@@ -251,7 +251,8 @@ def _print_model(kind: str, name: str) -> None:
     if about.get("made_for"):
         click.echo("made for; outside of it a result warns")
         for v in about["made_for"]:
-            click.echo(f"  {v['bound']}; outside, {v['outside']}; remedy: {v['remedy']}; rests on: {v['source']}")
+            code = f"{v['code']} " if v["code"] else ""
+            click.echo(f"  {code}{v['bound']}; outside, {v['outside']}; remedy: {v['remedy']}; rests on: {v['source']}")
     if "outputs" in about:
         click.echo("outputs")
         print_table(

@@ -53,6 +53,9 @@ __all__ = [
     "told",
 ]
 
+#: Code of what a law is off another that it approximates, which has no bound.
+APPROXIMATION: Final = "W23"
+
 _KINDS: Final = (
     (ContactModel, "contact"),
     (FilmModel, "film"),
@@ -105,6 +108,7 @@ class Told:
     short: str
     warned: bool
     measured: bool = False
+    code: str = ""
 
 
 @attrs.frozen(kw_only=True)
@@ -324,6 +328,7 @@ def told(
                 text=text,
                 short=short,
                 warned=warned,
+                code=one.validity.code,
             )
         )
     if off is not None:
@@ -336,6 +341,7 @@ def told(
             short=short,
             warned=off.rms > tolerance,
             measured=True,
+            code=APPROXIMATION,
         )
         said.insert(0 if first.warned else len(said), first)
     return said
@@ -397,6 +403,7 @@ def record(found: Sequence[Outside], off: Difference | None, said: Sequence[Told
     """Return all as plain values: each bound with its share, what the law is off, and how it is told; NaN is None."""
     rows = [
         {
+            "code": one.validity.code,
             "law": one.law,
             "made_for": bound_of(one.validity),
             "share_outside": one.share if one.known else None,

@@ -33,6 +33,7 @@ WHOLE: Final = (0.049, 0.16)
 def _compared(quantity: str, low: float, high: float) -> Validity:
     """Return the range in which the law was held against a numerical solution."""
     return Validity(
+        code="W22",
         quantity=quantity,
         low=low,
         high=high,

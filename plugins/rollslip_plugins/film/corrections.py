@@ -54,6 +54,7 @@ LAWS: Final[dict[str, Domain]] = {
 }
 #: Validity of both laws of the reduction.
 MILD_HEATING: Final = Validity(
+    code="W06",
     quantity="thermal_load",
     high=10.0,
     consequence="in pure rolling the film is 15 % too thick at most, with sliding of a fifth up to 89 %",

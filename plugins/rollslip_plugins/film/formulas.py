@@ -40,13 +40,14 @@ def _mapped(off: str) -> tuple[Validity, ...]:
     """Return the ranges of M and L over which a film of all regimes was held against ``reynolds-line``."""
     return tuple(
         Validity(
+            code=code,
             quantity=quantity,
             high=high,
             consequence=f"its film was held against no solution; inside it is off by {off}",
             remedy="film 'reynolds-line', where it finds a solution",
             source="reynolds-line: docs/scripts/film_error_map.py",
         )
-        for quantity, high in (("load_parameter", 200.0), ("lubricant_parameter", 15.0))
+        for code, quantity, high in (("W04", "load_parameter", 200.0), ("W03", "lubricant_parameter", 15.0))
     )
 
 
@@ -140,6 +141,7 @@ class Blok(_PowerLaw):
     def validity(self) -> tuple[Validity, ...]:  # type: ignore[override]
         """That of all films, and where a rigid contact has a solution."""
         end = Validity(
+            code="W05",
             quantity="viscous_parameter",
             high=17.602,
             consequence="a rigid contact with a Barus oil has no film at all",

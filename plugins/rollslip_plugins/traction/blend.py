@@ -288,6 +288,7 @@ class ZhouHoeprich(_Blend):
     references: ClassVar[tuple[Reference, ...]] = (ZHOU_1991, AIHARA_1987, WINGERTSZAHN_2023)
     validity: ClassVar[tuple[Validity, ...]] = (
         Validity(
+            code="W19",
             quantity="pressure",
             high=0.4e9,
             consequence="the share of the asperities, which does not know the pressure, is outside the fit of B and C",

@@ -148,6 +148,7 @@ class Muraki(_EyringFluid):
     validity: ClassVar[tuple[Validity, ...]] = (
         *_EyringFluid.validity,
         Validity(
+            code="W14",
             quantity="deborah",
             called="Deborah number D",
             high=0.1,
@@ -157,6 +158,7 @@ class Muraki(_EyringFluid):
             source="maxwell-eyring at sigma 1e-3 to 1e4 (docs/scripts/validity.py)",
         ),
         Validity(
+            code="W15",
             quantity="film_heating",
             called="heating of a Newtonian film Phi sigma",
             high=0.03,
@@ -177,6 +179,7 @@ class Muraki(_EyringFluid):
             source="maxwell-eyring at Phi 1e-4 to 1, D 0 to 0.1 (docs/scripts/validity.py)",
         ),
         Validity(
+            code="W16",
             quantity="heating",
             called="heating Phi",
             high=1.0,
@@ -318,6 +321,7 @@ class Eyring(_EyringFluid):
     validity: ClassVar[tuple[Validity, ...]] = (
         *_EyringFluid.validity,
         Validity(
+            code="W18",
             quantity="deborah",
             called="Deborah number D",
             high=0.05,

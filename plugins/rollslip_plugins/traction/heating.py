@@ -52,6 +52,7 @@ def _apart(ratio: float) -> float:
 
 #: Validities of laws of the full film: no asperities, the mean pressure for Hertz's, surfaces that both move with u.
 NO_ASPERITIES: Final = Validity(
+    code="W13",
     quantity="film_parameter",
     low=1.5,
     consequence="asperities carry load, whose friction the law does not have",
@@ -59,6 +60,7 @@ NO_ASPERITIES: Final = Validity(
     source="limit of the full film of 'lambda-blend' (grade C)",
 )
 MEAN_PRESSURE: Final = Validity(
+    code="W11",
     quantity="pressure_exponent",
     high=1.0,
     consequence="the viscosity at the mean pressure is too low: friction by at most {error} where the oil is Newtonian "
@@ -68,6 +70,7 @@ MEAN_PRESSURE: Final = Validity(
     source="mean of exp(alpha p) over Hertz's ellipse; at large sigma the field (docs/scripts/traction_field_error.py)",
 )
 SLOW_SLIDING: Final = Validity(
+    code="W12",
     quantity="slide_roll_ratio",
     high=1.0 / 3.0,
     consequence="surfaces at u + V/2 and u - V/2 have a mean flash temperature {error} higher than at u",
