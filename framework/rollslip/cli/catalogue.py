@@ -127,8 +127,9 @@ def export(scene: str | None, out: Path | None, result: Path | None, of_schema: 
 
 @click.command()
 @click.argument("what", required=False, metavar="[KEY|TABLE|STUDY]", shell_complete=complete_keys)
+@click.option("--json-schema", "for_editors", is_flag=True, help="Print JSON Schema, by which editors complete keys.")
 @json_option
-def schema(what: str | None, as_json: bool) -> None:
+def schema(what: str | None, as_json: bool, for_editors: bool) -> None:
     """List the keys of a scene with type, unit, default, what is usual and possible, and meaning.
 
     A KEY is shown with what to paste; cage, lubricant, models.traction, the name of a study, or a word such as
@@ -138,6 +139,11 @@ def schema(what: str | None, as_json: bool) -> None:
     from rollslip.planning.keys import example, keys_of
     from rollslip.scene.schema import schema
 
+    if for_editors:
+        from rollslip.planning.json_schema import json_schema
+
+        print_json(json_schema())
+        return
     rows = schema() if what is None else keys_of(what)
     if as_json:
         print_json([row._asdict() for row in rows])
