@@ -1,5 +1,6 @@
 """The bearing of a scene put together: models by name, oil at temperature, one bound chain for each raceway."""
 
+import logging
 import math
 import operator
 from collections.abc import Callable, Hashable
@@ -39,6 +40,7 @@ from rollslip_kernels.slices import CONDITIONS, Conditions, Slices
 _PIECE = 2048  # slices whose deflection is found at a time
 _KEPT = 1 << 14  # loads in a distribution that is kept, at most
 _OF_OIL: Final = tuple(attrs.fields_dict(OilState))
+_log = logging.getLogger(__name__)
 _T = TypeVar("_T")
 
 
@@ -63,8 +65,7 @@ class Assembly:
     #: Load distributions of few slices at few instants, and what they alone decide, which plans and samples of the same
     #: bearing ask for again and again: shared by all that are loaded alike.
     known_loads: dict[tuple[Hashable, ...], Any] = attrs.field(factory=dict, repr=False)
-    #: Load maps over the orbit (`rollslip.bearing.load_map`) and tables of effective friction, which a plan builds and
-    #: a run needs again.
+    #: What `kept` holds, such as loads over the orbit and tables of friction: a plan builds them, runs ask again.
     known_maps: dict[tuple[Any, ...], Any] = attrs.field(factory=dict, repr=False)
     #: The cage once it was read, and with its drags bound, and a chain with its resistance, each with what it was made
     #: of: slices and laws of the contacts change nothing of a cage, and the oil nothing of one that is only read.
@@ -181,7 +182,7 @@ class Assembly:
         """
         if known is not None or cage_speed is not None:
             return self._solved_loads(instants, cage_speed, known)
-        return self.kept(("loads", instants), instants, lambda: self._solved_loads(instants, None, None))
+        return self.kept_by_loads(("loads", instants), instants, lambda: self._solved_loads(instants, None, None))
 
     def orbit_loads(
         self, instants: int, cage_speeds: Array, few: int = 0
@@ -203,7 +204,19 @@ class Assembly:
         inner, outer = solve_orbits(self._case(instants), self.raceways, forces)
         return whole(inner), whole(outer)
 
-    def kept(self, what: tuple[Hashable, ...], instants: int, make: Callable[[], _T]) -> _T:
+    def kept(self, what: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
+        """Return something of the bearing under a key that has all it depends on, made once."""
+        try:
+            known = (what, key) in self.known_maps
+        except TypeError:  # a model that is not to be told from others
+            return make()
+        _log.debug("%s: %s", what, "known already" if known else "built")
+        if not known:
+            self.known_maps[what, key] = make()
+        found: _T = self.known_maps[what, key]
+        return found
+
+    def kept_by_loads(self, what: tuple[Hashable, ...], instants: int, make: Callable[[], _T]) -> _T:
         """Return what the loads of some instants alone decide, made once for all bearings that are loaded alike.
 
         Where it is large it is made anew each time.

@@ -171,11 +171,7 @@ def build_load_map(assembly: Assembly, tolerance: float, top_speed: float | None
     """
     sides = ((raceway.deflection, raceway.conditions) for raceway in assembly.raceways)
     key = (assembly.slices, assembly.resolution.quadrature, tolerance, top_speed, least, *sides)
-    known: LoadMap | None = assembly.known_maps.get(key)
-    _log.debug("loads over the orbit to %.1e: %s", tolerance, "built" if known is None else "known already")
-    if known is None:
-        known = assembly.known_maps[key] = _built(assembly, tolerance, top_speed, least)
-    return known
+    return assembly.kept("loads over the orbit", key, lambda: _built(assembly, tolerance, top_speed, least))
 
 
 def _built(assembly: Assembly, tolerance: float, top_speed: float | None, least: float) -> LoadMap:

@@ -29,7 +29,7 @@ from rollslip.fields import field, non_negative, positive
 from rollslip.models import DragModel
 from rollslip.motion.effective_table import table_records
 from rollslip.motion.moving_bearing import MovingBearing, pocket_contact
-from rollslip.motion.raceway_friction import DEEP, FrictionSettings, made_once, raceway_friction, usual_force
+from rollslip.motion.raceway_friction import DEEP, FrictionSettings, raceway_friction, usual_force
 from rollslip_kernels.motion.planar import LEDGER_UNITS, Planar
 from rollslip_kernels.motion.system import System
 from rollslip_kernels.slices import Slices
@@ -388,8 +388,8 @@ def force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None
     Cells are halved until the force half-way between nodes is right to 3e-5 of it or of a light one; None if that takes
     more than 65536.
     """
-    key = "force by gap", most, raceway.conditions, raceway.deflection.models, a.drop.tobytes(), a.widths.tobytes()
-    return made_once(a, key, lambda: _force_table(a, raceway, most))
+    key = most, raceway.conditions, raceway.deflection.models, a.drop.tobytes(), a.widths.tobytes()
+    return a.kept("force by gap", key, lambda: _force_table(a, raceway, most))
 
 
 def _force_table(a: Assembly, raceway: Raceway, most: float) -> ForceTable | None:

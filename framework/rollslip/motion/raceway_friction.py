@@ -9,7 +9,7 @@
 
 import logging
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Final, TypeVar
 
@@ -236,25 +236,12 @@ def raceway_friction(assembly: Assembly, settings: FrictionSettings, loads: Load
     return RacewayFriction(settings, (inner, outer), tables=effective)
 
 
-def made_once(assembly: Assembly, key: tuple[object, ...], make: Callable[[], T]) -> T:
-    """Return what is made for a bearing and kept with it, under a key that has all it depends on."""
-    try:
-        known = key in assembly.known_maps
-    except TypeError:  # a model that is not to be told from others
-        return make()
-    _log.debug("table of friction: %s", "known already" if known else "built")
-    if not known:
-        assembly.known_maps[key] = make()
-    kept: T = assembly.known_maps[key]
-    return kept
-
-
 def _table(assembly: Assembly, ring: int, loads: LoadMap, settings: FrictionSettings) -> EffectiveTable:
     """Return the effective friction of a ring at the epicyclic speed, made once for a bearing."""
     raceway, load = assembly.raceways[ring], loads.loads(min(assembly.centrifugal_force, loads.top))[ring]
     of = settings.table_tolerance(assembly), settings.effective_over == "slips", settings.between_nodes
     key = ring, loads.orbits, raceway.conditions, raceway.chain.models, raceway.chain.bounds, *of
-    return made_once(assembly, key, lambda: effective_table(assembly, raceway, load, *of))
+    return assembly.kept("effective friction", key, lambda: effective_table(assembly, raceway, load, *of))
 
 
 def _by_force(assembly: Assembly, settings: FrictionSettings) -> tuple[tuple[FrictionTable, ...], str]:
@@ -270,10 +257,10 @@ def _by_force(assembly: Assembly, settings: FrictionSettings) -> tuple[tuple[Fri
     forces = _forces(like)
     for raceway in assembly.raceways:
         key = (
-            ("friction by force", raceway.conditions, raceway.chain.models, raceway.chain.bounds, tolerance),
-            (assembly.drop.tobytes(), assembly.widths.tobytes(), *forces),
+            *(raceway.conditions, raceway.chain.models, raceway.chain.bounds, tolerance),
+            *(assembly.drop.tobytes(), assembly.widths.tobytes(), *forces),
         )
-        table = made_once(like, key, partial(_friction_table, assembly, raceway, tolerance, forces))
+        table = like.kept("friction by force", key, partial(_friction_table, assembly, raceway, tolerance, forces))
         if isinstance(table, str):
             return (), f"{_SLICED}: {table}"
         tables.append(table)

@@ -102,7 +102,7 @@ class LoadedRaceways:
             return of(assembly.inner, distribution.inner_load), of(assembly.outer, distribution.outer_load)
 
         instants = int(distribution.psi.shape[0])
-        rings = assembly.kept(("contacts", instants), instants, both) if shared else both()
+        rings = assembly.kept_by_loads(("contacts", instants), instants, both) if shared else both()
         self.inner, self.outer = (ring.on(own) for ring, own in zip(rings, assembly.raceways, strict=True))
         if self.inner.total == 0.0:
             raise unloaded(assembly.scene, "there is no friction to average")
@@ -130,7 +130,7 @@ class LoadedRaceways:
         instants = int(self.distribution.psi.shape[0])
         few = copy.copy(self)
         few._shares, few._slopes, few._spins = {}, np.zeros(0), None
-        rings = self.assembly.kept(("few", instants, free, rough), instants, made)
+        rings = self.assembly.kept_by_loads(("few", instants, free, rough), instants, made)
         few.whole = self
         few.inner, few.outer = (ring.on(own.raceway) for ring, own in zip(rings, (self.inner, self.outer), strict=True))
         return few

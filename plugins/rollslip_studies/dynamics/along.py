@@ -53,11 +53,8 @@ def history_of(settings: HistorySettings | None, assembly: Assembly, duration: f
     """Return the history of a run; None where nothing is to change."""
     if settings is None:
         return None
-    where, key = Location(assembly.scene.origins, (*table_of.split("."), "history")), ("history", settings, duration)
-    if key not in assembly.known_maps:
-        assembly.known_maps[key] = settings.history(assembly.scene, duration, where)
-    known: History = assembly.known_maps[key]
-    return known
+    where = Location(assembly.scene.origins, (*table_of.split("."), "history"))
+    return assembly.kept("history", (settings, duration), lambda: settings.history(assembly.scene, duration, where))
 
 
 def left_open(history: History | None, named: Sequence[str], level: str) -> tuple[dict[str, Any], list[str]]:
@@ -130,7 +127,6 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
         grids.append(_grid(low, high, _GRID[len(names)]))
     ends = (*((name, spans[name]) for name in history.conditions), float(apart.max()))
     key = (
-        "along",
         repr(study),
         assembly.resolution,
         path,
@@ -138,8 +134,8 @@ def along(study: EffectiveFriction, assembly: Assembly, history: History, times:
         *names,
         *(float(one) for grid in grids for one in grid[[0, -1]]),
     )
-    found: dict[tuple[int, ...], tuple[float, float, float]]
-    found, statuses = assembly.known_maps.setdefault(key, ({}, set[str]()))
+    found: dict[tuple[int, ...], tuple[float, float, float]] = assembly.kept("held along", key, dict)
+    statuses: set[str] = assembly.kept("statuses along", key, set)
     top = int(np.argmax(apart))
     speeds = {name: float(now[name][top]) / (apart[top] or 1.0) for name in ("inner_speed", "outer_speed")}
 

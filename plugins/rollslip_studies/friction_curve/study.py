@@ -126,7 +126,7 @@ class FrictionCurve(Study):
             return LoadedContacts(raceway, balanced_load(assembly, raceway, force)[None], assembly.widths, 1.0)
 
         return [
-            assembly.kept(("contact", self.ring, force), 1, partial(loaded, force)).on(raceway)
+            assembly.kept_by_loads(("contact", self.ring, force), 1, partial(loaded, force)).on(raceway)
             for force in self.normal_force
         ]
 
@@ -200,7 +200,7 @@ class FrictionCurve(Study):
                 exact.append("friction" in outputs or contact.force.size <= 2 * _ROUGH)
                 few = contact
                 if not exact[-1]:
-                    made = assembly.kept(("rough", study.ring, force), 1, partial(contact.fewer, _ROUGH))
+                    made = assembly.kept_by_loads(("rough", study.ring, force), 1, partial(contact.fewer, _ROUGH))
                     few = made.on(contact.raceway)
                 curves.append((contact, u, slip))
                 rough.append((few, u, slip))

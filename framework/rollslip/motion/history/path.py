@@ -80,11 +80,12 @@ class ThermalPath:
 
     def bearing(self, assembly: Assembly, place: float) -> Assembly:
         """Return a bearing at a place."""
-        known: dict[float, Assembly] = assembly.known_maps.setdefault(("path", self), {})
-        if place not in known:
+
+        def made() -> Assembly:
             t = self.time(place)
-            known[place] = changed(assembly, {key: float(course.at(t)) for key, course in self.courses.items()})
-        return known[place]
+            return changed(assembly, {key: float(course.at(t)) for key, course in self.courses.items()})
+
+        return assembly.kept("bearing on a path", (self, place), made)
 
 
 def changed(assembly: Assembly, changes: Mapping[str, float]) -> Assembly:

@@ -14,13 +14,14 @@
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any, Final
 
 import attrs
 import numpy as np
 
 from rollslip.bearing.assembly import Assembly, assemble, conditions_read
-from rollslip.bearing.load_map import LoadMap, build_load_map
+from rollslip.bearing.load_map import build_load_map
 from rollslip.bearing.raceway import Array
 from rollslip.errors import ConvergenceError
 from rollslip.motion.carried import carried_motion
@@ -144,8 +145,8 @@ class Stations:
 
     def __attrs_post_init__(self) -> None:
         of = self.speeds, self.top_speed, self.axes, self.level, self.planar, self.tolerance, self.speeds_vary
-        key = "stations", self.assembly.resolution, *of, self._friction_key
-        object.__setattr__(self, "_errors", self.assembly.known_maps.setdefault(key, self._errors))
+        key = self.assembly.resolution, *of, self._friction_key
+        object.__setattr__(self, "_errors", self.assembly.kept("errors between stations", key, dict))
 
     @property
     def _friction_key(self) -> tuple[object, ...]:
@@ -244,9 +245,7 @@ class Stations:
 
     @property
     def _bearings(self) -> dict[Place, Assembly]:
-        key = "bearings", self.assembly.resolution, self.axes, self.speeds
-        known: dict[Place, Assembly] = self.assembly.known_maps.setdefault(key, {})
-        return known
+        return self.assembly.kept("stations", (self.assembly.resolution, self.axes, self.speeds), dict)
 
     @property
     def bearings(self) -> int:
@@ -268,7 +267,6 @@ class Stations:
         bearing = self.bearing(place)
         if self.planar is not None:
             return planar_motion(bearing, self.planar, self.friction)
-        loads: LoadMap | None = None
         read = {name for r in bearing.raceways for name in conditions_read(r.deflection)}
         key = (
             *(value for axis, value in zip(self.axes, place, strict=True) if axis.unit != "K"),
@@ -276,10 +274,9 @@ class Stations:
             *(getattr(raceway.conditions, name) for raceway in bearing.raceways for name in sorted(read)),
         )
         tolerance = self.friction.table_tolerance(bearing)
-        of = "loads", self.assembly.resolution, self.axes, self.speeds, self.top_speed, tolerance
-        shared = self.assembly.known_maps.setdefault(of, {})
-        if (loads := shared.get(key)) is None:
-            loads = shared[key] = build_load_map(bearing, tolerance, self.top_speed, self._least_force)
+        of = self.assembly.resolution, self.axes, self.speeds, self.top_speed, tolerance
+        made = partial(build_load_map, bearing, tolerance, self.top_speed, self._least_force)
+        loads = self.assembly.kept("loads of stations", (*of, key), made)
         return carried_motion(bearing, self.friction, level=self.level, loads=loads)
 
 

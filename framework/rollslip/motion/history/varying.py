@@ -285,10 +285,7 @@ def varying_motion(
 
 def _held(assembly: Assembly, values: Mapping[str, float]) -> Assembly:
     """The bearing at the values that stay the same, put together once."""
-    key = "held", assembly.resolution, *values.items()
-    held: Assembly = assembly.known_maps.setdefault(key, None) or operated(assembly, values)
-    assembly.known_maps[key] = held
-    return held
+    return assembly.kept("held", (assembly.resolution, *values.items()), lambda: operated(assembly, values))
 
 
 def _fastest_speeds(assembly: Assembly, history: History) -> tuple[float, float]:
