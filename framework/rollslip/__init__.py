@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rollslip.errors import RollslipDeprecationWarning as RollslipDeprecationWarning
     from rollslip.planning.execution import load_distribution as load_distribution
     from rollslip.planning.execution import run as run
+    from rollslip.planning.new_scene import new as new
     from rollslip.planning.plan import plan as plan
     from rollslip.results.dataset import open_result as open_result
     from rollslip.results.figures import plot as plot
@@ -46,6 +47,7 @@ _HOMES = {
     "load_distribution": "rollslip.planning.execution",
     "load_scene": "rollslip.scene.reading",
     "model": "rollslip.catalogue.session",
+    "new": "rollslip.planning.new_scene",
     "open_result": "rollslip.results.dataset",
     "plan": "rollslip.planning.plan",
     "plot": "rollslip.results.figures",

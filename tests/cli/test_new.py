@@ -6,10 +6,12 @@ import tomllib
 import pytest
 from click.testing import CliRunner
 
+import rollslip
 from rollslip import evolve, load_scene, plan
 from rollslip.bearing.cage import estimated_inertia
 from rollslip.cli import run
 from rollslip.cli.main import cli, main
+from rollslip.errors import SceneError
 from rollslip.planning.plausibility import implausible
 from rollslip.scene import Bearing
 from rollslip.structure import Location, structure
@@ -203,3 +205,17 @@ def test_every_commented_value_of_the_cage_is_the_one_that_counts():
     for name in ("mass", "inertia", "pocket_clearance"):
         assert getattr(cage, name) == pytest.approx(getattr(own, name), rel=5e-3)
     assert [drag.name for drag in cage.drags] == [drag.name for drag in own.drags]
+
+
+def test_python_makes_the_scene_that_the_command_writes(tmp_path):
+    given = {"bearing": "NU 312 ECP", "speed": "1000 rpm", "supply": "splash"}
+    done = new("my.toml", *(f"--{name}={value}" for name, value in given.items()))
+    assert done.exit_code == 0, done.output
+    made = rollslip.new(**given)
+    assert made.text == (tmp_path / "my.toml").read_text(encoding="utf-8")
+    assert made == rollslip.load_scene(tmp_path / "my.toml")
+
+
+def test_python_names_an_option_that_is_none():
+    with pytest.raises(SceneError, match="there is no sped; there are bearing, oil, speed"):
+        rollslip.new("NU 2210", sped="1500 rpm")

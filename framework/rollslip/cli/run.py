@@ -52,10 +52,9 @@ def new(file: Path, **given: str | None) -> None:
 
     In a terminal it asks for what no option gives. Elsewhere that is assumed, and marked in the scene.
     """
-    from rollslip.catalogue.discovery import own_cage
-    from rollslip.errors import OutputError, RollslipError, SceneError
+    from rollslip.errors import OutputError, RollslipError
     from rollslip.files import whole_file
-    from rollslip.planning.new_scene import ASSUMED, MEANING, assumed_load, checked, new_scene
+    from rollslip.planning.new_scene import MEANING, checked, completed, new_scene
     from rollslip.planning.plausibility import implausible
     from rollslip.scene.reading import parse_scene
 
@@ -75,27 +74,12 @@ def new(file: Path, **given: str | None) -> None:
         written[option] = text
         return value
 
-    values, errors = dict[str, str](), list[RollslipError]()
-    for option, text in written.items():
-        try:
-            values[option] = checked(option, text)
-        except RollslipError as error:
-            errors.append(error)
-    if errors:
-        raise errors[0] if len(errors) == 1 else SceneError([str(error) for error in errors])
+    def asked(option: str, usual: str) -> str:
+        said: str = click.prompt(MEANING[option], default=usual, value_proc=partial(answer, option), err=True)
+        return said
+
     asking = at_a_terminal()
-    if "cage" not in values and not asking and (own := own_cage(values.get("bearing"))) and own.letters:
-        values["cage"] = own.make
-    missing = [option for option in MEANING if option not in values]
-    for option in missing:
-        usual = assumed_load(values["bearing"]) if option == "load" else checked(option, ASSUMED[option])
-        if option == "cage":
-            usual = own.make if (own := own_cage(values["bearing"])) else usual
-        values[option] = (
-            click.prompt(MEANING[option], default=usual, value_proc=partial(answer, option), err=True)
-            if asking
-            else usual
-        )
+    values, missing = completed(written, asked if asking else None)
     text = new_scene(str(path), frozenset() if asking else frozenset(missing), **values)
     with whole_file(path) as place:
         place.write_text(text, encoding="utf-8")

@@ -9,21 +9,22 @@ import importlib.resources
 import math
 import re
 import string
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, Final
 
 from rollslip.bearing.assembly import assemble
 from rollslip.bearing.cage import MAKES, estimated_inertia
 from rollslip.catalogue.discovery import find, load, own_cage
-from rollslip.errors import SceneError
+from rollslip.errors import RollslipError, SceneError
 from rollslip.scene.clearance import usual_fit
 from rollslip.scene.plausibility import skf_least_load
 from rollslip.scene.reading import parse_scene
 from rollslip.scene.supply import SUPPLIES
+from rollslip.scene.values import Scene
 from rollslip.structure import Location
 from rollslip.units import UnitError, format_quantity, quantity
 
-__all__ = ["ASSUMED", "MEANING", "assumed_load", "checked", "new_scene"]
+__all__ = ["ASSUMED", "MEANING", "assumed_load", "checked", "completed", "new", "new_scene"]
 
 #: Option of ``rollslip new`` -> what it is.
 MEANING: Final = {
@@ -96,6 +97,60 @@ def assumed_load(bearing: str) -> str:
     """Return the load that is assumed for a bearing: twice what SKF's rule asks for at least, or 2 kN."""
     least = skf_least_load(load(find("bearing", bearing)).bearing, 0.0)
     return "2 kN" if math.isnan(least) else format_quantity(float(f"{2.0 * least:.2g}"), "N")
+
+
+def completed(
+    given: Mapping[str, str], ask: Callable[[str, str], str] | None = None
+) -> tuple[dict[str, str], list[str]]:
+    """Return a value for each option, and the options of which none is given: asked for with what is usual, or that."""
+    values, errors = dict[str, str](), list[RollslipError]()
+    for option, text in given.items():
+        try:
+            values[option] = checked(option, text)
+        except RollslipError as error:
+            errors.append(error)
+    if errors:
+        raise errors[0] if len(errors) == 1 else SceneError([str(error) for error in errors])
+    if "cage" not in values and ask is None and (own := own_cage(values.get("bearing"))) and own.letters:
+        values["cage"] = own.make
+    missing = [option for option in MEANING if option not in values]
+    for option in missing:
+        usual = assumed_load(values["bearing"]) if option == "load" else checked(option, ASSUMED[option])
+        if option == "cage" and (own := own_cage(values["bearing"])):
+            usual = own.make
+        values[option] = usual if ask is None else ask(option, usual)
+    return values, missing
+
+
+def new(bearing: str, **given: str) -> Scene:
+    """Return a complete scene of a bearing, as ``rollslip new`` writes one.
+
+    Parameters
+    ----------
+    bearing : str
+        Its name: "NU 2210", or "NJ 312 ECP/C3".
+    **given : str
+        oil, speed (of the inner ring), load (radial), temperature, cage (what it is of) and supply (how the oil gets
+        there). What is left out is assumed: iso-vg-68, 1500 rpm, twice the least load of SKF's rule, 70 degC, the
+        bearing's own cage or brass, and a bath. The `text` of the scene marks it.
+
+    Raises
+    ------
+    SceneError
+        If there is no such option or oil, a quantity is wrong, or the bearing has no room for its rings.
+    PluginError
+        If there is no such bearing.
+
+    Examples
+    --------
+    >>> import rollslip
+    >>> rollslip.new("NU 2210", speed="1500 rpm", load="2 kN").bearing.rollers
+    16
+    """
+    if unknown := given.keys() - MEANING.keys():
+        raise SceneError([f"new: there is no {', '.join(sorted(unknown))}; there are {', '.join(MEANING)}"])
+    values, missing = completed({"bearing": bearing, **given})
+    return parse_scene(new_scene("new scene", frozenset(missing), **values), "new scene")
 
 
 def new_scene(source: str, assumed: frozenset[str] = frozenset(), **given: str) -> str:
